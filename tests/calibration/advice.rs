@@ -88,9 +88,10 @@ impl Site {
         simulate_scenario(&Scenario { path, ..self.scenario.clone() }, self.seed)
     }
 
-    fn waypoint(&self, at: &Vector2<f64>) -> Waypoint {
-        let speed_m_per_s = self.scenario.cruise_m_per_s;
-        Waypoint { x_m: at.x, y_m: at.y, speed_m_per_s, stand_s: 0.0 }
+    /// Returns the time at which a drive along waypoints arrives (s), at most `latest_s`.
+    fn arrival_s(&self, waypoints: &[Waypoint], latest_s: f64) -> f64 {
+        let cruise_m_per_s = self.scenario.cruise_m_per_s;
+        Motion::arrival_s(waypoints, TURN_RADIUS_M, cruise_m_per_s, latest_s)
     }
 
     /// What the coach says before there is an answer, from where the preset begins and as the vehicle heads there.
@@ -100,7 +101,7 @@ impl Site {
         let stations_m =
             self.scenario.stations_m.iter().map(Vector3::xy).sum::<Vector2<f64>>() / 3.0;
         let places_m = opening_m(at_m, heading.normalize(), stations_m);
-        let mut waypoints: Vec<Waypoint> = places_m.iter().map(|at| self.waypoint(at)).collect();
+        let mut waypoints: Vec<Waypoint> = places_m.into_iter().map(Waypoint::at).collect();
         waypoints[0].stand_s = STAND_S;
         waypoints
     }
@@ -180,7 +181,7 @@ impl Site {
 /// The beginning of what a preset drives by itself.
 fn beginning(site: &Site, preset: Preset, for_s: f64) -> Vec<Waypoint> {
     let mut waypoints = Plan::from_preset(preset, site.seed).waypoints();
-    while waypoints.len() > 2 && Motion::arrival_s(&waypoints, TURN_RADIUS_M, 1e3) > for_s {
+    while waypoints.len() > 2 && site.arrival_s(&waypoints, 1e3) > for_s {
         waypoints.pop();
     }
     waypoints
@@ -195,7 +196,7 @@ fn followed(
 ) -> (Vec<[Option<f64>; 3]>, Simulated, f64) {
     let mut steps = Vec::new();
     for _ in 0..times {
-        let now_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
+        let now_s = site.arrival_s(&waypoints, site.scenario.duration_s);
         let drive = site.along(&waypoints);
         let before = site.analysis(&drive, now_s);
         let best = site.ask(&before, advised).flatten().expect("something helps");
@@ -203,8 +204,8 @@ fn followed(
         // It is at the first of them already, where it stops to turn on the spot.
         let last = waypoints.len() - 1;
         waypoints[last].stand_s += STOP_S;
-        waypoints.extend(best.waypoints_m.iter().skip(1).map(|at| site.waypoint(at)));
-        let mut then_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
+        waypoints.extend(best.waypoints_m.into_iter().skip(1).map(Waypoint::at));
+        let mut then_s = site.arrival_s(&waypoints, site.scenario.duration_s);
         if then_s < now_s + 5.0 {
             // Where a lock is lost, the vehicle is told to go where it is already: it waits until it is seen again.
             let last = waypoints.len() - 1;
@@ -216,7 +217,7 @@ fn followed(
         let sigma_m = |analysis: &Analysis| Some(site.known(analysis)?.far_end?.sigma_m);
         steps.push([sigma_m(&before), Some(best.after_m), sigma_m(&after)]);
     }
-    let end_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
+    let end_s = site.arrival_s(&waypoints, site.scenario.duration_s);
     let drive = site.along(&waypoints);
     (steps, drive, end_s)
 }
@@ -272,8 +273,8 @@ fn prisms_that_turn_on_the_spot_are_no_one_prism() {
     };
     site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)];
     let there_and_back = (0..=6).map(|step| Vector2::new(60.0 + 0.05 * f64::from(step % 2), 8.0));
-    let mut waypoints: Vec<Waypoint> = there_and_back.map(|at| site.waypoint(&at)).collect();
-    waypoints.push(site.waypoint(&Vector2::new(45.0, 6.0)));
+    let mut waypoints: Vec<Waypoint> = there_and_back.map(Waypoint::at).collect();
+    waypoints.push(Waypoint::at(Vector2::new(45.0, 6.0)));
     let drive = site.along(&waypoints);
     for until_s in [16.0, 24.0, 36.0, 48.0, 56.0, 64.0] {
         let analysis = site.analysis(&drive, until_s);
@@ -381,7 +382,7 @@ fn until_enough(seeds: std::ops::Range<u64>) -> Vec<[f64; 2]> {
         let own_s = site.reaches_s(&own, FROM_S, whole_s).expect("its own drive reaches it");
         let mut waypoints = site.opening(preset);
         let mut drive = site.along(&waypoints);
-        let mut end_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, whole_s);
+        let mut end_s = site.arrival_s(&waypoints, whole_s);
         while end_s < whole_s && site.enough(&drive, end_s).is_none() {
             (_, drive, end_s) = followed(&site, waypoints, 1);
             let Path::Waypoints { waypoints: driven, .. } = &drive.scenario.path else { break };

@@ -13,10 +13,9 @@ use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{RigidTransform, wrap_to_pi};
 use resect_core::planning::locks::WhyNotRead;
 use resect_core::planning::{
-    FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, Waypoint, improvements, predict,
+    FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, improvements, predict,
 };
-use resect_core::simulation::Ramp;
-use resect_core::simulation::{ErrorKind, Preset, Scenario, simulate_scenario};
+use resect_core::simulation::{ErrorKind, Preset, Ramp, Scenario, Waypoint, simulate_scenario};
 use resect_io::plan_file;
 
 /// Presets whose drives hold all eight numbers well.

@@ -1,13 +1,14 @@
 //! Bags of every container and compression: the same readings, by the right clock, and what damage leaves of them.
 //!
 //! `tests/fixtures/bags` holds the first readings of the sample "HD2 in a tunnel", written by `tests/peers/write_bags.py` with the
-//! PyPI package `rosbags`. The test that is ignored here reads whole drives that the same script writes; `tests/run --peers` runs it.
+//! PyPI package `rosbags`. The ignored tests read whole drives of the same script; `tests/run --peers` runs them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::common::{analyse, answer, assert_close, sample_folder};
 use resect_core::analysis::Settings;
 use resect_core::deployment::{Deployment, OneOrMany, Overrides};
+use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
 use resect_io::open::open;
@@ -252,60 +253,82 @@ fn the_same_drive_in_two_containers_stays_a_question() {
     );
 }
 
-/// Whole drives, as `tests/peers/write_bags.py` writes them to the folder that RESECT_BAGS names.
-#[test]
-#[ignore = "needs the PyPI package rosbags: tests/run --peers"]
-#[expect(clippy::too_many_lines, reason = "not split yet")]
-fn bags_of_the_peer_give_the_answer_of_the_table() {
-    let folder = PathBuf::from(std::env::var_os("RESECT_BAGS").expect("tests/run --peers sets it"));
-    let rig = sample_folder("hd2-tunnel");
-    let sample = Sample::Hd2Tunnel.open().expect("built in");
-    let readings: usize = sample.tracks.iter().map(|t| t.measurements.len()).sum();
-    let reference = analyse(&sample, &Settings::default());
-    let reference = &answer(&reference).calibration.station1_from_station;
-    let open_with = |path: &Path, put_right: Overrides| {
-        let extras = Extras { rig: Some(rig.clone()), put_right, ..Extras::default() };
-        Source::at(path).with(extras).open(&Progress::default())
-    };
-    let open_bag = |name: &str| {
-        open_with(&folder.join(name), Overrides::default())
-            .unwrap_or_else(|error| panic!("{name}: {error}"))
-    };
-    let same_answer = |name: &str, deployment: &Deployment| {
+/// Bags of whole drives of a peer, as `tests/peers/write_bags.py` writes them to the folder that RESECT_BAGS names.
+struct PeerBags {
+    folder: PathBuf,
+    /// Readings of the sample that the bags are made of.
+    readings: usize,
+    /// Transforms of the sample.
+    station1_from_station: [RigidTransform; 3],
+}
+
+impl PeerBags {
+    fn find() -> Self {
+        let folder = std::env::var_os("RESECT_BAGS").expect("tests/run --peers sets it");
+        let sample = Sample::Hd2Tunnel.open().expect("built in");
+        let analysis = analyse(&sample, &Settings::default());
+        Self {
+            folder: PathBuf::from(folder),
+            readings: sample.tracks.iter().map(|t| t.measurements.len()).sum(),
+            station1_from_station: answer(&analysis).calibration.station1_from_station,
+        }
+    }
+
+    fn open_with(&self, name: &str, put_right: Overrides) -> Result<Deployment, OpenError> {
+        let rig = Some(sample_folder("hd2-tunnel"));
+        let extras = Extras { rig, put_right, ..Extras::default() };
+        Source::at(self.folder.join(name)).with(extras).open(&Progress::default())
+    }
+
+    fn open(&self, name: &str) -> Deployment {
+        self.open_with(name, Overrides::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Asserts that a deployment has the answer of the sample.
+    fn assert_same_answer(&self, name: &str, deployment: &Deployment) {
         let analysis = analyse(deployment, &Settings::default());
-        for (a, b) in answer(&analysis).calibration.station1_from_station.iter().zip(reference) {
+        let transforms = &answer(&analysis).calibration.station1_from_station;
+        for (a, b) in transforms.iter().zip(&self.station1_from_station) {
             assert_close(a, b, [1e-6; 3], 1e-7);
         }
         eprintln!("{name}: the same answer");
-    };
-    let same = [
-        "ros1-plain.bag",
-        "ros1-bz2.bag",
-        "ros1-lz4.bag",
-        "sqlite-plain",
-        "sqlite-message",
-        "sqlite-file",
-        "mcap-plain",
-        "mcap-message",
-        "mcap-file",
-        "mcap-chunk",
-        "own-off-1.bag",
-        "own-off-2",
-        "own-hour-1.bag",
-        "own-hour-2",
-        "own-zero-1.bag",
-        "own-zero-2",
-        "headers-zero-1.bag",
-        "headers-zero-2",
-        "corrections-1.bag",
-        "corrections-2",
-        "split-1",
-        "split-2",
-    ];
-    for name in same {
-        let deployment = open_bag(name);
-        assert_sample(&deployment, readings);
-        same_answer(name, &deployment);
+    }
+}
+
+/// Bags with the readings of the sample, in all containers and compressions.
+const BAGS_OF_THE_SAMPLE: [&str; 22] = [
+    "ros1-plain.bag",
+    "ros1-bz2.bag",
+    "ros1-lz4.bag",
+    "sqlite-plain",
+    "sqlite-message",
+    "sqlite-file",
+    "mcap-plain",
+    "mcap-message",
+    "mcap-file",
+    "mcap-chunk",
+    "own-off-1.bag",
+    "own-off-2",
+    "own-hour-1.bag",
+    "own-hour-2",
+    "own-zero-1.bag",
+    "own-zero-2",
+    "headers-zero-1.bag",
+    "headers-zero-2",
+    "corrections-1.bag",
+    "corrections-2",
+    "split-1",
+    "split-2",
+];
+
+#[test]
+#[ignore = "needs the PyPI package rosbags: tests/run --peers"]
+fn bags_of_the_peer_give_the_answer_of_the_table() {
+    let bags = PeerBags::find();
+    for name in BAGS_OF_THE_SAMPLE {
+        let deployment = bags.open(name);
+        assert_sample(&deployment, bags.readings);
+        bags.assert_same_answer(name, &deployment);
         let said = words(&deployment);
         for (part, expected) in [
             ("own-off", "station 2 +0.3000 s"),
@@ -317,33 +340,48 @@ fn bags_of_the_peer_give_the_answer_of_the_table() {
             assert!(!name.starts_with(part) || said.contains(expected), "{name}: {said}");
         }
     }
+}
+
+#[test]
+#[ignore = "needs the PyPI package rosbags: tests/run --peers"]
+fn headers_of_the_peer_that_are_off_make_the_answer_weak() {
+    let bags = PeerBags::find();
     for name in ["headers-off-1.bag", "headers-off-2"] {
-        let deployment = open_bag(name);
+        let deployment = bags.open(name);
         let said = words(&deployment);
         assert!(said.contains("station 2 +0.300 s, station 3 -0.200 s"), "{name}: {said}");
         assert!(deployment.findings.iter().any(|f| f.kind.is_doubt()), "{name}: {said}");
-        let robust = Settings::default();
-        let analysis = analyse(&deployment, &robust);
-        let found = answer(&analysis);
-        assert_ne!(found.calibration.verdict.name(), "good", "{name}");
+        let analysis = analyse(&deployment, &Settings::default());
+        assert_ne!(answer(&analysis).calibration.verdict.name(), "good", "{name}");
     }
+}
+
+#[test]
+#[ignore = "needs the PyPI package rosbags: tests/run --peers"]
+fn topics_of_points_of_the_peer_have_to_be_named() {
+    let bags = PeerBags::find();
     for name in ["points-1.bag", "points-2"] {
-        let error = open_with(&folder.join(name), Overrides::default()).expect_err("no station");
+        let error = bags.open_with(name, Overrides::default()).expect_err("no station");
         let OpenError::Question(question) = error else { panic!("{error}") };
         let Question::Topics { topics, .. } = *question else { panic!("{question}") };
         let names: Vec<_> = topics.iter().map(|t| t.name.clone()).collect();
         assert_eq!(names, [1, 2, 3].map(|k| format!("/station_{k}/position")));
         let topics = Some(names.try_into().expect("three"));
-        let deployment =
-            open_with(&folder.join(name), Overrides { topics, ..Overrides::default() });
+        let deployment = bags.open_with(name, Overrides { topics, ..Overrides::default() });
         let deployment = deployment.expect("opens");
         assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);
-        same_answer(name, &deployment);
+        bags.assert_same_answer(name, &deployment);
     }
-    let piece = open_bag("split-1/drive_1.bag");
+}
+
+#[test]
+#[ignore = "needs the PyPI package rosbags: tests/run --peers"]
+fn missing_bags_of_a_recording_of_the_peer_are_reported() {
+    let bags = PeerBags::find();
+    let piece = bags.open("split-1/drive_1.bag");
     assert!(words(&piece).contains("one piece of a recording"), "{}", words(&piece));
     let both = OneOrMany::Many(vec!["drive_0.bag".into(), "drive_2.bag".into()]);
     let both = Overrides { tracks: Some(both), ..Overrides::default() };
-    let both = open_with(&folder.join("split-1"), both).expect("opens");
+    let both = bags.open_with("split-1", both).expect("opens");
     assert!(words(&both).contains("piece 1 is missing"), "{}", words(&both));
 }

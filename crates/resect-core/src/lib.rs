@@ -24,7 +24,7 @@
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
 //! | [`palette`] | colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`estimates`] | trajectories of other systems (SLAM, odometry) against a deployment: APE, RPE, ranking, the odd one out | a metric: `metrics.rs` |
-//! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs`; an instrument error: `errors.rs`, its size in the field: `field_errors.rs` |
+//! | [`simulation`] | deployments with known truth | a preset: a function and an arm in `preset.rs`; an instrument error: `errors.rs`, its size in the field: `field_errors.rs` |
 //! | [`planning`] | predictions of a drive before it is driven, and what improves it | a manoeuvre: `manoeuvres.rs`, tried by `improvements.rs` and `from_here.rs`; a condition along the way: `locks.rs` |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that returns a [`experiment::Study`] |
 

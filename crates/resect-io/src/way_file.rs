@@ -9,7 +9,8 @@ use crate::error::OpenError;
 use crate::format::BYTE_ORDER_MARK;
 use resect_core::geometry::Geodetic;
 use resect_core::planning::Plan;
-use resect_core::planning::way::{Piece, Waypoint, waypoints_along};
+use resect_core::planning::way::{Piece, waypoints_along};
+use resect_core::simulation::Waypoint;
 
 /// Points with times are taken this far apart (m).
 const APART_M: f64 = 2.0;

@@ -5,11 +5,8 @@ use std::path::PathBuf;
 use nalgebra::{Rotation2, Vector2};
 
 use super::made::Made;
-use resect_core::planning::{
-    FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction, Waypoint,
-};
-use resect_core::simulation::Preset;
-use resect_core::simulation::Ramp;
+use resect_core::planning::{FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction};
+use resect_core::simulation::{Preset, Ramp, Waypoint};
 
 /// A plan, and what is made of it beside the window.
 pub struct Planning {

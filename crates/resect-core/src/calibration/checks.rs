@@ -1,7 +1,7 @@
-//! What every answer is held against, whatever the method: its own σ, control points that it has not seen, and the
-//! inter-prism distances that it has not seen.
+//! Checks of an answer of any method: its σ, and the control points and inter-prism distances that it does not use.
 
-use super::{Calibration, Method, TransformSigma, Verdict, Witness};
+use super::method_answer::MethodAnswer;
+use super::{Method, TransformSigma, Verdict, Witness};
 use crate::calibration::distance_errors_m;
 use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::findings::answers::{estimate_not_converged, published_answer_far_apart};
@@ -33,16 +33,15 @@ const DISTANCE_SIGMA_M: f64 = 0.003;
 /// Witnesses this many times further off than expected contradict the answer.
 const CONTRADICTION: f64 = 3.0;
 
-/// What is wrong with an estimate that went on until it was stopped.
+/// Returns the doubt about an estimate that did not converge.
 pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
     (!converged).then(|| (Verdict::Weak, estimate_not_converged()))
 }
 
-/// How far what instruments do wrong moves the published answer, at most (m): simulated drives with all of it, by a few
-/// centimetres.
+/// Largest shift of the published answer by instrument errors (m): in simulated drives with all of them, a few centimetres.
 const FAR_APART_M: f64 = 0.15;
 
-/// What is wrong where the published answer and the joint one, from the same readings, cannot both be about right.
+/// Returns the doubt about a joint estimate that is far from the published answer to the same readings.
 pub fn far_apart(
     published: &[RigidTransform; 3],
     joint: &[RigidTransform; 3],
@@ -56,58 +55,61 @@ pub fn far_apart(
     (apart_m > FAR_APART_M).then(|| (Verdict::Weak, published_answer_far_apart(station, apart_m)))
 }
 
-/// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
-pub fn hold_against_the_rest(
-    calibration: &mut Calibration,
+/// Checks an answer of method A, B or C by its σ, and by the control points and distances that it does not use.
+///
+/// `rms_m` is the root mean square of its point errors.
+pub fn check_with_unused_data<D>(
+    answer: &mut MethodAnswer<D>,
+    rms_m: f64,
     deployment: &Deployment,
     triplets: &Triplets,
 ) {
     let mut doubts = Vec::new();
-    let largest_m = calibration.sigma.map_or(f64::INFINITY, |sigma| {
+    let sigma = answer.sigma();
+    let largest_m = sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
     });
-    // Points that do not fit make σ large too; where they lie is then not what to change.
-    let fits = calibration.fit_rms_m().is_none_or(|rms_m| rms_m < POOR_POINT_FIT_M);
-    if largest_m > FREE_SIGMA_M && (fits || calibration.sigma.is_none()) {
+    // Points that do not fit increase σ too; then their layout is not the cause.
+    let fits = rms_m < POOR_POINT_FIT_M;
+    if largest_m > FREE_SIGMA_M && (fits || sigma.is_none()) {
         doubts.push((Verdict::Degenerate, points_leave_direction_free()));
     } else if largest_m > WEAK_SIGMA_M {
         doubts.push((Verdict::Weak, points_weak(largest_m, fits)));
     }
-    if let Some(sigma) = &calibration.sigma {
-        let transforms = &calibration.station1_from_station;
-        // Method B has seen the control points already.
-        if calibration.method != Method::StaticGcp
+    if let Some(sigma) = &sigma {
+        let transforms = &answer.station1_from_station;
+        // Method B uses the control points itself.
+        if answer.method != Method::StaticGcp
             && let Some(apart_m) =
                 control_points_apart_m(deployment.comparable_control_points(), transforms)
         {
             match control_points_contradict(deployment, transforms, sigma) {
                 Some(finding) => doubts.push((Verdict::Weak, finding)),
                 None if apart_m < WEAK_SIGMA_M => {
-                    calibration.checked_by.push(Witness::ControlPoints);
+                    answer.checked_by.push(Witness::ControlPoints);
                 }
                 None => {}
             }
         }
-        if calibration.method != Method::DynamicGcp
+        if answer.method != Method::DynamicGcp
             // Methods A and B are about the stations' own frames.
             && deployment.track_frame == TrackFrame::Own
             && let Some(rig) = deployment.rig.as_ref().filter(|_| !triplets.is_empty())
         {
             match distances_contradict(rig, triplets, transforms, sigma) {
                 Some(finding) => doubts.push((Verdict::Weak, finding)),
-                None => calibration.checked_by.push(Witness::Distances),
+                None => answer.checked_by.push(Witness::Distances),
             }
         }
     }
     for (verdict, finding) in doubts {
-        calibration.verdict = calibration.verdict.max(verdict);
-        calibration.findings.push(finding);
+        answer.judgement.lower(verdict, finding);
     }
 }
 
-/// Control points that lie further apart than their noise and the answer's own uncertainty allow.
+/// Returns the finding that control points disagree by more than their noise and the answer's σ allow.
 ///
-/// Where they do, either they or a station moved, or something that this method does not model biases it.
+/// Then a point or a station has moved, or the answer has a bias that its method does not model.
 pub fn control_points_contradict(
     deployment: &Deployment,
     station1_from_station: &[RigidTransform; 3],
@@ -132,7 +134,7 @@ pub fn control_points_contradict(
     ))
 }
 
-/// Marker of the point that two stations put furthest apart.
+/// Returns the marker of the point with the largest disagreement of two stations.
 fn furthest_apart(
     points: &[ControlPoint],
     station1_from_station: &[RigidTransform; 3],
@@ -142,8 +144,8 @@ fn furthest_apart(
     points.iter().max_by(|a, b| worst_m(a).total_cmp(&worst_m(b))).map(|point| point.marker)
 }
 
-/// Inter-prism distances of the drive that the answer misses by more than any good one does, whatever its own σ allows:
-/// method D holds the same drive to 1 to 2 mm.
+/// Returns the finding that inter-prism distances of the drive contradict the answer, or fit worse than those of any good
+/// answer, which fit to 1 to 2 mm.
 fn distances_contradict(
     rig: &Rig,
     triplets: &Triplets,
@@ -163,7 +165,7 @@ fn distances_contradict(
     }
 }
 
-/// What two stations may disagree by at a range (m): the answer's σ, and at least `floor_m`.
+/// Returns the expected disagreement of two stations at a range (m): σ of the answer, at least `floor_m`.
 fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
     sigma
         .iter()

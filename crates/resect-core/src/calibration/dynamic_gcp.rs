@@ -9,14 +9,15 @@ use nalgebra::SMatrix;
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
+use super::joint::JointEstimate;
 use super::judgement::Judgement;
+use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::targets::Targets;
 use super::track_clocks::{self, TrackClocks};
-use super::unchecked::UncheckedAnswer;
 use super::{
-    Alignment, Calibration, CalibrationError, CalibrationSettings, Details, JointDetails,
-    JointTargets, Method, Offer, Verdict, checks, common_errors, time_blocks,
+    Alignment, CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks,
+    common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
 use crate::deployment::Deployment;
@@ -28,7 +29,6 @@ use crate::deployment::findings::points::{
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
-use crate::stopwatch::Stopwatch;
 
 /// Three positions a triplet, two transforms.
 const FEWEST_TRIPLETS: usize = 10;
@@ -49,8 +49,7 @@ pub fn solve(
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
-) -> Result<Calibration, CalibrationError> {
-    let started = Stopwatch::start();
+) -> Result<MethodAnswer<DynamicGcpDetails>, CalibrationError> {
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::published(triplets, settings.alignment)
         .ok_or_else(|| on_a_line(deployment))?;
@@ -58,8 +57,7 @@ pub fn solve(
     if let Some(clocks) = &tracks.clocks {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
     }
-    let answer = tracks.into_answer(settings.alignment, judgement);
-    Ok(answer.checked(deployment, triplets, started))
+    Ok(tracks.into_answer(settings.alignment, judgement, deployment, triplets))
 }
 
 /// Calibrates by the joint estimate of one prism, which starts from the aligned tracks.
@@ -69,47 +67,42 @@ pub fn solve_jointly(
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    let started = Stopwatch::start();
+) -> Result<MethodAnswer<(Option<JointEstimate>, DynamicGcpDetails)>, CalibrationError> {
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let mut judgement = tracks.judge(offer);
     if let Some(clocks) = &tracks.clocks {
         judgement.doubt(clocks_in_words::implausible_drifts(&clocks.drifts, &[false; 2], false));
     }
-    let targets = JointTargets::OnePrism(tracks.details());
-    let answer = tracks.into_answer(Alignment::Level, judgement);
-    let mut calibration = answer.checked(deployment, triplets, started);
-    let plain = calibration
+    let mut answer = tracks.into_answer(Alignment::Level, judgement, deployment, triplets);
+    let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
     let estimate =
         joint::estimate(&|| Cow::Borrowed(triplets), &plain, None, &settings.errors, progress)?;
-    let Calibration { verdict, findings, .. } = calibration;
-    let mut judgement = Judgement { verdict, findings };
+    let judgement = &mut answer.judgement;
     match &estimate {
         Some(joint) => {
             let doubts = checks::unconverged(joint.converged).into_iter();
             let doubts: Vec<_> = doubts.chain(joint::in_words::doubts(joint)).collect();
             judgement.findings.extend(joint::in_words::findings(joint));
             judgement.put_first(doubts);
-            calibration.station1_from_station =
-                joint.station1_from_station.map(RigidTransform::from);
-            calibration.covariance = Some(joint.covariance);
-            calibration.sigma = Some(joint.sigma());
+            answer.station1_from_station = joint.station1_from_station.map(RigidTransform::from);
+            answer.covariance = Some(joint.covariance);
         }
         None => judgement.put_first([(
             Verdict::Weak,
             joint_estimate_undetermined("these are the aligned tracks"),
         )]),
     }
-    Ok(Calibration {
+    Ok(MethodAnswer {
         method: Method::Joint,
-        verdict: judgement.verdict,
-        findings: judgement.findings,
-        details: Details::Joint(Box::new(JointDetails { estimate, targets })),
-        solve_ms: started.elapsed_ms(),
-        ..calibration
+        station1_from_station: answer.station1_from_station,
+        covariance: answer.covariance,
+        judgement: answer.judgement,
+        checked_by: answer.checked_by,
+        details: (estimate, answer.details),
+        prior_ms: 0.0,
     })
 }
 
@@ -206,18 +199,30 @@ impl<'a> AlignedTracks<'a> {
         DynamicGcpDetails { rms_m: self.rms_m(), blocks }
     }
 
-    fn into_answer(self, alignment: Alignment, judgement: Judgement) -> UncheckedAnswer {
+    /// Returns the answer, checked with the data that it does not use.
+    fn into_answer(
+        self,
+        alignment: Alignment,
+        judgement: Judgement,
+        deployment: &Deployment,
+        triplets: &Triplets,
+    ) -> MethodAnswer<DynamicGcpDetails> {
         let common = common_errors::covariance(&self.used, |triplets| {
             let placed = point_to_point::transforms(&matches(triplets), alignment)?;
             Some([RigidTransform::IDENTITY, placed[0], placed[1]])
         });
-        UncheckedAnswer {
+        let details = self.details();
+        let mut answer = MethodAnswer {
             method: Method::DynamicGcp,
             station1_from_station: transforms(&self.aligned),
             covariance: self.covariance.zip(common).map(|(own, common)| own + common),
             judgement,
-            details: Details::DynamicGcp(self.details()),
-        }
+            checked_by: Vec::new(),
+            details,
+            prior_ms: 0.0,
+        };
+        checks::check_with_unused_data(&mut answer, details.rms_m, deployment, triplets);
+        answer
     }
 
     /// Judges the fit of the tracks.

@@ -1,4 +1,4 @@
-//! The way from triplets to an answer: by which method, beside which other, and held against what.
+//! Calibration by the method of the settings, beside the published answer, with all checks.
 
 use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
 
@@ -29,159 +29,167 @@ pub fn solve_while(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
+    let problem = Problem { deployment, triplets, offer, progress };
     match settings.method.unwrap_or_default() {
-        Method::Joint => jointly_beside_published(deployment, triplets, settings, offer, progress),
+        Method::Joint => problem.solve_jointly_beside_published(settings),
         method => {
-            let answer = answer_by(method, deployment, triplets, settings, offer, progress)?;
-            let tried = &mut sense::Tried::default();
-            checked(answer, deployment, triplets, settings, offer, tried, progress)
+            let answer = problem.solve_by(method, settings)?;
+            problem.check(answer, settings, &mut sense::Tried::default())
         }
     }
 }
 
-/// With so many triplets the paper's method takes a hundredth of the joint estimate's time, and side by side both would take
-/// room for all of them.
+/// With so many triplets the paper's method takes a hundredth of the joint estimate's time, and both side by side would need
+/// twice the memory.
 const LONG: usize = 100_000;
 
-/// Calibrates by the joint estimate, and by the paper's method for the same data, so that the paper's numbers are there, and
-/// what moved them.
-fn jointly_beside_published(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    let started = Stopwatch::start();
-    let published_method = offer.published_method();
-    let by = |method: Method| {
-        let settings = settings.with_method(method);
-        answer_by(method, deployment, triplets, &settings, offer, progress)
-    };
-    let (published, joint) = if triplets.len() < LONG {
-        rayon::join(|| by(published_method), || by(Method::Joint))
-    } else {
-        (by(published_method), by(Method::Joint))
-    };
-    progress.check()?;
-    // What one check has tried serves the other.
-    let mut tried = sense::Tried::default();
-    let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
-        let settings = settings.with_method(method);
-        checked(answer?, deployment, triplets, &settings, offer, &mut tried, progress)
-    };
-    let published = checked(published, published_method);
-    progress.check()?;
-    let mut joint = match (checked(joint, Method::Joint), &published) {
-        (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
-            let (why, published) = (Box::new(why), published_method);
-            return Err(CalibrationError::NoJointEstimate { why, published });
-        }
-        (joint, _) => joint?,
-    };
-    match published {
-        Ok(published) => joint.published = Some(Box::new(published)),
-        Err(why) => {
-            let method = published_method.to_string();
-            joint.findings.push(published_answer_missing(&method, &why.finding()));
-        }
-    }
-    joint.solve_ms = started.elapsed_ms() - joint.prior_ms;
-    Ok(joint)
+/// A deployment to calibrate, with its triplets.
+#[derive(Clone, Copy)]
+struct Problem<'a> {
+    deployment: &'a Deployment,
+    triplets: &'a Triplets,
+    offer: &'a Offer,
+    progress: &'a Progress,
 }
 
-/// The answer of a method by itself.
-fn answer_by(
-    method: Method,
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    let answer = match method {
-        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
-        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
-        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
-        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
-        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
-    };
-    answer.map_err(|error| match (error, &deployment.rig) {
-        (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
-            if let Some(misread) = sense::explain_no_triplets(deployment, rig) {
-                why = format!("{why}; {misread}");
+impl Problem<'_> {
+    /// Calibrates by the joint estimate and by the paper's method, so that the two answers can be compared.
+    fn solve_jointly_beside_published(
+        self,
+        settings: &CalibrationSettings,
+    ) -> Result<Calibration, CalibrationError> {
+        let started = Stopwatch::start();
+        let published_method = self.offer.published_method();
+        let by = |method: Method| self.solve_by(method, &settings.with_method(method));
+        let (published, joint) = if self.triplets.len() < LONG {
+            rayon::join(|| by(published_method), || by(Method::Joint))
+        } else {
+            (by(published_method), by(Method::Joint))
+        };
+        self.progress.check()?;
+        // Both checks try the same misreadings.
+        let mut tried = sense::Tried::default();
+        let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
+            self.check(answer?, &settings.with_method(method), &mut tried)
+        };
+        let published = checked(published, published_method);
+        self.progress.check()?;
+        let mut joint = match (checked(joint, Method::Joint), &published) {
+            (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
+                let (why, published) = (Box::new(why), published_method);
+                return Err(CalibrationError::NoJointEstimate { why, published });
             }
-            CalibrationError::NoTriplets { deployment: name, why }
+            (joint, _) => joint?,
+        };
+        match published {
+            Ok(published) => joint.published = Some(Box::new(published)),
+            Err(why) => {
+                let method = published_method.to_string();
+                joint.findings.push(published_answer_missing(&method, &why.finding()));
+            }
         }
-        (error, _) => error,
-    })
-}
+        joint.solve_ms = started.elapsed_ms() - joint.prior_ms;
+        Ok(joint)
+    }
 
-/// An answer held against all that could contradict it.
-fn checked(
-    mut calibration: Calibration,
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    tried: &mut sense::Tried,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    if calibration.inter_prism().is_some() {
-        hold_against_control_points(&mut calibration, deployment, settings, offer);
+    /// Calibrates by one method, without checks.
+    fn solve_by(
+        self,
+        method: Method,
+        settings: &CalibrationSettings,
+    ) -> Result<Calibration, CalibrationError> {
+        let Self { deployment, triplets, offer, progress } = self;
+        let started = Stopwatch::start();
+        let answer: Result<Calibration, _> = match method {
+            Method::TwoPoint => two_point::solve(deployment, triplets, offer).map(Into::into),
+            Method::StaticGcp => {
+                static_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
+            }
+            Method::DynamicGcp => {
+                dynamic_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
+            }
+            Method::InterPrism => {
+                inter_prism::solve(deployment, triplets, settings, offer, progress).map(Into::into)
+            }
+            Method::Joint => self.estimate_jointly(settings),
+        };
+        let mut answer = answer.map_err(|error| match (error, &deployment.rig) {
+            (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
+                if let Some(misread) = sense::explain_no_triplets(deployment, rig) {
+                    why = format!("{why}; {misread}");
+                }
+                CalibrationError::NoTriplets { deployment: name, why }
+            }
+            (error, _) => error,
+        })?;
+        answer.solve_ms = started.elapsed_ms() - answer.prior_ms;
+        Ok(answer)
     }
-    sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
-    for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
-        calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(doubt.clone());
-    }
-    if calibration.placing_tracks(deployment).is_none() {
-        calibration.findings.push(tracks_not_transformed());
-    }
-    Ok(calibration)
-}
 
-/// The joint estimate of one prism or of three, which starts from the published method.
-fn estimate_jointly(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    if offer.targets != Targets::OnePrism {
-        return inter_prism::solve_jointly(deployment, triplets, settings, offer, progress);
+    /// Calibrates by the joint estimate of one prism or of three, which starts from the published method.
+    fn estimate_jointly(
+        self,
+        settings: &CalibrationSettings,
+    ) -> Result<Calibration, CalibrationError> {
+        let Self { deployment, triplets, offer, progress } = self;
+        if offer.targets != Targets::OnePrism {
+            let answer =
+                inter_prism::solve_jointly(deployment, triplets, settings, offer, progress)?;
+            return Ok(answer.into());
+        }
+        if offer.lack(Method::Joint).is_some() {
+            return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
+        }
+        let answer = dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)?;
+        Ok(answer.into())
     }
-    if offer.lack(Method::Joint).is_some() {
-        return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
-    }
-    dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)
-}
 
-/// Method B on the control points, where there are any, as a witness of an answer from inter-prism distances.
-fn hold_against_control_points(
-    calibration: &mut Calibration,
-    deployment: &Deployment,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-) {
-    if offer.lack(Method::StaticGcp).is_some() || deployment.track_frame == TrackFrame::Common {
-        return;
+    /// Checks an answer against all data that it does not rest on, and lowers its verdict where one contradicts it.
+    fn check(
+        self,
+        mut calibration: Calibration,
+        settings: &CalibrationSettings,
+        tried: &mut sense::Tried,
+    ) -> Result<Calibration, CalibrationError> {
+        let Self { deployment, triplets, offer, progress } = self;
+        if calibration.inter_prism().is_some() {
+            self.check_against_control_points(&mut calibration, settings);
+        }
+        sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
+        for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
+            calibration.verdict = calibration.verdict.max(Verdict::Weak);
+            calibration.findings.push(doubt.clone());
+        }
+        if calibration.placing_tracks(deployment).is_none() {
+            calibration.findings.push(tracks_not_transformed());
+        }
+        Ok(calibration)
     }
-    let Ok(by_points) = static_gcp::solve(deployment, &Triplets::default(), settings, offer) else {
-        return;
-    };
-    let disagreements = disagreements(&by_points, calibration, deployment);
-    let agrees = calibration.sigma.is_some_and(|sigma| {
-        let transforms = &calibration.station1_from_station;
-        checks::control_points_contradict(deployment, transforms, &sigma).is_none()
-    });
-    // Points that do not hold an answer of their own agree with anything.
-    if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
-        calibration.checked_by.push(Witness::ControlPoints);
-    }
-    for disagreement in disagreements {
-        calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(disagreement.finding());
+
+    /// Checks an answer from inter-prism distances against method B on the control points, if there are any.
+    fn check_against_control_points(
+        self,
+        calibration: &mut Calibration,
+        settings: &CalibrationSettings,
+    ) {
+        let Self { deployment, offer, .. } = self;
+        if offer.lack(Method::StaticGcp).is_some() || deployment.track_frame == TrackFrame::Common {
+            return;
+        }
+        let by_points = static_gcp::solve(deployment, &Triplets::default(), settings, offer);
+        let Ok(by_points) = by_points.map(Calibration::from) else { return };
+        let disagreements = disagreements(&by_points, calibration, deployment);
+        let agrees = calibration.sigma.is_some_and(|sigma| {
+            let transforms = &calibration.station1_from_station;
+            checks::control_points_contradict(deployment, transforms, &sigma).is_none()
+        });
+        // Points that do not determine an answer of their own agree with any answer.
+        if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
+            calibration.checked_by.push(Witness::ControlPoints);
+        }
+        for disagreement in disagreements {
+            calibration.verdict = calibration.verdict.max(Verdict::Weak);
+            calibration.findings.push(disagreement.finding());
+        }
     }
 }

@@ -11,16 +11,13 @@ use nalgebra::Vector3;
 
 use super::judgement::Judgement;
 use super::method::FEWEST_POINTS;
+use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::unchecked::UncheckedAnswer;
-use super::{
-    Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
-};
+use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks};
 use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
-use crate::stopwatch::Stopwatch;
 
 const FEWEST_FOR_SANDWICH: usize = 10;
 /// A point this many times further off than half of the others, and by more than the second (m), is named.
@@ -40,13 +37,13 @@ pub struct StaticGcpDetails {
     pub world_from_station1: Option<RigidTransform>,
 }
 
+/// Calibrates by the alignment of the control points.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
-) -> Result<Calibration, CalibrationError> {
-    let started = Stopwatch::start();
+) -> Result<MethodAnswer<StaticGcpDetails>, CalibrationError> {
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
     let points: Vec<&ControlPoint> = numbered_points(deployment).map(|(_, point)| point).collect();
     let reading =
@@ -107,18 +104,17 @@ pub fn solve(
         judgement.lower(Verdict::Weak, control_points_fit_poorly(rms_m, is_hopeless));
     }
     judgement.doubt(blunders(deployment, &matches, &aligned.residuals_m));
-    let answer = UncheckedAnswer {
+    let mut answer = MethodAnswer {
         method: Method::StaticGcp,
         station1_from_station,
         covariance,
         judgement,
-        details: Details::StaticGcp(StaticGcpDetails {
-            points: counts,
-            rms_m,
-            world_from_station1,
-        }),
+        checked_by: Vec::new(),
+        details: StaticGcpDetails { points: counts, rms_m, world_from_station1 },
+        prior_ms: 0.0,
     };
-    Ok(answer.checked(deployment, triplets, started))
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets);
+    Ok(answer)
 }
 
 /// All control points with their file, in the order of the blocks' numbers.

@@ -12,15 +12,14 @@ use nalgebra::Vector3;
 
 use super::checks;
 use super::judgement::Judgement;
+use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::unchecked::UncheckedAnswer;
-use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer};
+use super::{Alignment, CalibrationError, Method, Offer};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
-use crate::stopwatch::Stopwatch;
 
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
 const RANGE_SIGMA_M: f64 = 0.002;
@@ -85,12 +84,12 @@ impl TwoPointDetails {
     }
 }
 
+/// Calibrates by the pair of points whose resection fits the other points best.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
     offer: &Offer,
-) -> Result<Calibration, CalibrationError> {
-    let started = Stopwatch::start();
+) -> Result<MethodAnswer<TwoPointDetails>, CalibrationError> {
     let mut pairs = Vec::new();
     let mut placed = Vec::new();
     for set in &deployment.control_points {
@@ -137,14 +136,18 @@ pub fn solve(
     };
     judgement.doubt(doubt);
     judgement.doubt(misplaced.map(|point| point.finding()));
-    let answer = UncheckedAnswer {
+    let mut answer = MethodAnswer {
         method: Method::TwoPoint,
         station1_from_station,
         covariance,
         judgement,
-        details: Details::TwoPoint(TwoPointDetails { pairs, chosen }),
+        checked_by: Vec::new(),
+        details: TwoPointDetails { pairs, chosen },
+        prior_ms: 0.0,
     };
-    Ok(answer.checked(deployment, triplets, started))
+    let rms_m = answer.details.rms_m();
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets);
+    Ok(answer)
 }
 
 struct Placed {

@@ -1,4 +1,4 @@
-//! Findings as data: what a reader, the pipeline or a solver noticed.
+//! Findings of a reader, the pipeline or a solver, as data.
 
 use std::fmt;
 

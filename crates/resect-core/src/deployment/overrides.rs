@@ -342,6 +342,50 @@ mod tests {
     }
 
     #[test]
+    fn what_the_folder_says_already_is_not_put_right() {
+        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
+        let own = Overrides {
+            stations: Some([1, 3, 2]),
+            azimuth: Some(AzimuthSense::Clockwise),
+            prism_constant_m: Some(PrismConstants::Each([0.010; 3])),
+            masked: Some(Vec::new()),
+            ..Overrides::default()
+        };
+        assert!(own.clone().beyond(&as_read).is_empty());
+        // The numbers of the files differ from those of this folder.
+        let back = Overrides { stations: Some([1, 2, 3]), ..own }.beyond(&as_read);
+        assert_eq!(back.stations, Some([1, 2, 3]));
+    }
+
+    #[test]
+    fn a_masked_reading_stays_masked_when_stations_are_renumbered() {
+        let mask = |station| MaskedReading { station, time_s: 7.5 };
+        let mut overrides =
+            Overrides { masked: Some(vec![mask(1), mask(2)]), ..Overrides::default() };
+        overrides.renumber([1, 2, 3], [1, 3, 2]);
+        assert_eq!(overrides.masked, Some(vec![mask(1), mask(3)]));
+        overrides.renumber([1, 3, 2], [2, 3, 1]);
+        assert_eq!(overrides.masked, Some(vec![mask(3), mask(1)]));
+    }
+
+    #[test]
+    fn keys_of_any_drive_and_keys_beside_the_readings_part_all_keys() {
+        let all = Overrides {
+            name: Some("a".into()),
+            tracks: Some(OneOrMany::One("b".into())),
+            prism_constant_m: Some(PrismConstants::All(0.0)),
+            inter_prism_m: Some([1.0; 3]),
+            ..Overrides::default()
+        };
+        let names = |some: &Overrides| {
+            let Overrides { name, tracks, prism_constant_m, inter_prism_m, .. } = some;
+            [name.is_some(), tracks.is_some(), prism_constant_m.is_some(), inter_prism_m.is_some()]
+        };
+        assert_eq!(names(&all.of_any_drive()), [false, false, true, true]);
+        assert_eq!(names(&all.beside_readings()), [true, false, false, true]);
+    }
+
+    #[test]
     fn the_users_word_wins_and_the_rest_stays() {
         let base = Overrides {
             name: Some("folder".into()),

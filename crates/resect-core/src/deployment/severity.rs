@@ -1,21 +1,21 @@
-//! Severity of findings.
+//! Severity of a finding.
 
 use serde::Serialize;
 
-/// The weight of a finding.
+/// Severity of a finding, in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Worth knowing; nothing is wrong.
+    /// Information; nothing is wrong.
     Note,
-    /// Something was repaired or left out, or limits how far an answer can be trusted.
+    /// Data was repaired or left out, or limits the trust in an answer.
     Warning,
-    /// Something needed is missing; an answer will not come, or must not be used.
+    /// Required data is missing: there is no answer, or it must not be used.
     Problem,
 }
 
 impl Severity {
-    /// The sign before a finding in plain text.
+    /// Returns the sign before a finding in plain text.
     pub fn mark(self) -> char {
         match self {
             Self::Note => '-',

@@ -1,27 +1,26 @@
-//! A plan driven and read by the simulation, without noise and without errors.
+//! Simulation of a plan, without noise and without errors.
 
 use super::locks::{self, Lock};
-use super::plan::Instrument;
+use super::plan::PlannedInstrument;
 use super::prediction::PlanError;
 use super::{Plan, way};
 use crate::deployment::Deployment;
 use crate::geometry::ARCSECOND_RAD;
 use crate::pipeline;
 use crate::pipeline::{PipelineOutput, PipelineSettings};
-use crate::simulation;
 use crate::simulation::{
-    Ground, Motion, Noise, Path, Preset, Ramp, Scenario, Simulated, simulate_scenario,
+    Ground, Motion, Noise, Path, Preset, Ramp, Scenario, Simulated, Waypoint, simulate_scenario,
 };
 
-/// Every prediction is of the same bumps of the ground.
+/// All predictions have the same bumps of the ground.
 const SEED: u64 = 1;
 /// The vehicle stands this long after it has arrived (s).
 const AFTER_S: f64 = 1.0;
-/// How many times as long as its way says a drive may take, turns and stops of the pedal included.
+/// Longest drive as a multiple of its length over its slowest speed, turns and braking included.
 const LONGER: f64 = 3.0;
 const LONGER_BY_S: f64 = 120.0;
 
-/// What such a drive gives.
+/// A simulated plan.
 pub struct Driven {
     pub simulated: Simulated,
     pub deployment: Deployment,
@@ -30,16 +29,13 @@ pub struct Driven {
 }
 
 impl Plan {
-    /// The plan as a scenario in the frame of station 1, whose axes are those of the plan, with the noise of its instruments.
-    /// Errors are the caller's to add.
+    /// Returns the plan as a scenario in the frame of station 1, whose axes are those of the plan, with the noise of its
+    /// instruments and without systematic errors.
     pub fn scenario(&self) -> Result<Scenario, PlanError> {
         self.check().map_err(|(what, remedy)| PlanError::Senseless { what, remedy })?;
         let [first_m, second_m, third_m] = self.stations_m;
-        let moved = |at: simulation::Waypoint| simulation::Waypoint {
-            x_m: at.x_m - first_m.x,
-            y_m: at.y_m - first_m.y,
-            ..at
-        };
+        let moved =
+            |at: Waypoint| Waypoint { x_m: at.x_m - first_m.x, y_m: at.y_m - first_m.y, ..at };
         let waypoints: Vec<_> = self.waypoints().into_iter().map(moved).collect();
         let ramps = self.ground.ramps.iter().map(|ramp| Ramp {
             centre_m: [ramp.centre_m[0] - first_m.x, ramp.centre_m[1] - first_m.y],
@@ -47,10 +43,10 @@ impl Plan {
         });
         let mean_range_m = waypoints.iter().map(|at| at.place_m().norm()).sum::<f64>()
             / waypoints.len().max(1) as f64;
-        let Instrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
+        let PlannedInstrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
         Ok(Scenario {
             name: "plan",
-            duration_s: AFTER_S + duration_s(&waypoints, self.turn_radius_m),
+            duration_s: AFTER_S + duration_s(&waypoints, self.turn_radius_m, self.speed_m_per_s),
             cruise_m_per_s: self.speed_m_per_s,
             ground: Ground {
                 height_m: self.ground.height_m - first_m.z,
@@ -76,20 +72,21 @@ impl Plan {
     }
 }
 
-/// How long it takes to drive through some waypoints (s).
-pub fn duration_s(waypoints: &[simulation::Waypoint], turn_radius_m: f64) -> f64 {
-    let slowest = waypoints.iter().map(|at| at.speed_m_per_s).fold(f64::INFINITY, f64::min);
+/// Returns how long it takes to drive through waypoints (s), at a cruising speed where they have none.
+fn duration_s(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> f64 {
+    let speed_m_per_s = |at: &Waypoint| at.speed_m_per_s.unwrap_or(cruise_m_per_s);
+    let slowest = waypoints.iter().map(speed_m_per_s).fold(f64::INFINITY, f64::min);
     let standing_s: f64 = waypoints.iter().map(|at| at.stand_s).sum();
     let latest_s = LONGER * (way::length_m(waypoints) / slowest + standing_s) + LONGER_BY_S;
-    Motion::arrival_s(waypoints, turn_radius_m, latest_s)
+    Motion::arrival_s(waypoints, turn_radius_m, cruise_m_per_s, latest_s)
 }
 
-/// Drives a plan, and reads what its stations can see.
+/// Simulates a plan and the readings of its stations.
 pub fn drive(plan: &Plan) -> Result<Driven, PlanError> {
     drive_with(plan, [0.0; 2])
 }
 
-/// The same with stations 2 and 3 set up with these yaws against the axes of the plan, which are those of station 1.
+/// Simulates a plan like [`drive`], with yaws of stations 2 and 3 against the axes of the plan.
 pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> {
     let scenario = plan.scenario()?;
     let period_s = 1.0 / scenario.rate_hz;

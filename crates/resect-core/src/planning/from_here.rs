@@ -8,12 +8,12 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 use super::drive::drive_with;
 use super::manoeuvres::{FigureEight, Loop, once_around_m, slalom_m};
 use super::past::AsDriven;
-use super::plan::{Instrument, Plan, Rig};
+use super::plan::{Plan, PlannedInstrument, PlannedRig};
 use super::so_far::SoFar;
-use super::way::{Piece, Waypoint};
+use super::way::Piece;
 use crate::deployment::pairwise_distances;
 use crate::pipeline::{FilteredTrack, Triplets};
-use crate::simulation::Ground;
+use crate::simulation::{Ground, Waypoint};
 
 /// Tips of the figure-eights that are tried are so far apart (m).
 const EIGHTS_M: [f64; 2] = [16.0, 28.0];
@@ -157,7 +157,7 @@ impl Here {
     /// The triplets so far with those of a manoeuvre, and how long it takes (s).
     pub fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
         let [_, second, third] = so_far.station1_from_station;
-        let rig = Rig { prisms_m: self.as_driven.prisms_m, ..Rig::default() };
+        let rig = PlannedRig { prisms_m: self.as_driven.prisms_m, ..PlannedRig::default() };
         let plan = Plan {
             speed_m_per_s: so_far.speed_m_per_s,
             turn_radius_m: so_far.turn_radius_m,
@@ -168,7 +168,10 @@ impl Here {
                 ..Ground::default()
             },
             rig,
-            instrument: Instrument { rate_hz: so_far.rate_hz, ..Instrument::default() },
+            instrument: PlannedInstrument {
+                rate_hz: so_far.rate_hz,
+                ..PlannedInstrument::default()
+            },
             thresholds: so_far.thresholds,
             // The vehicle heads as it does, wherever it is to go.
             way: vec![Piece::Waypoints(

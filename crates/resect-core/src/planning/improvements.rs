@@ -9,11 +9,10 @@ use super::manoeuvres::{FigureEight, Loop};
 use super::plan::Plan;
 use super::predict::{Looked, look};
 use super::prediction::PlanError;
-use super::way::{Piece, Waypoint};
+use super::way::Piece;
 use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
-use crate::simulation;
-use crate::simulation::Ramp;
+use crate::simulation::{Ramp, Waypoint};
 
 /// Tips of the figure-eights that are tried are so far apart (m).
 const EIGHTS_M: [f64; 2] = [16.0, 28.0];
@@ -237,7 +236,7 @@ fn along_the_middle(plan: &Plan) -> Vector2<f64> {
         }
         left_m -= leg_m.norm();
     }
-    waypoints.last().map_or_else(Vector2::zeros, simulation::Waypoint::place_m)
+    waypoints.last().map_or_else(Vector2::zeros, Waypoint::place_m)
 }
 
 /// A plan with one more piece where the way comes nearest to a place.

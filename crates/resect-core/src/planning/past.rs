@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::way::{Piece, waypoints_along};
-use super::{Instrument, Plan, Rig};
+use super::{Plan, PlannedInstrument, PlannedRig};
 use crate::analysis::Analysis;
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{Targets, Verdict};
@@ -48,15 +48,15 @@ impl Plan {
             speed_m_per_s: scenario.cruise_m_per_s,
             turn_radius_m: 1.0,
             ground: scenario.ground,
-            rig: Rig { prisms_m: scenario.prisms_m, ..Rig::default() },
-            instrument: Instrument {
+            rig: PlannedRig { prisms_m: scenario.prisms_m, ..PlannedRig::default() },
+            instrument: PlannedInstrument {
                 range_mm: 1e3 * noise.range_sigma_m,
                 range_ppm: 0.0,
                 angle_arcsec: noise.angle_sigma_rad / ARCSECOND_RAD,
                 rate_hz: scenario.rate_hz,
                 lost_locks_per_minute: noise.lost_locks_per_minute,
                 outlier_share: noise.outlier_share,
-                ..Instrument::default()
+                ..PlannedInstrument::default()
             },
             way: vec![Piece::Waypoints(waypoints_along(&time_s, &places_m, APART_M))],
             ..Self::default()
@@ -128,12 +128,13 @@ impl Plan {
                 slope_rms_rad: rounded(as_driven.slope_rms_rad.to_degrees(), 2).to_radians(),
                 ..Ground::default()
             },
-            rig: Rig {
+            rig: PlannedRig {
                 prisms_m: as_driven.prisms_m.map(|prism_m| prism_m.map(|m| rounded(m, 4))),
                 inter_prism_sigma_m,
-                ..Rig::default()
+                ..PlannedRig::default()
             },
-            instrument: joint.map_or_else(Instrument::default, Instrument::from_estimate),
+            instrument: joint
+                .map_or_else(PlannedInstrument::default, PlannedInstrument::from_estimate),
             thresholds: analysis.settings.pipeline.thresholds,
             errors: analysis.settings.calibration.errors,
             way: vec![Piece::Waypoints(waypoints)],
@@ -142,7 +143,7 @@ impl Plan {
     }
 }
 
-impl Instrument {
+impl PlannedInstrument {
     /// An instrument that reads as well as an estimate learned, and as often.
     pub fn from_estimate(joint: &JointEstimate) -> Self {
         let levels = &joint.levels;
@@ -217,8 +218,8 @@ impl Default for Plan {
             turn_radius_m: 3.5,
             stations_m: [Vector3::zeros(), scenario.stations_m[0], scenario.stations_m[1]],
             ground: Ground::default(),
-            rig: Rig::default(),
-            instrument: Instrument::default(),
+            rig: PlannedRig::default(),
+            instrument: PlannedInstrument::default(),
             thresholds: Thresholds::default(),
             errors: crate::calibration::ErrorSizes::default(),
             way: Vec::new(),

@@ -1,90 +1,90 @@
-//! A planned deployment as plain data: what its file holds and the window's handles move.
+//! A planned deployment as plain data.
 
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::way::{Piece, Waypoint};
+use super::way::Piece;
 use crate::calibration::ErrorSizes;
 use crate::pipeline::Thresholds;
-use crate::simulation::{self, Ground};
+use crate::simulation::{Ground, Preset, Waypoint};
 
-/// A deployment that is not driven yet.
+/// A deployment that is not recorded yet.
 ///
-/// Positions are in any level frame (m, z up); where it lies and which way it faces changes nothing.
+/// Positions are in any level frame (m, z up).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     #[serde(default)]
     pub name: String,
-    /// Largest root mean square error at the far end of the track that is wanted (mm).
+    /// Wanted root mean square error at the far end of the track, at most (mm).
     #[serde(default = "target_mm")]
     pub target_mm: f64,
-    /// How fast is driven where a waypoint says nothing.
+    /// Speed towards waypoints without a speed of their own.
     #[serde(default = "speed_m_per_s")]
     pub speed_m_per_s: f64,
     /// The tightest turn of the vehicle.
     #[serde(default = "turn_radius_m")]
     pub turn_radius_m: f64,
-    /// Where the instruments of stations 1, 2, 3 stand.
+    /// Positions of the instruments of stations 1, 2, 3.
     pub stations_m: [Vector3<f64>; 3],
     #[serde(default)]
     pub ground: Ground,
     #[serde(default)]
-    pub rig: Rig,
+    pub rig: PlannedRig,
     #[serde(default)]
-    pub instrument: Instrument,
-    /// Beyond these rates the outlier filter drops readings.
+    pub instrument: PlannedInstrument,
+    /// Thresholds of the pipeline.
     #[serde(default)]
     pub thresholds: Thresholds,
-    /// How large the errors of instruments are (1 σ).
+    /// Sizes of the instruments' errors (1 σ).
     #[serde(default)]
     pub errors: ErrorSizes,
-    /// What is driven, one piece after the other.
+    /// Segments of the path, in order.
     pub way: Vec<Piece>,
 }
 
-/// The prisms on the vehicle.
+/// The prisms of a planned vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Rig {
-    /// Prisms 1, 2, 3 about the vehicle's origin on the ground: x ahead, y left, z up. All the same where all stations follow
-    /// one.
+pub struct PlannedRig {
+    /// Prisms 1, 2, 3 in the frame of the vehicle, whose origin is on the ground: x ahead, y left, z up. Equal where all
+    /// stations track one prism.
     pub prisms_m: [Vector3<f64>; 3],
-    /// How well the distances between them are known (1 σ).
+    /// Standard deviation of the distances between them.
     pub inter_prism_sigma_m: f64,
     /// A sight that passes another, nearer prism by less than this is hidden by its housing or mast.
     pub clearance_m: f64,
 }
 
-/// How well the stations read (1 σ), as data sheets say it.
+/// Precision (1 σ), rate and reach of the planned stations, in the units of data sheets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Instrument {
+pub struct PlannedInstrument {
     pub range_mm: f64,
     pub range_ppm: f64,
     pub angle_arcsec: f64,
     /// Readings per second of each station.
     pub rate_hz: f64,
-    /// By how much every stamp is off on its own.
+    /// Standard deviation of the stamps.
     pub stamp_jitter_ms: f64,
-    /// How far ranges wander for seconds to minutes, where [`ErrorSizes::ranges_wander`] says so.
+    /// Standard deviation of the slow random walk of ranges, if [`ErrorSizes::ranges_wander`] is set.
     pub range_wander_mm: f64,
-    /// What a moving prism is followed from and up to.
+    /// Shortest and longest range at which a moving prism is tracked.
     pub reach_m: [f64; 2],
-    /// How often a minute each station loses its prism for some seconds.
+    /// Rate at which each station loses its prism for some seconds, per minute.
     pub lost_locks_per_minute: f64,
     /// Share of readings that are grossly wrong.
     pub outlier_share: f64,
 }
 
-impl Default for Rig {
+impl Default for PlannedRig {
     fn default() -> Self {
-        let prisms_m = simulation::Preset::Warthog.scenario().prisms_m;
+        let prisms_m = Preset::Warthog.scenario().prisms_m;
         Self { prisms_m, inter_prism_sigma_m: 0.001, clearance_m: 0.08 }
     }
 }
 
-impl Default for Instrument {
+impl Default for PlannedInstrument {
     /// The Trimble S7 and its active prism, in the field.
     fn default() -> Self {
         Self {
@@ -113,20 +113,20 @@ fn turn_radius_m() -> f64 {
     3.5
 }
 
-impl Rig {
-    /// Whether all stations follow the same prism.
+impl PlannedRig {
+    /// Whether all stations track the same prism.
     pub fn is_one_prism(&self) -> bool {
         self.prisms_m[0] == self.prisms_m[1] && self.prisms_m[0] == self.prisms_m[2]
     }
 }
 
-/// Planning goes no further than this (m): beyond, a level frame is none.
+/// Largest coordinate of a plan (m): beyond it the earth's curvature matters.
 const FURTHEST_M: f64 = 20_000.0;
 /// Longest way (m): some hours of driving.
 const LONGEST_WAY_M: f64 = 20_000.0;
 
 impl Plan {
-    /// The first thing that makes no sense, and what to do about it.
+    /// Returns the first invalid value, with a remedy.
     pub fn check(&self) -> Result<(), (String, &'static str)> {
         let within = |name: &str, value: f64, [low, high]: [f64; 2], remedy| match (low..=high)
             .contains(&value)
@@ -134,7 +134,7 @@ impl Plan {
             true => Ok(()),
             false => Err((format!("{name} is {value}"), remedy)),
         };
-        let Instrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
+        let PlannedInstrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
         let one = &self.instrument;
         for (name, value, limits, remedy) in [
             ("target_mm", self.target_mm, [0.01, 1e4], "give millimetres, from 0.01 to 10000"),
@@ -223,18 +223,12 @@ impl Plan {
 }
 
 impl Plan {
-    /// The whole way as a driver follows it, in the frame of the plan.
-    pub fn waypoints(&self) -> Vec<simulation::Waypoint> {
-        let of = |at: Waypoint| simulation::Waypoint {
-            x_m: at.x_m,
-            y_m: at.y_m,
-            speed_m_per_s: at.speed_m_per_s.unwrap_or(self.speed_m_per_s),
-            stand_s: at.stand_s,
-        };
-        self.way.iter().flat_map(Piece::waypoints).map(of).collect()
+    /// Lays the whole path out as waypoints, in the frame of the plan.
+    pub fn waypoints(&self) -> Vec<Waypoint> {
+        self.way.iter().flat_map(Piece::waypoints).collect()
     }
 
-    /// Where the way ends, and which way the vehicle goes there; `None` of a way that leads nowhere.
+    /// Returns the end of the path and the direction of travel there; `None` for a path without length.
     pub fn end(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
         let waypoints = self.waypoints();
         let last_m = waypoints.last()?.place_m();

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::drive::{Driven, drive};
 use super::in_words;
-use super::plan::{Instrument, Plan};
+use super::plan::{Plan, PlannedInstrument};
 use super::prediction::{Held, OnTheWay, PlanError, Prediction};
 use super::way;
 use crate::calibration::inter_prism;
@@ -109,7 +109,7 @@ pub fn sizes(plan: &Plan) -> ErrorSizes {
 
 /// What an estimate of such a drive would learn from its readings.
 pub fn expected(plan: &Plan, simulated: &Simulated) -> Expected {
-    let Instrument { range_mm, range_ppm, angle_arcsec, .. } = plan.instrument;
+    let PlannedInstrument { range_mm, range_ppm, angle_arcsec, .. } = plan.instrument;
     // Readings that will be missing count as noise of those that are there.
     let more = (usable_share(&plan.instrument) * EFFICIENCY).sqrt().recip();
     let range_m = mean_range_m(simulated);
@@ -129,7 +129,7 @@ pub fn expected(plan: &Plan, simulated: &Simulated) -> Expected {
 }
 
 /// The share of readings that are left where stations lose their prisms and read wrongly now and then.
-fn usable_share(instrument: &Instrument) -> f64 {
+fn usable_share(instrument: &PlannedInstrument) -> f64 {
     let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
     // What one station lacks, the others' readings are not held together by.
     (1.0 - lost).powi(3) * (1.0 - instrument.outlier_share)

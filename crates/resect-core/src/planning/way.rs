@@ -1,12 +1,12 @@
-//! The way of a plan: waypoints and manoeuvres, laid out as what a driver follows.
+//! The path of a plan: waypoints and manoeuvres, laid out as waypoints.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::manoeuvres::{FigureEight, Loop};
-use crate::simulation;
+use crate::simulation::Waypoint;
 
-/// A piece of the way; the vehicle goes straight from the end of one to the beginning of the next.
+/// A segment of the path; the vehicle drives straight from the end of one to the beginning of the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Piece {
@@ -15,57 +15,8 @@ pub enum Piece {
     Loop(Loop),
 }
 
-/// A place on the way. In a file `[x, y]` (m), and where they differ from the plan's and from none, how fast it is driven to
-/// (m/s) and how long the vehicle stands there (s).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
-pub struct Waypoint {
-    pub x_m: f64,
-    pub y_m: f64,
-    pub speed_m_per_s: Option<f64>,
-    pub stand_s: f64,
-}
-
-impl Waypoint {
-    pub fn at(place_m: Vector2<f64>) -> Self {
-        Self { x_m: place_m.x, y_m: place_m.y, speed_m_per_s: None, stand_s: 0.0 }
-    }
-
-    pub fn place_m(&self) -> Vector2<f64> {
-        Vector2::new(self.x_m, self.y_m)
-    }
-}
-
-impl TryFrom<Vec<f64>> for Waypoint {
-    type Error = &'static str;
-
-    fn try_from(numbers: Vec<f64>) -> Result<Self, Self::Error> {
-        let (x_m, y_m, speed, stand_s) = match numbers[..] {
-            [x_m, y_m] => (x_m, y_m, None, 0.0),
-            [x_m, y_m, speed] => (x_m, y_m, Some(speed), 0.0),
-            [x_m, y_m, speed, stand_s] => (x_m, y_m, Some(speed), stand_s),
-            _ => return Err("a waypoint is [x, y], [x, y, speed] or [x, y, speed, stand]"),
-        };
-        Ok(Self { x_m, y_m, speed_m_per_s: speed.filter(|speed| *speed != 0.0), stand_s })
-    }
-}
-
-impl From<Waypoint> for Vec<f64> {
-    fn from(at: Waypoint) -> Self {
-        let mut numbers = vec![at.x_m, at.y_m];
-        if at.speed_m_per_s.is_some() || at.stand_s > 0.0 {
-            // Nobody drives at 0: it stands for the plan's own speed.
-            numbers.push(at.speed_m_per_s.unwrap_or(0.0));
-        }
-        if at.stand_s > 0.0 {
-            numbers.push(at.stand_s);
-        }
-        numbers
-    }
-}
-
 impl Piece {
-    /// The places that it is driven through.
+    /// Lays the segment out as waypoints.
     pub fn waypoints(&self) -> Vec<Waypoint> {
         match self {
             Self::Waypoints(waypoints) => waypoints.clone(),
@@ -74,7 +25,7 @@ impl Piece {
         }
     }
 
-    /// The first thing that makes no sense, and what to do about it.
+    /// Returns the first invalid value, with a remedy.
     pub fn check(&self) -> Result<(), (String, &'static str)> {
         match self {
             Self::Waypoints(waypoints) => {
@@ -109,16 +60,16 @@ impl Piece {
     }
 }
 
-/// How far it is from waypoint to waypoint (m).
-pub fn length_m(waypoints: &[simulation::Waypoint]) -> f64 {
+/// Returns the length of the straight legs between waypoints (m).
+pub fn length_m(waypoints: &[Waypoint]) -> f64 {
     waypoints.windows(2).map(|pair| (pair[1].place_m() - pair[0].place_m()).norm()).sum()
 }
 
-/// Waypoints about `apart_m` apart along where something was at some times (s, m): how fast it went, and where it stood.
+/// Thins a recorded track (s, m) to waypoints about `apart_m` apart, with speeds and stops.
 pub fn waypoints_along(time_s: &[f64], places_m: &[Vector2<f64>], apart_m: f64) -> Vec<Waypoint> {
-    /// Nobody drives as slowly as this.
+    /// Slower than this is standing.
     const STANDING_M_PER_S: f64 = 0.05;
-    /// Over this long a speed is told from the noise of readings.
+    /// Over so long a speed is significant against the noise of readings.
     const WINDOW_S: f64 = 2.0;
     let (Some(first_s), Some(first_m)) = (time_s.first(), places_m.first()) else {
         return Vec::new();

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector2;
 
 use super::planar::{Planar, reacting};
-use super::scenario::Waypoint;
+use super::waypoint::Waypoint;
 use crate::geometry::wrap_to_pi;
 
 /// Bends begin this far before a corner and end as far behind it (m), and further where the turn needs it: legs that are not
@@ -60,8 +60,9 @@ pub struct Follower {
 }
 
 impl Follower {
-    pub fn new(waypoints: &[Waypoint], turn_radius_m: f64) -> Self {
-        let pieces = pieces(waypoints, turn_radius_m);
+    /// Plans the drive; legs without a speed of their own are driven at `cruise_m_per_s`.
+    pub fn new(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Self {
+        let pieces = pieces(waypoints, turn_radius_m, cruise_m_per_s);
         let mut enter_m_per_s = vec![CREEP_M_PER_S; pieces.len() + 1];
         for (index, piece) in pieces.iter().enumerate().rev() {
             enter_m_per_s[index] = piece.most_m_per_s(piece.length_m, enter_m_per_s[index + 1]);
@@ -149,7 +150,7 @@ impl Shape {
 }
 
 /// What is driven from waypoint to waypoint.
-fn pieces(waypoints: &[Waypoint], turn_radius_m: f64) -> Vec<Piece> {
+fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Vec<Piece> {
     let Some(first) = waypoints.first() else { return Vec::new() };
     // Waypoints at one place are one, which the vehicle stands at as long as at all of them.
     let mut stops: Vec<Waypoint> = vec![*first];
@@ -185,7 +186,7 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64) -> Vec<Piece> {
         };
         let before_m = corner.as_ref().map_or(0.0, |corner| corner.before_m);
         let until_m = to.place_m() - along[leg] * before_m;
-        let speed_m_per_s = to.speed_m_per_s;
+        let speed_m_per_s = to.speed_m_per_s.unwrap_or(cruise_m_per_s);
         let line = Shape::Line { from_m, along: along[leg] };
         pieces.push(Piece {
             shape: line,
@@ -200,11 +201,7 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64) -> Vec<Piece> {
                 let centre_m = until_m + aside * radius_m;
                 let from_rad = (-aside.y).atan2(-aside.x);
                 let shape = Shape::Bend { centre_m, radius_m, from_rad, side };
-                pieces.push(Piece {
-                    shape,
-                    length_m: radius_m * turn_rad.abs(),
-                    speed_m_per_s: to.speed_m_per_s,
-                });
+                pieces.push(Piece { shape, length_m: radius_m * turn_rad.abs(), speed_m_per_s });
                 from_m += along[leg + 1] * before_m;
             }
             None => {
@@ -250,12 +247,12 @@ mod tests {
     const STEP_S: f64 = 0.01;
 
     fn waypoint(x_m: f64, y_m: f64, stand_s: f64) -> Waypoint {
-        Waypoint { x_m, y_m, speed_m_per_s: 0.8, stand_s }
+        Waypoint { x_m, y_m, speed_m_per_s: None, stand_s }
     }
 
     /// Where the vehicle is at every step until it arrives.
     fn driven(waypoints: &[Waypoint]) -> Vec<Planar> {
-        let mut follower = Follower::new(waypoints, 3.5);
+        let mut follower = Follower::new(waypoints, 3.5, 0.8);
         let mut poses = vec![follower.pose()];
         while !follower.has_arrived() {
             follower.drive(STEP_S);

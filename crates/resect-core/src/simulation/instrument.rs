@@ -1,4 +1,4 @@
-//! Three stations that read a moving prism each, with their noise, blunders and lost locks.
+//! Readings of three stations that track a moving prism each, with noise, outliers and lost locks.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,19 +10,20 @@ use super::errors::{SystematicErrors, WanderingRange};
 use super::gnss;
 use super::motion::Motion;
 use super::random::{Stream, normal};
-use super::scenario::{Path, Scenario, Waypoint};
+use super::scenario::{Path, Scenario};
 use super::simulated::{EPOCH_S, Simulated, Truth};
+use super::waypoint::Waypoint;
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
 /// The readings of the rig are averaged over this many.
 const RIG_READINGS: f64 = 10.0;
 
-#[expect(clippy::too_many_lines, reason = "one list; not split yet")]
+/// Simulates a drive of a scenario and all readings of it; the same seed gives the same bytes.
 pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let motion = Motion::drive(scenario, &mut rng);
-    // Drawn in any case: an option must not change what others draw.
+    // Drawn even if unused: an option must not change other random numbers.
     let drawn: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
     let yaws = scenario.yaws_rad.unwrap_or(drawn);
     let station1_from_station = [
@@ -31,87 +32,20 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
         LevelTransform::new(scenario.stations_m[1], yaws[1]),
     ];
 
-    let errors = &scenario.errors;
-    let mut records = Vec::new();
-    let (mut outliers, mut lost_readings) = (0, 0);
+    let mut recording = Recording::default();
     for (station, set_up) in station1_from_station.iter().enumerate() {
-        // Drawn in any case: an option must not change what others draw.
-        let drawn_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
-        let stagger_s = scenario.stagger_s.map_or(drawn_s, |given| given[station]);
-        let silences =
-            spans(scenario.duration_s, scenario.noise.lost_locks_per_minute, 1.5..14.0, &mut rng);
-        let mistaken = spans(
-            scenario.duration_s,
-            scenario.noise.wrong_targets_per_minute,
-            1.0..4.0,
-            &mut ChaCha8Rng::seed_from_u64(seed ^ (0x7a26e7 + station as u64)),
-        );
-        let mut wandering =
-            errors.range_wander.map(|wander| WanderingRange::new(wander, seed, station));
-        let mut jittering = Stream::StampJitter(station).rng(seed);
-        let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
-        for k in 0..readings {
-            let jitter_s = 0.001 * normal(&mut rng);
-            let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
-            let within =
-                |spans: &[[f64; 2]]| spans.iter().any(|[from, to]| (*from..*to).contains(&t));
-            let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
-            let see = |time_s: f64| {
-                let point_m = motion.position_m(&scenario.prisms_m[prism], time_s);
-                let frame = errors.settled(station, set_up, time_s);
-                sight(errors, station, set_up, &frame, &point_m)
-            };
-            // Range and angles need not be of the same moment.
-            let angles = see(t - errors.latency_s[station]);
-            let sight = Polar { range_m: see(t).range_m, ..angles };
-            let mut seen = errors.misread(station, Some(prism), sight);
-            seen.range_m += wandering.as_mut().map_or(0.0, |range| range.at_m(t));
-            let mut polar = noisy(seen, scenario, 1.0, &mut rng);
-            let stamp_error_s = errors.stamp_jitter_s * normal(&mut jittering);
-            let blundered = rng.random_bool(scenario.noise.outlier_share);
-            if blundered {
-                blunder(&mut polar, &mut rng);
-            }
-            if within(&scenario.pauses_s) {
-                continue;
-            }
-            outliers += usize::from(prism != station) + usize::from(blundered);
-            if within(&silences) {
-                lost_readings += 1;
-                continue;
-            }
-            let measurement = Measurement {
-                time_s: EPOCH_S + errors.stamp_s(station, t) + stamp_error_s,
-                range_m: polar.range_m - scenario.prism_constant_m,
-                azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
-                zenith_rad: polar.zenith_rad,
-            };
-            records.push(RawRecord {
-                station: station as i64 + 1,
-                status: 0,
-                place: 0,
-                measurement,
-                own_clock_s: None,
-            });
-        }
+        let simulated = SimulatedStation { scenario, seed, motion: &motion, station, set_up };
+        simulated.record_drive(&mut recording, &mut rng);
     }
+    let Recording { mut records, outliers, lost_readings } = recording;
     records.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
 
-    let control_points = (0..scenario.control_point_sets)
+    let mut control_points: Vec<ControlPointSet> = (0..scenario.control_point_sets)
         .map(|set| control_point_set(scenario, &station1_from_station, set, &mut rng))
         .collect();
-    // The rig is read from a few metres away; the vehicle stands level and turned by some angle.
-    let heading: f64 = rng.random_range(0.0..TAU);
-    let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
-    let rig_reading = std::array::from_fn(|prism| {
-        let place = beside.apply(&scenario.prisms_m[prism]);
-        let seen = standing(errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
-        noisy(seen, scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng)
-    });
+    let rig_reading = read_rig(scenario, &mut rng);
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
-
-    let mut control_points: Vec<ControlPointSet> = control_points;
     if scenario.pillars {
         control_points.push(pillars(scenario, &station1_from_station, &mut rng));
     }
@@ -131,7 +65,107 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     }
 }
 
-/// A point of station 1's set-up frame from the axes of a station whose frame is in some place by now.
+/// Readings of a drive, and how many were wrong or lost.
+#[derive(Default)]
+struct Recording {
+    records: Vec<RawRecord>,
+    outliers: usize,
+    lost_readings: usize,
+}
+
+/// One station that tracks its prism during a drive.
+struct SimulatedStation<'a> {
+    scenario: &'a Scenario,
+    seed: u64,
+    motion: &'a Motion,
+    station: usize,
+    set_up: &'a LevelTransform,
+}
+
+impl SimulatedStation<'_> {
+    /// Adds the readings of the whole drive.
+    fn record_drive(&self, recording: &mut Recording, rng: &mut ChaCha8Rng) {
+        let Self { scenario, seed, station, .. } = *self;
+        let (errors, noise) = (&scenario.errors, &scenario.noise);
+        // Drawn even if unused: an option must not change other random numbers.
+        let drawn_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
+        let stagger_s = scenario.stagger_s.map_or(drawn_s, |given| given[station]);
+        let silences = spans(scenario.duration_s, noise.lost_locks_per_minute, 1.5..14.0, rng);
+        let mistaken = spans(
+            scenario.duration_s,
+            noise.wrong_targets_per_minute,
+            1.0..4.0,
+            &mut ChaCha8Rng::seed_from_u64(seed ^ (0x7a26e7 + station as u64)),
+        );
+        let mut wandering =
+            errors.range_wander.map(|wander| WanderingRange::new(wander, seed, station));
+        let mut jittering = Stream::StampJitter(station).rng(seed);
+        let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
+        for k in 0..readings {
+            let jitter_s = 0.001 * normal(rng);
+            let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
+            let within =
+                |spans: &[[f64; 2]]| spans.iter().any(|[from, to]| (*from..*to).contains(&t));
+            let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
+            let mut seen = self.read_prism(prism, t);
+            seen.range_m += wandering.as_mut().map_or(0.0, |range| range.at_m(t));
+            let mut polar = noisy(seen, scenario, 1.0, rng);
+            let stamp_error_s = errors.stamp_jitter_s * normal(&mut jittering);
+            let blundered = rng.random_bool(noise.outlier_share);
+            if blundered {
+                blunder(&mut polar, rng);
+            }
+            if within(&scenario.pauses_s) {
+                continue;
+            }
+            recording.outliers += usize::from(prism != station) + usize::from(blundered);
+            if within(&silences) {
+                recording.lost_readings += 1;
+                continue;
+            }
+            let stamp_s = EPOCH_S + errors.stamp_s(station, t) + stamp_error_s;
+            recording.records.push(self.record(&polar, stamp_s));
+        }
+    }
+
+    /// Returns the reading of a prism at a time of the drive (s), with systematic errors and without noise.
+    fn read_prism(&self, prism: usize, t: f64) -> Polar {
+        let errors = &self.scenario.errors;
+        let see = |time_s: f64| {
+            let point_m = self.motion.position_m(&self.scenario.prisms_m[prism], time_s);
+            let frame = errors.settled(self.station, self.set_up, time_s);
+            sight(errors, self.station, self.set_up, &frame, &point_m)
+        };
+        // Range and angles need not be of the same moment.
+        let angles = see(t - errors.latency_s[self.station]);
+        let sight = Polar { range_m: see(t).range_m, ..angles };
+        errors.misread(self.station, Some(prism), sight)
+    }
+
+    fn record(&self, polar: &Polar, stamp_s: f64) -> RawRecord {
+        let measurement = Measurement {
+            time_s: stamp_s,
+            range_m: polar.range_m - self.scenario.prism_constant_m,
+            azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
+            zenith_rad: polar.zenith_rad,
+        };
+        let station = self.station as i64 + 1;
+        RawRecord { station, status: 0, place: 0, measurement, own_clock_s: None }
+    }
+}
+
+/// Reads the rig from a few metres away; the vehicle stands level, with a random heading.
+fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> [Polar; 3] {
+    let heading: f64 = rng.random_range(0.0..TAU);
+    let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
+    std::array::from_fn(|prism| {
+        let place = beside.apply(&scenario.prisms_m[prism]);
+        let seen = standing(&scenario.errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
+        noisy(seen, scenario, 1.0 / RIG_READINGS.sqrt(), rng)
+    })
+}
+
+/// Returns a point of station 1's set-up frame in the axes of a station whose frame has moved to `frame`.
 fn sight(
     errors: &SystematicErrors,
     station: usize,
@@ -143,7 +177,7 @@ fn sight(
     Polar::from_cartesian(axes.inverse() * frame.inverse().apply(point_m))
 }
 
-/// What a station makes of a target that stands still, right after it was set up.
+/// Returns the reading of a target that stands still, right after the station is set up.
 fn standing(
     errors: &SystematicErrors,
     station: usize,
@@ -161,7 +195,7 @@ fn noisy(mut polar: Polar, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng
     polar
 }
 
-/// A reflection off something else: the range, or an angle, is far off.
+/// Adds a gross error, as of a false reflection, to the range or to an angle.
 fn blunder(polar: &mut Polar, rng: &mut ChaCha8Rng) {
     let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
     match rng.random_range(0..3) {
@@ -171,7 +205,7 @@ fn blunder(polar: &mut Polar, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Spans of a drive (s), so many per minute on average.
+/// Draws spans of a drive (s), `per_minute` of them on average.
 fn spans(
     duration_s: f64,
     per_minute: f64,
@@ -192,7 +226,7 @@ fn spans(
     }
 }
 
-/// Four pillars on a line past the stations, their places along it and their heights known to the millimetre.
+/// Reads four pillars on a line past the stations, whose coordinates are known to a millimetre.
 fn pillars(
     scenario: &Scenario,
     station1_from_station: &[LevelTransform; 3],
@@ -218,7 +252,7 @@ fn pillars(
     ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
 }
 
-/// Ten targets on poles around the area, read once by every station.
+/// Reads ten targets on poles around the area, once from every station.
 fn control_point_set(
     scenario: &Scenario,
     station1_from_station: &[LevelTransform; 3],

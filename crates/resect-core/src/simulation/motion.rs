@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use super::follow::Follower;
 use super::ground::Ramp;
 use super::planar::{Planar, STEP_S, reacting};
-use super::scenario::{Path, Scenario, Waypoint};
+use super::scenario::{Path, Scenario};
+use super::waypoint::Waypoint;
 use crate::geometry::wrap_to_pi;
 
 /// The vehicle stands this long at the start, and at each stop.
@@ -33,7 +34,8 @@ impl Motion {
         let phases = std::array::from_fn(|_| rng.random_range(0.0..TAU));
         let poses = match &scenario.path {
             Path::Waypoints { waypoints, turn_radius_m } => {
-                let mut follower = Follower::new(waypoints, *turn_radius_m);
+                let mut follower =
+                    Follower::new(waypoints, *turn_radius_m, scenario.cruise_m_per_s);
                 // Where a way is laid elsewhere, its ground is the same.
                 terrain.from = follower.pose();
                 let follow = |_| {
@@ -66,9 +68,14 @@ impl Motion {
         Self { poses, terrain }
     }
 
-    /// When a driver who follows waypoints has arrived at the last one (s); no later than after `latest_s`.
-    pub fn arrival_s(waypoints: &[Waypoint], turn_radius_m: f64, latest_s: f64) -> f64 {
-        let mut follower = Follower::new(waypoints, turn_radius_m);
+    /// Returns the time at which a follower of waypoints arrives at the last one (s), at most `latest_s`.
+    pub fn arrival_s(
+        waypoints: &[Waypoint],
+        turn_radius_m: f64,
+        cruise_m_per_s: f64,
+        latest_s: f64,
+    ) -> f64 {
+        let mut follower = Follower::new(waypoints, turn_radius_m, cruise_m_per_s);
         let mut steps: u32 = 0;
         while !follower.has_arrived() && f64::from(steps) * STEP_S < latest_s {
             follower.drive(STEP_S);

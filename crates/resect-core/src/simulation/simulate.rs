@@ -1,7 +1,8 @@
 //! Simulation of a preset or a scenario.
 
 use super::instrument::measure;
-use super::scenario::{Preset, Scenario};
+use super::preset::Preset;
+use super::scenario::Scenario;
 use super::simulated::Simulated;
 
 /// Simulates a preset.

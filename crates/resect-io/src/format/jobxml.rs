@@ -21,81 +21,100 @@ use roxmltree::{Document, Node};
 
 use super::survey::{Sighting, Survey};
 use crate::error::OpenError;
+use resect_core::deployment::Finding;
 use resect_core::geometry::Polar;
 
-/// Whether a text begins like a job.
+/// Returns whether a text begins like a job.
 pub fn looks_like(head: &str) -> bool {
     head.trim_start().starts_with('<') && head.contains("<JOBFile")
 }
 
-/// Every reading, and coordinates that were keyed in.
-#[expect(clippy::too_many_lines, reason = "not split yet")]
+/// Reads every sighting, and coordinates that were keyed in.
 pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     let document = Document::parse(text).map_err(|error| {
         let line = error.pos().row as usize;
         OpenError::line(file, line, format!("not XML: {error}"), "export the job again")
     })?;
-    let records = || document.descendants().filter(Node::is_element);
-    let mut known: HashMap<(&str, &str), Node<'_, '_>> = HashMap::new();
-    for record in records() {
+    let mut records = HashMap::new();
+    for record in document.descendants().filter(Node::is_element) {
         if let Some(id) = record.attribute("ID") {
-            known.insert((record.tag_name().name(), id), record);
+            records.insert((record.tag_name().name(), id), record);
         }
     }
-    let by_id = |kind: &'static str, id: Option<&str>| known.get(&(kind, id?)).copied();
-    let mut survey = Survey::default();
+    let mut job = Job { file, records, survey: Survey::default(), counts: Counts::default() };
     let mut first_station: Option<Option<&str>> = None;
-    let mut constants: Vec<String> = Vec::new();
-    let (mut deleted, mut of_other_set_ups, mut without, mut unstated) = (0, 0, 0, 0);
-    for record in records().filter(|r| r.has_tag_name("PointRecord")) {
+    for record in document.descendants().filter(|r| r.has_tag_name("PointRecord")) {
         let Some(name) = text_of(&record, "Name") else { continue };
         if text_of(&record, "Deleted").is_some_and(|deleted| deleted.eq_ignore_ascii_case("true")) {
-            deleted += 1;
+            job.counts.deleted += 1;
             continue;
         }
         let Some(circle) = child(&record, "Circle") else {
-            if let Some(grid) = child(&record, "Grid") {
-                let [north, east, up] =
-                    ["North", "East", "Elevation"].map(|n| number(file, &grid, n));
-                if let (Some(north), Some(east), Some(up)) = (north?, east?, up?) {
-                    survey.coordinates.push((name.to_owned(), Vector3::new(east, north, up)));
-                }
-            }
+            job.read_coordinates(&record, name)?;
             continue;
         };
         let station = text_of(&record, "StationID");
         if *first_station.get_or_insert(station) != station {
-            of_other_set_ups += 1;
+            job.counts.of_other_set_ups += 1;
             continue;
         }
-        let [azimuth, zenith, range] =
-            ["HorizontalCircle", "VerticalCircle", "EDMDistance"].map(|n| number(file, &circle, n));
+        job.read_sighting(&record, &circle, name)?;
+    }
+    let findings = job.counts.findings(file);
+    job.survey.findings.extend(findings);
+    Ok(job.survey)
+}
+
+/// A job that is being read.
+struct Job<'a, 'i> {
+    file: &'a str,
+    /// Records by kind and ID.
+    records: HashMap<(&'a str, &'a str), Node<'a, 'i>>,
+    survey: Survey,
+    counts: Counts,
+}
+
+/// Records that were left out, and prism constants that were added.
+#[derive(Default)]
+struct Counts {
+    deleted: usize,
+    of_other_set_ups: usize,
+    incomplete: usize,
+    without_constant: usize,
+    /// Distinct prism constants (mm).
+    constants: Vec<String>,
+}
+
+impl<'a, 'i> Job<'a, 'i> {
+    /// Adds the coordinates of a keyed-in point, if it has all three.
+    fn read_coordinates(&mut self, record: &Node<'_, '_>, name: &str) -> Result<(), OpenError> {
+        let Some(grid) = child(record, "Grid") else { return Ok(()) };
+        let [north, east, up] = ["North", "East", "Elevation"].map(|n| number(self.file, &grid, n));
+        if let (Some(north), Some(east), Some(up)) = (north?, east?, up?) {
+            self.survey.coordinates.push((name.to_owned(), Vector3::new(east, north, up)));
+        }
+        Ok(())
+    }
+
+    /// Adds a sighting, with its prism constant and its ppm applied to the range.
+    fn read_sighting(
+        &mut self,
+        record: &Node<'a, 'i>,
+        circle: &Node<'_, '_>,
+        name: &str,
+    ) -> Result<(), OpenError> {
+        let [azimuth, zenith, range] = ["HorizontalCircle", "VerticalCircle", "EDMDistance"]
+            .map(|n| number(self.file, circle, n));
         let (Some(azimuth_deg), Some(zenith_deg), Some(edm_m)) = (azimuth?, zenith?, range?) else {
-            without += 1;
-            continue;
+            self.counts.incomplete += 1;
+            return Ok(());
         };
-        let constant_m = match by_id("TargetRecord", text_of(&record, "TargetID")) {
-            Some(target) => number(file, &target, "PrismConstant")?,
+        let constant_m = match self.record("TargetRecord", text_of(record, "TargetID")) {
+            Some(target) => number(self.file, &target, "PrismConstant")?,
             None => None,
         };
-        let station = by_id("StationRecord", station);
-        let atmosphere =
-            station.and_then(|s| by_id("AtmosphereRecord", text_of(&s, "AtmosphereID")));
-        let ppm = match atmosphere {
-            Some(a) if text_of(&a, "ApplyPPMToRawDistances") == Some("true") => {
-                number(file, &a, "PPM")?.unwrap_or(0.0)
-            }
-            _ => 0.0,
-        };
-        match constant_m {
-            Some(constant_m) => {
-                let said = format!("{:+.1}", constant_m * 1e3);
-                if !constants.contains(&said) {
-                    constants.push(said);
-                }
-            }
-            None => unstated += 1,
-        }
+        let ppm = self.ppm(text_of(record, "StationID"))?;
+        self.counts.add_constant(constant_m);
         let range_m = (edm_m + constant_m.unwrap_or(0.0)) * (1.0 + ppm * 1e-6);
         let polar = Polar {
             range_m,
@@ -103,17 +122,53 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
             zenith_rad: zenith_deg.to_radians(),
         };
         let point = name.to_owned();
-        survey.sightings.push(Sighting { point, polar, complete: constant_m.is_some() });
+        self.survey.sightings.push(Sighting { point, polar, complete: constant_m.is_some() });
+        Ok(())
     }
-    let warnings = [
-        (deleted > 0).then(|| survey_points_deleted(file, deleted)),
-        (of_other_set_ups > 0).then(|| survey_other_set_ups(file, of_other_set_ups, "readings")),
-        (without > 0).then(|| survey_readings_incomplete(file, without, "a distance or an angle")),
-        (unstated > 0).then(|| survey_prism_constant_missing(file, unstated)),
-        (!constants.is_empty()).then(|| survey_prism_constants_added(file, &constants)),
-    ];
-    survey.findings.extend(warnings.into_iter().flatten());
-    Ok(survey)
+
+    fn record(&self, kind: &'static str, id: Option<&'a str>) -> Option<Node<'a, 'i>> {
+        self.records.get(&(kind, id?)).copied()
+    }
+
+    /// Returns the ppm that are to be applied to ranges of a station; zero where the instrument has applied them.
+    fn ppm(&self, station: Option<&'a str>) -> Result<f64, OpenError> {
+        let atmosphere = self
+            .record("StationRecord", station)
+            .and_then(|s| self.record("AtmosphereRecord", text_of(&s, "AtmosphereID")));
+        match atmosphere {
+            Some(a) if text_of(&a, "ApplyPPMToRawDistances") == Some("true") => {
+                Ok(number(self.file, &a, "PPM")?.unwrap_or(0.0))
+            }
+            _ => Ok(0.0),
+        }
+    }
+}
+
+impl Counts {
+    fn add_constant(&mut self, constant_m: Option<f64>) {
+        let Some(constant_m) = constant_m else {
+            self.without_constant += 1;
+            return;
+        };
+        let constant = format!("{:+.1}", constant_m * 1e3);
+        if !self.constants.contains(&constant) {
+            self.constants.push(constant);
+        }
+    }
+
+    fn findings(&self, file: &str) -> Vec<Finding> {
+        let Self { deleted, of_other_set_ups, incomplete, without_constant, constants } = self;
+        let findings = [
+            (*deleted > 0).then(|| survey_points_deleted(file, *deleted)),
+            (*of_other_set_ups > 0)
+                .then(|| survey_other_set_ups(file, *of_other_set_ups, "readings")),
+            (*incomplete > 0)
+                .then(|| survey_readings_incomplete(file, *incomplete, "a distance or an angle")),
+            (*without_constant > 0).then(|| survey_prism_constant_missing(file, *without_constant)),
+            (!constants.is_empty()).then(|| survey_prism_constants_added(file, constants)),
+        ];
+        findings.into_iter().flatten().collect()
+    }
 }
 
 fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
@@ -124,7 +179,7 @@ fn text_of<'a>(node: &Node<'a, '_>, name: &str) -> Option<&'a str> {
     child(node, name)?.text().map(str::trim).filter(|text| !text.is_empty())
 }
 
-/// A number, `None` where it is absent or empty.
+/// Returns a number, or `None` where it is absent or empty.
 fn number(file: &str, node: &Node<'_, '_>, name: &str) -> Result<Option<f64>, OpenError> {
     let Some(text) = text_of(node, name) else { return Ok(None) };
     match text.parse::<f64>() {

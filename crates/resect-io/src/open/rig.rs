@@ -1,4 +1,4 @@
-//! The rig, out of whatever describes it, and whether the descriptions agree.
+//! The rig, from all files that describe it, and whether they agree.
 
 use crate::findings::rig::{
     prism_positions_disagree, prism_positions_of_other_rig, rig_derived_from_reading,
@@ -15,12 +15,12 @@ use crate::format::Format;
 use resect_core::deployment::pairwise_distances;
 use resect_core::deployment::{OneOrMany, Rig};
 
-/// Distances of one rig in two files may differ by this much (m) before it is worth a word.
+/// Distances of one rig in two files that differ by more than this (m) are reported.
 const RIG_TOLERANCE_M: f64 = 0.005;
-/// Distances in two files differ by more than this (m) only if they are not of one rig.
+/// Distances in two files that differ by more than this (m) are of two rigs.
 const WRONG_RIG_M: f64 = 0.05;
 
-/// What `rig` of `deployment.toml` can name.
+/// Formats of files that `rig` of `deployment.toml` can name.
 const DESCRIBE_A_RIG: [Format; 5] = [
     Format::RigReading,
     Format::SensorPositions,
@@ -29,73 +29,21 @@ const DESCRIBE_A_RIG: [Format; 5] = [
     Format::JobXml,
 ];
 
-/// `None`, with a finding, where nothing gives the inter-prism distances.
-#[expect(clippy::too_many_lines, reason = "not split yet")]
+/// Reads the rig; `None`, with a finding, where nothing gives the inter-prism distances.
 pub fn read_rig<'a>(
     reading: &mut Reading<'a, '_>,
     prism_constants_m: &[f64; 3],
     surveys: &Surveys<'a>,
 ) -> Result<Option<Rig>, OpenError> {
-    let Reading { files, overrides, put_right, progress, used, findings, distances_of_files_m } =
-        reading;
-    let named_files = overrides.rig.as_ref().map(OneOrMany::as_slice);
-    if let Some(wrong) = named_files.iter().copied().flatten().find(|named| {
-        !files.iter().any(|f| f.file == **named && DESCRIBE_A_RIG.contains(&f.format))
-    }) {
-        return Err(OpenError::file(
-            "deployment.toml",
-            format!("rig names `{wrong}`, which does not describe a rig"),
-            "give names relative to the folder",
-        ));
-    }
-    let mut named = false;
-    let mut only = |format: Format| {
-        // What the user names now goes before what deployment.toml names.
-        let wanted = |f: &&FoundFile| {
-            f.standing == Standing::Named || named_files.is_none_or(|named| named.contains(&f.file))
-        };
-        let found: Vec<&FoundFile> =
-            files.iter().filter(|f| f.serves_as(format)).filter(wanted).collect();
-        match found[..] {
-            [] => Ok(None),
-            [one] => {
-                used.push(&one.file);
-                named |= one.standing == Standing::Named;
-                Ok(Some(one))
-            }
-            [first, second, ..] => Err(OpenError::file(
-                &first.file,
-                format!("and {} both hold {}", second.file, format.describe()),
-                "name the one to use in deployment.toml: rig = \"…\"; or leave one of them in the folder",
-            )),
-        }
-    };
-    let reading = match only(Format::RigReading)? {
-        Some(f) => {
-            let text = f.text(progress)?;
-            Some((&f.file, format::rig_files::read_rig_reading(&f.file, &text, prism_constants_m)?))
-        }
-        None => match only(Format::SensorPositions)? {
-            Some(f) => {
-                let text = f.text(progress)?;
-                Some((&f.file, format::rig_files::read_sensor_positions(&f.file, &text)?))
-            }
-            None => surveys.rig(named_files, prism_constants_m, findings)?,
-        },
-    };
-    let distances = match only(Format::RigDistances)? {
-        Some(f) => Some(format::rig_files::read_distances(&f.file, &f.text(progress)?)?),
-        None => None,
-    };
-    used.extend(reading.map(|(file, _)| file.as_str()));
-    let prisms_m = reading.map(|(_, prisms_m)| prisms_m);
-    let inter_antenna_m = distances.and_then(|(_, antennas)| antennas);
-    let measured = prisms_m.as_ref().map(pairwise_distances);
-    let by_files = distances.map(|(prisms, _)| prisms).or(measured);
-    *distances_of_files_m = by_files;
+    check_named_files(reading)?;
+    let files = read_rig_files(reading, prism_constants_m, surveys)?;
+    let measured = files.prisms.map(|(_, prisms_m)| pairwise_distances(&prisms_m));
+    let by_files = files.distances.map(|(prisms, _)| prisms).or(measured);
+    reading.distances_of_files_m = by_files;
+    let Reading { overrides, put_right, findings, .. } = reading;
     let inter_prism_m = match overrides.inter_prism_m {
-        // What the user names says it better than a file that lies about.
-        Some(_) if named && put_right.inter_prism_m.is_none() => {
+        // A file that the user names now goes before the overrides of the folder.
+        Some(_) if files.is_named && put_right.inter_prism_m.is_none() => {
             findings.push(rig_file_preferred());
             by_files
         }
@@ -108,10 +56,113 @@ pub fn read_rig<'a>(
         }
         return Ok(None);
     };
-    if let (Some((file, _)), None, true) = (reading, distances, Some(inter_prism_m) == measured) {
+    if let (Some((file, _)), None, true) =
+        (files.prisms, files.distances, Some(inter_prism_m) == measured)
+    {
         findings.push(rig_derived_from_reading(file));
     }
-    let [d12, d13, d23] = inter_prism_m;
+    check_triangle(&inter_prism_m)?;
+    if let (Some(measured), Some((file, _))) = (measured, files.prisms) {
+        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
+        if worst > RIG_TOLERANCE_M {
+            findings.push(rig_reading_disagrees(file, worst));
+        }
+    }
+    let in_vehicle_m = prisms_in_vehicle(reading, &inter_prism_m, files.is_named)?;
+    let prisms_m = files.prisms.map(|(_, prisms_m)| prisms_m);
+    let inter_antenna_m = files.distances.and_then(|(_, antennas)| antennas);
+    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
+}
+
+/// Checks that all files that `deployment.toml` names describe a rig.
+fn check_named_files(reading: &Reading<'_, '_>) -> Result<(), OpenError> {
+    let describes_a_rig = |named: &String| {
+        let files = &reading.files;
+        files.iter().any(|f| f.file == *named && DESCRIBE_A_RIG.contains(&f.format))
+    };
+    let named_files = reading.overrides.rig.as_ref().map(OneOrMany::as_slice);
+    match named_files.unwrap_or_default().iter().find(|named| !describes_a_rig(named)) {
+        None => Ok(()),
+        Some(wrong) => Err(OpenError::file(
+            "deployment.toml",
+            format!("rig names `{wrong}`, which does not describe a rig"),
+            "give names relative to the folder",
+        )),
+    }
+}
+
+/// The contents of all files that describe the rig.
+struct RigFiles<'a> {
+    /// Prism positions (m), and the file that they are from.
+    prisms: Option<(&'a String, [Vector3<f64>; 3])>,
+    /// Distances between the prisms, and between the antennas (m).
+    distances: Option<([f64; 3], Option<[f64; 3]>)>,
+    /// Whether the user has named one of the files.
+    is_named: bool,
+}
+
+/// Reads the files that describe the rig: a reading, else positions, else a survey; and distances.
+fn read_rig_files<'a>(
+    reading: &mut Reading<'a, '_>,
+    prism_constants_m: &[f64; 3],
+    surveys: &Surveys<'a>,
+) -> Result<RigFiles<'a>, OpenError> {
+    let mut is_named = false;
+    let mut only = |reading: &mut Reading<'a, '_>, format: Format| {
+        let file = find_rig_file(reading, format)?;
+        if let Some(file) = file {
+            reading.used.push(&file.file);
+            is_named |= file.standing == Standing::Named;
+        }
+        Ok::<_, OpenError>(file)
+    };
+    let prisms = if let Some(f) = only(reading, Format::RigReading)? {
+        let text = f.text(reading.progress)?;
+        Some((&f.file, format::rig_files::read_rig_reading(&f.file, &text, prism_constants_m)?))
+    } else if let Some(f) = only(reading, Format::SensorPositions)? {
+        let text = f.text(reading.progress)?;
+        Some((&f.file, format::rig_files::read_sensor_positions(&f.file, &text)?))
+    } else {
+        let named_files = reading.overrides.rig.as_ref().map(OneOrMany::as_slice);
+        surveys.rig(named_files, prism_constants_m, reading.findings)?
+    };
+    let distances = match only(reading, Format::RigDistances)? {
+        Some(f) => {
+            let text = f.text(reading.progress)?;
+            Some(format::rig_files::read_distances(&f.file, &text)?)
+        }
+        None => None,
+    };
+    reading.used.extend(prisms.map(|(file, _)| file.as_str()));
+    Ok(RigFiles { prisms, distances, is_named })
+}
+
+/// Finds the one file of a format that may describe the rig.
+fn find_rig_file<'a>(
+    reading: &Reading<'a, '_>,
+    format: Format,
+) -> Result<Option<&'a FoundFile>, OpenError> {
+    let named_files = reading.overrides.rig.as_ref().map(OneOrMany::as_slice);
+    // What the user names now goes before what deployment.toml names.
+    let wanted = |f: &&FoundFile| {
+        f.standing == Standing::Named || named_files.is_none_or(|named| named.contains(&f.file))
+    };
+    let found: Vec<&FoundFile> =
+        reading.files.iter().filter(|f| f.serves_as(format)).filter(wanted).collect();
+    match found[..] {
+        [] => Ok(None),
+        [file] => Ok(Some(file)),
+        [first, second, ..] => Err(OpenError::file(
+            &first.file,
+            format!("and {} both hold {}", second.file, format.describe()),
+            "name the one to use in deployment.toml: rig = \"…\"; or leave one of them in the folder",
+        )),
+    }
+}
+
+/// Checks that inter-prism distances are plausible sides of a triangle.
+fn check_triangle(inter_prism_m: &[f64; 3]) -> Result<(), OpenError> {
+    let [d12, d13, d23] = *inter_prism_m;
     if inter_prism_m.iter().any(|d| !format::rig_files::PLAUSIBLE_DISTANCE_M.contains(d))
         || d12 > d13 + d23
         || d13 > d12 + d23
@@ -123,32 +174,36 @@ pub fn read_rig<'a>(
             "the order is 12, 13, 23, in metres",
         ));
     }
-    if let (Some(measured), Some((file, _))) = (measured, reading) {
-        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
-        if worst > RIG_TOLERANCE_M {
-            findings.push(rig_reading_disagrees(file, worst));
-        }
+    Ok(())
+}
+
+/// Returns the prisms in the frame of the vehicle, if `deployment.toml` has them and they are of this rig.
+fn prisms_in_vehicle(
+    reading: &mut Reading<'_, '_>,
+    inter_prism_m: &[f64; 3],
+    is_named: bool,
+) -> Result<Option<[Vector3<f64>; 3]>, OpenError> {
+    let Some(given) = reading.overrides.prisms_m.map(|prisms| prisms.map(Vector3::from)) else {
+        return Ok(None);
+    };
+    let worst = pairwise_distances(&given)
+        .iter()
+        .zip(inter_prism_m)
+        .map(|(given, known)| (given - known).abs())
+        .fold(0.0, f64::max);
+    if worst > WRONG_RIG_M && is_named {
+        reading.findings.push(prism_positions_of_other_rig(worst));
+        return Ok(None);
     }
-    let mut in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
-    if let Some(given) = in_vehicle_m {
-        let worst = pairwise_distances(&given)
-            .iter()
-            .zip(&inter_prism_m)
-            .map(|(given, known)| (given - known).abs())
-            .fold(0.0, f64::max);
-        if worst > WRONG_RIG_M && named {
-            findings.push(prism_positions_of_other_rig(worst));
-            in_vehicle_m = None;
-        } else if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
-            return Err(OpenError::file(
-                "deployment.toml",
-                format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
-                "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
-            ));
-        }
-        if in_vehicle_m.is_some() && worst > RIG_TOLERANCE_M {
-            findings.push(prism_positions_disagree(worst));
-        }
+    if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
+        return Err(OpenError::file(
+            "deployment.toml",
+            format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
+            "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
+        ));
     }
-    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
+    if worst > RIG_TOLERANCE_M {
+        reading.findings.push(prism_positions_disagree(worst));
+    }
+    Ok(Some(given))
 }

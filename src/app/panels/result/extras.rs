@@ -19,12 +19,12 @@ pub fn ui(ui: &mut egui::Ui, rows: &[AnswerRow], calibration: &Calibration, unit
     }
     let significant = beside.iter().filter(|row| row.is_significant).count();
     let title = match significant {
-        0 => format!("Estimated besides ({}, none significant)", beside.len()),
-        _ => format!("Estimated besides ({}, {significant} significant)", beside.len()),
+        0 => format!("Estimated besides ({}, none told from zero)", beside.len()),
+        _ => format!("Estimated besides ({}, {significant} told from zero)", beside.len()),
     };
     egui::CollapsingHeader::new(title).id_salt("extras").show(ui, |ui| {
         table(ui, &beside, units);
-        ui.small("→ significant. Known before: one σ without this drive.");
+        ui.small("→ told from zero. Known before: one σ without this drive.");
     });
     if let Some(joint) = calibration.joint() {
         let header = egui::CollapsingHeader::new("What σ comes from").id_salt("budget");

@@ -8,6 +8,9 @@ use nalgebra::{SVector, Vector3};
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 
+/// Fewest triplets of an answer: three residuals a triplet, and eight unknowns.
+pub const FEWEST_TRIPLETS: usize = 10;
+
 /// (x, y, z, yaw) of station 2, then of station 3: m and rad, about the centroids.
 pub type Parameters = SVector<f64, 8>;
 

@@ -1,4 +1,4 @@
-//! The one fused pass over the data: cost, gradient and Gauss–Newton matrix of method D together.
+//! Cost, gradient and Gauss–Newton matrix of method D, in one pass over the data.
 //!
 //! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is
 //! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the 8×8 matrix
@@ -13,7 +13,7 @@ use nalgebra::{SMatrix, SVector};
 use super::sums::{Rows, Sums, by_pair, cost, gradient, matrix};
 use super::{CentredTriplets, Parameters};
 
-/// JᵀJ, Jᵀr and rᵀr of all triplets at some parameters: what the solver needs.
+/// JᵀJ, Jᵀr and rᵀr of all triplets at some parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalEquations {
     pub matrix: SMatrix<f64, 8, 8>,
@@ -38,7 +38,7 @@ impl NormalEquations {
     }
 }
 
-/// Σ ∂r/∂p of each pair: what an error of an inter-prism distance pulls at.
+/// Returns Σ ∂r/∂p of each pair: the sensitivity of the gradient to its inter-prism distance.
 pub fn distance_pulls(data: &CentredTriplets, parameters: &Parameters) -> [SVector<f64, 8>; 3] {
     by_pair(&sums_over(data, parameters, 0..data.len(), false))
 }
@@ -116,65 +116,47 @@ fn add<const L: usize, const FOR_SOLVER: bool>(
     let load = |station: usize, axis: usize| -> [f64; L] {
         coordinates[station][axis][start..start + L].try_into().expect("L long")
     };
-    let q1 = [load(0, 0), load(0, 1), load(0, 2)];
     let zero = [0.0; L];
-    // Positions in frame 1, and their derivatives by yaw (which has no z).
-    let mut placed = [[zero; 3]; 2];
-    let mut turned = [[zero; 2]; 2];
+    let first = PlacedPrisms { position: [0, 1, 2].map(|axis| load(0, axis)), by_yaw: [zero; 2] };
+    let mut moved = [PlacedPrisms { position: [zero; 3], by_yaw: [zero; 2] }; 2];
     for slot in 0..2 {
         let pose = poses[slot];
         let (x, y, z) = (load(slot + 1, 0), load(slot + 1, 1), load(slot + 1, 2));
+        let PlacedPrisms { position, by_yaw } = &mut moved[slot];
         for l in 0..L {
             let (rx, ry) = (pose.cos * x[l] - pose.sin * y[l], pose.sin * x[l] + pose.cos * y[l]);
-            placed[slot][0][l] = rx + pose.x;
-            placed[slot][1][l] = ry + pose.y;
-            placed[slot][2][l] = z[l] + pose.z;
-            turned[slot][0][l] = -ry;
-            turned[slot][1][l] = rx;
+            position[0][l] = rx + pose.x;
+            position[1][l] = ry + pose.y;
+            position[2][l] = z[l] + pose.z;
+            by_yaw[0][l] = -ry;
+            by_yaw[1][l] = rx;
         }
     }
-    let fixed = [zero; 2];
-    add_pair::<L, FOR_SOLVER>(
-        &q1,
-        &fixed,
-        &placed[0],
-        &turned[0],
-        inter_prism_m[0],
-        false,
-        &mut sums[0],
-    );
-    add_pair::<L, FOR_SOLVER>(
-        &q1,
-        &fixed,
-        &placed[1],
-        &turned[1],
-        inter_prism_m[1],
-        false,
-        &mut sums[1],
-    );
-    add_pair::<L, FOR_SOLVER>(
-        &placed[0],
-        &turned[0],
-        &placed[1],
-        &turned[1],
-        inter_prism_m[2],
-        true,
-        &mut sums[2],
-    );
+    let [second, third] = &moved;
+    add_pair::<L, FOR_SOLVER>(&first, second, inter_prism_m[0], false, &mut sums[0]);
+    add_pair::<L, FOR_SOLVER>(&first, third, inter_prism_m[1], false, &mut sums[1]);
+    add_pair::<L, FOR_SOLVER>(second, third, inter_prism_m[2], true, &mut sums[2]);
 }
 
-/// Adds one pair; `moving` says whether station a is free too (only in pair 23).
+/// Prism positions of one station in frame 1 at L instants.
+#[derive(Clone, Copy)]
+struct PlacedPrisms<const L: usize> {
+    position: [[f64; L]; 3],
+    /// Derivative of x and y with respect to the station's yaw; z has none.
+    by_yaw: [[f64; L]; 2],
+}
+
+/// Adds one pair of stations; `moving` says that station a is unknown too (only in pair 23).
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "not grouped yet")]
 fn add_pair<const L: usize, const FOR_SOLVER: bool>(
-    at_a: &[[f64; L]; 3],
-    turned_a: &[[f64; L]; 2],
-    at_b: &[[f64; L]; 3],
-    turned_b: &[[f64; L]; 2],
+    station_a: &PlacedPrisms<L>,
+    station_b: &PlacedPrisms<L>,
     distance_m: f64,
     moving: bool,
     sums: &mut Sums<L>,
 ) {
+    let PlacedPrisms { position: at_a, by_yaw: turned_a } = station_a;
+    let PlacedPrisms { position: at_b, by_yaw: turned_b } = station_b;
     let mut u = [[0.0; L]; 3];
     let (mut r, mut a, mut b) = ([0.0; L], [0.0; L], [0.0; L]);
     for l in 0..L {

@@ -2,16 +2,14 @@
 
 use super::unjudged::{Unjudged, required_rig};
 use super::used::Used;
-use super::{clock_check, gross_errors, published};
-use crate::calibration::unchecked::UncheckedAnswer;
+use super::{InterPrismDetails, clock_check, gross_errors, published};
+use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, PriorMethod,
-    clocks_in_words,
+    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
 };
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
-use crate::stopwatch::Stopwatch;
 
 /// Calibrates by the inter-prism distances, as published.
 pub fn solve(
@@ -20,9 +18,8 @@ pub fn solve(
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
+) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
-    let started = Stopwatch::start();
     let used = Used::all(triplets);
     let data = used.centred(rig.inter_prism_m);
     let search = (settings.prior == PriorMethod::Search).then_some(&used);
@@ -54,12 +51,13 @@ pub fn solve(
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
         judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
     }
-    let answer = UncheckedAnswer {
+    Ok(MethodAnswer {
         method: Method::InterPrism,
         station1_from_station: answer.station1_from_station,
         covariance,
         judgement,
-        details: Details::InterPrism(Box::new(answer.into_details(observability))),
-    };
-    Ok(answer.into_calibration(started, prior_ms))
+        checked_by: Vec::new(),
+        details: answer.into_details(observability),
+        prior_ms,
+    })
 }

@@ -6,19 +6,19 @@ use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
 use super::unjudged::{Unjudged, required_rig};
 use super::used::Used;
-use super::{CentredTriplets, FEWEST_TRIPLETS, gross_errors, observability, uncertainty};
+use super::{
+    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
+};
 use crate::calibration::joint::{self, JointEstimate};
-use crate::calibration::unchecked::UncheckedAnswer;
+use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    Calibration, CalibrationError, CalibrationSettings, Details, ErrorSizes, JointDetails,
-    JointTargets, Method, Offer, PriorMethod, Verdict, checks,
+    CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
 use crate::deployment::findings::answers::joint_estimate_undetermined;
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
-use crate::stopwatch::Stopwatch;
 
 /// Rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
@@ -30,9 +30,8 @@ pub fn solve_jointly(
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
+) -> Result<MethodAnswer<(Option<JointEstimate>, InterPrismDetails)>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
-    let started = Stopwatch::start();
     let (published, data, used) = screened(deployment, rig, triplets, settings, progress)?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
@@ -67,17 +66,15 @@ pub fn solve_jointly(
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
     judgement.put_first(doubts);
-    let answer = UncheckedAnswer {
+    Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station,
         covariance: answer.uncertainty.covariance,
         judgement,
-        details: Details::Joint(Box::new(JointDetails {
-            estimate,
-            targets: JointTargets::ThreePrisms(answer.into_details(observability)),
-        })),
-    };
-    Ok(answer.into_calibration(started, prior_ms))
+        checked_by: Vec::new(),
+        details: (estimate, answer.into_details(observability)),
+        prior_ms,
+    })
 }
 
 /// The published answer without the triplets that cannot be right, which no robust loss makes harmless.

@@ -9,7 +9,6 @@
 use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
-use crate::calibration::unchecked::sigmas;
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -41,7 +40,7 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
-        self.covariance.as_ref().map(sigmas)
+        self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 }
 

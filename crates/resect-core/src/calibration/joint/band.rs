@@ -1,10 +1,10 @@
-//! The motion eliminated: normal equations whose local unknowns are a band, each knot tied to the next three, with the
-//! columns of the drive's parts as a border.
+//! Elimination of the motion: a banded normal matrix of the knots, each coupled to the next three, with a border of the
+//! columns of the drive's parts.
 //!
-//! A part's columns act on its own knots, and through the band on those after them, where it fades. A border of two parts'
-//! width, which moves along, is enough: what is left of a part where the next but one begins is given to that one, which is
-//! exact for what is the same in all parts, and as good as that for what is slow. What stays is a chain: the information of
-//! each part, of each part with the next one, and the gradient.
+//! The columns of a part couple to its own knots, and through the band to later ones, with decreasing size. A border of two
+//! parts' width, which moves along, is enough: what remains of a part is added to the next but one when that begins. This is
+//! exact for constants, and nearly so for slow states. The result is a chain: the information matrix of each part, that of each
+//! part with the next, and the gradient.
 //!
 //! The loops over rows are in [`super::band_rows`].
 
@@ -21,24 +21,39 @@ pub type PartVector = SVector<f64, PART>;
 /// Rows of a band by knot.
 pub type Rows<const LOCAL: usize, const ROW: usize> = Vec<[[f64; ROW]; LOCAL]>;
 
-/// One span's equations: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`] or + [`MOTION_BORDER`].
+/// Normal equations of one stretch: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`] or + [`MOTION_BORDER`].
 pub struct Band<const LOCAL: usize, const ROW: usize> {
     /// The upper triangle, and after elimination its factor.
     rows: Rows<LOCAL, ROW>,
     /// The first knot of each part.
     first_knots: Vec<usize>,
     pub parts: Vec<Part>,
-    /// Squares of the probes as the motion takes them up.
+    /// Squares of the probes that the motion takes up.
     pub taken_up: [f64; PROBES],
 }
 
-/// What is left of a part.
+/// Normal equations of a part after the motion is eliminated.
 #[derive(Clone, Debug)]
 pub struct Part {
     pub information: PartMatrix,
-    /// What the part has in common with the part after it.
+    /// Coupling of the part to the next one.
     pub with_next: PartMatrix,
     pub gradient: PartVector,
+}
+
+/// Four consecutive knots, and the factor of each in an equation.
+#[derive(Clone, Copy)]
+pub struct KnotFactors<'a> {
+    pub first: usize,
+    pub factors: &'a [f64; TIED],
+}
+
+/// An unknown of a part.
+#[derive(Clone, Copy)]
+pub struct PartUnknown {
+    pub part: usize,
+    /// Its place among the unknowns of the part.
+    pub column: usize,
 }
 
 impl Part {
@@ -51,10 +66,10 @@ impl Part {
 
 impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
     const WIDTH: usize = ROW - TIED * LOCAL;
-    /// Whether the parts of the drive are unknown as well.
+    /// Whether the unknowns of the drive's parts are estimated as well.
     pub const HAS_PARTS: bool = Self::WIDTH > MOTION_BORDER;
 
-    /// A band without any equation, in the room of other rows; parts begin at these knots, the first at 0.
+    /// Returns a band without equations that reuses the memory of `rows`; parts begin at `first_knots`, the first at 0.
     pub fn new(mut rows: Rows<LOCAL, ROW>, knots: usize, first_knots: Vec<usize>) -> Self {
         rows.clear();
         rows.resize(knots, [[0.0; ROW]; LOCAL]);
@@ -66,12 +81,12 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         self.rows
     }
 
-    /// Gives its room away; what it says of the parts stays.
+    /// Takes the rows out, to reuse their memory; the normal equations of the parts stay.
     pub fn take_rows(&mut self) -> Rows<LOCAL, ROW> {
         std::mem::take(&mut self.rows)
     }
 
-    /// Rows by knot: once eliminated, each is the knot's own factor and how it is tied to the next knots and the border.
+    /// Rows by knot: after elimination the Cholesky factor, and the coupling of each knot to the next knots and the border.
     pub fn rows(&self) -> &Rows<LOCAL, ROW> {
         &self.rows
     }
@@ -80,13 +95,11 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         !self.rows.is_empty()
     }
 
-    /// Adds equations that tie four knots from `first` on by `weights`, about `SIZE` unknowns of each from `at` on: their
-    /// information, their border with the part's `columns`, and their gradient.
+    /// Adds equations of `SIZE` unknowns of each of four knots, from unknown `at` on: information matrix and gradient.
     pub fn add<const SIZE: usize>(
         &mut self,
-        first: usize,
+        KnotFactors { first, factors }: KnotFactors<'_>,
         at: usize,
-        weights: &[f64; TIED],
         information: &SMatrix<f64, SIZE, SIZE>,
         gradient: &SVector<f64, SIZE>,
     ) {
@@ -94,75 +107,75 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
             for i in 0..SIZE {
                 let row = &mut self.rows[first + k][at + i];
                 for l in k..TIED {
-                    let both = weights[k] * weights[l];
+                    let both = factors[k] * factors[l];
                     let block = &mut row[LOCAL * (l - k) + at..][..SIZE];
                     for j in 0..SIZE {
                         block[j] += both * information[(i, j)];
                     }
                 }
-                row[TIED * LOCAL + GRADIENT] += weights[k] * gradient[i];
+                row[TIED * LOCAL + GRADIENT] += factors[k] * gradient[i];
             }
         }
     }
 
-    /// Adds one equation for each unknown of four knots, of the same `weights` and precision, and their gradients.
+    /// Adds one equation for each unknown of four knots, all of the same precision, and their gradients.
     pub fn add_each(
         &mut self,
-        first: usize,
-        weights: &[f64; TIED],
+        KnotFactors { first, factors }: KnotFactors<'_>,
         precision: f64,
         gradient: &[f64; LOCAL],
     ) {
         for k in 0..TIED {
             for l in k..TIED {
-                let both = precision * weights[k] * weights[l];
+                let both = precision * factors[k] * factors[l];
                 for (i, row) in self.rows[first + k].iter_mut().enumerate() {
                     row[LOCAL * (l - k) + i] += both;
                 }
             }
             for (row, value) in self.rows[first + k].iter_mut().zip(gradient) {
-                row[TIED * LOCAL + GRADIENT] += weights[k] * value;
+                row[TIED * LOCAL + GRADIENT] += factors[k] * value;
             }
         }
     }
 
-    /// Adds what such equations have in common with one unknown of a part.
-    #[expect(clippy::too_many_arguments, reason = "not grouped yet")]
+    /// Adds the coupling of `SIZE` unknowns of each of four knots to an unknown of a part.
     pub fn add_border<const SIZE: usize>(
         &mut self,
-        first: usize,
+        knots: KnotFactors<'_>,
         at: usize,
-        weights: &[f64; TIED],
-        part: usize,
-        column: usize,
+        PartUnknown { part, column }: PartUnknown,
         values: &SVector<f64, SIZE>,
     ) {
-        let column = TIED * LOCAL + FIRST_PART + PART * (part % 2) + column;
-        for k in 0..TIED {
-            for i in 0..SIZE {
-                self.rows[first + k][at + i][column] += weights[k] * values[i];
-            }
-        }
+        self.add_column(knots, at, FIRST_PART + PART * (part % 2) + column, values);
     }
 
     /// Adds to a probe.
     pub fn add_probe<const SIZE: usize>(
         &mut self,
-        first: usize,
+        knots: KnotFactors<'_>,
         at: usize,
-        weights: &[f64; TIED],
         probe: usize,
         values: &SVector<f64, SIZE>,
     ) {
-        let column = TIED * LOCAL + FIRST_PROBE + probe;
+        self.add_column(knots, at, FIRST_PROBE + probe, values);
+    }
+
+    /// Adds to a column of the border.
+    fn add_column<const SIZE: usize>(
+        &mut self,
+        KnotFactors { first, factors }: KnotFactors<'_>,
+        at: usize,
+        column: usize,
+        values: &SVector<f64, SIZE>,
+    ) {
         for k in 0..TIED {
             for i in 0..SIZE {
-                self.rows[first + k][at + i][column] += weights[k] * values[i];
+                self.rows[first + k][at + i][TIED * LOCAL + column] += factors[k] * values[i];
             }
         }
     }
 
-    /// The parts in both places of the border at a knot: the last even and the last odd one that has begun.
+    /// Returns the parts in the two places of the border at a knot: the last even and the last odd one that has begun.
     fn owners(&self, knot: usize) -> [Option<usize>; 2] {
         let begun = self.first_knots.partition_point(|first| *first <= knot);
         let last = begun - 1;
@@ -172,7 +185,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         owners
     }
 
-    /// Eliminates the motion; `false` where it is not held.
+    /// Eliminates the motion; `false` where its normal matrix is singular.
     pub fn eliminate(&mut self) -> bool {
         let knots = self.rows.len();
         let mut gram = [[0.0; BORDER]; BORDER];
@@ -210,7 +223,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         true
     }
 
-    /// Moves what was gathered about a part out of the border; the one after it, if any, is in the other place.
+    /// Moves the sums of a part from the border to [`Band::parts`]; the next part, if any, is in the other place.
     fn retire(&mut self, part: usize, gram: &mut [[f64; BORDER]; BORDER]) {
         let place = FIRST_PART + PART * (part % 2);
         let other = FIRST_PART + PART * ((part + 1) % 2);
@@ -231,7 +244,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         }
     }
 
-    /// Exchanges the gradient of an eliminated band, the rest staying as it is; gives what it leaves of the parts' gradients.
+    /// Replaces the gradient of an eliminated band, and returns the gradients of the parts after elimination.
     pub fn exchange_gradient(
         &mut self,
         mut local: Vec<[f64; LOCAL]>,
@@ -251,7 +264,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         of_parts
     }
 
-    /// The step of the local unknowns, given those of the parts; all are to be subtracted.
+    /// Returns the step of the local unknowns for given steps of the parts; all are to be subtracted.
     pub fn local_step(&self, of_parts: &[PartVector]) -> Vec<f64> {
         let mut step = vec![0.0; self.rows.len() * LOCAL];
         for knot in (0..self.rows.len()).rev() {
@@ -278,8 +291,8 @@ pub(super) mod tests {
     pub const ROW: usize = TIED * LOCAL + BORDER;
     pub const KNOTS: usize = 40;
 
-    /// A band of random equations in three parts, and the same as one dense matrix and gradient over all local unknowns and
-    /// those of one part that the whole drive has.
+    /// A band of random equations in three parts, and the same equations as a dense normal matrix and gradient, in which the
+    /// three parts are one.
     pub fn example() -> (Band<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
@@ -289,22 +302,23 @@ pub(super) mod tests {
         for first in 0..KNOTS - (TIED - 1) {
             let part = [0, 13, 26].iter().filter(|begin| **begin <= first).count() - 1;
             for _ in 0..3 {
-                let weights: [f64; TIED] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
+                let factors: [f64; TIED] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
                 let direction = SVector::<f64, LOCAL>::from_fn(|_, _| rng.random_range(-1.0..1.0));
                 let columns = PartVector::from_fn(|_, _| rng.random_range(-1.0..1.0));
                 let error: f64 = rng.random_range(-1.0..1.0);
                 let information = direction * direction.transpose();
-                band.add(first, 0, &weights, &information, &(direction * error));
+                let knots = KnotFactors { first, factors: &factors };
+                band.add(knots, 0, &information, &(direction * error));
                 for column in 0..PART {
                     let values = direction * columns[column];
-                    band.add_border(first, 0, &weights, part, column, &values);
+                    band.add_border(knots, 0, PartUnknown { part, column }, &values);
                 }
                 band.parts[part].information += columns * columns.transpose();
                 band.parts[part].gradient += columns * error;
                 let mut row = DVector::zeros(size);
                 for k in 0..TIED {
                     for i in 0..LOCAL {
-                        row[(first + k) * LOCAL + i] = weights[k] * direction[i];
+                        row[(first + k) * LOCAL + i] = factors[k] * direction[i];
                     }
                 }
                 row.rows_mut(KNOTS * LOCAL, PART).copy_from(&columns);
@@ -313,15 +327,16 @@ pub(super) mod tests {
             }
         }
         for knot in 0..KNOTS - (TIED - 1) {
-            let weights = [0.3, 0.0, 0.0, 0.0];
+            let knots = KnotFactors { first: knot, factors: &[0.3, 0.0, 0.0, 0.0] };
             let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
-            band.add(knot, 0, &weights, &information, &SVector::zeros());
+            band.add(knots, 0, &information, &SVector::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         for knot in KNOTS - (TIED - 1)..KNOTS {
-            let weights = [0.0, 0.0, 0.0, 0.3];
+            let factors = &[0.0, 0.0, 0.0, 0.3];
             let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
-            band.add(knot - (TIED - 1), 0, &weights, &information, &SVector::zeros());
+            let knots = KnotFactors { first: knot - (TIED - 1), factors };
+            band.add(knots, 0, &information, &SVector::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         (band, full, gradient)

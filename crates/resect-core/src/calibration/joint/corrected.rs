@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
-use super::JointEstimate;
+use super::joint_estimate::JointEstimate;
 use super::unknowns::{Sight, Station};
 use crate::calibration::{Clock, velocity_m_per_s};
 use crate::pipeline::Triplets;

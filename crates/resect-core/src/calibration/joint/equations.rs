@@ -1,8 +1,8 @@
-//! What is observed, as equations of one stretch.
+//! Normal equations of one stretch.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::band::{Band, Rows};
+use super::band::{Band, KnotFactors, PartUnknown, Rows};
 use super::band_rows::{PROBES, TIED};
 use super::motion::Stretch;
 use super::observed::{
@@ -12,25 +12,25 @@ use super::unknowns::PART_DISTANCES;
 use crate::deployment::PAIRS;
 use crate::statistics::robust::cauchy;
 
-/// Errors that are together this many times what is usual count half (Cauchy's loss).
+/// Errors of this many σ have half the weight (Cauchy's loss).
 const LOSS_SCALE: f64 = 2.4;
 
-/// What equations count by.
+/// Noise levels and robust weights of the equations.
 #[derive(Clone, Copy)]
 pub struct Weighing<'a> {
     pub levels: Levels,
-    /// The share of a reading's errors that the motion does not take up.
+    /// Redundancy number of a reading: the share of its errors that the motion does not absorb.
     pub redundancy: f64,
-    /// The weights of readings and of knots in their order, once they have settled.
+    /// Fixed weights of readings and then of knots, in their order; `None` while they are re-estimated.
     pub held: Option<&'a [f64]>,
 }
 
-/// Squares of errors by what makes them, and what these would be on average if nothing were fitted to them.
+/// Sums of squared residuals by kind of noise, and their expectation before anything is fitted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Squares {
     pub found: [f64; PROBES],
     pub expected: [f64; PROBES],
-    /// Squares of errors that the motion has taken up.
+    /// Squares that the motion has absorbed.
     pub taken_up: [f64; PROBES],
 }
 
@@ -56,7 +56,7 @@ pub struct Equations<const LOCAL: usize, const ROW: usize> {
     pub weights: Vec<f64>,
 }
 
-/// The equations of a stretch about where everything is taken to be, in the room of earlier ones.
+/// Linearises a stretch at the linearisation point; reuses the memory of `rows`.
 pub fn equations<const LOCAL: usize, const ROW: usize>(
     piece: &Piece,
     at: &At<'_>,
@@ -94,7 +94,7 @@ struct Building<'a, const LOCAL: usize, const ROW: usize> {
 }
 
 impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
-    /// Cauchy's, of an error of this many σ squared, unless weights are held.
+    /// Returns the fixed weight, or Cauchy's of a squared error in σ².
     fn weight(&mut self, square: f64) -> f64 {
         let weight = match self.by.held {
             Some(held) => held[self.weights.len()],
@@ -104,15 +104,16 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         weight
     }
 
-    /// Range and two angles of a reading, whose stamp may be off.
+    /// Adds range and two angles of a reading, with the noise of its stamp.
     fn reading(&mut self, stretch: &Stretch, station: usize, reading: &Reading) {
         let seen = Seen::of::<LOCAL>(stretch, self.at, &self.by.levels, station, reading);
-        let Seen { place, axes, errors, information, .. } = &seen;
+        let Seen { place, axes, errors, information, part, .. } = &seen;
+        let knots = KnotFactors { first: place.first, factors: &place.position };
         let at = 3 * seen.prism;
         let pulls = information * errors;
         let weight = self.weight(errors.dot(&pulls) / (3.0 * self.by.redundancy));
 
-        // What of the errors is made by which noise.
+        // Directions of the noise sources.
         let kinds = [
             (OF_RANGES, Vector3::x() * seen.range_sigma_m),
             (OF_ANGLES, Vector3::y() * seen.across_sigma_m),
@@ -124,23 +125,23 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
                 continue;
             }
             let pull = information * axis;
-            // By the square of the weight: what is far off must not count for how far off the others are.
+            // The weight is squared: outliers must not raise the noise level.
             self.squares.found[kind] += (weight * pull.dot(errors)).powi(2);
             self.squares.expected[kind] += weight * weight * pull.dot(&axis);
             let values = axes * pull * (weight * self.signs.next());
-            self.band.add_probe(place.first, at, &place.position, kind, &values);
+            self.band.add_probe(knots, at, kind, &values);
         }
         let weighted = axes * information * axes.transpose() * weight;
         let pull = axes * pulls * weight;
-        self.band.add(place.first, at, &place.position, &weighted, &pull);
+        self.band.add(knots, at, &weighted, &pull);
         if !Band::<LOCAL, ROW>::HAS_PARTS {
             return;
         }
         let columns = seen.columns(station);
         for (i, (column, moved)) in columns.iter().flatten().enumerate() {
             let values = weighted * moved;
-            self.band.add_border(place.first, at, &place.position, seen.part, *column, &values);
-            let part = &mut self.band.parts[seen.part];
+            self.band.add_border(knots, at, PartUnknown { part: *part, column: *column }, &values);
+            let part = &mut self.band.parts[*part];
             part.gradient[*column] += moved.dot(&pull);
             for (other, other_moved) in columns[..=i].iter().flatten() {
                 let value = values.dot(other_moved);
@@ -152,12 +153,13 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         }
     }
 
-    /// Adds that the splines keep the distances of the rig, once a knot.
+    /// Adds the distances of the rig as constraints on the splines, once a knot.
     fn distances(&mut self, stretch: &Stretch, distances_m: &[f64; 3]) {
         const PRISMS: usize = 9;
         let weight = RIGID_M.powi(-2);
         for time_s in knots_s(stretch) {
             let place = stretch.place(time_s);
+            let knots = KnotFactors { first: place.first, factors: &place.position };
             let part = stretch.part(time_s);
             let mut information = SMatrix::<f64, PRISMS, PRISMS>::zeros();
             let mut gradient = SVector::<f64, PRISMS>::zeros();
@@ -173,37 +175,38 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
                 }
                 let column = PART_DISTANCES + pair;
                 let values = row * -weight;
-                self.band.add_border(place.first, 0, &place.position, part, column, &values);
+                self.band.add_border(knots, 0, PartUnknown { part, column }, &values);
                 let part = &mut self.band.parts[part];
                 part.information[(column, column)] += weight;
                 part.gradient[column] -= weight * error_m;
             }
-            self.band.add(place.first, 0, &place.position, &information, &gradient);
+            self.band.add(knots, 0, &information, &gradient);
         }
     }
 
-    /// Adds that the motion is smooth: one equation a coordinate and knot.
+    /// Adds the smoothness prior of the motion: one equation a coordinate and knot.
     fn jerks(&mut self, stretch: &Stretch) {
         let factors = jerk_factors(stretch, &self.by.levels);
         for first in 0..stretch.knots - (TIED - 1) {
             let errors = jerks::<LOCAL>(self.at, first, &factors);
+            let knots = KnotFactors { first, factors: &factors };
             // Vehicles start and stop.
             let square = errors.iter().map(|error| error * error).sum::<f64>();
             let weight = self.weight(square / LOCAL as f64);
-            // Turns and stops count in full when it comes to how jerky a vehicle is: who leaves them out holds the motion
-            // so stiffly that what the vehicle does looks like noise of stamps.
+            // Turns and stops are not down-weighted in the process noise: without them the motion is so stiff that the
+            // vehicle's movements look like noise of stamps.
             self.squares.found[OF_JERKS] += square;
             self.squares.expected[OF_JERKS] += LOCAL as f64;
             if self.by.held.is_none() {
                 let values = SVector::<f64, LOCAL>::from_fn(|_, _| self.signs.next());
-                self.band.add_probe(first, 0, &factors, OF_JERKS, &values);
+                self.band.add_probe(knots, 0, OF_JERKS, &values);
             }
-            self.band.add_each(first, &factors, weight, &errors.map(|error| weight * error));
+            self.band.add_each(knots, weight, &errors.map(|error| weight * error));
         }
     }
 }
 
-/// +1 and −1 by chance; the same every time (Steele, Lea & Flood 2014, "splitmix64").
+/// A reproducible random sequence of +1 and −1 (Steele, Lea & Flood 2014, "splitmix64").
 struct Signs(u64);
 
 impl Signs {

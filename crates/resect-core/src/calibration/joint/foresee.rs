@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::band_rows::{BORDER, MOTION_BORDER, TIED};
-use super::drive::Drive;
+use super::drive::{Drive, PARTS_S};
+use super::joint_estimate::JointEstimate;
 use super::noise::FIRST_LEVELS;
 use super::observed::Levels;
 use super::pass::{Estimates, Model, Spare, Weigh, move_motion, pass};
@@ -11,7 +12,6 @@ use super::prisms::Solution;
 use super::slow_changes;
 use super::slow_priors::Wander;
 use super::unknowns::{Constants, precisions, start};
-use super::{JointEstimate, PARTS_S};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;

@@ -2,8 +2,9 @@
 
 use super::contradiction::Contradiction;
 use super::instruments::{InstrumentError, instruments};
+use super::joint_estimate::{Dominant, JointEstimate};
+use super::stability::{Step, Stepped};
 use super::unknowns::{CLOCKS, DISTANCES, DRIFTS, LATENCIES};
-use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, Quantity, clocks_in_words};
 use crate::deployment::findings::instruments::{

@@ -1,6 +1,6 @@
 //! The errors of instruments that the joint estimate knows, one by one.
 
-use super::JointEstimate;
+use super::joint_estimate::JointEstimate;
 use super::unknowns::{COLLIMATIONS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
 use crate::calibration::{Estimate, Quantity};
 

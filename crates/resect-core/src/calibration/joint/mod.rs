@@ -1,18 +1,20 @@
-//! The joint estimate: motion, transforms, clocks, rig and the errors of the instruments, out of the readings themselves.
+//! The joint estimate of motion, transforms, clocks, rig and instrument errors from the readings themselves.
 //!
-//! Nothing is interpolated: the prisms move along splines that keep the rig's distances, and each reading counts by its
-//! own noise (continuous-time batch estimation: Furgale, Barfoot & Sibley 2012). What instruments do wrong and the data may
-//! not show is unknown as well, with a prior of its physical size ([`ErrorSizes`]): it is estimated where the data
-//! tells, and otherwise it widens σ.
+//! Readings are not interpolated: the prisms move along splines with the distances of the rig as constraints, and each reading
+//! has the weight of its own noise (continuous-time batch estimation: Furgale, Barfoot & Sibley 2012). Instrument errors are
+//! unknowns too, with priors of their physical size ([`ErrorSizes`](super::ErrorSizes)). An error that is not observable widens σ.
 //!
-//! One [pass](mod@pass) is a step of Gauss & Newton: what is [`observed`] of each stretch of the [`drive`] → [`equations`] →
-//! [`band`] eliminates the [`motion`], which leaves a [`chain`] of the drive's parts, with [`slow_priors`] → [`chain_factor`]:
-//! constants ([`unknowns`]) and [`slow_changes`], by the [`likelihood`] of how they change → and back. Nearby, [`gradients`] are enough. The [`noise`] of ranges, angles
-//! and stamps and the drive's smoothness are learned on the way as Helmert's variance components, their redundancies by random
-//! probes (Girard 1989). The rows of a long drive, of its motion and of its chain, are not kept but made again. [`stability`] looks for
-//! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
-//! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
-//! right, [`mod@foresee`] makes it before anything is read, and [`prisms`] has the motion at any instant, about the [`cuts`] of long stretches as well, by [`band_covariance`] with how certain it is.
+//! [`mod@estimate`] iterates Gauss–Newton steps, each a [pass](mod@pass) over the [`drive`]: what is [`observed`] in each stretch →
+//! [`equations`] → [`band`] eliminates the [`motion`], which leaves a [`chain`] of the drive's parts, with [`slow_priors`] →
+//! [`chain_factor`] solves for constants ([`unknowns`]) and [`slow_changes`], with the [`likelihood`] of their process noise → back
+//! substitution. Near the solution, [`gradients`] are enough.
+//! Variance components of ranges, angles, stamps and process noise ([`noise`]) are estimated as Helmert's, with redundancy numbers
+//! from random probes (Girard 1989). Rows of long drives are recomputed, not stored.
+//!
+//! [`stability`] looks for steps of stations and clocks, [`strain`] compares the estimate with its priors, and [`contradiction`] with
+//! sizes that the user has reduced. [`summary`] makes the [`joint_estimate`], [`in_words`] its findings, [`corrected`] the corrected
+//! triplets. [`mod@foresee`] predicts it before a drive. [`prisms`] evaluates the motion with its covariance
+//! ([`band_covariance`]), across the [`cuts`] of long stretches too.
 
 mod band;
 mod band_covariance;
@@ -25,10 +27,12 @@ mod corrected;
 mod cuts;
 mod drive;
 mod equations;
+mod estimate;
 mod foresee;
 mod gradients;
 pub mod in_words;
 pub mod instruments;
+mod joint_estimate;
 mod likelihood;
 mod motion;
 mod moves;
@@ -43,345 +47,9 @@ mod strain;
 mod summary;
 mod unknowns;
 
-use std::borrow::Cow;
-use std::sync::Arc;
-
-use nalgebra::{SMatrix, SVector};
-
-use self::band_rows::{BORDER, MOTION_BORDER, TIED};
-use self::contradiction::Contradiction;
-use self::drive::Drive;
+pub use self::estimate::estimate;
 pub use self::foresee::{Expected, foresee};
-use self::likelihood::{likeliest, likeliest_clocks_s2};
-use self::noise::{FIRST_LEVELS, learned};
+pub use self::joint_estimate::{Dominant, DriveClocks, JointEstimate};
 pub use self::observed::{Levels, RIGID_M, stated_range_m};
-use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
-use self::prisms::Solution;
-use self::slow_changes::{add_steps, is_usual, measured};
 pub use self::slow_priors::Wander;
 pub use self::stability::{Step, Stepped};
-use self::strain::Strain;
-use self::unknowns::{CLOCKS, Constants, precisions, start};
-use super::TransformSigma;
-use crate::calibration::ErrorSizes;
-use crate::calibration::Estimate;
-use crate::geometry::LevelTransform;
-use crate::pipeline::Triplets;
-use crate::progress::{Cancelled, Progress};
-
-const MOST_STEPS: usize = 20;
-/// What is slow is constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
-/// matters, and at last for as long as a stretch.
-const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
-/// Where no constant has to move by more than this many σ, the motion is near the readings.
-const NEAR_SIGMAS: f64 = 1.5;
-/// Steps whose squares shrink by this factor or more need nothing but gradients.
-const FAST: f64 = 0.1;
-/// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
-/// costs a third. Before the constants are about right, all of it would look like noise.
-const LEARNING_KNOTS: usize = 600;
-const LEARNING_STEPS: [bool; 5] = [true, true, false, true, false];
-/// Wandering ranges and steps are looked for so often near the readings: what the first look finds moves all else, and with
-/// one look alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
-const LOOKS: usize = 2;
-/// This many steps of the motion alone bring the rest of a long drive near its readings.
-const MOTION_STEPS: usize = 2;
-/// How far the published answer may be off meanwhile (1 σ).
-const NEAR_M: f64 = 0.1;
-const NEAR_RAD: f64 = 0.002;
-/// An estimate this far from the published answer (m) has run away: readings that contradict each other led it there.
-const RUN_AWAY_M: f64 = 30.0;
-/// A step whose square is this share of the answer's variances changes nothing that anyone can see.
-const SMALL_STEP: f64 = 4e-3;
-
-/// What was found.
-#[derive(Clone, Debug)]
-pub struct JointEstimate {
-    /// Level frames of the stations into station 1's, as they stood on average.
-    pub station1_from_station: [LevelTransform; 3],
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-    pub covariance: SMatrix<f64, 8, 8>,
-    /// What each of these variances is made of.
-    pub budget: Vec<(&'static str, SVector<f64, 8>)>,
-    /// How late stations 2 and 3 are against station 1 in the middle of the first drive (s).
-    pub clock_offsets_s: [Estimate; 2],
-    /// The clocks of each drive, where several were solved together.
-    pub drives: Vec<DriveClocks>,
-    pub clock_drifts: [Estimate; 2],
-    pub latencies_s: [Estimate; 3],
-    pub distances_m: Option<[Estimate; 3]>,
-    pub leans_rad: [[Estimate; 2]; 3],
-    pub range_offsets_m: [Estimate; 3],
-    pub range_scales: [Estimate; 3],
-    pub indices_rad: [Estimate; 3],
-    pub collimations_rad: [Estimate; 3],
-    strain: Strain,
-    /// What was said to be smaller than instruments make it, and the data's word on it.
-    contradictions: Vec<Contradiction>,
-    pub levels: Levels,
-    pub wander: Wander,
-    /// What was known of all that beforehand.
-    pub sizes: ErrorSizes,
-    /// Stations and clocks that did not stay as they were, the clearest first.
-    pub stepped: Vec<Step>,
-    pub converged: bool,
-    pub steps: usize,
-    /// From which the motion can be had.
-    pub solution: Arc<Solution>,
-}
-
-/// The clocks of one drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriveClocks {
-    /// Start and end of the drive (s).
-    pub span_s: [f64; 2],
-    /// How late stations 2 and 3 are against station 1 in its middle.
-    pub late_s: [Estimate; 2],
-}
-
-/// The largest part of one of the σ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dominant {
-    pub what: &'static str,
-    /// The part's σ, and the whole (m, or rad).
-    pub part: f64,
-    pub whole: f64,
-}
-
-impl JointEstimate {
-    /// What most of a σ comes from; `place` counts (x, y, z, yaw) of station 2, then of station 3.
-    pub fn dominant(&self, place: usize) -> Dominant {
-        let largest = self.budget.iter().max_by(|a, b| a.1[place].total_cmp(&b.1[place]));
-        let (what, variance) = largest.map_or(("", 0.0), |(what, all)| (*what, all[place]));
-        let whole = self.covariance[(place, place)].sqrt();
-        Dominant { what, part: variance.sqrt(), whole }
-    }
-
-    /// Whether a step is one that instruments in the field are expected to make.
-    pub fn is_usual(&self, step: &Step) -> bool {
-        is_usual(step, &self.sizes)
-    }
-
-    /// Time of a step (s, in the stations' clock).
-    pub fn at_s(&self, step: &Step) -> f64 {
-        self.drives.first().map_or(0.0, |drive| drive.span_s[0]) + step.after_s
-    }
-
-    /// "about 200 s into the drive".
-    pub fn when(&self, step: &Step) -> String {
-        if step.slowly {
-            return "over the whole drive".to_owned();
-        }
-        let at_s = self.at_s(step);
-        let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();
-        match (self.drives.get(begun.saturating_sub(1)), begun) {
-            (Some(drive), _) if at_s > drive.span_s[1] => {
-                format!("between drives {begun} and {}", begun + 1)
-            }
-            (Some(drive), 2..) => {
-                format!("about {:.0} s into drive {begun}", at_s - drive.span_s[0])
-            }
-            _ => format!("about {:.0} s into the drive", step.after_s),
-        }
-    }
-
-    pub fn sigma(&self) -> [TransformSigma; 2] {
-        let sigma = self.covariance.diagonal().map(f64::sqrt);
-        [0, 1].map(|slot| TransformSigma {
-            translation_m: sigma.fixed_rows::<3>(4 * slot).into(),
-            yaw_rad: sigma[4 * slot + 3],
-        })
-    }
-}
-
-/// Estimates everything from `plain` on, the answer of a published method. `inter_prism_m` is `None` where all stations
-/// follow one prism. `Ok(None)` without readings, or where they leave a direction free.
-///
-/// `triplets` is asked where they are needed: a copy that lasts would take as much room as the rest.
-pub fn estimate<'a>(
-    triplets: &dyn Fn() -> Cow<'a, Triplets>,
-    plain: &[LevelTransform; 3],
-    inter_prism_m: Option<&[f64; 3]>,
-    sizes: &ErrorSizes,
-    progress: &Progress,
-) -> Result<Option<JointEstimate>, Cancelled> {
-    const RIG: usize = 9;
-    const PRISM: usize = 3;
-    let start = start(plain, inter_prism_m);
-    for part_s in PARTS_S {
-        let triplets = triplets();
-        let Some(drive) = Drive::new(&triplets, part_s) else { return Ok(None) };
-        let drive = Arc::new(drive);
-        let found = match inter_prism_m {
-            Some(_) => {
-                const ROW: usize = TIED * RIG;
-                solve::<RIG, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    drive, triplets, &start, sizes, progress,
-                )
-            }
-            None => {
-                const ROW: usize = TIED * PRISM;
-                solve::<PRISM, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    drive, triplets, &start, sizes, progress,
-                )
-            }
-        }?;
-        if found.is_some() {
-            return Ok(found);
-        }
-    }
-    Ok(None)
-}
-
-fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-    drive: Arc<Drive>,
-    triplets: Cow<'_, Triplets>,
-    start: &Constants,
-    sizes: &ErrorSizes,
-    progress: &Progress,
-) -> Result<Option<JointEstimate>, Cancelled> {
-    let mut model = Model {
-        precision: precisions(sizes),
-        start: *start,
-        priors: slow_changes::priors(sizes, start, &triplets.restarts_s),
-    };
-    // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
-    let sample = Arc::new(drive.sample(LEARNING_KNOTS));
-    let Some((mut by, mut at)) = learn::<LOCAL, ROW, MOTION>(&sample, &triplets, &model, progress)?
-    else {
-        return Ok(None);
-    };
-    // What a share of the drive leaves open of the constants, the whole one may move.
-    let longest_move = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
-    if sample.pieces.len() < drive.pieces.len() {
-        at = Estimates::start(&drive, &triplets, &at.constants, LOCAL / 3);
-        drop(triplets);
-        for _ in 0..MOTION_STEPS {
-            if move_motion::<LOCAL, MOTION>(&drive, &mut at, &by, progress)?.is_none() {
-                return Ok(None);
-            }
-        }
-    }
-    let mut stepped = Vec::new();
-    let mut looks = 0;
-    let mut spare = Spare::default();
-    // What is linear about a place so near that gradients alone tell where to go.
-    let mut nearby: Option<Pass<LOCAL, ROW>> = None;
-    let mut before = f64::INFINITY;
-    for steps in 1..=MOST_STEPS {
-        let mut holds = false;
-        let pass = if let Some(mut pass) = nearby.take() {
-            pass.turn_to(&drive, &at, &by.levels, &model, progress)?;
-            pass
-        } else {
-            let pass = pass::<LOCAL, ROW>(&drive, &at, &by, &model, &mut spare, progress)?;
-            let Some(mut pass) = pass else { return Ok(None) };
-            // Only near its readings does the motion leave errors that tell of anything else.
-            let is_near = pass.longest_move() < longest_move;
-            if is_near && by.held.is_none() {
-                if sizes.ranges_wander {
-                    model.priors.wander = likeliest(&pass.linear, &model, &drive, &at, progress)?;
-                }
-                // What jumps has its room by now, and is not taken for what walks.
-                if looks + 1 == LOOKS {
-                    model.priors.clocks_s2 =
-                        likeliest_clocks_s2(&pass.linear, &model, &drive, &at, progress)?;
-                }
-                let known = stepped.len();
-                add_steps(&mut stepped, &pass.linear, &mut model, &drive, &at, progress)?;
-                if !pass.solve(&drive, &at, &model) {
-                    return Ok(None);
-                }
-                // Readings about a step that nothing allowed for seem worse than they are.
-                looks += 1;
-                holds = stepped.len() == known && looks >= LOOKS;
-            }
-            pass
-        };
-        pass.walk(&drive, &mut at, &by.levels);
-        let moved = pass.moved;
-        let converged = by.held.is_some() && moved < SMALL_STEP;
-        if has_run_away(&at.constants, start) {
-            return Ok(None);
-        }
-        if converged || steps == MOST_STEPS {
-            let solution = Solution { drive, at, by, model, sizes: *sizes, prisms: LOCAL / 3 };
-            let mut found = pass.summary(solution);
-            let Solution { model, drive, at, .. } = &*found.solution;
-            found.stepped = measured(&stepped, &pass.factor, model, drive, at);
-            (found.converged, found.steps) = (converged, steps);
-            return Ok(Some(found));
-        }
-        if holds {
-            by.held = Some(pass.eliminated.iter().map(|one| one.weights.clone()).collect());
-        }
-        let is_kept = drive.kept_pieces() == drive.pieces.len();
-        if is_kept && (holds || (by.held.is_some() && moved < FAST * before)) {
-            nearby = Some(pass);
-        } else {
-            spare = pass.spare();
-        }
-        before = moved;
-    }
-    Ok(None)
-}
-
-fn has_run_away(constants: &Constants, start: &Constants) -> bool {
-    let places = [0, 1].map(|slot| (constants - start).fixed_rows::<3>(4 * slot).norm());
-    // Not a number is nowhere.
-    !places.into_iter().all(|away_m| away_m < RUN_AWAY_M)
-}
-
-/// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
-fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-    sample: &Arc<Drive>,
-    triplets: &Triplets,
-    model: &Model,
-    progress: &Progress,
-) -> Result<Option<(Weigh, Estimates)>, Cancelled> {
-    let mut near = Model { priors: model.priors.clone(), ..*model };
-    // A share of the drive may leave open what the whole one holds.
-    for place in 0..CLOCKS {
-        let sigma = if place % 4 == 3 { NEAR_RAD } else { NEAR_M };
-        near.precision[place] = sigma.powi(-2);
-    }
-    let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
-    let mut at = Estimates::start(sample, triplets, &model.start, LOCAL / 3);
-    let mut spare = Spare::default();
-    for (steps, all_moves) in LEARNING_STEPS.into_iter().enumerate() {
-        let squares = if all_moves {
-            let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
-            let Some(pass) = pass else { return Ok(None) };
-            let squares = pass.squares();
-            pass.walk(sample, &mut at, &by.levels);
-            spare = pass.spare();
-            squares
-        } else {
-            let squares = move_motion::<LOCAL, MOTION>(sample, &mut at, &by, progress)?;
-            let Some(squares) = squares else { return Ok(None) };
-            squares
-        };
-        // The first step brings the motion to the readings; only then do errors tell of noise.
-        if steps > 0 {
-            (by.levels, by.redundancy) = learned(&by.levels, &squares);
-        }
-    }
-    Ok(Some((by, at)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_ran_away_is_told_by_where_it_is() {
-        let start = Constants::zeros();
-        let mut constants = start;
-        constants[4] = 29.0;
-        assert!(!has_run_away(&constants, &start));
-        for far in [31.0, -4e15, f64::NAN, f64::INFINITY] {
-            constants[5] = far;
-            assert!(has_run_away(&constants, &start), "{far}");
-        }
-    }
-}

@@ -1,0 +1,140 @@
+//! A calibration by one method.
+
+use std::borrow::Cow;
+
+use nalgebra::SMatrix;
+
+use super::details::{Details, JointTargets};
+use super::inter_prism::InterPrismDetails;
+use super::joint::JointEstimate;
+use super::method_answer::MethodAnswer;
+use super::{Clock, Estimate, Method, TransformSigma, Verdict, Witness};
+use crate::deployment::{Deployment, Finding, TrackFrame};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// A calibration by one method, with its uncertainty, verdict and checks.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    pub method: Method,
+    /// Frames of stations 1 (identity), 2 and 3 into station 1's; level unless a rigid alignment was asked for.
+    pub station1_from_station: [RigidTransform; 3],
+    /// Standard deviations of the transforms of stations 2 and 3; `None` when a direction is not determined.
+    pub sigma: Option<[TransformSigma; 2]>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
+    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    pub verdict: Verdict,
+    /// The reasons of the verdict, and notes.
+    pub findings: Vec<Finding>,
+    /// Independent data that agrees with it.
+    pub checked_by: Vec<Witness>,
+    /// Details of its method.
+    pub details: Details,
+    /// Beside a joint estimate, the paper's answer to the same data, checked like any other. `None` if the paper's method has
+    /// no answer, which a finding reports.
+    pub published: Option<Box<Calibration>>,
+    /// Wall time of the prior and of the rest (ms).
+    pub prior_ms: f64,
+    pub solve_ms: f64,
+}
+
+impl<D: Into<Details>> From<MethodAnswer<D>> for Calibration {
+    fn from(answer: MethodAnswer<D>) -> Self {
+        Self {
+            method: answer.method,
+            station1_from_station: answer.station1_from_station,
+            sigma: answer.sigma(),
+            covariance: answer.covariance,
+            verdict: answer.judgement.verdict,
+            findings: answer.judgement.findings,
+            checked_by: answer.checked_by,
+            details: answer.details.into(),
+            published: None,
+            prior_ms: answer.prior_ms,
+            solve_ms: 0.0,
+        }
+    }
+}
+
+impl Calibration {
+    /// Returns whether independent data that would expose a bias agrees with it.
+    pub fn is_independently_checked(&self) -> bool {
+        self.checked_by.iter().any(|witness| witness.is_independent())
+    }
+
+    /// Returns the transforms of the tracks into station 1's frame; `None` where the answer is about the stations' own
+    /// frames and the tracks are in another.
+    pub fn placing_tracks(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+        let placed = deployment.track_frame == TrackFrame::Own || self.method.is_from_tracks();
+        placed.then_some(&self.station1_from_station)
+    }
+
+    /// Returns the transforms of the control points, which are in the stations' own frames; `None` where the answer is about
+    /// the frame of the tracks.
+    pub fn placing_control_points(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+        let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
+        placed.then_some(&self.station1_from_station)
+    }
+
+    /// Returns "good", "good, not independently checked", "weak" …
+    pub fn verdict_in_words(&self) -> String {
+        self.verdict.in_words(self.is_independently_checked())
+    }
+
+    /// Returns the root mean square of the point errors of methods A, B and C, and of the tracks of one prism (m).
+    pub fn fit_rms_m(&self) -> Option<f64> {
+        match &self.details {
+            Details::TwoPoint(details) => Some(details.rms_m()),
+            Details::StaticGcp(details) => Some(details.rms_m),
+            Details::DynamicGcp(details) => Some(details.rms_m),
+            Details::InterPrism(_) => None,
+            Details::Joint(details) => match &details.targets {
+                JointTargets::ThreePrisms(_) => None,
+                JointTargets::OnePrism(details) => Some(details.rms_m),
+            },
+        }
+    }
+
+    /// Returns the triplets corrected by the joint estimate's clocks and instrument errors; `None` of other methods.
+    pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
+        Some(self.joint()?.corrected(Cow::Borrowed(triplets)))
+    }
+
+    /// Returns the correlation matrix of [`Calibration::covariance`].
+    pub fn correlation(&self) -> Option<SMatrix<f64, 8, 8>> {
+        let covariance = self.covariance?;
+        let sigma = covariance.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
+        Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
+    }
+
+    /// Returns the clocks of stations 2 and 3 against station 1, where they are estimated.
+    pub fn clocks(&self) -> Option<[Clock; 2]> {
+        Some(self.joint()?.clocks())
+    }
+
+    /// Returns offset (s) and drift (s/s) of the clocks of stations 2 and 3 against station 1, where they are estimated.
+    pub fn clock_estimates(&self) -> Option<[(Estimate, Estimate); 2]> {
+        let joint = self.joint()?;
+        Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
+    }
+
+    /// Returns the joint estimate; `None` of other methods, and where the data does not determine it.
+    pub fn joint(&self) -> Option<&JointEstimate> {
+        match &self.details {
+            Details::Joint(details) => details.estimate.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Returns the details of method D, and of a joint estimate of three prisms.
+    pub fn inter_prism(&self) -> Option<&InterPrismDetails> {
+        match &self.details {
+            Details::InterPrism(details) => Some(details),
+            Details::Joint(details) => match &details.targets {
+                JointTargets::ThreePrisms(details) => Some(details),
+                JointTargets::OnePrism(_) => None,
+            },
+            _ => None,
+        }
+    }
+}

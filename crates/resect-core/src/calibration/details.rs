@@ -1,0 +1,73 @@
+//! Details of a calibration by method.
+
+use super::dynamic_gcp::DynamicGcpDetails;
+use super::inter_prism::InterPrismDetails;
+use super::joint::JointEstimate;
+use super::static_gcp::StaticGcpDetails;
+use super::two_point::TwoPointDetails;
+
+/// Details of a joint estimate, for three prisms or for one.
+#[derive(Clone, Debug)]
+pub struct JointDetails {
+    /// `None` where the data does not determine all unknowns; the answer is then the published one.
+    pub estimate: Option<JointEstimate>,
+    pub targets: JointTargets,
+}
+
+/// Properties of the answer that depend on the number of prisms.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "its owner is in a box")]
+pub enum JointTargets {
+    /// Minima, mirror twin and observability on the corrected readings.
+    ThreePrisms(InterPrismDetails),
+    /// Alignment of the tracks that the estimate starts from.
+    OnePrism(DynamicGcpDetails),
+}
+
+/// Details of an answer by method.
+#[derive(Clone, Debug)]
+pub enum Details {
+    TwoPoint(TwoPointDetails),
+    StaticGcp(StaticGcpDetails),
+    DynamicGcp(DynamicGcpDetails),
+    InterPrism(Box<InterPrismDetails>),
+    Joint(Box<JointDetails>),
+}
+
+impl From<TwoPointDetails> for Details {
+    fn from(details: TwoPointDetails) -> Self {
+        Self::TwoPoint(details)
+    }
+}
+
+impl From<StaticGcpDetails> for Details {
+    fn from(details: StaticGcpDetails) -> Self {
+        Self::StaticGcp(details)
+    }
+}
+
+impl From<DynamicGcpDetails> for Details {
+    fn from(details: DynamicGcpDetails) -> Self {
+        Self::DynamicGcp(details)
+    }
+}
+
+impl From<InterPrismDetails> for Details {
+    fn from(details: InterPrismDetails) -> Self {
+        Self::InterPrism(Box::new(details))
+    }
+}
+
+impl From<(Option<JointEstimate>, InterPrismDetails)> for Details {
+    fn from((estimate, details): (Option<JointEstimate>, InterPrismDetails)) -> Self {
+        let targets = JointTargets::ThreePrisms(details);
+        Self::Joint(Box::new(JointDetails { estimate, targets }))
+    }
+}
+
+impl From<(Option<JointEstimate>, DynamicGcpDetails)> for Details {
+    fn from((estimate, details): (Option<JointEstimate>, DynamicGcpDetails)) -> Self {
+        let targets = JointTargets::OnePrism(details);
+        Self::Joint(Box::new(JointDetails { estimate, targets }))
+    }
+}

@@ -1,0 +1,47 @@
+//! Minima of the cost of method D.
+
+use super::centred::CentredTriplets;
+use super::levenberg_marquardt::Minimum;
+use crate::geometry::{LevelTransform, wrap_to_pi};
+
+/// Two solutions are the same minimum within these; the paper's limits for its prior.
+pub const SAME_TRANSLATION_M: f64 = 0.05;
+pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
+/// A minimum of the cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basin {
+    pub station1_from_station: [LevelTransform; 3],
+    /// Mean squared inter-prism error (m²): the paper's `cost_function_2`.
+    pub mean_square_m2: f64,
+    /// Mean height of prism 1 over prisms 2 and 3 in this solution (m).
+    pub height_differences_m: [f64; 2],
+}
+
+impl Basin {
+    /// Returns the largest distance between the positions of a station in two solutions (m).
+    pub fn apart_m(&self, other: &Self) -> f64 {
+        self.station1_from_station
+            .iter()
+            .zip(&other.station1_from_station)
+            .map(|(a, b)| (a.translation_m - b.translation_m).norm())
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Returns whether two solutions are the same minimum.
+pub fn same_solution(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| {
+        (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
+            && wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
+    })
+}
+
+/// Returns a minimum as a solution with its cost.
+pub fn basin(data: &CentredTriplets, minimum: &Minimum) -> Basin {
+    Basin {
+        station1_from_station: data.transforms(&minimum.parameters),
+        mean_square_m2: minimum.normal.cost / (3 * data.len()) as f64,
+        height_differences_m: data.height_differences_m(&minimum.parameters),
+    }
+}

@@ -1,0 +1,38 @@
+//! Details of an answer from inter-prism distances.
+
+use super::basin::Basin;
+use super::mirror_twin::Mirror;
+use super::observability::Observability;
+use super::prior_search::PriorSearch;
+
+/// Details of an answer from inter-prism distances: of method D, or of a joint estimate of three prisms.
+#[derive(Clone, Debug)]
+pub struct InterPrismDetails {
+    /// The minimum that is the answer.
+    pub basin: Basin,
+    pub mirror: Mirror,
+    pub observability: Observability,
+    /// Every distinct minimum in order of cost, the answer and its twin among them; a valley counts once. The costs of
+    /// the others come from about a thousand triplets.
+    pub basins: Vec<Basin>,
+    /// The search of the prior, if it was requested.
+    pub prior_search: Option<PriorSearch>,
+}
+
+impl InterPrismDetails {
+    /// Returns the role of one of the minima.
+    pub fn role(&self, basin: &Basin) -> &'static str {
+        if *basin == self.basin {
+            "answer"
+        } else if self.mirror.twin.as_ref() == Some(basin) {
+            "mirror twin"
+        } else {
+            "other"
+        }
+    }
+
+    /// Returns the cost of one of the minima over that of the answer.
+    pub fn cost_ratio(&self, basin: &Basin) -> f64 {
+        basin.mean_square_m2 / self.basin.mean_square_m2
+    }
+}
