@@ -6,7 +6,7 @@ use egui::{PopupCloseBehavior, RichText};
 use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints};
 
 use super::dimension_units::{per_stored, unit};
-use super::estimate_errors::{self, HALF_95};
+use super::estimate_errors;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
@@ -19,6 +19,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::estimates::Judged;
 use resect_core::palette;
+use resect_core::statistics::tables::NORMAL_95;
 
 /// The switches stand in a line where there is more room than this (points), more with those of errors, and in a menu otherwise.
 const WIDE: f32 = 550.0;
@@ -192,7 +193,7 @@ impl Corner {
         let mut corner =
             Self { x: middle.time_s - start_s, value, low: f64::INFINITY, high: f64::NEG_INFINITY };
         for at in some.iter().filter_map(|at| aspect.of(at)) {
-            let half = HALF_95 * at.sigma;
+            let half = NORMAL_95 * at.sigma;
             corner.low = corner.low.min(factor * (at.value - half));
             corner.high = corner.high.max(factor * (at.value + half));
         }
