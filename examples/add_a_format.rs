@@ -3,8 +3,8 @@
 //! The format is a toy: a line a reading, `station 2 at 12.400: 31.4159 m, 123.4567 gon, 99.8765 gon` (seconds, range
 //! without the prism constant, azimuth and zenith angle). Without a file the built-in sample is written in it first.
 //!
-//! To add a real one, put [`read`] into a file of `src/deployment/format/`, name the format in its `recognise`, and let
-//! `src/deployment/open/tracks.rs` call it: folders, the window and every command then open it.
+//! To add a real one, put [`read`] into a file of `crates/resect-io/src/format/`, add a variant to `Format` in `format.rs` and
+//! a line to `recognise.rs`, and call it in `open/tracks.rs`: folders, the window and every command then open it.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 

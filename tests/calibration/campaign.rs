@@ -23,6 +23,7 @@ use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::wrap_to_pi;
 use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
+use resect_core::statistics::tables::CHI_SQUARE_95_OF_8;
 
 const PRESETS: [Preset; 10] = [
     Preset::Warthog,
@@ -38,8 +39,6 @@ const PRESETS: [Preset; 10] = [
 ];
 /// Those whose drives hold all eight numbers well.
 const WELL_POSED: usize = 6;
-/// 95 % of χ² with eight degrees of freedom.
-const CHI2_95: f64 = 15.507;
 /// Where instruments are in order, what is drawn has this spread, and the estimate is told so.
 const DRAWN: Drawn =
     Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.001, prism_constant_m: 0.0003, drift: 5e-6 };
@@ -153,7 +152,7 @@ impl Outcome {
 
     fn covered(&self) -> Option<bool> {
         let inverse = self.covariance?.cholesky()?.inverse();
-        Some((self.error.transpose() * inverse * self.error)[0] <= CHI2_95)
+        Some((self.error.transpose() * inverse * self.error)[0] <= CHI_SQUARE_95_OF_8)
     }
 
     fn largest_sigmas(&self) -> f64 {

@@ -8,12 +8,12 @@
 //!
 //! | module | content | next change |
 //! |---|---|---|
-//! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `error.rs` |
+//! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `finding_kind.rs` of resect-core |
 //! | [`reading_sense`] | whether numbers can be radians, metres and seconds | |
 //! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
-//! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
+//! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
 //! | [`open`](mod@open) | a folder becomes a deployment: which file plays which part | |
 //! | [`sample`], [`source`] | the built-in deployments; where a deployment comes from | |

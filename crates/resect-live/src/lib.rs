@@ -14,7 +14,7 @@
 //! | [`judged`] | the verdict of an answer in the field | |
 //! | [`next`] | the advised next manoeuvre | |
 //! | [`coach`] | whether the drive is long enough, and the advice | |
-//! | [`warnings`] | warnings in the field | a warning: a variant of [`warnings::Amiss`], and the condition |
+//! | [`warnings`] | warnings in the field | a warning: its kind in `finding_kind.rs` of resect-core, its constructor in `findings.rs`, its condition here |
 //! | [`pace`] | the rate of answers | |
 //! | [`view`] | the state of a live deployment at an instant, as plain data | |
 //! | [`closing`] | the answer to all readings, at the end | |

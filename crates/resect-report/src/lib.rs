@@ -15,7 +15,7 @@
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
 //! | [`copy`] | an answer for the clipboard | |
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
-//! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`] | the output of the command of that name | |
+//! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`] | the output of the commands `evaluate`, `live`, `plan`, of the studies (`compare`, `ablate`, `sweep`), of `validate` | |
 //! | [`report`] | the HTML report | a section: a file here |
 //! | [`rerun`] | recordings for the Rerun viewer | |
 

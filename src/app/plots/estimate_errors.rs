@@ -18,9 +18,8 @@ use resect_core::estimates::errors::{EpochError, driven_m};
 use resect_core::estimates::odd::OddOne;
 use resect_core::palette;
 use resect_core::pipeline::Interval;
+use resect_core::statistics::tables::NORMAL_95;
 
-/// Half the width of a 95 % region along an axis (σ).
-pub const HALF_95: f64 = 1.96;
 /// The axis of errors that are all nothing reaches so far (mm).
 const LEAST_ERROR_MM: f64 = 1e-3;
 /// Width of what one corner of such a line sums up (points).
@@ -261,7 +260,7 @@ impl ErrorCorner {
             rms_mm: mean(all_mm().map(|mm| mm * mm).sum()).sqrt(),
             least_mm: all_mm().fold(f64::INFINITY, f64::min),
             most_mm: all_mm().fold(0.0, f64::max),
-            open_mm: 1e3 * HALF_95 * mean(variance).sqrt(),
+            open_mm: 1e3 * NORMAL_95 * mean(variance).sqrt(),
         }
     }
 }

@@ -7,9 +7,7 @@ use egui_plot::PlotPoint;
 use super::pyramid::{Pyramid, Values};
 use super::way::{Instant, Way};
 use resect_core::calibration::Estimate;
-
-/// Half the width of a 95 % interval of the normal distribution in σ.
-const NORMAL_95: f64 = 1.96;
+use resect_core::statistics::tables::NORMAL_95;
 
 /// Reads a value with σ off an instant of the vehicle's way, if it is determined.
 pub type InstantValue = fn(&Instant) -> Option<Estimate>;

@@ -11,12 +11,11 @@ use resect_core::calibration::Method;
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
 use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
 use resect_core::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
+use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
 
 use super::{PRESETS, WELL_POSED};
 use crate::common::{analyse, by};
 
-/// 95 % of χ² with three degrees of freedom.
-const CHI2_95: f64 = 7.815;
 /// Turning faster than this is a sharp turn (rad/s).
 const SHARP_RAD_PER_S: f64 = 0.25;
 /// Instants this near to one without readings are near a gap (s).
@@ -103,7 +102,7 @@ fn errors(pose: &Pose, truth: &Pose) -> [Vector3<f64>; 2] {
 
 fn covers(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
     let inverse: SMatrix<f64, 3, 3> = covariance.try_inverse().expect("full rank");
-    error.dot(&(inverse * error)) <= CHI2_95
+    error.dot(&(inverse * error)) <= CHI_SQUARE_95_OF_3
 }
 
 fn true_pose(simulated: &Simulated, time_s: f64) -> Pose {

@@ -5,7 +5,7 @@ use std::fmt;
 use super::settings::Settings;
 use crate::calibration::{Alignment, CALIBRATION_NUMBERS, PriorMethod};
 use crate::number_setting::NumberSetting;
-use crate::pipeline::{RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
+use crate::pipeline::PIPELINE_NUMBERS;
 
 /// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,18 +55,17 @@ struct NamedValue {
 /// Returns every setting, in the order of the pipeline. A test finds those that are missing.
 fn named_values(settings: &Settings) -> Vec<NamedValue> {
     let Settings { pipeline, calibration } = settings;
-    let pipeline_number = |setting| number(setting, pipeline);
     let method = calibration.method.unwrap_or_default();
     let method = method
         .letter()
         .map_or(method.title().to_owned(), |letter| format!("{letter} ({})", method.title()));
-    let mut values = vec![switch("outlier filter", pipeline.outlier_filter)];
-    values.extend([&TAU_R, &TAU_A, &TAU_E, &TAU_S].map(pipeline_number));
-    values.extend([
+    let mut values = vec![
+        switch("outlier filter", pipeline.outlier_filter),
         switch("interval filter", pipeline.interval_filter),
-        pipeline_number(&TAU_L),
+    ];
+    values.extend(PIPELINE_NUMBERS.map(|setting| number(setting, pipeline)));
+    values.extend([
         word("interpolation", pipeline.interpolation.title()),
-        pipeline_number(&RATE),
         NamedValue { name: "method", value: method, unit: "" },
         word("alignment", alignment_name(calibration.alignment)),
         word("prior", prior_name(calibration.prior)),

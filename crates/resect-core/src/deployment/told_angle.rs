@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::geometry::ARCSECONDS_PER_RAD;
+
 /// The unit in which the command line tells an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToldIn {
@@ -43,7 +45,7 @@ impl fmt::Display for ToldAngle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (per_rad, unit) = match self.unit {
             ToldIn::Milliradians => (1e3, " mrad"),
-            ToldIn::Arcseconds => (3600.0_f64.to_degrees(), "″"),
+            ToldIn::Arcseconds => (ARCSECONDS_PER_RAD, "″"),
             ToldIn::Degrees => (1.0_f64.to_degrees(), "°"),
         };
         let (value, digits) = (self.value_rad * per_rad, self.decimals);

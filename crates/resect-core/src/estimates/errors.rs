@@ -5,9 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::estimate::EstimatedPose;
 use super::fit::Fit;
 use super::reference::True;
-
-/// 95 % of χ² with three degrees of freedom.
-const CHI2_95: f64 = 7.815;
+use crate::statistics::tables::CHI_SQUARE_95_OF_3;
 
 /// How far an estimate is from the ground truth at one instant, in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +78,7 @@ pub fn against_sigma(errors: &[EpochError]) -> AgainstSigma {
 }
 
 fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
-    covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI2_95)
+    covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI_SQUARE_95_OF_3)
 }
 
 /// How far the body was driven until each of the errors (m), straight between them.

@@ -13,10 +13,10 @@ use crate::analysis::Settings;
 use crate::deployment::Deployment;
 use crate::number_setting::NumberSetting;
 use crate::palette;
-use crate::pipeline::{PIPELINE_NUMBERS, PipelineSettings};
+use crate::pipeline::{PipelineSettings, RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
 use crate::progress::Progress;
 
-/// The setting of a sweep, in the order of [`PIPELINE_NUMBERS`].
+/// The setting of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
@@ -34,7 +34,14 @@ impl Parameter {
 
     /// The setting that is swept.
     pub fn setting(self) -> &'static NumberSetting<PipelineSettings> {
-        PIPELINE_NUMBERS[self as usize]
+        match self {
+            Self::TauR => &TAU_R,
+            Self::TauA => &TAU_A,
+            Self::TauE => &TAU_E,
+            Self::TauS => &TAU_S,
+            Self::TauL => &TAU_L,
+            Self::Rate => &RATE,
+        }
     }
 
     /// Whether the module that it belongs to runs.

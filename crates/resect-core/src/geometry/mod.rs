@@ -14,4 +14,4 @@ pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
 pub use polar::{LONGEST_RANGE_M, Polar, wrap_to_pi};
 pub use rigid_transform::RigidTransform;
-pub use units::{ARCSECOND_RAD, FOOT_M, US_SURVEY_FOOT_M};
+pub use units::{ARCSECOND_RAD, ARCSECONDS_PER_RAD, FOOT_M, US_SURVEY_FOOT_M};

@@ -1,12 +1,14 @@
 //! The vehicle of a drive in progress: where it is, which manoeuvres lead on from there, and what they would read.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::drive::drive_with;
-use super::manoeuvres::{FigureEight, Loop, once_around_m, slalom_m};
+use super::manoeuvres::{
+    EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M, once_around_m, slalom_m,
+};
 use super::past::AsDriven;
 use super::plan::{Plan, PlannedInstrument, PlannedRig};
 use super::so_far::SoFar;
@@ -15,9 +17,6 @@ use crate::deployment::pairwise_distances;
 use crate::pipeline::{FilteredTrack, Triplets};
 use crate::simulation::{Ground, Waypoint};
 
-/// Tips of the figure-eights that are tried are so far apart (m).
-const EIGHTS_M: [f64; 2] = [16.0, 28.0];
-const LOOP_RADIUS_M: f64 = 6.0;
 /// Half loops, which turn back, are tighter (m).
 const HALF_RADIUS_M: f64 = 4.0;
 /// How far straight legs and slaloms lead (m).
@@ -37,8 +36,6 @@ const WHERE_TO: [&str; 8] = [
 const STEEPEST_RAD: f64 = 0.15;
 /// A vehicle turns on the spot to where the cosine between its heading and its way is less than this.
 const ON_THE_SPOT: f64 = 0.5;
-/// A pass near the stations leads this near to their middle (m).
-const NEAR_M: f64 = 15.0;
 /// Places that are nearer than this are no way to go (m).
 const NEXT_DOOR_M: f64 = 6.0;
 /// Directions are told from places this far apart (m).
@@ -84,20 +81,16 @@ impl Here {
 
     /// Manoeuvres from here, in words and as ways in the frame of station 1.
     pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<(String, Vec<Vector2<f64>>)> {
-        let heading_rad = self.along.y.atan2(self.along.x);
         let mut all = Vec::new();
         for length_m in EIGHTS_M {
-            let centre_m = self.place_m.into();
-            let eight = FigureEight { centre_m, length_m, heading_rad, times: 1 };
+            let eight = FigureEight::from_here(&self.place_m, &self.along, length_m);
             all.push((format!("drive a figure-eight of {length_m:.0} m here"), eight.places_m()));
         }
         for (side, hand) in [(1.0, "left"), (-1.0, "right")] {
             for (name, radius_m, turns) in
                 [("loop", LOOP_RADIUS_M, 1.0), ("half loop", HALF_RADIUS_M, 0.5)]
             {
-                let centre_m = (self.place_m + self.turned(side * FRAC_PI_2) * radius_m).into();
-                let from_rad = heading_rad - side * FRAC_PI_2;
-                let one = Loop { centre_m, radius_m, from_rad, turns: side * turns };
+                let one = Loop::from_here(&self.place_m, &self.along, radius_m, side * turns);
                 let what = format!("drive a {name} of {:.0} m to the {hand}", 2.0 * radius_m);
                 all.push((what, one.places_m()));
             }

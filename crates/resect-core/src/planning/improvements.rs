@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Rotation2, Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::manoeuvres::{FigureEight, Loop};
+use super::manoeuvres::{EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M};
 use super::plan::Plan;
 use super::predict::{Looked, look};
 use super::prediction::PlanError;
@@ -14,12 +14,7 @@ use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
 use crate::simulation::{Ramp, Waypoint};
 
-/// Tips of the figure-eights that are tried are so far apart (m).
-const EIGHTS_M: [f64; 2] = [16.0, 28.0];
-const LOOP_RADIUS_M: f64 = 6.0;
 const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
-/// A pass near the stations leads this near to their middle (m).
-const NEAR_M: f64 = 15.0;
 /// Prisms are moved up and down by this much (m).
 const MAST_M: f64 = 0.4;
 /// Stations are moved by this much (m), in so many directions.
@@ -140,17 +135,13 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
     let mut all = Vec::new();
     let mut add = |kind, what: String, plan: Plan| all.push(Candidate { kind, what, plan });
     let (far_m, along) = far_place(plan);
-    let heading_rad = along.y.atan2(along.x);
     for length_m in EIGHTS_M {
-        let eight = FigureEight { centre_m: far_m.into(), length_m, heading_rad, times: 1 };
+        let eight = FigureEight::from_here(&far_m, &along, length_m);
         let what = format!("a figure-eight of {length_m:.0} m at the far end");
         add(ImprovementKind::FigureEight, what, with(plan, &far_m, Piece::FigureEight(eight)));
     }
     for side in [1.0, -1.0] {
-        let centre_m = far_m + Rotation2::new(side * FRAC_PI_2) * along * LOOP_RADIUS_M;
-        let from_rad = heading_rad - side * FRAC_PI_2;
-        let (centre_m, radius_m) = (centre_m.into(), LOOP_RADIUS_M);
-        let one = Piece::Loop(Loop { centre_m, radius_m, from_rad, turns: side });
+        let one = Piece::Loop(Loop::from_here(&far_m, &along, LOOP_RADIUS_M, side));
         let hand = if side > 0.0 { "left" } else { "right" };
         let what = format!("a loop to the {hand} of {:.0} m at the far end", 2.0 * LOOP_RADIUS_M);
         add(ImprovementKind::Loop, what, with(plan, &far_m, one));

@@ -4,6 +4,7 @@ use super::Plan;
 use super::locks::{Lock, LockFailure, WhyNotRead};
 use super::prediction::Prediction;
 use crate::calibration::Verdict;
+use crate::calibration::inter_prism::DECISIVE_COST_RATIO;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::deployment::Finding;
 use crate::deployment::findings::planning::{
@@ -15,8 +16,6 @@ use crate::pipeline::{OutlierReason, Thresholds};
 
 /// An answer whose largest σ exceeds this is weak (m), as that of a calibration.
 const WEAK_SIGMA_M: f64 = 0.020;
-/// A twin that costs less than this many times the answer is not told from it by its cost.
-const DECISIVE_COST_RATIO: f64 = 2.0;
 /// Prisms that differ by less in height (m) leave a static reading of them undecided as well.
 const TOLD_HEIGHT_M: f64 = 0.02;
 /// Lock failures of this share of the readings are worth a warning.

@@ -1,9 +1,16 @@
-//! Manoeuvres by their measures, laid out as places that are driven through.
+//! Manoeuvres that improve a drive, laid out as places that are driven through.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
+
+/// Lengths of the figure-eights that are tried, from tip to tip (m).
+pub const EIGHTS_M: [f64; 2] = [16.0, 28.0];
+/// Radius of the loops that are tried (m).
+pub const LOOP_RADIUS_M: f64 = 6.0;
+/// Distance of a near pass from the middle of the stations (m).
+pub const NEAR_M: f64 = 15.0;
 
 /// Places on a bend are this far apart at most (rad of it).
 const STEP_RAD: f64 = TAU / 24.0;
@@ -77,7 +84,13 @@ pub fn once_around_m(at_m: Vector2<f64>, along: Vector2<f64>) -> [Vector2<f64>; 
 }
 
 impl FigureEight {
-    /// From its middle to its middle.
+    /// Returns one that begins at a place, in the direction of travel there.
+    pub fn from_here(place_m: &Vector2<f64>, along: &Vector2<f64>, length_m: f64) -> Self {
+        let heading_rad = along.y.atan2(along.x);
+        Self { centre_m: (*place_m).into(), length_m, heading_rad, times: 1 }
+    }
+
+    /// Lays it out from its middle to its middle.
     pub fn places_m(&self) -> Vec<Vector2<f64>> {
         let radius_m = self.length_m / 4.0;
         let turned = Rotation2::new(self.heading_rad);
@@ -96,6 +109,18 @@ impl FigureEight {
 }
 
 impl Loop {
+    /// Returns one that begins at a place, in the direction of travel there; to the right where `turns` is negative.
+    pub fn from_here(
+        place_m: &Vector2<f64>,
+        along: &Vector2<f64>,
+        radius_m: f64,
+        turns: f64,
+    ) -> Self {
+        let to_centre_rad = turns.signum() * FRAC_PI_2;
+        let centre_m = (place_m + Rotation2::new(to_centre_rad) * along * radius_m).into();
+        Self { centre_m, radius_m, from_rad: along.y.atan2(along.x) - to_centre_rad, turns }
+    }
+
     pub fn places_m(&self) -> Vec<Vector2<f64>> {
         let steps = (self.turns.abs() * TAU / STEP_RAD).ceil().max(1.0) as u32;
         let place = |step: u32| {

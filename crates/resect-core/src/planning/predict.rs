@@ -10,6 +10,7 @@ use super::way;
 use crate::calibration::inter_prism;
 use crate::calibration::inter_prism::Foreseen;
 use crate::calibration::joint;
+use crate::calibration::joint::loss::EFFICIENCY;
 use crate::calibration::joint::prisms::Prisms;
 use crate::calibration::joint::{Expected, JointEstimate, Levels, RIGID_M, Wander, stated_range_m};
 use crate::calibration::{ErrorSizes, Verdict};
@@ -25,8 +26,6 @@ use crate::simulation::{EPOCH_S, Scenario, Simulated};
 const MOST_INSTANTS: f64 = 400.0;
 /// How long a lost lock lasts, of those that the simulation draws (s).
 const LOST_LOCK_S: f64 = 7.75;
-/// What Cauchy's weights leave of the information of normal errors.
-const EFFICIENCY: f64 = 0.95;
 /// What straight lines between readings leave of the variance of their noise, on average.
 const INTERPOLATED: f64 = 2.0 / 3.0;
 /// No vehicle is smoother than this, as the joint estimate has it (m/s³).

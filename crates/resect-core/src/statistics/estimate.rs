@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::ARCSECONDS_PER_RAD;
+
 /// A number with one standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -45,7 +47,7 @@ impl Quantity {
     pub fn told(self) -> (f64, &'static str) {
         match self {
             Self::Length => (1e3, "mm"),
-            Self::Angle => (3600.0_f64.to_degrees(), "″"),
+            Self::Angle => (ARCSECONDS_PER_RAD, "″"),
             Self::Time => (1e3, "ms"),
             Self::Drift => (1e6, "µs/s"),
             Self::Share => (1e6, "ppm"),

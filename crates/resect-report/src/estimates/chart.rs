@@ -7,6 +7,7 @@ use resect_core::estimates::Judgement;
 use resect_core::estimates::odd::OddOne;
 use resect_core::palette;
 use resect_core::statistics::quantiles;
+use resect_core::statistics::tables::NORMAL_95;
 
 const LABEL: f32 = 11.0;
 const LEFT: f32 = 62.0;
@@ -16,8 +17,6 @@ const ROW: f32 = 120.0;
 const ROW_GAP: f32 = 24.0;
 /// The range shows this share of the errors.
 const SHOWN: f64 = 0.995;
-/// Half the width of a 95 % region along an axis (σ).
-const HALF_95: f64 = 1.96;
 
 /// The sizes of the position errors (mm) over the time since `start_s`; odd spans are shaded.
 pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
@@ -55,7 +54,7 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
         let sizes: Vec<f64> =
             one.errors.iter().map(|error| within(1e3 * error.position_m.norm())).collect();
         let open: Vec<f64> =
-            one.errors.iter().map(|error| within(1e3 * HALF_95 * error.sigma_m())).collect();
+            one.errors.iter().map(|error| within(1e3 * NORMAL_95 * error.sigma_m())).collect();
         draw_strokes(&sizes, &times_s, &plot, Ink::Rgb(palette::estimate(index)), &mut marks);
         draw_strokes(&open, &times_s, &plot, Ink::Weak, &mut marks);
     }

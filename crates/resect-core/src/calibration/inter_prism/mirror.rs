@@ -16,7 +16,7 @@ use crate::geometry::RigidTransform;
 
 /// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
 /// can move a ratio by tens of per cent.
-const DECISIVE_COST_RATIO: f64 = 2.0;
+pub const DECISIVE_COST_RATIO: f64 = 2.0;
 /// Against another witness, the cost must speak this clearly before the answer is called ambiguous.
 const CONTRADICTING_COST_RATIO: f64 = 3.0;
 /// Prisms that differ less in height (m) have no twin to speak of.

@@ -50,6 +50,7 @@ pub use closed_form::closed_form_priors;
 pub use foresee::{Foreseen, foresee};
 pub use inter_prism_details::InterPrismDetails;
 pub use levenberg_marquardt::{Minimum, minimise};
+pub use mirror::DECISIVE_COST_RATIO;
 pub use mirror_twin::{Mirror, ResolvedBy};
 pub use normal_equations::{NormalEquations, distance_pulls};
 pub use prior_search::{PriorSearch, SearchRun};

@@ -4,16 +4,13 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::band::{Band, KnotFactors, PartUnknown, Rows};
 use super::band_rows::{PROBES, TIED};
+use super::loss::robust_weight;
 use super::motion::Stretch;
 use super::observed::{
     At, Levels, Piece, RIGID_M, Reading, Seen, apart, jerk_factors, jerks, knots_s,
 };
 use super::unknowns::PART_DISTANCES;
 use crate::deployment::PAIRS;
-use crate::statistics::robust::cauchy;
-
-/// Errors of this many σ have half the weight (Cauchy's loss).
-const LOSS_SCALE: f64 = 2.4;
 
 /// Noise levels and robust weights of the equations.
 #[derive(Clone, Copy)]
@@ -98,7 +95,7 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
     fn weight(&mut self, square: f64) -> f64 {
         let weight = match self.by.held {
             Some(held) => held[self.weights.len()],
-            None => cauchy(square.sqrt(), LOSS_SCALE).weight,
+            None => robust_weight(square),
         };
         self.weights.push(weight);
         weight

@@ -34,6 +34,7 @@ pub mod in_words;
 pub mod instruments;
 mod joint_estimate;
 mod likelihood;
+pub mod loss;
 mod motion;
 mod moves;
 mod noise;

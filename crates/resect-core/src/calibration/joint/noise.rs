@@ -1,6 +1,7 @@
 //! How noisy readings are and how jerky a drive is, out of their errors.
 
 use super::equations::{OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Squares};
+use super::loss::CONSISTENCY;
 use super::observed::{ANGLE_RAD, Levels};
 
 /// Where learning begins: a vehicle on wheels, and instruments that read half as well as they say.
@@ -13,9 +14,6 @@ const LEAST_NOISE_FACTOR: f64 = 0.5;
 const LONGEST_STRIDE: f64 = 2.7;
 /// Motion that takes up more of its jerks than this is learned slower than its redundancy says.
 const LEAST_REDUNDANCY: f64 = 0.25;
-/// What the squares of Cauchy's weights leave of the mean square of three normal errors, over their own mean: 0.84 by
-/// themselves, but they follow the levels that they make, and simulated drives of known noise are met with this.
-const CONSISTENCY: f64 = 0.70;
 const LEAST_JITTER_S: f64 = 1e-5;
 /// Stamps that a computer gives to what comes over a serial line are late by up to 15 ms, by chance.
 const MOST_JITTER_S: f64 = 0.015;

@@ -5,17 +5,14 @@ use nalgebra::Matrix3;
 use super::model::{Linearised, PolarNoise, State, residuals, transforms};
 use crate::calibration::MovingTriplets;
 use crate::deployment::PAIRS;
-use crate::geometry::RigidTransform;
+use crate::geometry::{ARCSECOND_RAD, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::robust::HUBER_BEND;
 use crate::statistics::sigma_of_errors;
 
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, section "Experiments").
-const INSTRUMENT: PolarNoise = PolarNoise {
-    range_m: 0.002,
-    range_share: 2e-6,
-    angle_rad: std::f64::consts::PI / 180.0 / 3600.0,
-};
+const INSTRUMENT: PolarNoise =
+    PolarNoise { range_m: 0.002, range_share: 2e-6, angle_rad: ARCSECOND_RAD };
 /// Interpolation error of straight lines between readings on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
 /// Weight of a distance residual (1/m²). Its size does not matter: λ and the loss scale with the residuals.

@@ -1,0 +1,16 @@
+//! The robust loss of the joint estimate, and the two constants that belong to it.
+
+use crate::statistics::robust::cauchy;
+
+/// Errors of this many σ have half the weight (Cauchy's loss).
+const LOSS_SCALE: f64 = 2.4;
+/// Mean weighted square of a normal error over the mean weight, with which noise levels are estimated. Cauchy's loss alone
+/// gives 0.84; the weights follow the levels, and simulated drives of known noise are met with this value.
+pub const CONSISTENCY: f64 = 0.70;
+/// Information of normal errors that the weights retain.
+pub const EFFICIENCY: f64 = 0.95;
+
+/// Returns the weight of a squared error in σ².
+pub fn robust_weight(squared_error: f64) -> f64 {
+    cauchy(squared_error.sqrt(), LOSS_SCALE).weight
+}
