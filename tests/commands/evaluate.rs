@@ -167,8 +167,8 @@ fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
     let why = &found.unjudged[0].1;
-    let no_motion = matches!(why, Unjudged::NoReference(NoTrajectory::NoMotion(_)));
-    assert!(no_motion && why.finding().remedies == [Remedy::JointEstimate], "{why}");
+    let one_prism = matches!(why, Unjudged::NoReference(NoTrajectory::OnePrism(_)));
+    assert!(one_prism && why.finding().remedies == [Remedy::JointEstimate], "{why}");
 }
 
 /// The stations see one prism three times: where one of them is wrong they contradict each other, and an estimate does not make
