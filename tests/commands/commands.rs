@@ -1,4 +1,4 @@
-//! The commands as a script sees them: real processes, their output and exit codes.
+//! Commands run as processes: their output and exit codes.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -150,7 +150,7 @@ fn the_json_keeps_its_contract() {
     assert!(directions.iter().all(|d| d["hold"] == "held" && d["sigma_m"].as_f64() > Some(0.0)));
     assert_eq!(directions[7]["relative_eigenvalue"], 1.0);
     assert_eq!(directions[0]["motion"][1]["station"], 3);
-    // The covariance is of what the σ are of, and a correlation of one with itself.
+    // σ is the root of the covariance's diagonal, and the correlation of a quantity with itself is 1.
     let sigma_x = value["transforms"][1]["sigma"]["translation_m"][0].as_f64().expect("σ");
     let variance_x = value["covariance"][4][4].as_f64().expect("a variance");
     assert!((variance_x.sqrt() - sigma_x).abs() < 1e-12);
@@ -196,7 +196,7 @@ fn the_json_keeps_its_contract() {
 fn what_is_not_there_is_null_or_empty_and_never_zero() {
     let value = json(&["calibrate", text(&sample_folder("hd2-tunnel")), "--json"]);
     assert_eq!(value["metrics"]["gcp_mm"], Value::Array(vec![]));
-    // A straight line leaves directions free: there is no σ.
+    // A straight line leaves directions unconstrained, so there is no σ.
     let folder = tempfile::tempdir().expect("a folder");
     stdout(&["simulate", "--preset", "straight-line", "--out", text(folder.path())]);
     let value = json(&["calibrate", text(folder.path()), "--json"]);
@@ -294,7 +294,7 @@ fn broken_folders_end_in_one_line_with_the_place_and_a_remedy() {
     complaint(&["check", text(folder.path())], 1);
 }
 
-/// Numbers that no instrument gives must neither hang nor pass as data.
+/// Rejects numbers that no instrument gives, without hanging.
 #[test]
 fn absurd_numbers_are_refused_or_left_out() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -419,14 +419,14 @@ fn true_poses_of_a_simulation_are_judged_as_such() {
     let judged = &value["estimates"][0];
     let of = |name: &str| judged[name].as_f64().expect("a number");
     let rmse_m = judged["ape_position_m"]["rmse"].as_f64().expect("a number");
-    // Consistent with its own σ, and so about as large.
+    // A consistent error is about as large as its σ.
     let ratio = rmse_m / of("ground_truth_sigma_m");
     assert!((0.5..1.6).contains(&ratio), "{ratio}");
     // From prism 1 down to the ground between the axles, as the vehicle is built.
     let arm_m: Vec<f64> = (0..3).map(|i| judged["lever_arm_m"][i].as_f64().expect("m")).collect();
     let length_m = arm_m.iter().map(|part| part * part).sum::<f64>().sqrt();
     assert!((length_m - 0.45_f64.hypot(0.05).hypot(1.55)).abs() < 0.005, "{arm_m:?}");
-    // Neither within the drive, where it would be read, nor as what no trajectory is.
+    // Neither inside the drive, where it would be read as data, nor with an unknown extension.
     let line = complaint(&simulate_with(text(&inside)), 2);
     assert!(line.contains("beside its folder"), "{line}");
     let line = complaint(&simulate_with(text(&other)), 2);
@@ -436,7 +436,7 @@ fn true_poses_of_a_simulation_are_judged_as_such() {
     assert!(!other.exists());
 }
 
-/// The remedy is not what was tried already.
+/// Offers a remedy that was not tried already.
 #[test]
 fn where_no_motion_fits_the_readings_the_way_leads_to_the_answer() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -577,6 +577,61 @@ fn a_recording_holds_tracks_fates_stations_and_residuals() {
     assert!(nowhere.contains("/nowhere/at/all.rrd"), "{nowhere}");
 }
 
+/// Compares a recording, as rerun-sdk reads it, with the JSON and CSV of the same calibration.
+#[cfg(feature = "rerun")]
+#[test]
+#[ignore = "needs the PyPI package rerun-sdk: tests/run --peers"]
+fn a_recording_is_read_by_its_peer_rerun_sdk() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("sample.rrd");
+    let path = sample();
+    stdout(&["export", &path, "--rrd", text(&file)]);
+    stdout(&["export", &path, "--csv", text(folder.path())]);
+    let calibration = json(&["calibrate", &path, "--json"]);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/read_recording.py");
+    let output = Command::new("python").arg(script).arg(&file).output();
+    let output = output.expect("tests/run --peers has it on the path");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let recording: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let entity = |path: &str| recording.get(path).unwrap_or_else(|| panic!("no entity {path}"));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let length = |value: &Value| value.as_array().expect("a list").len();
+
+    let fates = recording.as_object().expect("entities").iter();
+    for slot in 0..3 {
+        let station = slot + 1;
+        let raw = format!("/world/station_{station}/raw/");
+        let readings = fates.clone().filter(|(path, _)| path.starts_with(&raw));
+        let readings: usize = readings.map(|(_, fate)| length(&fate["positions"])).sum();
+        let kept = length(&entity(&format!("{raw}kept"))["positions"]);
+        assert_eq!(calibration["pipeline"]["raw"][slot], readings);
+        assert_eq!(calibration["pipeline"]["kept"][slot], kept);
+        let prism = entity(&format!("/world/station_{station}/prism"));
+        assert_eq!(prism["rows"], calibration["pipeline"]["triplets"]);
+        let rates = entity(&format!("/rates/azimuth_deg_per_s/station_{station}"));
+        assert_eq!(rates["rows"], readings - 1);
+    }
+    for transform in calibration["transforms"].as_array().expect("two transforms") {
+        let position_m = &entity(&format!("/world/station_{}", transform["from"]))["positions"][0];
+        for axis in 0..3 {
+            let (peer, own) = (&position_m[axis], &transform["translation_m"][axis]);
+            assert!((number(peer) - number(own)).abs() < 1e-6, "{peer} {own}");
+        }
+    }
+    let residuals = std::fs::read_to_string(folder.path().join("residuals.csv")).expect("there");
+    let errors = entity("/distance_error_mm/23");
+    assert_eq!(errors["rows"], residuals.lines().count() - 1);
+    for (row, line) in residuals.lines().skip(1).enumerate() {
+        let fields: Vec<f64> = line.split(',').map(|field| field.parse().expect(line)).collect();
+        // The CSV has microseconds.
+        assert!((number(&errors["times"][row]) * 1e-9 - fields[0]).abs() < 1e-6, "{line}");
+        assert!((number(&errors["scalars"][row]) - fields[4]).abs() < 1e-9, "{line}");
+    }
+    for path in ["/verdict", "/viewport", "/world/pillars/Two_points_txt/station_3"] {
+        entity(path);
+    }
+}
+
 #[test]
 fn screenshot_writes_a_picture_of_the_wanted_size() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -688,7 +743,7 @@ fn validate_tells_what_holds_and_which_station_moved() {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, second) = calibration_and_a_run(folder.path());
     let first = folder.path().join("first");
-    // Whatever the verdict, it is an answer.
+    // A validation succeeds with every verdict.
     let found = json(&["validate", text(&file), text(&first), text(&second), "--json"]);
     assert_eq!(found[0]["verdict"], "holds", "{:#}", found[0]);
     assert_eq!(found[1]["verdict"], "does-not-hold", "{:#}", found[1]);
@@ -767,7 +822,7 @@ fn nothing_is_written_over_what_was_read() {
         assert!(line.contains("not written over; name another file"), "{line}");
         assert_eq!(std::fs::read(&recording).expect("there"), before, "{command}");
     }
-    // A page of before is.
+    // An existing page is replaced.
     let page = folder.path().join("page.html");
     for _ in 0..2 {
         stdout(&["report", text(folder.path()), "--out", text(&page)]);
@@ -838,7 +893,7 @@ fn a_session_without_a_display_is_calibrated_in_the_terminal() {
     let said = stdout(&[text(&session)]);
     assert!(said.contains("no display") && !said.contains("built-in sample"), "{said}");
     assert!(said.contains("warthog (simulated)") && said.contains("hd2-tunnel"), "{said}");
-    // By the session's settings, not the usual ones.
+    // The session's settings apply, not the default ones.
     let (path, tau) = (sample_folder("hd2-tunnel"), ["--tau-s", "2"]);
     let own = stdout(&[&["calibrate", text(&path)][..], &tau].concat());
     let pipeline = own.lines().find(|line| line.starts_with("pipeline")).expect("a line");
@@ -943,7 +998,7 @@ fn a_past_deployment_is_a_plan() {
             let is_round = ((1e3 * planned_m).round() - 1e3 * planned_m).abs() < 1e-9;
             assert!(is_round, "a plan has no more digits: {planned_m}");
         }
-        // What is foreseen of such a drive is what the estimate of this one states.
+        // The predicted σ agrees with the σ that the estimate states.
         for axis in 0..3 {
             let foreseen = value["held"]["sigma"][slot]["translation_m"][axis].as_f64();
             let stated = transform["sigma"]["translation_m"][axis].as_f64();

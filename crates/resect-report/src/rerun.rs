@@ -1,7 +1,14 @@
 //! Recordings for the Rerun viewer: tracks, fates, stations, control points, rates, residuals and the verdict.
 //!
-//! Everything that stands still is static; prisms, rates and distance errors are columns on the timeline `time`.
-//! A [`blueprint`] in the recording says how the viewer lays them out.
+//! Entities without a time are static; prisms, rates and distance errors are columns on the timeline `time`.
+//! A [`blueprint`] in the recording defines the viewer's layout.
+//!
+//! # Cost
+//! The crate `rerun` with the feature `sdk` brings 267 of the workspace's 634 crates and a third of the build time.
+//! Four of its internal crates brought 161 crates and a quarter; their interfaces change with each release.
+//!
+//! [`rerun::RecordingStream`] is not used: its files of the same data differ ([`chunks`]).
+//! [`rerun::sink::GrpcSink`] would stream to a viewer without the program `rerun`, for 1.96 MB in a program of at most 40 MB.
 
 mod blueprint;
 mod chunks;
@@ -10,12 +17,12 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use re_chunk::TimeColumn;
-use re_log_types::{BlueprintActivationCommand, EntityPath, LogMsg, StoreId, StoreKind};
-use re_sdk_types::archetypes::{
-    LineStrips3D, Points3D, RecordingInfo, Scalars, SeriesPoints, TextDocument, ViewCoordinates,
+use rerun::external::re_log_types::BlueprintActivationCommand;
+use rerun::log::LogMsg;
+use rerun::{
+    EntityPath, LineStrips3D, Points3D, Radius, RecordingInfo, Scalars, SeriesPoints, StoreId,
+    StoreKind, TextDocument, TimeColumn, ViewCoordinates,
 };
-use re_sdk_types::components::Radius;
 use sha2::{Digest, Sha256};
 
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
@@ -35,16 +42,16 @@ use resect_io::atomic::WriteError;
 pub enum RerunError {
     #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("the Rerun SDK made no recording: {0}; report it, with the data")]
+    #[error("the Rerun SDK failed: {0}; report it, with the data")]
     Sdk(String),
     #[error("the Rerun viewer did not start: {0}; install it with `pip install rerun-sdk=={1}`")]
     NoViewer(String, &'static str),
 }
 
-/// Version of the SDK, and so of the viewer that surely reads its recordings.
+/// Version of the SDK, and of the viewer that reads its recordings.
 const SDK_VERSION: &str = "0.36.3";
 
-/// By which the viewer tells whose recordings and layouts belong together.
+/// Application that the viewer groups recordings and blueprints by.
 const APPLICATION: &str = "resect";
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -55,13 +62,13 @@ pub fn save(
     analysis: &Analysis,
     path: &Path,
 ) -> std::result::Result<(), RerunError> {
-    let bytes = recording(deployment, analysis);
+    let bytes = messages(deployment, analysis).and_then(|all| Ok(chunks::encode(&all)?));
     Ok(atomic::write(path, bytes.map_err(|error| RerunError::Sdk(error.to_string()))?)?)
 }
 
-/// Starts the viewer (or uses a running one) and shows the deployment in it.
+/// Opens the deployment in the viewer, the program `rerun`, with a temporary file.
 ///
-/// The viewer is a program of its own, `rerun`, which opens recordings.
+/// `rerun` streams the file to a viewer that already runs on this machine, and opens a window otherwise.
 pub fn open_viewer(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -76,38 +83,33 @@ pub fn open_viewer(
         .spawn();
     let mut viewer =
         viewer.map_err(|error| RerunError::NoViewer(error.to_string(), SDK_VERSION))?;
-    // Who waits for nobody leaves the ended viewer in the system's table.
+    // A child that is never waited for stays in the process table.
     std::thread::spawn(move || viewer.wait());
     Ok(())
 }
 
-/// The bytes of a recording, its layout first.
-fn recording(deployment: &Deployment, analysis: &Analysis) -> Result<Vec<u8>> {
-    let chunks = log_all(deployment, analysis)?;
-    let (layout, activation) = layout()?;
-    let messages = |recording_id: &str| {
+/// Returns the messages of a recording, its blueprint first.
+fn messages(deployment: &Deployment, analysis: &Analysis) -> Result<Vec<LogMsg>> {
+    let chunks = log_deployment(deployment, analysis)?;
+    let in_store = |recording_id: &str| {
         chunks.messages(&StoreId::new(StoreKind::Recording, APPLICATION, recording_id))
     };
-    // Two recordings that the viewer has open may share nothing but what is the same in both.
-    let digest = Sha256::digest(chunks::bytes(&messages("")?)?);
+    // The viewer merges recordings with the same id, so the id is a digest of the data.
+    let digest = Sha256::digest(chunks::encode(&in_store("")?)?);
     let recording_id = digest[..16].iter().fold(String::new(), |mut id, byte| {
         _ = write!(id, "{byte:02x}");
         id
     });
-    let activation = [LogMsg::BlueprintActivationCommand(activation)];
-    Ok(chunks::bytes(layout.iter().chain(&activation).chain(&messages(&recording_id)?))?)
-}
-
-/// The layout, and what says that it is there to be used.
-fn layout() -> Result<(Vec<LogMsg>, BlueprintActivationCommand)> {
     let blueprint_id = StoreId::new(StoreKind::Blueprint, APPLICATION, "resect-layout");
-    let messages = blueprint::blueprint()?.messages(&blueprint_id)?;
+    let mut messages = blueprint::blueprint()?.messages(&blueprint_id)?;
     let (make_active, make_default) = (true, true);
-    Ok((messages, BlueprintActivationCommand { blueprint_id, make_active, make_default }))
+    messages.push(BlueprintActivationCommand { blueprint_id, make_active, make_default }.into());
+    messages.extend(in_store(&recording_id)?);
+    Ok(messages)
 }
 
-/// Everything about a deployment and its answer.
-fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
+/// Logs a deployment and its answer.
+fn log_deployment(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
     let mut recording = Chunks::default();
     let mut info = RecordingInfo::new().with_name(deployment.name.as_str());
     if let Some(start_s) = deployment.start_s() {
@@ -117,7 +119,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
     let answer = analysis.answer.as_ref().ok();
     let transforms =
         answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
-    // What another frame holds is left out: it would stand in the wrong place.
+    // Entities in another frame would have wrong positions, so they are left out.
     let places_tracks = answer.is_none_or(|a| a.calibration.placing_tracks(deployment).is_some());
     let places_points =
         answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
@@ -141,7 +143,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
         Ok(answer) => text::calibration(deployment, analysis, answer, ToString::to_string),
         Err(error) => error.to_string(),
     };
-    // Its columns stand one below the other only in letters of one width.
+    // The columns align only in a monospaced font.
     let verdict = format!("```text\n{verdict}\n```");
     recording.log_static(VERDICT, &TextDocument::from_markdown(verdict))?;
     if let Some(answer) = answer {
@@ -150,7 +152,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
     Ok(recording)
 }
 
-/// A station, its readings and its track, moved into the world.
+/// Logs a station, its readings and its track in the frame of the world.
 fn log_station(
     recording: &mut Chunks,
     (deployment, analysis): (&Deployment, &Analysis),
@@ -177,7 +179,7 @@ fn log_station(
     for fate in SampleFate::ALL {
         let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
         let positions: Vec<_> = readings
-            .filter(|(_, own)| **own == fate)
+            .filter(|(_, reading_fate)| **reading_fate == fate)
             .map(|(m, _)| to_world(track.position_m(m)))
             .collect();
         let path = format!("{root}/raw/{}", fate.label().replace([' ', ':'], "_"));
@@ -186,7 +188,7 @@ fn log_station(
     let strips: Vec<Vec<[f32; 3]>> = (0..triplets.len())
         .collect::<Vec<_>>()
         .chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b])
-        .map(|part| part.iter().map(|i| to_world(triplets.points_m[station][*i])).collect())
+        .map(|segment| segment.iter().map(|i| to_world(triplets.points_m[station][*i])).collect())
         .collect();
     recording.log_static(
         format!("{root}/track"),
@@ -201,6 +203,7 @@ fn log_station(
     Ok(())
 }
 
+/// Logs the readings of the control points, one entity for each file and station.
 fn log_control_points(
     recording: &mut Chunks,
     deployment: &Deployment,
@@ -226,7 +229,7 @@ fn log_control_points(
     Ok(())
 }
 
-/// The errors of the inter-prism distances over time.
+/// Logs the errors of the inter-prism distances over time.
 fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) -> Result<()> {
     for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
         let name = format!("{}{}", a + 1, b + 1);
@@ -245,14 +248,14 @@ fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) 
     Ok(())
 }
 
-/// What the outlier filter looks at: the rates of a station from each reading to the next.
+/// Logs the rates that the outlier filter tests: of a station, from each reading to the next.
 fn log_rates(recording: &mut Chunks, station: usize, track: &Track) -> Result<()> {
     let steps = track.measurements.windows(2);
     let time_s: Vec<f64> = steps.clone().map(|pair| pair[1].time_s).collect();
     let rates: Vec<Rates> = steps.map(|pair| rates(&pair[0], &pair[1])).collect();
-    let of: [fn(&Rates) -> f64; 3] =
+    let components: [fn(&Rates) -> f64; 3] =
         [|r| r.range_m_per_s, |r| r.azimuth_deg_per_s, |r| r.zenith_deg_per_s];
-    for (rate, of) in RATES.iter().zip(of) {
+    for (rate, component) in RATES.iter().zip(components) {
         let name = format!("station {}", station + 1);
         let path = format!("{}/station_{}", rate.entity, station + 1);
         let series =
@@ -261,14 +264,13 @@ fn log_rates(recording: &mut Chunks, station: usize, track: &Track) -> Result<()
         recording.send_columns(
             path,
             time_column(&time_s),
-            Scalars::new(rates.iter().map(of)).columns_of_unit_batches()?,
+            Scalars::new(rates.iter().map(component)).columns_of_unit_batches()?,
         )?;
     }
     Ok(())
 }
 
-/// Points that are as large on the screen from anywhere: a drive is a hundred metres, and its readings millimetres
-/// apart.
+/// Points with a radius in screen units: a drive has a hundred metres, and readings are millimetres apart.
 fn points(
     positions: impl IntoIterator<Item = [f32; 3]>,
     colour: Rgb,
@@ -278,6 +280,7 @@ fn points(
     Points3D::new(positions).with_colors([colour]).with_radii([radius])
 }
 
+/// Times on the timeline `time`, in seconds since the epoch.
 fn time_column(time_s: &[f64]) -> TimeColumn {
     TimeColumn::new_timestamp_secs_since_epoch("time", time_s.iter().copied())
 }

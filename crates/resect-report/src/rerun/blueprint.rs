@@ -1,31 +1,32 @@
-//! How the Rerun viewer opens a recording: scene, distance errors, rates and verdict, each where one looks for it.
+//! Blueprint of a recording: scene, distance errors, rates and verdict in the viewer's layout.
+//!
+//! [`rerun::blueprint`] gives its views and containers random names, so the blueprint is logged here with given names.
 
-use re_chunk::ChunkResult;
-use re_log_types::{TimePoint, Timeline};
-use re_sdk_types::AsComponents;
-use re_sdk_types::blueprint::archetypes::{
+use rerun::components::Name;
+use rerun::datatypes::{Float32, Uuid};
+use rerun::external::re_sdk_types::blueprint::archetypes::{
     ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
     ViewportBlueprint,
 };
-use re_sdk_types::blueprint::components::{
+use rerun::external::re_sdk_types::blueprint::components::{
     ColumnShare, ContainerKind, IncludedContent, PanelState, QueryExpression, RootContainer,
     RowShare, ViewClass,
 };
-use re_sdk_types::components::Name;
-use re_sdk_types::datatypes::{Float32, Uuid};
+use rerun::log::ChunkResult;
+use rerun::{AsComponents, TimePoint, Timeline};
 
 use super::chunks::Chunks;
 
 /// Entity of the verdict and its reasons.
 pub const VERDICT: &str = "verdict";
-/// Entity above the pillars. They may stand hundreds of metres away: with them in it, the view would show nothing else.
+/// Entity above the pillars. The 3D view excludes them: hundreds of metres away, they would shrink everything else.
 pub const PILLARS: &str = "world/pillars";
 /// Entity above the distance errors of the three pairs.
 pub const DISTANCE_ERRORS: &str = "distance_error_mm";
 
-/// One of the rates that the outlier filter looks at.
+/// View of a rate that the outlier filter tests.
 pub struct RateView {
-    /// Entity above one for each station.
+    /// Entity above those of the stations.
     pub entity: &'static str,
     title: &'static str,
 }
@@ -37,9 +38,7 @@ pub const RATES: [RateView; 3] = [
     RateView { entity: "rates/zenith_deg_per_s", title: "zenith rate (°/s)" },
 ];
 
-/// The scene over the distance errors on the left, the verdict over the rates on the right.
-///
-/// Written out, because the SDK's own layouts have names by chance.
+/// Returns the blueprint: scene over distance errors on the left, verdict over rates on the right.
 pub fn blueprint() -> ChunkResult<Chunks> {
     let mut layout = Layout::default();
     let all = || vec!["$origin/**".to_owned()];
@@ -63,8 +62,8 @@ pub fn blueprint() -> ChunkResult<Chunks> {
     Ok(layout.chunks)
 }
 
-/// A view or a container of views that was logged.
-struct Placed {
+/// View or container that was logged.
+struct BlueprintNode {
     id: u128,
     path: String,
 }
@@ -72,22 +71,22 @@ struct Placed {
 #[derive(Default)]
 struct Layout {
     chunks: Chunks,
-    placed: u128,
+    nodes: u128,
 }
 
 impl Layout {
-    fn log(&mut self, path: &str, what: &dyn AsComponents) -> ChunkResult<()> {
-        // Layouts have a time of their own, by which the viewer undoes what is done to them.
-        let at = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
-        self.chunks.log(path, at, what)
+    fn log(&mut self, path: &str, archetype: &dyn AsComponents) -> ChunkResult<()> {
+        // The viewer's undo moves along this timeline.
+        let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
+        self.chunks.log(path, time, archetype)
     }
 
-    fn place(&mut self, kind: &str) -> Placed {
-        self.placed += 1;
-        let id = 0x7e5e_c700_0000_4000_8000_0000_0000_0000 + self.placed;
+    fn new_node(&mut self, kind: &str) -> BlueprintNode {
+        self.nodes += 1;
+        let id = 0x7e5e_c700_0000_4000_8000_0000_0000_0000 + self.nodes;
         let digits = format!("{id:032x}");
         let parts = [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]];
-        Placed { id, path: format!("{kind}/{}", parts.join("-")) }
+        BlueprintNode { id, path: format!("{kind}/{}", parts.join("-")) }
     }
 
     fn view(
@@ -96,8 +95,8 @@ impl Layout {
         name: &str,
         origin: &str,
         contents: Vec<String>,
-    ) -> ChunkResult<Placed> {
-        let view = self.place("view");
+    ) -> ChunkResult<BlueprintNode> {
+        let view = self.new_node("view");
         let contents = contents.into_iter().map(|query| QueryExpression(query.into()));
         self.log(&format!("{}/ViewContents", view.path), &ViewContents::new(contents))?;
         let blueprint = ViewBlueprint::new(ViewClass(class.into()))
@@ -110,11 +109,11 @@ impl Layout {
     fn container<const N: usize>(
         &mut self,
         kind: ContainerKind,
-        contents: &[Placed],
+        contents: &[BlueprintNode],
         shares: [f32; N],
-    ) -> ChunkResult<Placed> {
-        let container = self.place("container");
-        let contents = contents.iter().map(|placed| IncludedContent(placed.path.as_str().into()));
+    ) -> ChunkResult<BlueprintNode> {
+        let container = self.new_node("container");
+        let contents = contents.iter().map(|node| IncludedContent(node.path.as_str().into()));
         let mut blueprint = ContainerBlueprint::new(kind).with_contents(contents);
         if kind == ContainerKind::Horizontal {
             blueprint = blueprint.with_col_shares(shares.map(|share| ColumnShare(Float32(share))));
