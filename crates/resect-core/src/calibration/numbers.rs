@@ -4,7 +4,7 @@ use std::ops::Bound;
 
 use super::CalibrationSettings;
 use crate::geometry::ARCSECOND_RAD;
-use crate::number_setting::NumberSetting;
+use crate::number_setting::{NumberSetting, check_all};
 
 /// All of them: the inter-prism distances, then the errors of the instruments.
 pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
@@ -21,6 +21,16 @@ pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
     &SIGMA_SETTLING_TURN,
     &SIGMA_SETTLING_PLACE,
 ];
+
+impl CalibrationSettings {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// The first number that is not accepted, as one line.
+    pub fn check(&self) -> Result<(), String> {
+        check_all(&CALIBRATION_NUMBERS, self)
+    }
+}
 
 pub static SIGMA_DISTANCES: NumberSetting<CalibrationSettings> = NumberSetting {
     name: "σ distances",

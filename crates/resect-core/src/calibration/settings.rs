@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
-use super::numbers::CALIBRATION_NUMBERS;
 use crate::calibration::ErrorSizes;
-use crate::number_setting::check_all;
 
 /// The starting point of method D.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,13 +58,5 @@ impl CalibrationSettings {
     /// Returns these settings with another method.
     pub fn with_method(&self, method: Method) -> Self {
         Self { method: Some(method), ..*self }
-    }
-
-    /// Checks all numbers.
-    ///
-    /// # Errors
-    /// The first number that is not accepted, as one line.
-    pub fn check(&self) -> Result<(), String> {
-        check_all(&CALIBRATION_NUMBERS, self)
     }
 }

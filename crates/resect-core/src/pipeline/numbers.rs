@@ -3,11 +3,21 @@
 use std::ops::Bound;
 
 use super::PipelineSettings;
-use crate::number_setting::NumberSetting;
+use crate::number_setting::{NumberSetting, check_all};
 
 /// All of them, in the order of the pipeline.
 pub static PIPELINE_NUMBERS: [&NumberSetting<PipelineSettings>; 6] =
     [&TAU_R, &TAU_A, &TAU_E, &TAU_S, &TAU_L, &RATE];
+
+impl PipelineSettings {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// The first number that is not accepted, as one line; sliders cannot reach it, files and flags can.
+    pub fn check(&self) -> Result<(), String> {
+        check_all(&PIPELINE_NUMBERS, self)
+    }
+}
 
 pub static TAU_R: NumberSetting<PipelineSettings> = NumberSetting {
     name: "τ_r",

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::numbers::PIPELINE_NUMBERS;
-use crate::number_setting::check_all;
-
 /// Thresholds of the modules, in the units of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -91,15 +88,5 @@ impl Default for PipelineSettings {
             interpolation: Interpolation::Linear,
             rate_hz: 10.0,
         }
-    }
-}
-
-impl PipelineSettings {
-    /// Checks all numbers.
-    ///
-    /// # Errors
-    /// The first number that is not accepted, as one line; sliders cannot reach it, files and flags can.
-    pub fn check(&self) -> Result<(), String> {
-        check_all(&PIPELINE_NUMBERS, self)
     }
 }
