@@ -41,7 +41,7 @@ pub fn station_stepped(
 ) -> Finding {
     stepped(
         station,
-        format!(
+        &format!(
             "station {} moved {when}: by {:.0} ± {:.0} mm, turned by {:+.2} ± {:.2} mrad",
             station + 1,
             moved_m.value * 1e3,
@@ -58,7 +58,7 @@ pub fn station_stepped(
 pub fn clock_stepped(station: usize, by_s: &Estimate, when: &str) -> Finding {
     stepped(
         station,
-        format!(
+        &format!(
             "station {}'s clock jumped {when}: its stamps are {:+.0} ± {:.0} ms later",
             station + 1,
             by_s.value * 1e3,
@@ -68,7 +68,7 @@ pub fn clock_stepped(station: usize, by_s: &Estimate, when: &str) -> Finding {
     .estimate("jump", by_s, Unit::Second)
 }
 
-fn stepped(station: usize, event: String) -> Finding {
+fn stepped(station: usize, event: &str) -> Finding {
     let message = format!("{event}; look at its tripod and its clock, and begin the drive again");
     Finding::new(FindingKind::LiveStepped, message).about(Subject::Station(station))
 }

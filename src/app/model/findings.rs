@@ -109,7 +109,11 @@ mod tests {
         for finding in &all {
             let message = finding.to_string();
             assert!(message.len() > 8 && !message.contains('\n'), "{message}");
-            let mut keys: Vec<String> = finding.quantities.iter().map(|one| one.key()).collect();
+            let mut keys: Vec<String> = finding
+                .quantities
+                .iter()
+                .map(resect_core::deployment::FindingQuantity::key)
+                .collect();
             keys.sort_unstable();
             keys.dedup();
             assert_eq!(keys.len(), finding.quantities.len(), "{finding:?}");

@@ -94,7 +94,7 @@ impl LayoutDescription {
     pub fn arrangement(&self) -> (Option<Node>, Vec<Finding>) {
         let mut reader = Reader::default();
         if self.version > VERSION {
-            reader.finding(format!(
+            reader.finding(&format!(
                 "the layout was written by a newer resect (its version {}, this one knows {VERSION}); what is known \
                  of it is used",
                 self.version
@@ -102,7 +102,7 @@ impl LayoutDescription {
         }
         let root = reader.read(&self.root).map(in_tabs);
         if root.is_none() {
-            reader.finding("the layout holds no pane; the ready-made one is used".to_owned());
+            reader.finding("the layout holds no pane; the ready-made one is used");
         }
         (root, reader.findings)
     }
@@ -138,8 +138,8 @@ struct Reader {
 }
 
 impl Reader {
-    fn finding(&mut self, message: String) {
-        let finding = layout_invalid(&message);
+    fn finding(&mut self, message: &str) {
+        let finding = layout_invalid(message);
         if !self.findings.contains(&finding) {
             self.findings.push(finding);
         }
@@ -163,11 +163,11 @@ impl Reader {
 
     fn pane(&mut self, name: &str) -> Option<Pane> {
         let Some(pane) = Pane::of_name(name) else {
-            self.finding(format!("the layout names a pane `{name}` that there is not; left out"));
+            self.finding(&format!("the layout names a pane `{name}` that there is not; left out"));
             return None;
         };
         if self.seen.contains(&pane) {
-            self.finding(format!("the layout has the pane `{name}` twice; the first is kept"));
+            self.finding(&format!("the layout has the pane `{name}` twice; the first is kept"));
             return None;
         }
         self.seen.push(pane);
@@ -206,8 +206,7 @@ impl Reader {
         let wrong = shares.len() != children.len() || !shares.iter().all(good);
         if wrong && !shares.is_empty() {
             self.finding(
-                "the layout has sizes that are none (negative, zero, not a number, or too few); middling ones are used"
-                    .to_owned(),
+                "the layout has sizes that are none (negative, zero, not a number, or too few); middling ones are used",
             );
         }
         let (sum, count) = shares

@@ -21,7 +21,7 @@ fn is_suspicious(offset_s: &Estimate) -> bool {
 }
 
 /// The estimates of stations 2 and 3, each with its station.
-fn by_station<'a>(estimates: &'a [Estimate; 2]) -> impl Iterator<Item = (usize, &'a Estimate)> {
+fn by_station(estimates: &[Estimate; 2]) -> impl Iterator<Item = (usize, &Estimate)> {
     estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))
 }
 

@@ -11,7 +11,7 @@ pub struct ReadingPlace<'a> {
 }
 
 impl ReadingPlace<'_> {
-    fn finding(&self, kind: FindingKind, message: String) -> Finding {
+    fn finding(&self, kind: FindingKind, message: &str) -> Finding {
         Finding::new(kind, format!("{}:{}: {message}", self.file, self.line))
             .about(Subject::Point { file: self.file.to_owned(), marker: self.marker })
     }
@@ -19,27 +19,27 @@ impl ReadingPlace<'_> {
 
 pub fn control_point_station_unknown(place: &ReadingPlace<'_>) -> Finding {
     let message = format!("station {} left out; stations are 1, 2, 3", place.number);
-    place.finding(FindingKind::ControlPointStationUnknown, message)
+    place.finding(FindingKind::ControlPointStationUnknown, &message)
 }
 
 pub fn control_point_status_invalid(place: &ReadingPlace<'_>, status: f64) -> Finding {
     let ReadingPlace { marker, number, .. } = place;
     let message =
         format!("marker {marker} of station {number} left out: status {status} (no valid reading)");
-    place.finding(FindingKind::ControlPointStatusInvalid, message)
+    place.finding(FindingKind::ControlPointStatusInvalid, &message)
 }
 
 pub fn control_point_reading_implausible(place: &ReadingPlace<'_>) -> Finding {
     let ReadingPlace { marker, number, .. } = place;
     let message = format!("marker {marker} of station {number} left out: not a usable reading");
-    place.finding(FindingKind::ControlPointReadingImplausible, message)
+    place.finding(FindingKind::ControlPointReadingImplausible, &message)
 }
 
 pub fn control_point_repeated(place: &ReadingPlace<'_>) -> Finding {
     let ReadingPlace { marker, number, .. } = place;
     let message =
         format!("marker {marker} of station {number} stands twice; the first reading is used");
-    place.finding(FindingKind::ControlPointRepeated, message)
+    place.finding(FindingKind::ControlPointRepeated, &message)
 }
 
 pub fn control_points_empty(file: &str) -> Finding {

@@ -158,8 +158,7 @@ mod tests {
         let time_s: Vec<f64> = (0..4000).map(|i| 100.0 + f64::from(i) * 0.1).collect();
         let verdicts = |kept: &dyn Fn(usize) -> bool| {
             let kept_s = (0..time_s.len()).filter(|i| kept(*i)).map(|i| time_s[i]);
-            let doubts = left_out(&time_s, &kept_s.collect::<Vec<_>>());
-            doubts
+            left_out(&time_s, &kept_s.collect::<Vec<_>>())
         };
         assert!(verdicts(&|_| true).is_empty());
         assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));

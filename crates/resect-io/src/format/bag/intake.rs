@@ -171,7 +171,7 @@ impl<'a> Intake<'a> {
         let (losses, file) = (std::mem::take(&mut self.losses), self.file().to_owned());
         if let Some(first) = &losses.first {
             let (count, bytes, messages) = (losses.count, losses.bytes, self.place);
-            let (count, messages) = (count as usize, messages as usize);
+            let count = count as usize;
             let losses = bags::Losses { first, count, bytes, messages };
             self.into.findings.push(bag_damaged(&file, &losses));
         }
