@@ -286,7 +286,7 @@ fn each_pane_shows_numbers_of_the_analysis() {
         (Pane::Residuals, "distance errors 2–3 over time".to_owned()),
         (Pane::Histogram, "distribution of the errors 1–3".to_owned()),
         (Pane::ControlPoints, format!("Come to control point P{}", point.marker)),
-        (Pane::Trajectory, "σ position over time".to_owned()),
+        (Pane::Channels, "σ position over time".to_owned()),
         (Pane::Clocks, "clocks over time".to_owned()),
     ];
     for (pane, text) in panes {

@@ -52,7 +52,10 @@ macro_rules! override_keys {
             /// Returns the overrides that differ from those of the folder, `as_read`.
             #[must_use]
             pub fn beyond(self, as_read: &Self) -> Self {
-                Self { $($key: differing(self.$key, as_read.$key.as_ref(), $silent),)+ }
+                Self { $($key: {
+                    let silent: Option<$type> = $silent;
+                    differing(self.$key, as_read.$key.as_ref(), silent.as_ref())
+                },)+ }
             }
 
             /// Returns the keys with an accepted subject.
@@ -73,8 +76,8 @@ macro_rules! override_keys {
 }
 
 /// Returns the value unless it is the one of the folder, or the one that holds where the folder is silent.
-fn differing<T: PartialEq>(own: Option<T>, as_read: Option<&T>, silent: Option<T>) -> Option<T> {
-    own.filter(|own| as_read.or(silent.as_ref()) != Some(own))
+fn differing<T: PartialEq>(own: Option<T>, as_read: Option<&T>, silent: Option<&T>) -> Option<T> {
+    own.filter(|own| as_read.or(silent) != Some(own))
 }
 
 override_keys! {
