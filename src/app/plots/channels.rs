@@ -2,8 +2,9 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Color32, FontId, PopupCloseBehavior, RichText, Stroke};
-use egui_plot::{AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
+use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint, PlotUi};
 
+use super::bands::Bands;
 use super::dimension_units::{per_stored, unit, with_unit};
 use super::estimate_errors;
 use super::marks::Marks;
@@ -85,7 +86,8 @@ fn heads(
 ) {
     let plots = state.time.plots;
     let can_judge = !open.judging.added.is_empty();
-    let is_narrow = ui.available_width() < NARROW;
+    let has_channels = plots.channels().next().is_some();
+    let is_narrow = has_channels && ui.available_width() < NARROW;
     if is_narrow {
         time_plot::head(ui, |ui| choice(ui, plots, can_judge, commands));
     }
@@ -100,12 +102,15 @@ fn heads(
         if shows(Subject::Pair) {
             pair_switches(ui, state, commands);
         }
-        let button = ui.small_button("Save as CSV…");
-        if button.on_hover_text("Every value of what is shown, not only those drawn").clicked() {
-            commands.push(TimeCommand::SaveChannelsDialog.into());
+        if has_channels {
+            let button = ui.small_button("Save as CSV…");
+            let hint = "Every value of what is shown, not only those drawn";
+            if button.on_hover_text(hint).clicked() {
+                commands.push(TimeCommand::SaveChannelsDialog.into());
+            }
         }
         time_plot::selection(ui, times, commands);
-        let is_over_time = plots.against.is_none() && plots.channels().next().is_some();
+        let is_over_time = plots.against.is_none() && has_channels;
         if is_over_time || (plots.errors && !plots.by_distance) {
             time_plot::hint(ui, "");
         }
@@ -164,6 +169,16 @@ fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mu
             }
         }
     });
+    if plots.channels().next().is_some() {
+        against(ui, plots, &mut chosen);
+    }
+    if chosen != plots {
+        commands.push(TimeCommand::Plot(chosen).into());
+    }
+}
+
+/// Lets the user choose the channel that all others are plotted against.
+fn against(ui: &mut egui::Ui, plots: ChannelPlots, chosen: &mut ChannelPlots) {
     ui.small("against");
     let width = (ui.available_width() - BESIDE_BOX).clamp(40.0, 130.0);
     let against = plots.against.map_or("time", Channel::name);
@@ -184,9 +199,6 @@ fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mu
     });
     let name = "Plotted against";
     combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
-    if chosen != plots {
-        commands.push(TimeCommand::Plot(chosen).into());
-    }
 }
 
 fn error_switches(ui: &mut egui::Ui, chosen: &mut ChannelPlots) {
@@ -375,18 +387,14 @@ impl Drawn {
                 plot_ui.add(Marks::dots(name, dots.collect(), colour));
             }
             Self::Lines(lines) => {
-                for line in lines {
-                    let scaled = |value: fn(&Corner) -> f64| {
-                        line.iter().map(|corner| factor * value(corner)).collect::<Vec<f64>>()
-                    };
-                    let x: Vec<f64> = line.iter().map(|corner| corner.since_s).collect();
-                    let band = FilledArea::new("", &x, &scaled(|c| c.low), &scaled(|c| c.high));
-                    plot_ui.add(band.fill_color(colour.gamma_multiply(0.35)).allow_hover(false));
-                    let points = x.iter().zip(scaled(|c| c.value));
-                    let points = points.map(|(x, y)| PlotPoint::new(*x, y)).collect();
-                    let line = Line::new(name, PlotPoints::Owned(points));
-                    plot_ui.line(line.color(colour).width(1.6));
-                }
+                let scaled = |corner: Corner| Corner {
+                    since_s: corner.since_s,
+                    value: factor * corner.value,
+                    low: factor * corner.low,
+                    high: factor * corner.high,
+                };
+                let lines = lines.into_iter().map(|line| line.into_iter().map(scaled).collect());
+                plot_ui.add(Bands::new(name, lines.collect(), colour));
             }
         }
     }

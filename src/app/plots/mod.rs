@@ -4,6 +4,7 @@
 //! draws what its [`pyramid`] says.
 
 mod axis_marks;
+mod bands;
 pub mod channels;
 pub mod chart;
 pub mod clocks;
