@@ -87,7 +87,9 @@ fn heads(
     let plots = state.time.plots;
     let can_judge = !open.judging.added.is_empty();
     let has_channels = plots.channels().next().is_some();
-    let is_narrow = has_channels && ui.available_width() < NARROW;
+    let shows = |subject: Subject| plots.channels().any(|channel| channel.subject() == subject);
+    let has_switches = shows(Subject::Station) || shows(Subject::Pair);
+    let is_narrow = has_switches && ui.available_width() < NARROW;
     if is_narrow {
         time_plot::head(ui, |ui| choice(ui, plots, can_judge, commands));
     }
@@ -95,7 +97,6 @@ fn heads(
         if !is_narrow {
             choice(ui, plots, can_judge, commands);
         }
-        let shows = |subject: Subject| plots.channels().any(|channel| channel.subject() == subject);
         if shows(Subject::Station) {
             station_switches(ui, state, commands);
         }
