@@ -135,7 +135,7 @@ mod tests {
         }
         check(METHODS, &Method::ALL, Method::name);
         check(PRESETS, &Preset::ALL, Preset::name);
-        check(PARAMETERS, &Parameter::ALL, |parameter| parameter.setting().key);
+        check(PARAMETERS, &Parameter::ALL, Parameter::flag);
         check(INTERPOLATIONS, &Interpolation::ALL, Interpolation::name);
     }
 }

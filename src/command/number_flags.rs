@@ -23,10 +23,11 @@ impl NumberFlags {
 
 impl Args for NumberFlags {
     fn augment_args(command: Command) -> Command {
-        PIPELINE_NUMBERS.iter().fold(command, |command, number| {
+        let flags = PIPELINE_NUMBERS.iter().filter_map(|number| Some((number.flag?, number)));
+        flags.fold(command, |command, (flag, number)| {
             let (unit, default) = (number.typed_unit(), number.default_shown());
-            let argument = Arg::new(number.key)
-                .long(number.key)
+            let argument = Arg::new(flag)
+                .long(flag)
                 .value_name(number.unit)
                 .help(format!("{} ({unit}) [default: {default}]", number.meaning))
                 .value_parser(value_parser!(f64))
@@ -42,7 +43,7 @@ impl Args for NumberFlags {
 
 impl FromArgMatches for NumberFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let values = PIPELINE_NUMBERS.map(|number| matches.get_one(number.key).copied());
+        let values = PIPELINE_NUMBERS.map(|number| matches.get_one(number.flag?).copied());
         Ok(Self { values })
     }
 

@@ -10,8 +10,10 @@ pub struct NumberSetting<S: 'static> {
     pub label: &'static str,
     /// Name in charts.
     pub title: &'static str,
-    /// Name as a flag and in messages.
+    /// Key in settings files and messages, with the stored unit.
     pub key: &'static str,
+    /// Name as a flag of the command line and as the parameter of a sweep.
+    pub flag: Option<&'static str>,
     /// Meaning, as the help of the command line says it.
     pub meaning: &'static str,
     /// Unit for people.
@@ -53,25 +55,22 @@ impl<S: Copy + Default> NumberSetting<S> {
     /// Checks the value against the accepted ones.
     ///
     /// # Errors
-    /// One line with the name, the value and the limit.
+    /// One line with the key, the value and the limit.
     pub fn check(&self, settings: &S) -> Result<(), String> {
+        let Self { key, least, most, .. } = self;
         let value = self.value(settings);
-        let (is_above, limit) = match self.least {
-            Bound::Included(least) => (value >= least, format!("at least {}", self.convert(least))),
-            Bound::Excluded(least) => (value > least, format!("above {}", self.convert(least))),
+        let (is_above, limit) = match least {
+            Bound::Included(least) => (value >= *least, format!("at least {least}")),
+            Bound::Excluded(least) => (value > *least, format!("above {least}")),
             Bound::Unbounded => (true, "a number".to_owned()),
         };
-        let most = self.convert(self.most);
-        let limit = match (is_above && value.is_finite(), value <= self.most) {
-            (true, true) => return Ok(()),
-            (true, false) => format!("{most} is the most"),
-            (false, _) => format!("it must be {limit}"),
-        };
-        Err(format!("{} ({}) is {}; {limit}", self.key, self.typed_unit(), self.convert(value)))
-    }
-
-    fn convert(&self, stored: f64) -> f64 {
-        (stored * self.per_stored * 1e9).round() / 1e9
+        if !(is_above && value.is_finite()) {
+            Err(format!("{key} is {value}; it must be {limit}"))
+        } else if value > *most {
+            Err(format!("{key} is {value}; {most} is the most"))
+        } else {
+            Ok(())
+        }
     }
 }
 

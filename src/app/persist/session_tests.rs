@@ -192,7 +192,7 @@ fn what_cannot_be_read_is_one_line_with_place_and_remedy() {
         ("resect_session = 1\n[[deployment]]\npath = 3\n", ":2:"),
         ("resect_session = 4\nresect = \"9.1.0\"\nwhat = 1\n", "newer resect (9.1.0)"),
         ("[pipeline]\n", "resect_session"),
-        (&good.replacen("tau_s_seconds = 1.25", "tau_s_seconds = -1.0", 1), "tau-s (s) is -1"),
+        (&good.replacen("tau_s_seconds = 1.25", "tau_s_seconds = -1.0", 1), "tau_s_seconds is -1"),
     ] {
         let line = error(text);
         assert!(line.contains("a.resect.toml") && line.contains(expected), "{line}");

@@ -36,7 +36,8 @@ pub static SIGMA_DISTANCES: NumberSetting<CalibrationSettings> = NumberSetting {
     name: "σ distances",
     label: "σ distances",
     title: "σ distances",
-    key: "inter-prism-sigma",
+    key: "inter_prism_sigma_m",
+    flag: None,
     meaning: "Standard deviation of the known inter-prism distances",
     unit: "mm",
     per_stored: 1e3,
@@ -59,6 +60,7 @@ const fn prior(
         label: name,
         title: name,
         key,
+        flag: None,
         meaning,
         unit,
         per_stored,
@@ -71,20 +73,20 @@ const fn prior(
 
 static SIGMA_CLOCK_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     "σ clock offsets",
-    "clock-offset",
+    "clock_offset_s",
     "Time offset of the clocks of stations 2 and 3",
     ("s", 1.0),
     |settings| &mut settings.errors.clock_offset_s,
 );
 
 static SIGMA_CLOCK_DRIFTS: NumberSetting<CalibrationSettings> =
-    prior("σ clock drifts", "clock-drift", "Drift of the clocks", ("ppm", 1e6), |settings| {
+    prior("σ clock drifts", "clock_drift", "Drift of the clocks", ("ppm", 1e6), |settings| {
         &mut settings.errors.clock_drift
     });
 
 static SIGMA_CLOCK_WANDER: NumberSetting<CalibrationSettings> = prior(
     "σ wandering clocks",
-    "clock-wander",
+    "clock_wander_s",
     "Random walk of the clocks during a drive",
     ("ms", 1e3),
     |settings| &mut settings.errors.clock_wander_s,
@@ -92,7 +94,7 @@ static SIGMA_CLOCK_WANDER: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_LATENCIES: NumberSetting<CalibrationSettings> = prior(
     "σ latencies",
-    "latency",
+    "latency_s",
     "Time between the angles and the range of a reading",
     ("ms", 1e3),
     |settings| &mut settings.errors.latency_s,
@@ -100,7 +102,7 @@ static SIGMA_LATENCIES: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_LEANS: NumberSetting<CalibrationSettings> = prior(
     "σ leans",
-    "lean",
+    "lean_rad",
     "Tilt that the compensator leaves",
     ("″", 1.0 / ARCSECOND_RAD),
     |settings| &mut settings.errors.lean_rad,
@@ -108,20 +110,20 @@ static SIGMA_LEANS: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_RANGE_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     "σ range offsets",
-    "range-offset",
+    "range_offset_m",
     "Additive error of the ranges",
     ("mm", 1e3),
     |settings| &mut settings.errors.range_offset_m,
 );
 
 static SIGMA_RANGE_SCALES: NumberSetting<CalibrationSettings> =
-    prior("σ range scales", "range-scale", "Scale error of the ranges", ("ppm", 1e6), |settings| {
+    prior("σ range scales", "range_scale", "Scale error of the ranges", ("ppm", 1e6), |settings| {
         &mut settings.errors.range_scale
     });
 
 static SIGMA_INDICES: NumberSetting<CalibrationSettings> = prior(
     "σ vertical indices",
-    "index",
+    "index_rad",
     "Vertical index error",
     ("″", 1.0 / ARCSECOND_RAD),
     |settings| &mut settings.errors.index_rad,
@@ -129,7 +131,7 @@ static SIGMA_INDICES: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_COLLIMATIONS: NumberSetting<CalibrationSettings> = prior(
     "σ collimations",
-    "collimation",
+    "collimation_rad",
     "Collimation error",
     ("″", 1.0 / ARCSECOND_RAD),
     |settings| &mut settings.errors.collimation_rad,
@@ -137,7 +139,7 @@ static SIGMA_COLLIMATIONS: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_SETTLING_TURN: NumberSetting<CalibrationSettings> = prior(
     "σ settling, turn",
-    "settling-turn",
+    "settling_rad",
     "Rotation of a tripod during a drive",
     ("mrad", 1e3),
     |settings| &mut settings.errors.settling_rad,
@@ -145,7 +147,7 @@ static SIGMA_SETTLING_TURN: NumberSetting<CalibrationSettings> = prior(
 
 static SIGMA_SETTLING_PLACE: NumberSetting<CalibrationSettings> = prior(
     "σ settling, place",
-    "settling-place",
+    "settling_m",
     "Displacement of a tripod during a drive",
     ("mm", 1e3),
     |settings| &mut settings.errors.settling_m,

@@ -44,6 +44,11 @@ impl Parameter {
         }
     }
 
+    /// Returns the name on the command line and in files.
+    pub fn flag(self) -> &'static str {
+        self.setting().flag.unwrap_or(self.setting().key)
+    }
+
     /// Whether the module that it belongs to runs.
     fn matters(self, settings: &PipelineSettings) -> bool {
         match self {
@@ -81,10 +86,7 @@ impl Sweep {
             return Err(format!("from and to are both {}; give two values", self.from));
         }
         if !parameter.matters(settings) {
-            return Err(format!(
-                "{} has no effect while its filter is off",
-                parameter.setting().key
-            ));
+            return Err(format!("{} has no effect while its filter is off", parameter.flag()));
         }
         for value in [self.from, self.to] {
             let mut variant = *settings;
@@ -124,7 +126,7 @@ pub fn sweep(
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
     Ok(Study {
-        name: format!("sweep-{}", parameter.setting().key),
+        name: format!("sweep-{}", parameter.flag()),
         title: format!("How the errors depend on {}", parameter.setting().title),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
