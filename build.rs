@@ -17,7 +17,7 @@ fn main() {
     }
     let is_release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
     if is_release && links_with_lld() {
-        println!("cargo::rustc-link-arg-bins=-Wl,--icf=all");
+        println!("cargo::rustc-link-arg-bins=-Wl,--icf=safe");
     }
 }
 

@@ -12,9 +12,11 @@ rows.forEach((row, index) => {
   const [time, station, range, azimuth, zenith] = row.split(",").map(Number);
   values.set([station, time, range, azimuth, zenith], 5 * index);
 });
+// The memory grows while it calibrates, which detaches the buffer that was read before.
+const read = (address) => new Float64Array(memory.buffer, address, 8);
 let largest = 0;
 for (const [joint, method] of [[0, "inter-prism"], [1, "joint"]]) {
-  const answer = Array.from(new Float64Array(memory.buffer, calibrate(joint, ...distances), 8));
+  const answer = Array.from(read(calibrate(joint, ...distances)));
   const native = JSON.parse(readFileSync(`${folder}/${method}.json`, "utf8"));
   const expected = native.transforms.flatMap((t) => [...t.translation_m, t.yaw_rad]);
   const difference = Math.max(...answer.map((value, index) => Math.abs(value - expected[index])));
