@@ -77,34 +77,7 @@ fn file_names(paths: &[PathBuf]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::{AS_NUMBERED, AzimuthSense, MaskedReading, PrismConstants};
-
-    #[test]
-    fn what_the_folder_says_already_is_not_put_right() {
-        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
-        let own = Overrides {
-            stations: Some([1, 3, 2]),
-            azimuth: Some(AzimuthSense::Clockwise),
-            prism_constant_m: Some(PrismConstants::Each([0.010; 3])),
-            masked: Some(Vec::new()),
-            ..Overrides::default()
-        };
-        assert!(own.clone().beyond(&as_read).is_empty());
-        // Back to the numbers of the files is something to say where the folder says otherwise.
-        let back = Overrides { stations: Some([1, 2, 3]), ..own }.beyond(&as_read);
-        assert_eq!(back.stations, Some([1, 2, 3]));
-    }
-
-    #[test]
-    fn a_masked_reading_stays_masked_when_stations_are_renumbered() {
-        let mask = |station| MaskedReading { station, time_s: 7.5 };
-        let mut overrides =
-            Overrides { masked: Some(vec![mask(1), mask(2)]), ..Overrides::default() };
-        overrides.renumber([1, 2, 3], [1, 3, 2]);
-        assert_eq!(overrides.masked, Some(vec![mask(1), mask(3)]));
-        overrides.renumber([1, 3, 2], [2, 3, 1]);
-        assert_eq!(overrides.masked, Some(vec![mask(3), mask(1)]));
-    }
+    use resect_core::deployment::{AS_NUMBERED, PrismConstants};
 
     #[test]
     fn a_change_is_told_from_what_the_folder_says() {

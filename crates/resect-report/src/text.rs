@@ -7,7 +7,7 @@ use crate::of_run;
 use crate::rows::{Pivot, deviation, pivot, prior};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::PriorSearch;
-use resect_core::calibration::{Calibration, Details, Targets};
+use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, Targets};
 use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
@@ -251,7 +251,10 @@ fn estimates(rows: &[AnswerRow]) -> String {
         text.push('\n');
     }
     if !text.is_empty() {
-        text += "* significant; distances against those measured\n\n";
+        if rows.iter().any(|row| row.group.is_beside_transforms() && row.is_significant) {
+            _ = write!(text, "* more than {SUPPORTED_SIGMAS} σ from zero; ");
+        }
+        text += "distances: difference from the measured ones\n\n";
     }
     text
 }

@@ -18,9 +18,9 @@ pub struct ChannelPlots {
     pub against: Option<Channel>,
     /// The errors of trajectories that were added.
     pub errors: bool,
-    /// Whether errors are plotted over the way that was driven, instead of over time.
+    /// Errors are plotted over the driven distance instead of over time.
     pub by_distance: bool,
-    /// Whether the errors of all trajectories have one scale: a good one beside a bad one is a line then.
+    /// The errors of all trajectories have one scale: a good one beside a bad one is a line then.
     pub one_scale: bool,
 }
 
@@ -87,7 +87,7 @@ impl ChannelPlots {
         Channel::ALL.into_iter().filter(move |channel| self.shows(*channel))
     }
 
-    /// Whether all shown channels can be plotted against this one.
+    /// Returns true if all shown channels can be plotted against this one.
     pub fn goes_against(self, other: Channel) -> bool {
         self.channels().all(|channel| channel.goes_with(other))
     }

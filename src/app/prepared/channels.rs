@@ -46,7 +46,7 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Whether there is one series, and not three.
+    /// Returns true if there is one series, and not three.
     pub fn is_single(self) -> bool {
         matches!(self, Self::Prism1 | Self::Vehicle)
     }
@@ -156,7 +156,7 @@ impl Channel {
         self.describe().dimension
     }
 
-    /// Whether each of its series has one of the other to be plotted against.
+    /// Returns true if each of its series has one of the other to be plotted against.
     pub fn goes_with(self, other: Self) -> bool {
         let [own, other] = [self, other].map(Self::subject);
         own == other || own.is_single() || other.is_single()

@@ -119,7 +119,7 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// Whether its values have σ.
+    /// Returns true if its values have σ.
     pub fn has_sigma(&self) -> bool {
         matches!(self.data, Data::Vehicle { .. })
     }

@@ -207,7 +207,7 @@ mod tests {
         assert!((10..=13).contains(&some), "{some}");
     }
 
-    /// The scene reads the vehicle off the motion at the very time of the cursor, Trajectory off its way.
+    /// The scene reads the vehicle off the motion at the time of the cursor, the pane of channels off its way.
     #[test]
     fn at_the_cursor_the_way_is_where_the_scene_has_the_vehicle() {
         let deployment = Sample::Warthog.open().expect("built in");

@@ -42,7 +42,7 @@ impl RowGroup {
         }
     }
 
-    /// Whether its rows are estimates beside the transforms.
+    /// Returns true if its rows are estimates beside the transforms.
     pub fn is_beside_transforms(self) -> bool {
         matches!(self, Self::Distances | Self::Clocks | Self::Instruments)
     }
@@ -88,7 +88,7 @@ impl AnswerRow {
         self.sigma.filter(|sigma| *sigma > 0.0).map(|sigma| self.deviation() / sigma)
     }
 
-    /// Whether another row is the same number of another answer.
+    /// Returns true if the other row is the same number of another answer.
     pub fn is_same_number(&self, other: &Self) -> bool {
         (self.group, &self.subject, &self.name) == (other.group, &other.subject, &other.name)
     }

@@ -114,7 +114,7 @@ fn turn_radius_m() -> f64 {
 }
 
 impl PlannedRig {
-    /// Whether all stations track the same prism.
+    /// All stations track the same prism.
     pub fn is_one_prism(&self) -> bool {
         self.prisms_m[0] == self.prisms_m[1] && self.prisms_m[0] == self.prisms_m[2]
     }

@@ -12,13 +12,13 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// How many σ it is from what it would be without estimating it.
+    /// Returns the difference from another value, in σ.
     pub fn sigmas_from(&self, other: f64) -> f64 {
         (self.value - other) / self.sigma.max(f64::MIN_POSITIVE)
     }
 }
 
-/// What kind of number an estimate is; each is in SI units (m, rad, s, shares).
+/// The dimension of an estimate, in SI units (m, rad, s, ratios).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {

@@ -97,7 +97,7 @@ struct RigFiles<'a> {
     prisms: Option<(&'a String, [Vector3<f64>; 3])>,
     /// Distances between the prisms, and between the antennas (m).
     distances: Option<([f64; 3], Option<[f64; 3]>)>,
-    /// Whether the user has named one of the files.
+    /// The user has named one of the files.
     is_named: bool,
 }
 

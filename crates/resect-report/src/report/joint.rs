@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use crate::rows::{decimals_of, prior, signed};
-use resect_core::calibration::Quantity;
 use resect_core::calibration::joint::JointEstimate;
+use resect_core::calibration::{Quantity, SUPPORTED_SIGMAS};
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 
 /// The estimates beside the transforms, and the parts of each σ.
@@ -27,7 +27,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
                 }
             }
         }
-        p.weak { "Bold: significant." }
+        p.weak { "Bold: more than " (SUPPORTED_SIGMAS) " σ from zero." }
         h3 { "Scatter of the readings" }
         table {
             thead { tr { th { "noise" } th.number { "1 σ" } } }

@@ -52,7 +52,7 @@ pub struct KnotFactors<'a> {
 #[derive(Clone, Copy)]
 pub struct PartUnknown {
     pub part: usize,
-    /// Its place among the unknowns of the part.
+    /// Index among the unknowns of the part.
     pub column: usize,
 }
 
@@ -66,7 +66,7 @@ impl Part {
 
 impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
     const WIDTH: usize = ROW - TIED * LOCAL;
-    /// Whether the unknowns of the drive's parts are estimated as well.
+    /// The unknowns of the drive's parts are estimated as well.
     pub const HAS_PARTS: bool = Self::WIDTH > MOTION_BORDER;
 
     /// Returns a band without equations that reuses the memory of `rows`; parts begin at `first_knots`, the first at 0.

@@ -6,7 +6,7 @@ use super::unknowns::{Outlook, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// What is slow is constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
+/// Slow changes are constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
 /// matters, and at last for as long as a stretch.
 pub const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// Rows of so many knots are kept (21 MB; half an hour of a usual drive). Those of longer drives are made twice for each

@@ -19,7 +19,7 @@ use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
 const MOST_STEPS: usize = 20;
-/// Where no constant has to move by more than this many σ, the motion is near the readings.
+/// The motion is near the readings if no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
 /// Steps whose squares shrink by this factor or more need nothing but gradients.
 const FAST: f64 = 0.1;
@@ -32,7 +32,7 @@ const LEARNING_STEPS: [bool; 5] = [true, true, false, true, false];
 const LOOKS: usize = 2;
 /// This many steps of the motion alone bring the rest of a long drive near its readings.
 const MOTION_STEPS: usize = 2;
-/// How far the published answer may be off meanwhile (1 σ).
+/// Standard deviations (1 σ) of the published answer while it is the linearisation point.
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
 /// An estimate this far from the published answer (m) has run away: readings that contradict each other led it there.

@@ -21,9 +21,9 @@ pub struct JointEstimate {
     pub station1_from_station: [LevelTransform; 3],
     /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
-    /// What each of these variances is made of.
+    /// Contributions to each of these variances.
     pub budget: Vec<(&'static str, SVector<f64, 8>)>,
-    /// How late stations 2 and 3 are against station 1 in the middle of the first drive (s).
+    /// Time offsets of stations 2 and 3 against station 1 in the middle of the first drive (s).
     pub clock_offsets_s: [Estimate; 2],
     /// The clocks of each drive, where several were solved together.
     pub drives: Vec<DriveClocks>,
@@ -36,11 +36,11 @@ pub struct JointEstimate {
     pub indices_rad: [Estimate; 3],
     pub collimations_rad: [Estimate; 3],
     pub(super) strain: Strain,
-    /// What was said to be smaller than instruments make it, and the data's word on it.
+    /// Sizes that the user reduced below those of instruments, with their tests against the data.
     pub(super) contradictions: Vec<Contradiction>,
     pub levels: Levels,
     pub wander: Wander,
-    /// What was known of all that beforehand.
+    /// Standard deviations of the priors.
     pub sizes: ErrorSizes,
     /// Stations and clocks that did not stay as they were, the clearest first.
     pub stepped: Vec<Step>,
@@ -55,7 +55,7 @@ pub struct JointEstimate {
 pub struct DriveClocks {
     /// Start and end of the drive (s).
     pub span_s: [f64; 2],
-    /// How late stations 2 and 3 are against station 1 in its middle.
+    /// Time offsets of stations 2 and 3 against station 1 in its middle.
     pub late_s: [Estimate; 2],
 }
 
@@ -69,7 +69,7 @@ pub struct Dominant {
 }
 
 impl JointEstimate {
-    /// What most of a σ comes from; `place` counts (x, y, z, yaw) of station 2, then of station 3.
+    /// The largest contribution to a σ; `place` counts (x, y, z, yaw) of station 2, then of station 3.
     pub fn dominant(&self, place: usize) -> Dominant {
         let largest = self.budget.iter().max_by(|a, b| a.1[place].total_cmp(&b.1[place]));
         let (what, variance) = largest.map_or(("", 0.0), |(what, all)| (*what, all[place]));
@@ -77,7 +77,7 @@ impl JointEstimate {
         Dominant { what, part: variance.sqrt(), whole }
     }
 
-    /// Whether a step is one that instruments in the field are expected to make.
+    /// Returns true for a step that instruments in the field are expected to make.
     pub fn is_usual(&self, step: &Step) -> bool {
         is_usual(step, &self.sizes)
     }
