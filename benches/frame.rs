@@ -1,9 +1,8 @@
-//! What a frame costs the window's thread with a million readings: the scene while the camera orbits, while the time
-//! cursor moves and in the one frame in which colours change, and the whole window with each plot over time in front.
+//! Cost of a frame on the window's thread with a million readings. In the scene the camera orbits, the time cursor moves, or the colours
+//! change for one frame. In the whole window each plot over time is in front in turn.
 //!
-//! The time is what the thread spent on a processor, as Linux counts it; elsewhere it is the clock's. Nothing is drawn:
-//! without a GPU the driver would draw on the same processors for a second a frame and empty their caches. With
-//! `RESECT_DRAW=1` it does.
+//! The time is the thread's processor time on Linux; on other systems it is the wall time. Nothing is drawn: without a GPU the driver would
+//! draw on the same processors for a second a frame and empty their caches. `RESECT_DRAW=1` switches drawing on.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -22,7 +21,7 @@ use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_core::simulation::{Preset, simulate_scenario};
 
-/// A drive so long that the three stations read a million times.
+/// Returns a drive long enough for a million readings of the three stations.
 fn deployment() -> Arc<Deployment> {
     let mut scenario = Preset::Warthog.scenario();
     let short =
@@ -37,7 +36,7 @@ fn readings(deployment: &Deployment) -> usize {
     deployment.tracks.iter().map(|track| track.measurements.len()).sum()
 }
 
-/// Shows frames and counts what they cost.
+/// Shows frames and measures their cost.
 struct Frames {
     ctx: egui::Context,
     device: wgpu::Device,
@@ -52,9 +51,9 @@ impl Frames {
         Self { ctx, device, size, start: Instant::now(), time_s: 0.0 }
     }
 
-    /// Does something and shows a frame; gives what both cost, up to the triangles that the GPU gets.
+    /// Applies events and shows a frame; returns the cost of both, up to the triangles for the GPU.
     fn frame(&mut self, events: Vec<Event>, mut show: impl FnMut(&mut egui::Ui)) -> Duration {
-        // As a window does that shows one picture after the other.
+        // As in a window that shows one picture after the other.
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("drawn");
         self.time_s += 1.0 / 60.0;
         let input = RawInput {
@@ -68,29 +67,29 @@ impl Frames {
         let shapes = std::mem::take(&mut output.shapes);
         black_box(self.ctx.tessellate(shapes, output.pixels_per_point));
         let took = thread_time(self.start) - before;
-        // Fonts, which nobody draws here.
+        // Fonts, which are not drawn here.
         output.textures_delta.clear();
         black_box(output);
         took
     }
 }
 
-/// A button pressed or released over the scene.
+/// Returns a button pressed or released over the scene.
 fn press(pressed: bool) -> Vec<Event> {
     let (pos, modifiers) = (Pos2::new(500.0, 500.0), Modifiers::NONE);
     let button = PointerButton::Primary;
     vec![Event::PointerMoved(pos), Event::PointerButton { pos, button, pressed, modifiers }]
 }
 
-/// The pointer to and fro, and never at rest.
+/// Returns the pointer moving to and fro, never at rest.
 fn drag(i: usize) -> Vec<Event> {
     let x = 500.0 + 200.0 * (0.05 * i as f32).sin();
     vec![Event::PointerMoved(Pos2::new(x, 400.0))]
 }
 
-/// What this thread has spent on a processor.
+/// Returns the processor time of this thread.
 fn thread_time(start: Instant) -> Duration {
-    // The count is brought up to date when the thread rests.
+    // The kernel updates the count when the thread sleeps.
     std::thread::sleep(Duration::from_micros(1));
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()
@@ -109,7 +108,7 @@ fn configure<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a,
     group
 }
 
-/// Goes on from one batch to the next: a frame like the one before it would cost nothing.
+/// Continues from one batch to the next: a frame equal to the previous one would cost nothing.
 fn bench(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
@@ -132,7 +131,7 @@ fn render_state() -> RenderState {
     egui_kittest::wgpu::create_render_state(setup, Default::default())
 }
 
-/// The scene in a window of its own.
+/// Measures the scene in a window of its own.
 fn scene(criterion: &mut Criterion) {
     let deployment = deployment();
     eprintln!("{} readings", readings(&deployment));
@@ -180,7 +179,7 @@ fn scene(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// All panes of the first layout, with each plot over time in front.
+/// Measures all panes of the first layout, with each plot over time in front.
 fn window(criterion: &mut Criterion) {
     let (ctx, render_state) = (egui::Context::default(), render_state());
     let mut creation = eframe::CreationContext::_new_kittest(ctx.clone());

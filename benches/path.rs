@@ -1,12 +1,12 @@
 //! Time of reading, of each stage, of each calibration and of the whole path, at 2e3 to 2e6 triplets.
 //!
-//! `joint` is the whole answer by the joint estimate, checks included, here and on the published run (`joint/field`, where
-//! that data lies beside the project). On two cores of an AMD EPYC with AVX-512 the published run takes 13 ms and 27 000
-//! readings (`joint/20000`) 71 ms; the version before the joint estimate was a method of its own took 121 ms and 1.1 s on the
-//! same machine. Older machines with two cores took 2.5 times as long for both.
+//! `joint` is the whole calibration by the joint estimate, checks included, here and on the published run
+//! (`joint/field`, if that data is beside the project). On two cores of an AMD EPYC with AVX-512 the published run
+//! takes 13 ms and 27 000 readings (`joint/20000`) 71 ms. The version before the joint estimate was a method of its
+//! own took 121 ms and 1.1 s on the same machine. Older machines with two cores took 2.5 times as long for both.
 //!
-//! Leaves the very triplets in `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
-//! `levenberg-marquardt` crate does beside ours. `benches/table` runs all of them and prints the README's table.
+//! Writes the same triplets to `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
+//! `levenberg-marquardt` crate does so here. `benches/table` runs all of them and prints the README's table.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -50,7 +50,7 @@ fn benchmarks(criterion: &mut Criterion) {
 
         let mut group = criterion.benchmark_group("path");
         group.sample_size(if size > 100_000 { 10 } else { 40 });
-        // What takes seconds is not repeated more often than it must be.
+        // Benchmarks of seconds are not repeated more often than necessary.
         group.sampling_mode(if size > 100_000 { SamplingMode::Flat } else { SamplingMode::Auto });
         group.bench_function(BenchmarkId::new("pipeline", size), |b| {
             b.iter(|| pipeline::run(black_box(&deployment), &settings.pipeline));
@@ -77,7 +77,7 @@ fn benchmarks(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("joint", size), |b| {
             b.iter(|| calibration::solve(&deployment, black_box(&triplets), &joint, &offer));
         });
-        // Every stage runs again: the threshold of the first one alternates.
+        // Every stage runs again, since the threshold of the first one alternates.
         let mut analyst = Analyst::new(Arc::clone(&deployment));
         let mut odd = false;
         group.bench_function(BenchmarkId::new("whole", size), |b| {
@@ -100,7 +100,7 @@ fn benchmarks(criterion: &mut Criterion) {
     }
 }
 
-/// The joint estimate on the published run.
+/// Measures the joint estimate on the published run.
 fn field(criterion: &mut Criterion) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let Ok(deployment) = open(&folder.join("../shared/datasets/2022-07-11-2")) else { return };
@@ -112,7 +112,7 @@ fn field(criterion: &mut Criterion) {
     });
 }
 
-/// A prior as good as the closed form's on field data: millimetres and centimetres off.
+/// Returns a prior as good as the closed form's on field data: millimetres and centimetres off.
 fn good_prior(analysis: &Analysis) -> Vector8 {
     let answer = analysis.answer.as_ref().expect("simulated");
     let [_, t2, t3] = answer.calibration.station1_from_station;
@@ -126,7 +126,7 @@ fn good_prior(analysis: &Analysis) -> Vector8 {
     p
 }
 
-/// The triplets, and as three lines distances, good prior and our answer, for other programs.
+/// Writes for other programs the triplets, and in three lines the distances, the good prior and our solution.
 fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::path::Path) {
     std::fs::create_dir_all(folder).expect("target can be written");
     resect_report::csv::write_triplets(analysis, &folder.join("triplets.csv"))
@@ -145,7 +145,7 @@ fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::p
     std::fs::write(folder.join("problem.csv"), problem).expect("target can be written");
 }
 
-/// Method D for the `levenberg-marquardt` crate: the same eight unknowns, all residuals, the analytic Jacobian.
+/// Method D for the `levenberg-marquardt` crate: the same eight parameters, all residuals, the analytic Jacobian.
 struct Peer {
     points: [Vec<Vector3<f64>>; 3],
     distances: [f64; 3],
@@ -161,7 +161,7 @@ impl Peer {
         Self { points, distances, p }
     }
 
-    /// Position in frame 1 and its derivative by yaw.
+    /// Returns the position in frame 1 and its derivative with respect to yaw.
     fn place(&self, station: usize, q: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         if station == 0 {
             return (*q, Vector3::zeros());

@@ -1,8 +1,8 @@
-//! What it costs to read a large table of tracks: megabytes a second on one core, and the most memory that was held; the
-//! `csv` crate into the same records on the same file beside it.
+//! Cost of reading a large table of tracks: megabytes a second on one core, and peak
+//! memory; compared with the `csv` crate, which reads the same file into the same records.
 //!
-//! `cargo bench --bench reading -- 1000` for 1000 MB (200 if nothing is said). The file lies in `target/bench-tables/` and is
-//! kept. Each reader runs in a process of its own, so that the memory is its own.
+//! `cargo bench --bench reading -- 1000` uses 1000 MB (default 200). The file is in `target/bench-tables/` and is kept. Each reader runs in
+//! a process of its own, so that its memory is measured alone.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use resect_core::simulation::{Preset, simulate};
 use resect_io::format::polar_csv;
 use resect_io::recording::Recording;
 
-/// Reads a file, and gives how many readings are in it.
+/// A function that reads a file, and returns its number of readings.
 type Reader = fn(&Path) -> usize;
 
 const READERS: [(&str, Reader); 2] = [("resect", ours), ("csv-crate", peer)];
@@ -38,7 +38,7 @@ fn main() {
     }
 }
 
-/// A drive of the Warthog over and over, one behind the other.
+/// Writes a drive of the Warthog repeatedly, one after the other.
 fn table(megabytes: u64) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench-tables");
     std::fs::create_dir_all(&folder).expect("target can be written");
@@ -85,7 +85,7 @@ fn ours(path: &Path) -> usize {
     tracks.iter().map(|track| track.measurements.len()).sum()
 }
 
-/// As its documentation advises for speed, with nothing checked.
+/// Reads as its documentation advises for speed, without checks.
 fn peer(path: &Path) -> usize {
     let mut tracks: [Vec<Measurement>; 3] = Default::default();
     let mut reader = csv::Reader::from_path(path).expect("readable");
@@ -103,14 +103,14 @@ fn peer(path: &Path) -> usize {
     tracks.iter().map(Vec::len).sum()
 }
 
-/// The most that this process ever held, where Linux counts it.
+/// Returns the peak memory of this process; `None` except on Linux.
 fn peak_megabytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1e3)
 }
 
-/// What this process spent on processors, where Linux counts it: in hundredths of a second.
+/// Returns the processor time of this process, with a resolution of a hundredth of a second; `None` except on Linux.
 fn processor_s() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     let fields: Vec<&str> = stat.rsplit_once(") ")?.1.split(' ').collect();

@@ -1,10 +1,10 @@
-//! Reads a format that resect does not know, and calibrates what is in it: `cargo run --release --example add_a_format -- FILE`.
+//! Reads a format that resect does not know, and calibrates its readings: `cargo run --release --example add_a_format -- FILE`.
 //!
-//! The format is a toy: a line a reading, `station 2 at 12.400: 31.4159 m, 123.4567 gon, 99.8765 gon` (seconds, range
-//! without the prism constant, azimuth and zenith angle). Without a file the built-in sample is written in it first.
+//! The format is a toy, with one reading a line: `station 2 at 12.400: 31.4159 m, 123.4567 gon, 99.8765 gon` (seconds, range without the
+//! prism constant, azimuth and zenith angle). Without a file the built-in sample is written in it first.
 //!
-//! To add a real one, put [`read`] into a file of `crates/resect-io/src/format/`, add a variant to `Format` in `format.rs` and
-//! a line to `recognise.rs`, and call it in `open/tracks.rs`: folders, the window and every command then open it.
+//! To add a real one, put [`read`] into a file of `crates/resect-io/src/format/`. Then add a variant to `Format` in `format.rs` and a line
+//! to `recognise.rs`, and call it in `open/tracks.rs`: folders, the window and every command then open it.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
@@ -19,7 +19,7 @@ use resect_io::sample::Sample;
 
 const GON_RAD: f64 = PI / 200.0;
 
-/// Every line goes into a [`Recording`], which puts stamps in order, counts what it drops and says so.
+/// Adds every line to a [`Recording`], which sorts the stamps, and counts and reports dropped lines.
 fn read(file: &str, text: &str) -> Result<Recording, OpenError> {
     let mut recording = Recording::new(None, false);
     recording.begin_file(file, "line");
@@ -78,10 +78,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let (mut tracks, findings) = read(&file, &text)?.finish(&file)?;
     for track in &mut tracks {
-        // As of the MT1000: the format leaves it out of its ranges.
+        // Constant of the MT1000's prism, which the format does not include in its ranges.
         track.prism_constant_m = 0.010;
     }
-    // The rig is the sample's; of your own it is what you measured between the prisms.
+    // The rig is the sample's; for your own use the distances that you measured between the prisms.
     let deployment =
         Deployment { name: file, tracks, findings, control_points: Vec::new(), ..sample };
     let analysis = Analyst::new(deployment.into()).run(&Settings::default());

@@ -1,7 +1,7 @@
 //! Draws a pane of the window without a display: `cargo run --release --example draw_a_pane -- intervals pane.png [FOLDER]`.
 //!
-//! The window is the real one, driven by the [`Command`]s that its menus send: change a setting, pick a reading or choose
-//! colours the same way before the picture is taken.
+//! The window is the real one, driven by the [`Command`]s that its menus send: change a
+//! setting, pick a reading or choose colours the same way before the picture is taken.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     window.run_steps(1);
     let ctx = window.ctx.clone();
     window.state_mut().send(WorkspaceCommand::ShowPane(pane), &ctx);
-    // The answer is computed beside the window; then the panes are drawn with it.
+    // A background thread computes the calibration; then the panes are drawn with it.
     window.state_mut().settle();
     window.run_steps(4);
     let whole = window.render()?;

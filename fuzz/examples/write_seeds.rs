@@ -1,5 +1,5 @@
-//! Writes what the targets start from into `fuzz/corpus`: a simulated drive in every format that the program writes, the
-//! fixtures of the tests, and a few lines of every other format.
+//! Writes the seeds of the fuzz targets into `fuzz/corpus`: a simulated drive in every format that the program writes, the test
+//! fixtures, and a few lines of every other format.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
 
-/// Longer seeds make the fuzzer slow and find nothing more.
+/// Longest seed; longer ones slow the fuzzer down and find nothing more.
 const LONGEST_SEED_BYTES: usize = 8 << 10;
 
 fn main() {

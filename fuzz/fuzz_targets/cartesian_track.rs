@@ -1,7 +1,7 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    // The stations' three files, each a third of what the fuzzer made.
+    // The three files of the stations, each a third of the fuzzer's input.
     let third = bytes.len() / 3;
     let (one, rest) = bytes.split_at(third);
     let (two, three) = rest.split_at(third);

@@ -1,6 +1,6 @@
 #![no_main]
 
-/// Says what the columns of the seeds are; the fuzzer finds other headers by itself.
+/// Columns of the seeds; the fuzzer finds other headers by itself.
 const MAPPING: &[u8] = b"stations = [1, 2, 3]\n[columns]\ntime = \"t\"\nstation = \"s\"\nrange = \"sd\"\nazimuth = \"hz\"\n\
     vertical = \"v\"\nangle_unit = \"degrees-minutes-seconds\"\ntime_format = \"calendar\"\n";
 

@@ -1,26 +1,26 @@
-//! Work beside the window: a job has a thread of its own, and what comes of it is a function that is applied to the state
-//! between two frames, so that no frame ever waits and nothing is shared.
+//! Background work: each job has its own thread, and its outcome is a function that is applied to the state between two frames. No frame
+//! waits, and nothing is shared.
 
 use std::panic::AssertUnwindSafe;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-/// What comes of a job.
+/// Outcome of a job.
 pub type Outcome<S> = Box<dyn FnOnce(&mut S) + Send>;
 
-/// Longer than anything that pictures and tests wait for.
+/// Timeout of waiting, longer than any job in pictures and tests.
 const LONGEST_WAIT: Duration = Duration::from_secs(120);
 
-/// The jobs of a window whose state is `S`.
+/// Jobs of a window whose state is `S`.
 pub struct Jobs<S> {
     outbox: Outbox<S>,
     outcomes: Receiver<Outcome<S>>,
     newest: u64,
-    /// What becomes of a job that ended in a bug of the program, by its number.
+    /// Called with the number of a job that panicked.
     failed: fn(&mut S, u64),
 }
 
-/// Where threads put what came of their work.
+/// Channel through which threads send the outcomes of their work.
 pub struct Outbox<S> {
     sender: Sender<Outcome<S>>,
     ctx: egui::Context,
@@ -33,9 +33,9 @@ impl<S> Clone for Outbox<S> {
 }
 
 impl<S> Outbox<S> {
-    /// Has an outcome applied before the next frame, which it asks for.
+    /// Sends an outcome, which is applied before the next frame, and requests that frame.
     pub fn put(&self, outcome: impl FnOnce(&mut S) + Send + 'static) {
-        // The window may be gone.
+        // The window may be closed.
         self.sender.send(Box::new(outcome)).ok();
         self.ctx.request_repaint();
     }
@@ -47,13 +47,13 @@ impl<S: 'static> Jobs<S> {
         Self { outbox: Outbox { sender, ctx }, outcomes, newest: 0, failed }
     }
 
-    /// A number that no other job of this window has; none is 0.
+    /// Returns a number that no other job of this window has, and that is not 0.
     pub fn next_number(&mut self) -> u64 {
         self.newest += 1;
         self.newest
     }
 
-    /// Starts a job and gives its number, with which `then` takes in what came of it.
+    /// Starts a job and returns its number. `then` receives the state, this number and the job's result.
     pub fn start<T: Send + 'static>(
         &mut self,
         job: impl FnOnce() -> T + Send + 'static,
@@ -67,7 +67,7 @@ impl<S: 'static> Jobs<S> {
         number
     }
 
-    /// Starts a job that nobody asks about, such as a dialog that the user may cancel: then nothing comes of it.
+    /// Starts a job without a number, such as a dialog. If the job returns `None`, for example after a cancel, nothing happens.
     pub fn start_unnumbered<T: Send + 'static>(
         &self,
         job: impl FnOnce() -> Option<T> + Send + 'static,
@@ -89,7 +89,7 @@ impl<S: 'static> Jobs<S> {
         });
     }
 
-    /// The outbox for what runs elsewhere, such as a thread that stays.
+    /// Returns a sender for outcomes of other threads, such as a permanent one.
     pub fn outbox(&self) -> Outbox<S> {
         self.outbox.clone()
     }
@@ -98,7 +98,7 @@ impl<S: 'static> Jobs<S> {
         &self.outbox.ctx
     }
 
-    /// The next outcome, if one is there.
+    /// Returns the next outcome; `None` if there is none yet.
     pub fn outcome(&self) -> Option<Outcome<S>> {
         self.outcomes.try_recv().ok()
     }

@@ -1,28 +1,28 @@
-//! The window.
+//! The graphical user interface.
 //!
-//! Panes read the [`State`] and send [`Command`]s, which change it between frames; only the layout and the view, which egui
-//! moves while it draws, change within a frame. A room imports only from rooms drawn below it, and not from its neighbours:
+//! Panes read the [`State`] and send [`Command`]s, which change it between frames. Only the layout and the view change within a frame,
+//! because egui moves them while it draws. A module imports only from modules below it in this diagram, and not from siblings:
 //!
 //! ```text
-//! picture                     the window as a picture, drawn off the screen
-//! └ window                    one frame; how it opens
+//! picture                     the window as an image, rendered off screen
+//! └ window                    one frame; opening the window
 //! ├─ panels                   panes of text and controls, bars, dialogs, toasts
-//! │  └─ actions               menus, palette and keys: which command, when it is possible
-//! ├─ keeping                  when a running window writes its preferences and its session, for the case that it dies
-//! ├─ scene, plots             panes that are drawn: the lines that are seen, from series made in `prepared`
-//! └─ state                    everything by its parts, and the one place where it changes
-//!    ├─ persist               what is in the files of sessions, preferences, autosave, and how they are read again
-//!    ├─ layout                where the panes are
-//!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
-//!       ├─ prepared           what is computed for drawing, statistics along the drive (`running.rs`) included; the thread
+//! │  └─ actions               menus, palette and keys: commands, and the conditions under which they are possible
+//! ├─ saved_state              writes preferences and the session of a running window, for recovery after a crash
+//! ├─ scene, plots             panes that are drawn, from series computed in `prepared`
+//! └─ state                    the whole state, and the only place that changes it
+//!    ├─ persist               files of sessions, preferences and autosave: format, reading and writing
+//!    ├─ layout                arrangement of the panes
+//!    └─ model                 plain data: commands, open deployments, timeline, undo, units, toasts, view
+//!       ├─ prepared           data computed for drawing, including statistics along the drive (`running.rs`); the thread
 //!       │                     that calibrates while a slider moves (`analyser.rs`)
-//!       ├─ jobs               other work beside the window, whose outcome is a function applied to the state
-//!       └─ file_dialog, theme, words, short   asking for a path; colours and sizes of the window itself, dark and light (those
-//!                             that mean something are in `resect_core::palette`); words explained on hover, where a label asks; names
-//!                             made short
+//!       ├─ jobs               other background work; the outcome is a function applied to the state
+//!       └─ file_dialog, theme, words, short   asking for a path; dark and light colours and sizes of the window itself (data
+//!                             colours are in `resect_core::palette`); terms explained on hover and by F1; shortened
+//!                             names
 //! ```
 //!
-//! The state has parts, each with its commands in `model/command.rs` and a handler in `state/`:
+//! The state has these parts, each with its commands in `model/command.rs` and a handler in `state/`:
 //!
 //! | part | data | commands, handler |
 //! |---|---|---|
@@ -30,33 +30,32 @@
 //! | time: cursor, selection, playback, plotted values | `state/time_state.rs`, `model/timeline.rs` | `TimeCommand`, `handle_time.rs` |
 //! | scene: camera, visibility, colouring, options | `state/scene_state.rs` | `SceneCommand`, `handle_scene.rs` |
 //! | results: runs, pins, studies, validation | `model/results.rs` | `ResultsCommand`, `results.rs` |
-//! | judging of trajectories | `model/judging.rs`, by deployment | `JudgingCommand`, `judging.rs` |
+//! | evaluation of trajectories | `model/judging.rs`, by deployment | `JudgingCommand`, `judging.rs` |
 //! | planning | `model/planning.rs` | `PlanCommand`, `planning.rs` |
 //! | live deployment | `model/live.rs` | `LiveCommand`, `live.rs` |
 //! | session | `state/session_state.rs` | `SessionCommand`, `sessions.rs` |
 //! | dialogs, questions, sheets | `state/dialogs.rs` | `DialogCommand`, `handle_dialog.rs` |
 //! | workspace: layout, units, colours, toasts | `state/workspace.rs`, `model/toasts.rs` | `WorkspaceCommand`, `handle_workspace.rs` |
 //!
-//! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme`, `words` and `short`.
-//! `tests/structure.rs` holds the order of these rooms against the imports.
+//! `panels` uses `plots` as well, for the charts of studies. Any module may import from `theme`, `words` and `short`. `tests/structure`
+//! checks the imports against this order.
 //!
-//! | what is new | where it goes |
+//! | to add | edit |
 //! |---|---|
-//! | something that can be done | a variant of its part's commands in `model/command.rs`, an arm in the handler of that part in `state/`, a line with its key in `actions/`: `file.rs`, `edit.rs`, `time.rs` (the cursor, what is selected) and `view.rs`, `help.rs` |
-//! | where plots over time lie and how high they are | `plots/strips.rs`, for all panes alike |
-//! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
+//! | an action of the user | a variant of the part's commands in `model/command.rs`, an arm in the part's handler in `state/`, a line with its key in `actions/`: `file.rs`, `edit.rs`, `time.rs` (cursor, selection) and `view.rs`, `help.rs` |
+//! | position and height of plots over time | `plots/strips.rs`, for all panes |
+//! | a setting of the scene | a field of `model/scene_options.rs`; sessions save all of it (`persist/session.rs`) |
 //! | a colouring of the points | a variant of `model/colouring.rs`, its colours in `scene/colouring.rs`, its legend in `scene/legend_rows.rs` |
-//! | a key that only one pane has | that pane: `plots/navigation.rs`, `scene/input.rs` |
-//! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
-//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; filled and restored in `state/sessions.rs`; how deployments and pins lie in the file: `persist/stored.rs` |
-//! | a handle of a plan, or a number of it | a variant of `Handle` in `model/planning.rs`, drawn in `plots/plan_map.rs`; a field in `panels/plan/numbers.rs` |
-//! | something told of a live drive that is no warning | a field of `resect_live::View`, a line in `panels/live.rs`, and in `resect_report::live` for robots |
-//! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
+//! | a key of a single pane | that pane: `plots/navigation.rs`, `scene/input.rs` |
+//! | long-running work | `self.jobs.start(work, take)` in `state/`: `take` receives the result of `work`, and the state; work with intermediate results sends functions to `jobs.outbox()` |
+//! | a value saved in sessions | a field of `persist/session.rs`, with a default for older files without it; filled and restored in `state/sessions.rs`; file format of deployments and pins: `persist/stored.rs` |
+//! | a handle or a number of a plan | a variant of `Handle` in `model/planning.rs`, drawn in `plots/plan_map.rs`; a field in `panels/plan/numbers.rs` |
+//! | a message about a live drive other than a warning | a field of `resect_live::View`, a line in `panels/live.rs`, and in `resect_report::live` for robots |
+//! | a button for the advice of a finding | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;
 pub mod file_dialog;
 mod jobs;
-pub mod keeping;
 mod layout;
 mod model;
 mod panels;
@@ -64,6 +63,7 @@ pub mod persist;
 mod picture;
 mod plots;
 mod prepared;
+pub mod saved_state;
 mod scene;
 mod short;
 mod state;

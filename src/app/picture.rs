@@ -1,4 +1,4 @@
-//! The window as a picture, drawn off the screen.
+//! The window as an image, rendered off screen.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_io::source::Source;
 
-/// The harness gives up on a frame after ten seconds, which software takes for some 40 million pixels.
+/// The harness gives up on a frame after ten seconds, in which software renders about 40 million pixels.
 const MOST_PIXELS_WITHOUT_GPU: u64 = 5120 * 2880;
 
-/// The window as an image, drawn off the screen.
+/// Renders the window off screen as an image.
 pub fn picture(
     deployments: Vec<(Arc<Deployment>, Source)>,
     settings: Settings,
@@ -25,7 +25,7 @@ pub fn picture(
     let pixels = u64::from(width) * u64::from(height);
     if adapter.device_type == wgpu::DeviceType::Cpu && pixels > MOST_PIXELS_WITHOUT_GPU {
         anyhow::bail!(
-            "--size {width}x{height}: without a GPU ({} draws) 5120x2880 is the most; choose a smaller size",
+            "--size {width}x{height}: without a GPU the limit is 5120x2880 (renderer: {}); choose a smaller size",
             adapter.name
         );
     }
@@ -42,8 +42,8 @@ pub fn picture(
             window.settle();
             window
         });
-    // No frame sees a job under way: words of progress would take places among the glyphs, and glyphs that lie
-    // elsewhere in their texture are sampled with other rounding.
+    // No frame is drawn during a job: progress texts would change the positions of glyphs in their texture. Glyphs at other positions are
+    // sampled with other rounding.
     for _ in 0..5 {
         harness.run_steps(1);
         harness.state_mut().settle();
@@ -53,7 +53,7 @@ pub fn picture(
     })
 }
 
-/// What draws off the screen, or one clear line. The harness itself would panic.
+/// Returns the off-screen renderer, or a one-line error; the harness itself would panic.
 pub fn offscreen_renderer() -> anyhow::Result<WgpuTestRenderer> {
     Ok(WgpuTestRenderer::from_render_state(offscreen_state()?))
 }
@@ -69,12 +69,12 @@ fn offscreen_state() -> anyhow::Result<RenderState> {
         let options = RendererOptions::PREDICTABLE;
         pollster::block_on(RenderState::create(&configuration, &instance, None, options))
     };
-    // OpenGL only when nothing better is there: looking for it complains about missing displays.
+    // OpenGL is tried last, because probing it prints errors about missing displays.
     render_state(wgpu::Backends::PRIMARY)
         .or_else(|_| render_state(wgpu::Backends::all()))
         .map_err(|error| {
             anyhow::anyhow!(
-                "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
+                "no graphics driver ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
             )
         })
 }

@@ -1,13 +1,13 @@
-//! Names made short enough for their places.
+//! Shortening of names to the available width.
 
 use egui::{FontId, Response, TextStyle, Ui};
 
-/// So many letters stay, however little room there is.
+/// Least number of letters kept.
 const FEWEST: usize = 2;
 
-/// A text that is no wider than this (points); what of its middle has no room is left out for "…".
+/// Returns a text no wider than `width` (points); "…" replaces its middle if it is too long.
 ///
-/// Names of deployments often begin alike and differ at their ends, of which more is kept.
+/// Names of deployments often begin alike and differ at their ends, so more of the end is kept.
 pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
     let fits = |text: &str| {
         let colour = egui::Color32::PLACEHOLDER;
@@ -22,7 +22,7 @@ pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
         let ends = [&letters[..head], &letters[letters.len() - tail..]];
         ends.map(|part| part.iter().collect::<String>()).join("…")
     };
-    // How many letters stay: the most that fit.
+    // Bisection of the greatest number of letters that fit.
     let (mut fitting, mut too_many) = (FEWEST, letters.len());
     while fitting + 1 < too_many {
         let middle = usize::midpoint(fitting, too_many);
@@ -35,13 +35,13 @@ pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
     with(fitting)
 }
 
-/// The name of a trajectory among others: files of other systems may be called anything.
+/// Shortened name of a trajectory, because files of other systems may have any name.
 pub fn of_trajectory(ui: &Ui, name: &str) -> String {
     const WIDEST: f32 = 180.0;
     in_the_middle(ui, name, &TextStyle::Body.resolve(ui.style()), WIDEST)
 }
 
-/// Shows the whole name under the pointer, where only a part of it is seen.
+/// Shows the whole name on hover if it is shortened.
 pub fn whole_on_hover(response: Response, shown: &str, whole: &str) -> Response {
     if shown == whole { response } else { response.on_hover_text(whole) }
 }

@@ -15,7 +15,7 @@ pub fn apply(ctx: &egui::Context) {
     let inter = egui::FontData::from_static(resect_report::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
-    // In tables the slashed zero of egui's own monospaced font smears.
+    // The slashed zero of egui's monospaced font is blurred in tables.
     let figures = egui::FontData::from_static(resect_report::font::FIGURES);
     fonts.font_data.insert("Figures".to_owned(), std::sync::Arc::new(figures));
     fonts.families.entry(FontFamily::Monospace).or_default().insert(0, "Figures".to_owned());
@@ -32,7 +32,8 @@ pub fn apply(ctx: &egui::Context) {
         style.spacing.item_spacing = egui::vec2(6.0, 5.0);
         style.spacing.slider_width = 90.0;
         style.spacing.interact_size.y = 20.0;
-        // egui 0.37 panics where the pointer presses beside a scroll bar that is shorter than the least length of its handle: none is.
+        // egui 0.37 panics if the pointer presses beside a scroll bar that is shorter than the least length of its handle. With zero, none
+        // is.
         style.spacing.scroll.handle_min_length = 0.0;
     });
     ctx.style_mut_of(egui::Theme::Light, |style| {
@@ -43,20 +44,20 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
-/// Bars of long lists keep a handle that can be caught, where they are much longer than it.
+/// Gives the scroll bars of long lists a handle that is large enough to grab, where they are much longer than the handle.
 pub fn keep_handle(ui: &mut egui::Ui) {
     const HANDLE: f32 = 12.0;
     let is_long = ui.available_size().min_elem() > 10.0 * HANDLE;
     ui.spacing_mut().scroll.handle_min_length = if is_long { HANDLE } else { 0.0 };
 }
 
-/// How much larger type is in the sun.
+/// Zoom factor in sunlight.
 const IN_THE_SUN: f32 = 1.3;
 
-/// Makes type large and contrast full, in either theme; or as it was.
+/// Switches large type and full contrast on or off, in both themes.
 pub fn in_the_sun(ctx: &egui::Context, on: bool) {
     let zoom = if on { IN_THE_SUN } else { 1.0 };
-    // egui makes the next screen of the last one, and before the first that is one of 10,000 by 10,000 points.
+    // egui derives the next screen size from the last one, and assumes 10,000 by 10,000 points before the first frame.
     match ctx.cumulative_frame_nr() {
         0 => ctx.options_mut(|options| options.zoom_factor = zoom),
         _ => ctx.set_zoom_factor(zoom),
@@ -84,7 +85,7 @@ pub fn rgb([r, g, b]: Rgb) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// A data colour as text: darkened on light ground.
+/// Converts a data colour to a text colour, darkened on a light background.
 pub fn readable(colour: Rgb, dark: bool) -> Color32 {
     let colour = rgb(colour);
     if dark { colour } else { colour.lerp_to_gamma(Color32::BLACK, 0.4) }
@@ -98,17 +99,17 @@ pub fn scene_grid(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(42, 47, 54) } else { Color32::from_rgb(218, 222, 228) }
 }
 
-/// The time cursor: the prism triangle in the scene, the line in the plots.
+/// Colour of the time cursor: the prism triangle in the scene, and the line in the plots.
 pub fn cursor(dark: bool) -> Rgb {
     if dark { [245, 245, 245] } else { [30, 30, 30] }
 }
 
-/// Text that may be overlooked.
+/// Colour of secondary text.
 pub fn faint(dark: bool) -> Color32 {
     if dark { Color32::from_gray(140) } else { Color32::from_gray(105) }
 }
 
-/// Colour and sign of a finding; the sign tells it without colour.
+/// Colour and sign of a finding; the sign identifies it without colour.
 pub fn severity(severity: Severity, dark: bool) -> (Color32, &'static str) {
     match severity {
         Severity::Note => (faint(dark), "•"),
@@ -163,7 +164,7 @@ mod tests {
         (0..3).for_each(|_| frame(Vec::new()));
         for (x, y) in (88..100).flat_map(|x| (32..56).map(move |y| (x as f32, y as f32))) {
             let at = egui::pos2(x, y);
-            // A press beside a bar is meant for it, too.
+            // A press beside a scroll bar moves it, too.
             frame(vec![egui::Event::PointerMoved(at)]);
             frame(vec![press(at, true)]);
             frame(vec![press(at, false)]);

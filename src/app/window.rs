@@ -1,4 +1,4 @@
-//! The window itself: one frame, and how it opens.
+//! The window: one frame, and opening it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use eframe::egui_wgpu::WgpuSetup;
 
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
-use super::keeping::Keeping;
 use super::layout::Layout;
 use super::model::View;
 use super::panels;
 use super::persist::Folders;
+use super::saved_state::SavedState;
 use super::scene::SceneView;
 use super::state::State;
 use super::theme;
@@ -23,50 +23,51 @@ use resect_core::deployment::Deployment;
 use resect_io::sample::Sample;
 use resect_io::source::Source;
 
-/// How often it is looked what came in of a live deployment.
+/// Interval at which a live deployment is polled for new data.
 const LIVE_EVERY: std::time::Duration = std::time::Duration::from_millis(200);
 
-/// What the window shows first.
+/// Content with which the window opens.
 #[derive(Clone)]
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
-    /// The files that could be opened, and of each other one why not.
+    /// The files that could be opened, and for each other file the reason of the failure.
     Partly(Vec<(Arc<Deployment>, Source)>, Vec<String>),
-    /// The session of this file.
+    /// The session in this file.
     Session(PathBuf),
 }
 
-/// The state, and the scene on the GPU; the rest is drawn anew every frame.
+/// The state, and the scene on the GPU; the rest is redrawn every frame.
 pub struct ResectWindow {
     pub state: State,
     scene: SceneView,
     shell: Shell,
-    /// What is kept of the user's; `None` for pictures and tests.
-    keeping: Option<(Keeping, egui::Context)>,
+    /// Preferences and autosave; `None` for pictures and tests.
+    saved_state: Option<(SavedState, egui::Context)>,
 }
 
 impl ResectWindow {
-    /// A window that keeps nothing.
+    /// Creates a window that saves nothing.
     pub fn new(creation: &eframe::CreationContext<'_>, start: &Start, settings: Settings) -> Self {
-        Self::keeping(creation, start, settings, None)
+        Self::with_saved_state(creation, start, settings, None)
     }
 
-    /// A window that begins with what was kept, and keeps what it is told and has open.
-    pub fn keeping(
+    /// Creates a window that restores saved preferences and sessions, and saves its own.
+    pub fn with_saved_state(
         creation: &eframe::CreationContext<'_>,
         start: &Start,
         settings: Settings,
-        mut keeping: Option<Keeping>,
+        mut saved_state: Option<SavedState>,
     ) -> Self {
         let ctx = &creation.egui_ctx;
         theme::apply(ctx);
         let mut state = State::new(ctx.clone());
         state.deployments.start_settings = settings;
-        // What the user asks for by name is not mixed with what another window had open.
+        // Data that the user asks for by name is not mixed with another window's session.
         let restores = matches!(start, Start::Sample(_));
-        let restored =
-            keeping.as_mut().is_some_and(|keeping| keeping.begin(ctx, &mut state, restores));
+        let restored = saved_state
+            .as_mut()
+            .is_some_and(|saved_state| saved_state.begin(ctx, &mut state, restores));
         match start {
             Start::Sample(_) if restored => {}
             Start::Sample(sample) => state.open_placeholder(*sample),
@@ -78,20 +79,20 @@ impl ResectWindow {
             }
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
-        let keeping = keeping.map(|keeping| (keeping, ctx.clone()));
-        Self { state, scene, shell: Shell::default(), keeping }
+        let saved_state = saved_state.map(|saved_state| (saved_state, ctx.clone()));
+        Self { state, scene, shell: Shell::default(), saved_state }
     }
 
     pub fn layout(&self) -> &Layout {
         &self.state.workspace.layout
     }
 
-    /// Waits until nothing is under way; for pictures and tests.
+    /// Waits until all jobs have ended; for pictures and tests.
     pub fn settle(&mut self) {
         self.state.settle();
     }
 
-    /// Carries out a command as if a pane had sent it.
+    /// Executes a command as if a pane had sent it.
     pub fn send(&mut self, command: impl Into<Command>, ctx: &egui::Context) {
         self.state.handle(command, ctx);
     }
@@ -128,7 +129,7 @@ impl eframe::App for ResectWindow {
         panels::toasts::ui(ui, &self.state.toasts, self.state.workspace.units, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-            // Panes may move the layout and the camera while they read all the rest.
+            // Panes may change the layout and the camera while they read the rest of the state.
             let mut layout = std::mem::replace(&mut self.state.workspace.layout, Layout::empty());
             let mut view = std::mem::take(&mut self.state.scene.view);
             let mut panes = Panes {
@@ -150,28 +151,28 @@ impl eframe::App for ResectWindow {
             self.send(command, &ctx);
         }
         if self.state.time.playback.playing || self.state.time.hover_s != hovered_s {
-            // The other panes show where the pointer is, too.
+            // The other panes also show the time under the pointer.
             ctx.request_repaint();
         }
         if self.state.is_busy() {
-            // To dim the old answer, and to turn the spinner.
+            // Repaints to dim the old result, and to animate the spinner.
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
         self.shell.frame(&ctx, self.state.title());
-        if let Some((keeping, _)) = &mut self.keeping {
-            keeping.frame(&ctx, &mut self.state);
+        if let Some((saved_state, _)) = &mut self.saved_state {
+            saved_state.frame(&ctx, &mut self.state);
         }
     }
 
-    /// What is seen before the first frame, and where a window that grows is not drawn yet.
+    /// Background before the first frame, and in the newly exposed area of a growing window.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self) {
         self.state.finish();
-        if let Some((keeping, ctx)) = self.keeping.take() {
-            keeping.finish(&ctx, &self.state);
+        if let Some((saved_state, ctx)) = self.saved_state.take() {
+            saved_state.finish(&ctx, &self.state);
         }
     }
 }
@@ -202,7 +203,7 @@ fn dialogs(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     }
 }
 
-/// What a pane is drawn from.
+/// Data from which the panes are drawn.
 struct Panes<'a> {
     state: &'a State,
     commands: &'a mut Commands,
@@ -253,14 +254,14 @@ fn add_each(state: &mut State, deployments: &[(Arc<Deployment>, Source)]) {
     }
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 pub fn open_window(start: Start) -> eframe::Result {
     let icon = image::load_from_memory(include_bytes!("../../assets/icon.png")).ok().map(|icon| {
         let icon = icon.to_rgba8();
         egui::IconData { width: icon.width(), height: icon.height(), rgba: icon.into_raw() }
     });
-    let keeping = Folders::of_user().map(|folders| Keeping::start(&folders));
-    let size = keeping.as_ref().and_then(|keeping| keeping.preferences().window_points);
+    let saved_state = Folders::of_user().map(|folders| SavedState::start(&folders));
+    let size = saved_state.as_ref().and_then(|saved_state| saved_state.preferences().window_points);
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("resect")
         .with_app_id("resect")
@@ -270,9 +271,9 @@ pub fn open_window(start: Start) -> eframe::Result {
     if let Some(icon) = icon {
         viewport = viewport.with_icon(icon);
     }
-    // There are no gradients for which dithering would do anything.
+    // No gradients are drawn, so dithering would have no effect.
     let mut options = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
-    // Kept, for drivers are not loaded twice then.
+    // SavedState this instance avoids loading the drivers twice.
     let _probe = match &mut options.wgpu_options.wgpu_setup {
         WgpuSetup::CreateNew(setup) => {
             Some(leave_opengl_out(&mut setup.instance_descriptor.backends))
@@ -283,14 +284,15 @@ pub fn open_window(start: Start) -> eframe::Result {
         "resect",
         options,
         Box::new(move |creation| {
-            let mut window = ResectWindow::keeping(creation, &start, Settings::default(), keeping);
+            let mut window =
+                ResectWindow::with_saved_state(creation, &start, Settings::default(), saved_state);
             window.shell = Shell::of_system();
             Ok(Box::new(window))
         }),
     )
 }
 
-/// Leaves OpenGL out where something better draws: to set it up takes a fifth of the time to the first picture.
+/// Excludes OpenGL if a better backend is available: its initialisation is a fifth of the time to the first frame.
 fn leave_opengl_out(backends: &mut wgpu::Backends) -> wgpu::Instance {
     let better = *backends & wgpu::Backends::PRIMARY;
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();

@@ -1,4 +1,4 @@
-//! Words of the field where they stand: explained on hover, and by F1 where the pointer or the focus is.
+//! Technical terms in the interface: explained on hover, and by F1 at the pointer or the focus.
 
 use egui::{CursorIcon, Id, Response, RichText, Sense};
 
@@ -7,22 +7,22 @@ use resect_report::glossary;
 use resect_report::glossary::Term;
 
 const WIDTH: f32 = 340.0;
-/// The most words of a sentence that are explained on hover.
+/// Greatest number of terms explained on hover.
 const MOST_ON_HOVER: usize = 3;
 
-/// What F1 explains, in this order.
+/// Place of the terms that F1 explains, in order of priority.
 #[derive(Clone, Copy)]
 enum At {
     Pointer,
     Focus,
 }
 
-/// Explains a word on hover and by F1.
+/// Explains a term on hover and by F1.
 pub fn explain(response: Response, term: &'static Term) -> Response {
     explain_all(response, &[term])
 }
 
-/// Explains the words that stand in a text; nothing where none does.
+/// Explains the terms in a text, if there are any.
 pub fn explain_text(response: Response, text: &str) -> Response {
     if !is_looked_at(&response) {
         return response;
@@ -31,7 +31,7 @@ pub fn explain_text(response: Response, text: &str) -> Response {
     if terms.is_empty() { response } else { explain_all(response, &terms) }
 }
 
-/// Explains several words.
+/// Explains several terms.
 pub fn explain_all(response: Response, terms: &[&'static Term]) -> Response {
     mark(&response, terms);
     let show = |ui: &mut egui::Ui| {
@@ -48,7 +48,7 @@ pub fn explain_all(response: Response, terms: &[&'static Term]) -> Response {
     if passive { response.on_hover_cursor(CursorIcon::Help) } else { response }
 }
 
-/// Lets F1 explain a widget that has a hint of its own.
+/// Lets F1 explain a widget that has its own hover text.
 pub fn mark(response: &Response, terms: &[&'static Term]) {
     if terms.is_empty() {
         return;
@@ -64,19 +64,19 @@ pub fn mark(response: &Response, terms: &[&'static Term]) {
     response.ctx.data_mut(|data| data.insert_temp(place(at), marked));
 }
 
-/// Marks the words of the field that a text has, so that F1 explains them.
+/// Marks the terms in a text, so that F1 explains them.
 pub fn mark_text(response: &Response, text: &str) {
     if is_looked_at(response) {
         mark(response, &glossary::in_text(text));
     }
 }
 
-/// Reading a text takes longer than drawing it.
+/// Returns true if the widget is hovered or focused. Searching a text for terms takes longer than drawing it.
 pub fn is_looked_at(response: &Response) -> bool {
     response.contains_pointer() || response.has_focus()
 }
 
-/// What was marked in this frame under the pointer, or else where the focus is; nothing where neither is on a word.
+/// Returns the terms marked in this frame under the pointer, or else at the focus; empty if there are none.
 pub fn pointed_at(ctx: &egui::Context) -> Vec<&'static Term> {
     let now = ctx.cumulative_pass_nr();
     let marked = |at: At| {
@@ -90,7 +90,7 @@ fn place(at: At) -> Id {
     Id::unique(("explained words", at as u8))
 }
 
-/// A word with its other names, what it means, and where the paper has it.
+/// Shows a term with its synonyms, its meaning, and its place in the paper.
 pub fn entry(ui: &mut egui::Ui, term: &Term) {
     ui.horizontal_wrapped(|ui| {
         ui.strong(term.name);
@@ -104,7 +104,7 @@ pub fn entry(ui: &mut egui::Ui, term: &Term) {
     }
 }
 
-/// The term of a method.
+/// Returns the glossary entry of a method.
 pub fn of_method(method: Method) -> &'static Term {
     match method {
         Method::TwoPoint => &glossary::TWO_POINT,

@@ -1,4 +1,4 @@
-//! `resect ablate`: what each module of the pipeline brings.
+//! `resect ablate`: the contribution of each module of the pipeline.
 
 use clap::Args;
 
@@ -11,16 +11,15 @@ use resect_core::progress::Progress;
 use resect_report::study;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct AblateArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
-    /// dynamic-gcp for one prism; the joint estimate only where it is named here
+    /// Reference method [default: as in the paper, static-gcp with control points, dynamic-gcp for one prism, else inter-prism]
     #[arg(long, value_parser = choice(METHODS), value_name = "METHOD")]
     reference: Option<Method>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &AblateArguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;

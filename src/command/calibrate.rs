@@ -1,4 +1,4 @@
-//! `resect calibrate`: the answer as text or JSON.
+//! `resect calibrate`: the calibration as text or JSON.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use resect_core::analysis::Analyst;
 use resect_report::{json, text};
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct CalibrateArguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
     /// Print one JSON object (a list for several methods)
@@ -22,7 +22,7 @@ pub struct Arguments {
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings_of_each()?;
     let (deployment, load_ms) = load(&arguments.path, arguments.settings.extras())?;
     let mut analyst = Analyst::new(deployment.clone());

@@ -1,4 +1,4 @@
-//! `resect check`: what is in a folder or file, and what is wrong with it.
+//! `resect check`: content and faults of a folder or file.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use resect_io::source::Extras;
 use resect_report::of_run;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct CheckArguments {
     /// Folder or file
     path: PathBuf,
     /// Folder or file with the rig, if it is not beside the tracks
@@ -23,7 +23,7 @@ pub struct Arguments {
     rig: Option<PathBuf>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let extras = Extras { rig: arguments.rig.clone(), ..Extras::default() };
     let (deployment, load_ms) = load(&arguments.path, extras)?;
     let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
@@ -55,7 +55,7 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
             if let Some([h12, h13]) = rig.height_differences_m() {
                 _ = writeln!(
                     text,
-                    "  prism 1 stands {h12:+.3} m above prism 2, {h13:+.3} m above prism 3"
+                    "  prism 1 is {h12:+.3} m above prism 2, {h13:+.3} m above prism 3"
                 );
             }
         }
@@ -96,8 +96,8 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     text
 }
 
-/// What the joint estimate says of the data: a wrong sense, number or unit shows in an answer only. Empty where the data
-/// lacks something for it, which is said above.
+/// Findings of the joint estimate: only a calibration reveals a wrong sense, number
+/// or unit. Empty if the data is insufficient for one, which the text above reports.
 fn first_look(analysis: &Analysis) -> String {
     let mut text = format!("\nby {} with the default settings\n", Method::default());
     match &analysis.answer {
@@ -109,7 +109,7 @@ fn first_look(analysis: &Analysis) -> String {
                 _ = writeln!(text, "  {} {}", finding.severity.mark(), with_flags(finding));
             }
         }
-        // No triplets may come of ranges in another unit, which the error says.
+        // Ranges in a wrong unit may leave no triplets, as the error explains.
         Err(why @ CalibrationError::NoTriplets { .. }) => _ = writeln!(text, "  x {why}"),
         Err(_) => return String::new(),
     }

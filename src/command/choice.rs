@@ -1,8 +1,8 @@
-//! Flags whose value is one of a few words: each word with its meaning in the help.
+//! Flags whose value is one of a few words, each explained in the help.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use resect_core::calibration::{Alignment, Method, PriorMethod};
-use resect_core::estimates::Alignment as EstimateAlignment;
+use resect_core::estimates::TrajectoryAlignment;
 use resect_core::experiment::Parameter;
 use resect_core::pipeline::Interpolation;
 use resect_core::simulation::Preset;
@@ -65,11 +65,11 @@ pub const ALIGNMENTS: Choices<Alignment> = &[
     (Alignment::Rigid, "rigid", "Roll and pitch as well"),
 ];
 
-pub const ESTIMATE_ALIGNMENTS: Choices<EstimateAlignment> = &[
-    (EstimateAlignment::None, "none", "Nothing: the estimate is in station 1's frame"),
-    (EstimateAlignment::Rigid, "rigid", "A rotation and a translation (evo's `--align`)"),
+pub const ESTIMATE_ALIGNMENTS: Choices<TrajectoryAlignment> = &[
+    (TrajectoryAlignment::None, "none", "Nothing: the estimate is in station 1's frame"),
+    (TrajectoryAlignment::Rigid, "rigid", "A rotation and a translation (evo's `--align`)"),
     (
-        EstimateAlignment::Similarity,
+        TrajectoryAlignment::Similarity,
         "similarity",
         "A scale too, for one camera alone (evo's `--align --correct_scale`)",
     ),
@@ -94,27 +94,27 @@ pub const PRESETS: Choices<Preset> = &[
     (
         Preset::FlatFloor,
         "flat-floor",
-        "The Warthog on flat ground, where only the rig excludes the mirror twin",
+        "The Warthog on flat ground, where only the rig resolves the mirror ambiguity",
     ),
     (Preset::UnevenGround, "uneven-ground", "The Warthog where it pitches and rolls more"),
     (Preset::SinglePrism, "single-prism", "One prism that all three stations follow, for method C"),
-    (Preset::FigureEight, "figure-eight", "Eights: turns to both sides"),
+    (Preset::FigureEight, "figure-eight", "Figure-eights: turns to both sides"),
     (
         Preset::ShortBaselines,
         "short-baselines",
-        "Eights with prisms a hand's breadth apart, sensitive to each millimetre of a distance",
+        "Figure-eights with prisms a hand's breadth apart: each millimetre of a distance matters",
     ),
     (
         Preset::StraightLine,
         "straight-line",
         "One straight line on flat ground: most directions are not observable",
     ),
-    (Preset::Circle, "circle", "Round and round on flat ground"),
+    (Preset::Circle, "circle", "Circles on flat ground"),
     (Preset::LShape, "l-shape", "Two straight legs on flat ground with one turn between them"),
     (
         Preset::FieldErrors,
         "field-errors",
-        "The Warthog with all the errors of real instruments, drawn from the seed as large as in the field",
+        "The Warthog with all errors of real instruments, drawn from the seed with the sizes seen in the field",
     ),
 ];
 
@@ -122,7 +122,7 @@ pub const PRESETS: Choices<Preset> = &[
 mod tests {
     use super::*;
 
-    /// Fails where a method or preset is missing here, or its word differs from its name elsewhere.
+    /// Fails if a method or preset is missing here, or if its word differs from its name elsewhere.
     #[test]
     fn every_value_has_its_own_name_as_a_word() {
         fn check<T: Copy + PartialEq + std::fmt::Debug>(

@@ -10,12 +10,12 @@ use resect_core::progress::Progress;
 use resect_report::study;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct CompareArguments {
     #[command(flatten)]
     study: StudyArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;

@@ -1,4 +1,4 @@
-//! `resect desktop`: the program in the menus of a Linux desktop, with its icon and the file type of its sessions.
+//! `resect desktop`: adds the program to the menus of a Linux desktop, with its icon and the file type of its sessions.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -10,13 +10,13 @@ use super::{Failure, print};
 use resect_io::atomic;
 
 #[derive(Args)]
-pub struct Arguments {
-    /// Take it out of the menus again
+pub struct DesktopArguments {
+    /// Remove it from the menus
     #[arg(long)]
     remove: bool,
 }
 
-/// The type of `*.resect.toml`; a session is text for whoever has no resect.
+/// The MIME type of `*.resect.toml`: a program that does not know it opens a session as text.
 const FILE_TYPE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">
   <mime-type type="application/x-resect-session">
@@ -28,17 +28,17 @@ const FILE_TYPE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 </mime-info>
 "#;
 
-/// Programs that make a running desktop read what is new, with the folder that they are told.
+/// Programs that make a running desktop read the new files, with the folder that is their argument.
 const READ_ANEW: [(&str, &str); 2] =
     [("update-desktop-database", "applications"), ("update-mime-database", "mime")];
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &DesktopArguments) -> Result<(), Failure> {
     if !cfg!(target_os = "linux") {
-        let line = "desktop: menus and file types are set this way on Linux only";
+        let line = "desktop: menus and file types can be set on Linux only";
         return Err(Failure::Usage(line.to_owned()));
     }
     let folders = directories::BaseDirs::new()
-        .ok_or_else(|| anyhow!("no home folder is known; set HOME or XDG_DATA_HOME"))?;
+        .ok_or_else(|| anyhow!("the home folder is unknown; set HOME or XDG_DATA_HOME"))?;
     let data = folders.data_dir();
     let program = std::env::current_exe().context("the program's own file is not found")?;
     let mut changed = false;
@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             print(&format!("{}: removed\n", path.display()))?;
         } else {
             if let Some(folder) = path.parent() {
-                // What fails here fails again below, with a line of its own.
+                // The write below reports the same failure in a line of its own.
                 _ = std::fs::create_dir_all(folder);
             }
             atomic::write(&path, bytes)?;
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What lies where in the user's data folder (freedesktop.org: desktop entry, icon theme and shared MIME info).
+/// The files to install in the user's data folder (freedesktop.org: desktop entry, icon theme and shared MIME info).
 fn files(data: &Path, program: &Path) -> Result<[(PathBuf, Vec<u8>); 3], Failure> {
     let icon = include_bytes!("../../assets/icon.png").to_vec();
     Ok([
@@ -84,7 +84,7 @@ fn files(data: &Path, program: &Path) -> Result<[(PathBuf, Vec<u8>); 3], Failure
     ])
 }
 
-/// The desktop entry, which names the program by its whole path: the folder of `cargo install` is not on every desktop's.
+/// The desktop entry. It contains the absolute path of the program, since not every desktop has the folder of `cargo install` in its path.
 fn entry(program: &Path) -> Result<String, Failure> {
     let program =
         program.to_str().filter(|path| !path.contains(char::is_control)).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! `resect evaluate`: trajectories of other systems against the deployment's own.
+//! `resect evaluate`: errors of trajectories of other systems, with the deployment's own as ground truth.
 
 use std::path::PathBuf;
 
@@ -17,9 +17,8 @@ use resect_io::file_mark::used_files;
 use resect_report::{estimates, svg};
 
 #[derive(Args)]
-pub struct Arguments {
-    /// Trajectories to judge: TUM, EuRoC, KITTI (times.txt beside it), CSV with a header, or bags with Odometry
-    /// or PoseStamped
+pub struct EvaluateArguments {
+    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, or bags with Odometry or PoseStamped
     #[arg(required = true, value_name = "ESTIMATE")]
     trajectory: Vec<PathBuf>,
     /// Folder or file with the stations' tracks: the ground truth
@@ -30,20 +29,20 @@ pub struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write a line for each epoch: its error, and the ground truth's σ
+    /// Write a line for each epoch: its error, and σ of the ground truth
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write a picture of the errors over time
+    /// Write a plot of the errors over time
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
 
-/// Width of the picture.
+/// Width of the plot (points).
 const WIDTH: f32 = 900.0;
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let mut read_estimates = Vec::new();
     let options = arguments.judging.options_of_each(arguments.trajectory.len())?;

@@ -1,4 +1,4 @@
-//! `resect explain`: the words of the field, as the window explains them.
+//! `resect explain`: the glossary of the window.
 
 use clap::Args;
 
@@ -6,24 +6,22 @@ use super::{Failure, print};
 use resect_report::glossary;
 use resect_report::glossary::Term;
 
-/// Letters in a line.
+/// Characters in a line.
 const WIDTH: usize = 96;
 
 #[derive(Args)]
-pub struct Arguments {
-    /// What to look for: a word of the window, such as tau-s, T12 or "mirror twin"; all words if none
+pub struct ExplainArguments {
+    /// Term to explain, such as tau-s, T12 or "mirror ambiguity"; all terms if none
     word: Vec<String>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     let query = arguments.word.join(" ");
-    // Who names a word wants that one, and not each that mentions it.
+    // An exact name selects that term alone, and not each term that mentions it.
     let found =
         glossary::find(&query).map_or_else(|| glossary::matching(&query), |term| vec![term]);
     if found.is_empty() {
-        let line = format!(
-            "no word that resect explains has \"{query}\" in it; `resect explain` lists all"
-        );
+        let line = format!("no explained word contains \"{query}\"; `resect explain` lists all");
         return Err(Failure::Usage(line));
     }
     let texts: Vec<String> = found.into_iter().map(entry).collect();

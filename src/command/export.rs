@@ -13,7 +13,7 @@ use resect_report::csv::TABLES;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv"])))]
-pub struct Arguments {
+pub struct ExportArguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
     /// Recording for the Rerun viewer
@@ -26,7 +26,7 @@ pub struct Arguments {
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let tables = arguments.csv.iter().flat_map(|folder| TABLES.map(|name| folder.join(name)));
@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     if let Err(error) = &analysis.answer {
-        complain(&format!("without an answer, stations are drawn in their own frames: {error}"));
+        complain(&format!("no answer, so stations are drawn in their own frames: {error}"));
     }
     if let Some(folder) = &arguments.csv {
         for file in resect_report::csv::write_folder(&deployment, &analysis, folder)? {

@@ -1,11 +1,11 @@
-//! The failure of a command.
+//! Errors of commands.
 
-/// Reason for which a command ends without an answer.
+/// Reason for which a command fails.
 #[derive(Debug)]
 pub enum Failure {
-    /// The user's words are off: exit code 2.
+    /// Wrong usage: exit code 2.
     Usage(String),
-    /// The input is: exit code 1.
+    /// Bad input: exit code 1.
     Input(anyhow::Error),
 }
 

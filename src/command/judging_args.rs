@@ -1,34 +1,34 @@
-//! How trajectories of other systems are judged: the flags that `resect evaluate` and `resect report --judge` share.
+//! Options of the evaluation of trajectories of other systems: the flags that `resect evaluate` and `resect report --judge` share.
 
 use super::choice::{ESTIMATE_ALIGNMENTS, choice};
 use clap::Args;
 
 use super::Failure;
 use super::settings_args::metres;
-use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {
-    /// What an estimate's frame may be turned, moved and stretched by; with none it is in station 1's. This flag and the next
-    /// two are given once for all estimates, or once for each in their order
+    /// Alignment of an estimate's frame: rotation, translation and scale; with none it is in station 1's. This flag and the next two are
+    /// given once for all estimates, or once for each in their order
     #[arg(long, value_parser = choice(ESTIMATE_ALIGNMENTS), default_values = ["rigid"])]
-    align: Vec<Alignment>,
-    /// What is added to an estimate's times (s), or found
+    align: Vec<TrajectoryAlignment>,
+    /// Offset that is added to an estimate's times (s), or estimated
     #[arg(long, value_name = "SECONDS|found", default_value = "found", allow_negative_numbers = true, value_parser = offset)]
     time_offset: Vec<Option<f64>>,
-    /// Where an estimate's body is in the vehicle: found, the same as the vehicle's frame, or its origin there, known; of one
-    /// prism where that is in the body's frame (m)
+    /// Body frame of an estimate in the vehicle: estimated, identical to the vehicle's frame,
+    /// or its known origin there; for one prism, the prism's position in the body's frame (m)
     #[arg(long, alias = "lever-arm", value_name = "found|same|X,Y,Z", default_value = "found", allow_hyphen_values = true, value_parser = body)]
     body: Vec<Body>,
 }
 
 impl JudgingArguments {
-    /// Whether anything else is wanted than without these flags.
+    /// Returns true if the flags ask for anything but the defaults.
     pub fn are_given(&self) -> bool {
         self.options_of_each(1).ok() != Some(vec![Options::default()])
     }
 
-    /// How each of so many files is judged.
+    /// Returns the options for each of `count` files.
     pub fn options_of_each(&self, count: usize) -> Result<Vec<Options>, Failure> {
         let align = one_or_each("--align", &self.align, count)?;
         let time_offset_s = one_or_each("--time-offset", &self.time_offset, count)?;
@@ -40,14 +40,13 @@ impl JudgingArguments {
     }
 }
 
-/// A value for each file, of a flag that is given once for all or once for each.
+/// Returns a value for each file, from a flag that is given once for all or once for each.
 fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>, Failure> {
     match values {
         [one] => Ok(vec![*one; count]),
         each if each.len() == count => Ok(each.to_vec()),
         several => Err(Failure::Usage(format!(
-            "{flag} is given {} times and the number of trajectories is {count}; give it once for all, or once for each in their \
-             order",
+            "{flag} values: {}, trajectories: {count}; give one value for all, or one for each in their order",
             several.len()
         ))),
     }
@@ -68,7 +67,7 @@ fn body(text: &str) -> Result<Body, String> {
         "found" => Ok(Body::Found),
         "same" => Ok(Body::Same),
         lever => metres(lever).map(Body::Lever).map_err(|_| {
-            "give found, same, or three numbers with commas between them, in metres".to_owned()
+            "give found, same, or three numbers separated by commas, in metres".to_owned()
         }),
     }
 }

@@ -1,4 +1,4 @@
-//! `resect live`: answers while it is driven, a line a second.
+//! `resect live`: calibration during the drive, a line of results a second.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -21,46 +21,46 @@ use resect_io::source::{Extras, Source};
 use resect_live::{Feed, Finished, Link, LiveError, Session, View, Wanted};
 use resect_report::{json, live as told, text};
 
-/// How often a line is written.
+/// Interval between two lines.
 const EVERY: Duration = Duration::from_secs(1);
-/// How often it is looked whether it is over.
+/// Interval at which the command checks for its end.
 const NAP: Duration = Duration::from_millis(50);
-/// What a shell says of a program that Ctrl-C ended.
+/// Exit code of a program that Ctrl-C ended, by the shells' convention.
 const INTERRUPTED: i32 = 130;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct LiveArguments {
     /// Address of a stream: ws://robot:8765 of foxglove_bridge, or …/ws/measurements/stream of rts-network
     #[arg(required_unless_present = "replay")]
     url: Option<String>,
-    /// Replay a deployment instead, as if it came in now
+    /// Replay a deployment instead, in real time
     #[arg(long, value_name = "PATH", conflicts_with = "url")]
     replay: Option<PathBuf>,
-    /// How much faster than it was driven the replay goes
+    /// Speed of the replay, relative to the drive
     #[arg(long, default_value_t = 1.0, requires = "replay", allow_negative_numbers = true)]
     speed: f64,
-    /// Folder with what is known beforehand: rig, control points, deployment.toml
+    /// Folder with the prior data: rig, control points, deployment.toml
     #[arg(long, value_name = "PATH")]
     deployment: Option<PathBuf>,
-    /// Topics of positions that are stations 1, 2, 3
+    /// Topics with the positions of stations 1, 2, 3
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     topics: Vec<String>,
-    /// Instruments of rts-network that are stations 1, 2, 3, by their ids
+    /// Ids of the instruments of rts-network that are stations 1, 2, 3
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     instruments: Vec<String>,
-    /// Record what comes in; the file must not be there yet
+    /// Record the stream to a new file
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
-    /// What σ has to come down to at the far end of the track, before it is enough
+    /// Target σ at the far end of the track, at which the data suffices (mm)
     #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
     target_mm: f64,
     /// End after so many seconds; a replay ends by itself
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
-    /// End as soon as it is enough
+    /// End as soon as the target is reached
     #[arg(long)]
     until_enough: bool,
-    /// Print the answer to everything in the end, as calibrate does
+    /// Print the calibration from all data at the end, as calibrate does
     #[arg(long)]
     answer: bool,
     /// Print a line of JSON a second
@@ -70,12 +70,12 @@ pub struct Arguments {
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     let wanted = wanted(arguments)?;
     let settings = wanted.settings;
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // Who asks twice does not want to wait for the end of a recording.
+        // A second signal ends the program at once, without waiting for the end of a recording.
         flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))?;
         flag::register(signal, Arc::clone(&stop))?;
     }
@@ -87,15 +87,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     tell(&session, arguments, &stop)?;
     let finished = session.stop().ok_or_else(|| {
-        anyhow::anyhow!("the live deployment broke off; this is a mistake in resect")
+        anyhow::anyhow!("the live deployment stopped unexpectedly; this is a bug in resect")
     })?;
     end(finished, arguments, &settings)
 }
 
-fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
+fn wanted(arguments: &LiveArguments) -> Result<Wanted, Failure> {
     let settings = arguments.settings.settings()?;
     let mut extras = arguments.settings.extras();
-    extras.put_right.topics = of_each_station("--topics", &arguments.topics)?;
+    extras.corrections.topics = of_each_station("--topics", &arguments.topics)?;
     let feed = match (&arguments.url, &arguments.replay) {
         (Some(url), _) if extras.drives.is_empty() => Feed::Url(url.clone()),
         (None, Some(path)) => {
@@ -104,12 +104,14 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
         }
         _ => {
             let line =
-                "--drive is about drives that are over; open the recording with it afterwards";
+                "--drive needs a finished drive; use it when you open the recording afterwards";
             return Err(Failure::Usage(line.to_owned()));
         }
     };
     if arguments.seconds.is_some_and(|seconds| !(seconds >= 0.0 && seconds.is_finite())) {
-        return Err(Failure::Usage("--seconds is no time; give a number of seconds".to_owned()));
+        return Err(Failure::Usage(
+            "--seconds is not a duration; give a number of seconds".to_owned(),
+        ));
     }
     Ok(Wanted {
         feed,
@@ -123,7 +125,7 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
     })
 }
 
-/// Three names, if any.
+/// Returns three names, or `None` without any.
 fn of_each_station(flag: &str, names: &[String]) -> Result<Option<[String; 3]>, Failure> {
     match <[String; 3]>::try_from(names.to_vec()) {
         Ok(names) => Ok(Some(names)),
@@ -135,8 +137,8 @@ fn of_each_station(flag: &str, names: &[String]) -> Result<Option<[String; 3]>, 
     }
 }
 
-/// Writes a line a second, until it is over.
-fn tell(session: &Session, arguments: &Arguments, stop: &AtomicBool) -> Result<(), WriteError> {
+/// Writes a line a second until the session ends.
+fn tell(session: &Session, arguments: &LiveArguments, stop: &AtomicBool) -> Result<(), WriteError> {
     let begun = Instant::now();
     let mut next = begun + EVERY;
     let mut before = View::default();
@@ -165,12 +167,12 @@ fn tell(session: &Session, arguments: &Arguments, stop: &AtomicBool) -> Result<(
     Ok(())
 }
 
-/// True if the view has this warning already, with whatever numbers.
+/// Returns true if the view has this warning already, with any numbers.
 fn is_known(view: &View, finding: &Finding) -> bool {
     view.warnings.iter().any(|known| known.finding.identity() == finding.identity())
 }
 
-/// What is new since the line before, and the line.
+/// Returns the news since the previous line, and the line.
 fn lines(before: &View, view: &View) -> String {
     let mut text = String::new();
     if before.link != view.link {
@@ -189,7 +191,7 @@ fn lines(before: &View, view: &View) -> String {
     text + &told::line(view) + "\n"
 }
 
-/// Prints; whether anyone reads it.
+/// Prints; returns false if the reader has closed the pipe.
 fn say(text: &str) -> Result<bool, WriteError> {
     let mut out = std::io::stdout();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -199,11 +201,11 @@ fn say(text: &str) -> Result<bool, WriteError> {
     }
 }
 
-/// Tells what it came to.
-fn end(finished: Finished, arguments: &Arguments, settings: &Settings) -> Result<(), Failure> {
+/// Prints the final result.
+fn end(finished: Finished, arguments: &LiveArguments, settings: &Settings) -> Result<(), Failure> {
     let Finished { deployment, view, recorded, closing } = finished;
     let answered = deployment.map(Arc::new).map(|deployment| {
-        // What is asked for at the end is what was said last, of all readings.
+        // The final calibration uses all readings, as the last line does.
         let analysis =
             arguments.answer.then(|| Analyst::new(Arc::clone(&deployment)).run(settings));
         (deployment, analysis)

@@ -1,4 +1,4 @@
-//! Opening the deployments that a command names.
+//! Opening of the deployments that a command names.
 
 use std::iter::zip;
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::source::{Extras, Source};
 
-/// A deployment and how long opening it took (ms).
+/// Opens a deployment, and returns it with the duration of opening (ms).
 pub fn load(path: &Path, extras: Extras) -> Result<(Arc<Deployment>, f64), OpenError> {
     let started = Instant::now();
     let deployment = Source::at(path).with(extras).open(&Progress::default())?;
     Ok((Arc::new(deployment), started.elapsed().as_secs_f64() * 1e3))
 }
 
-/// Opens several deployments, and gives those of one name longer ones that tell them apart.
+/// Opens several deployments; those with equal names get longer, distinct ones.
 pub fn load_each(paths: &[PathBuf], extras: &Extras) -> Vec<Result<Arc<Deployment>, OpenError>> {
     let mut loaded: Vec<Result<Arc<Deployment>, OpenError>> =
         paths.iter().map(|path| Ok(load(path, extras.clone())?.0)).collect();

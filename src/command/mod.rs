@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand. Nothing below this module prints.
+//! The command line: one file for each subcommand. Nothing below this module prints.
 
 mod ablate;
 mod calibrate;

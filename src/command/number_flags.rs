@@ -1,10 +1,10 @@
-//! Flags of the pipeline's numbers, made from the table of these numbers.
+//! Flags for the numbers of the pipeline, generated from their table.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 
 use resect_core::pipeline::{PIPELINE_NUMBERS, PipelineSettings};
 
-/// Values of the flags that are given, in the order of [`PIPELINE_NUMBERS`].
+/// Values of the given flags, in the order of [`PIPELINE_NUMBERS`].
 #[derive(Clone, Default)]
 pub struct NumberFlags {
     values: [Option<f64>; PIPELINE_NUMBERS.len()],

@@ -1,4 +1,4 @@
-//! `resect plan`: what a drive will tell before it is driven, and what would tell more.
+//! `resect plan`: the expected accuracy of a drive before it is driven, and improvements of it.
 
 use std::path::{Path, PathBuf};
 
@@ -17,33 +17,33 @@ use resect_io::{plan_file, way_file};
 use resect_report::planning;
 
 #[derive(Args)]
-pub struct Arguments {
-    /// A plan (TOML), or a folder or file of a past deployment, whose stations, rig and way become one
+pub struct PlanArguments {
+    /// A plan (TOML), or a folder or file of a past deployment, whose stations, rig and path become one
     #[arg(required_unless_present = "preset")]
     path: Option<PathBuf>,
-    /// The stations, rig and way of a preset of `simulate`, instead of a path
+    /// Take stations, rig and path from a preset of `simulate`, instead of a file
     #[arg(long, value_parser = choice(PRESETS), conflicts_with = "path")]
     preset: Option<Preset>,
-    /// What a preset drives by this seed
+    /// Seed of the preset's drive
     #[arg(long, default_value_t = 1, conflicts_with = "path")]
     seed: u64,
-    /// File whose way takes the place of the plan's: CSV (x, y), PLY or GeoJSON (with the three stations as points)
+    /// File with the path to drive, instead of the plan's: CSV (x, y), PLY or GeoJSON (with the three stations as points)
     #[arg(long, value_name = "FILE")]
     way: Option<PathBuf>,
-    /// Largest root mean square error at the far end that is wanted (mm), instead of the plan's
+    /// Largest acceptable root mean square error at the far end (mm), instead of the plan's
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     target: Option<f64>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write the plan as TOML, to change it and ask again
+    /// Write the plan as TOML, to edit it and plan again
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &PlanArguments) -> Result<(), Failure> {
     let (mut plan, read) = plan(arguments)?;
     if let Some(target_mm) = arguments.target {
         plan.target_mm = target_mm;
@@ -71,8 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The plan, and the files that it was made of.
-fn plan(arguments: &Arguments) -> Result<(Plan, Vec<PathBuf>), Failure> {
+/// Returns the plan, and the files that it was read from.
+fn plan(arguments: &PlanArguments) -> Result<(Plan, Vec<PathBuf>), Failure> {
     if let Some(preset) = arguments.preset {
         return Ok((Plan::from_preset(preset, arguments.seed), Vec::new()));
     }

@@ -6,13 +6,13 @@ use std::path::Path;
 use resect_core::deployment::printable::printable;
 use resect_io::atomic::WriteError;
 
-/// Says what is wrong, in one line whatever the names in it hold.
+/// Prints an error in one line, whatever characters the names in it have.
 pub fn complain(line: &str) {
-    // Nobody may be there to read it; the exit code says so much as well.
+    // Standard error may be closed; the exit code reports the failure as well.
     _ = writeln!(std::io::stderr(), "resect: {}", printable(line));
 }
 
-/// Prints, and ends quietly when the reader has gone (`resect … | head`).
+/// Prints; ends quietly if the reader has closed the pipe (`resect … | head`).
 pub fn print(text: &str) -> Result<(), WriteError> {
     let mut out = std::io::stdout();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

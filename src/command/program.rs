@@ -1,4 +1,4 @@
-//! The command line: its arguments, and the command that they name.
+//! The command line: its arguments and subcommands.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,48 +15,48 @@ use super::{
 #[command(version, about, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
     /// Folders or files to open in the window; the built-in sample if none.
     path: Vec<PathBuf>,
 }
 
 #[derive(Subcommand)]
-enum Command {
-    /// Calibrate a deployment and print the answer
-    Calibrate(calibrate::Arguments),
+enum CliCommand {
+    /// Calibrate a deployment and print the result
+    Calibrate(calibrate::CalibrateArguments),
     /// Compare all calibrations that the data allows, by both metrics
-    Compare(compare::Arguments),
-    /// Tell whether a calibration holds for other runs, and which station moved since
-    Validate(validate::Arguments),
-    /// Tell what each module of the pipeline brings
-    Ablate(ablate::Arguments),
-    /// Tell how the errors depend on one threshold
-    Sweep(sweep::Arguments),
+    Compare(compare::CompareArguments),
+    /// Test if a calibration still fits other runs, and which station moved since
+    Validate(validate::ValidateArguments),
+    /// Measure the contribution of each module of the pipeline
+    Ablate(ablate::AblateArguments),
+    /// Measure how the errors depend on one threshold
+    Sweep(sweep::SweepArguments),
     /// Write the vehicle's poses in six degrees of freedom
-    Trajectory(trajectory::Arguments),
-    /// Judge trajectories of other systems by the deployment's own, with its σ
-    Evaluate(evaluate::Arguments),
-    /// Calibrate while it is driven, from a stream of the network or a replay
-    Live(live::Arguments),
-    /// Tell what is in a folder or file, and what is wrong with it
-    Check(check::Arguments),
+    Trajectory(trajectory::TrajectoryArguments),
+    /// Evaluate trajectories of other systems against the ground truth of a deployment, with its σ
+    Evaluate(evaluate::EvaluateArguments),
+    /// Calibrate during the drive, from a stream of the network or a replay
+    Live(live::LiveArguments),
+    /// Describe a folder or file, and report its faults
+    Check(check::CheckArguments),
     /// Write verdict, transforms, residuals and data as one HTML page
-    Report(report::Arguments),
-    /// Write a picture of the window
-    Screenshot(screenshot::Arguments),
-    /// Tell what a drive will leave open before it is driven, and what improves it most
-    Plan(plan::Arguments),
-    /// Make a deployment with known truth
-    Simulate(simulate::Arguments),
+    Report(report::ReportArguments),
+    /// Write an image of the window
+    Screenshot(screenshot::ScreenshotArguments),
+    /// Predict the covariance of a drive before it is driven, and the best improvement
+    Plan(plan::PlanArguments),
+    /// Simulate a deployment with known ground truth
+    Simulate(simulate::SimulateArguments),
     /// Write tracks and residuals for other programs
-    Export(export::Arguments),
-    /// Explain a word of the field: τ_s, T12, mirror twin
-    Explain(explain::Arguments),
-    /// Put the program into the menus of a Linux desktop, with its icon and its sessions' file type
-    Desktop(desktop::Arguments),
+    Export(export::ExportArguments),
+    /// Explain a technical term: τ_s, T12, mirror ambiguity
+    Explain(explain::ExplainArguments),
+    /// Add the program, its icon and its file type to the menus of a Linux desktop
+    Desktop(desktop::DesktopArguments),
 }
 
-/// Runs the program and gives its exit code: 0 for an answer, 1 for bad input, 2 for bad usage.
+/// Runs the program and returns its exit code: 0 for success, 1 for bad input, 2 for bad usage.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -64,27 +64,27 @@ pub fn run() -> ExitCode {
             complain(&one_line(&error.to_string()));
             return ExitCode::from(2);
         }
-        // Help and version are answers.
+        // Help and version are no errors.
         Err(help) => help.exit(),
     };
     let result = match arguments.command {
         None => window::run(&arguments.path),
-        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
-        Some(Command::Compare(arguments)) => compare::run(&arguments),
-        Some(Command::Validate(arguments)) => validate::run(&arguments),
-        Some(Command::Ablate(arguments)) => ablate::run(&arguments),
-        Some(Command::Sweep(arguments)) => sweep::run(&arguments),
-        Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),
-        Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
-        Some(Command::Live(arguments)) => live::run(&arguments),
-        Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::Report(arguments)) => report::run(&arguments),
-        Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
-        Some(Command::Plan(arguments)) => plan::run(&arguments),
-        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
-        Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Explain(arguments)) => explain::run(&arguments),
-        Some(Command::Desktop(arguments)) => desktop::run(&arguments),
+        Some(CliCommand::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(CliCommand::Compare(arguments)) => compare::run(&arguments),
+        Some(CliCommand::Validate(arguments)) => validate::run(&arguments),
+        Some(CliCommand::Ablate(arguments)) => ablate::run(&arguments),
+        Some(CliCommand::Sweep(arguments)) => sweep::run(&arguments),
+        Some(CliCommand::Trajectory(arguments)) => trajectory::run(&arguments),
+        Some(CliCommand::Evaluate(arguments)) => evaluate::run(&arguments),
+        Some(CliCommand::Live(arguments)) => live::run(&arguments),
+        Some(CliCommand::Check(arguments)) => check::run(&arguments),
+        Some(CliCommand::Report(arguments)) => report::run(&arguments),
+        Some(CliCommand::Screenshot(arguments)) => screenshot::run(&arguments),
+        Some(CliCommand::Plan(arguments)) => plan::run(&arguments),
+        Some(CliCommand::Simulate(arguments)) => simulate::run(&arguments),
+        Some(CliCommand::Export(arguments)) => export::run(&arguments),
+        Some(CliCommand::Explain(arguments)) => explain::run(&arguments),
+        Some(CliCommand::Desktop(arguments)) => desktop::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -99,7 +99,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// What clap says, up to its usage, as one line.
+/// Returns clap's message, up to its usage, as one line.
 fn one_line(message: &str) -> String {
     let said: Vec<_> = message
         .lines()

@@ -6,7 +6,7 @@ use resect_core::estimates::Unjudged;
 use resect_core::estimates::unfit::Unfit;
 use resect_core::evaluation::vehicle::NoTrajectory;
 
-/// The flag that applies a remedy; `None` where no flag does.
+/// Returns the flag that applies a remedy; `None` without one.
 fn flag(remedy: &Remedy) -> Option<&'static str> {
     match remedy {
         Remedy::JointEstimate => Some("--method joint"),
@@ -16,14 +16,14 @@ fn flag(remedy: &Remedy) -> Option<&'static str> {
         Remedy::GiveControlPoints => Some("--gcp"),
         Remedy::PublishedMethod
         | Remedy::RelaxFilters
-        | Remedy::PutRight
+        | Remedy::Corrections
         | Remedy::ReadWith(_)
         | Remedy::ShowTimes(_)
         | Remedy::ShowPoint { .. } => None,
     }
 }
 
-/// The message of a finding with the flags of its remedies: "…; use --gcp or --rig".
+/// Returns the message of a finding with the flags of its remedies: "…; use --gcp or --rig".
 pub fn with_flags(finding: &Finding) -> String {
     let mut line = finding.to_string();
     for (index, flag) in finding.remedies.iter().filter_map(flag).enumerate() {
@@ -33,7 +33,7 @@ pub fn with_flags(finding: &Finding) -> String {
     line
 }
 
-/// The flag, or the command, that does what an error about a trajectory advises.
+/// Returns the flag, or the command, that follows the advice of an error about a trajectory.
 pub fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
     match why {
         NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_) => Some("--method joint"),
@@ -45,7 +45,7 @@ pub fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
     }
 }
 
-/// The flag, or the command, that does what an error about an estimate advises.
+/// Returns the flag, or the command, that follows the advice of an error about an estimate.
 pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
     match why {
         Unjudged::NoReference(why) => trajectory_flag(why),
@@ -60,7 +60,7 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
     }
 }
 
-/// An error as one line, with the flags of its remedies.
+/// Returns an error as one line, with the flags of its remedies.
 pub fn error_with_flags(error: &anyhow::Error) -> String {
     match error.downcast_ref::<CalibrationError>() {
         Some(error) => with_flags(&error.finding()),

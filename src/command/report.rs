@@ -1,4 +1,4 @@
-//! `resect report`: verdict, transforms, residuals and what they were made from, as one HTML page.
+//! `resect report`: verdict, transforms, residuals and the data behind them, as one HTML page.
 
 use std::iter::zip;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{Estimate, Options, judge};
+use resect_core::estimates::{EstimatedTrajectory, Options, judge};
 use resect_io::atomic;
 use resect_io::error::OpenError;
 use resect_io::estimate_file;
@@ -22,14 +22,14 @@ use resect_report::report;
 use resect_report::report::Chapter;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct ReportArguments {
     /// Folders or files with the stations' tracks
     #[arg(required = true)]
     path: Vec<PathBuf>,
-    /// HTML to write
+    /// HTML file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Trajectory of another system to be judged by the deployment, as `resect evaluate` does; may be repeated
+    /// Trajectory of another system to evaluate against the deployment, as `resect evaluate` does; may be repeated
     #[arg(long, value_name = "ESTIMATE")]
     judge: Vec<PathBuf>,
     #[command(flatten)]
@@ -38,16 +38,16 @@ pub struct Arguments {
     settings: AnswerArguments,
 }
 
-/// One bad deployment does not keep the others' answers back; with none at all the page still tells why, so that no
-/// older one is taken for it.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// Writes the report. A deployment with an error does not prevent the others; if all
+/// fail, the page still states the reasons, so that nobody mistakes an older page for it.
+pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     if !arguments.judge.is_empty() && arguments.path.len() > 1 {
-        let line = "--judge goes with one deployment; write a report for each".to_owned();
+        let line = "--judge allows one deployment; write a report for each".to_owned();
         return Err(Failure::Usage(line));
     }
     if arguments.judge.is_empty() && arguments.judging.are_given() {
-        let line = "--align, --time-offset and --body say how --judge judges; give that, too";
+        let line = "--align, --time-offset and --body need --judge; give it too";
         return Err(Failure::Usage(line.to_owned()));
     }
     let mut estimates = Vec::new();
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &errors[..] {
         [only] if all == 1 => Err(Failure::Input(anyhow::anyhow!("{only}"))),
         [first, ..] if without == all => Err(Failure::Input(anyhow::anyhow!(
-            "none of {all} deployments has an answer ({file} says why); the first: {first}"
+            "none of {all} deployments has an answer ({file} gives the reasons); the first: {first}"
         ))),
         _ => {
             let plural = if all == 1 { "" } else { "s" };
@@ -86,7 +86,7 @@ fn chapter(
     path: &Path,
     opened: Result<Arc<Deployment>, OpenError>,
     settings: &Settings,
-    estimates: &[(Estimate, Options)],
+    estimates: &[(EstimatedTrajectory, Options)],
 ) -> Chapter {
     match opened {
         Ok(deployment) => {

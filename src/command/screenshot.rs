@@ -1,4 +1,4 @@
-//! `resect screenshot`: the window as a picture, without a display.
+//! `resect screenshot`: an image of the window, without a display.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,28 +16,28 @@ use resect_io::sample::Sample;
 use resect_io::source::Source;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Theme {
+enum ThemeArgument {
     Dark,
     Light,
 }
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct ScreenshotArguments {
     /// Folder or file with the stations' tracks; the built-in sample if none
     path: Option<PathBuf>,
-    /// PNG to write
+    /// PNG file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Width and height in pixels
     #[arg(long, default_value = "1600x1000", value_parser = parse_size)]
     size: [u32; 2],
     #[arg(long, value_enum, default_value = "dark")]
-    theme: Theme,
+    theme: ThemeArgument,
     #[command(flatten)]
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let source = match &arguments.path {
         Some(path) => Source::at(path),
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let source = source.with(arguments.settings.extras());
     let deployment = source.open(&Progress::default())?;
     spare(&arguments.out, used_files(&deployment))?;
-    let dark = arguments.theme == Theme::Dark;
+    let dark = arguments.theme == ThemeArgument::Dark;
     let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
     let mut png = std::io::Cursor::new(Vec::new());
     image.write_to(&mut png, image::ImageFormat::Png)?;
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let (width, height) = text.split_once(['x', '×']).ok_or("write it as 1600x1000")?;
+    let (width, height) = text.split_once(['x', '×']).ok_or("give it as 1600x1000")?;
     let side = |side: &str| match side.trim().parse::<u32>() {
         Ok(pixels) if (200..=8192).contains(&pixels) => Ok(pixels),
         _ => Err(format!("`{side}` is not a number of pixels from 200 to 8192")),

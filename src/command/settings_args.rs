@@ -1,4 +1,4 @@
-//! The flags that change settings, shared by every command that runs the pipeline.
+//! Flags that change settings, shared by every command that runs the pipeline.
 
 use std::path::PathBuf;
 
@@ -14,10 +14,10 @@ use resect_core::pipeline::Interpolation;
 use resect_io::error::OpenError;
 use resect_io::source::Extras;
 
-/// The method and the settings of a command that calibrates.
+/// Method and settings of a command that calibrates.
 #[derive(Args)]
 pub struct AnswerArguments {
-    /// Calibration method, joint if none; calibrate takes several
+    /// Calibration method [default: joint]; `calibrate` accepts several
     #[arg(long, value_parser = choice(METHODS))]
     method: Vec<Method>,
     /// The same as --method joint
@@ -28,18 +28,18 @@ pub struct AnswerArguments {
 }
 
 impl AnswerArguments {
-    /// The settings of the one method that there may be.
+    /// Returns the settings; an error if there are several methods.
     pub fn settings(&self) -> Result<Settings, Failure> {
         match &self.settings_of_each()?[..] {
             [settings] => Ok(*settings),
             several => Err(Failure::Usage(format!(
-                "{} methods are given where one is possible; calibrate takes several",
+                "{} methods are given, but one is allowed; calibrate accepts several",
                 several.len()
             ))),
         }
     }
 
-    /// The settings of each method that is given, or of the one without a name; never none.
+    /// Returns the settings of each given method, or of the default one; never empty.
     pub fn settings_of_each(&self) -> Result<Vec<Settings>, Failure> {
         let settings = self.settings.settings()?;
         let mut methods: Vec<Option<Method>> = self.method.iter().copied().map(Some).collect();
@@ -67,19 +67,19 @@ impl AnswerArguments {
 pub struct SettingsArguments {
     #[command(flatten)]
     numbers: NumberFlags,
-    /// Leave module 1 out, the outlier filter
+    /// Omit module 1, the outlier filter
     #[arg(long)]
     no_outlier_filter: bool,
-    /// Leave module 3 out, the interval filter
+    /// Omit module 3, the interval filter
     #[arg(long)]
     no_interval_filter: bool,
-    /// Module 4, what is between readings [default: linear]
+    /// Module 4, interpolation between readings [default: linear]
     #[arg(long, value_parser = choice(INTERPOLATIONS))]
     interpolation: Option<Interpolation>,
-    /// Where method D starts from, and the joint estimate with it [default: closed-form]
+    /// Initial value of method D and of the joint estimate [default: closed-form]
     #[arg(long, value_parser = choice(PRIORS))]
     prior: Option<PriorMethod>,
-    /// What methods B and C may turn: yaw, or roll and pitch as well [default: level]
+    /// Rotations that methods B and C estimate: yaw, or roll and pitch as well [default: level]
     #[arg(long, value_parser = choice(ALIGNMENTS))]
     alignment: Option<Alignment>,
     /// Control-point files to use instead of those beside the tracks
@@ -88,16 +88,16 @@ pub struct SettingsArguments {
     /// Folder or file with the rig (calibration_results.csv, calibration_raw.csv)
     #[arg(long, value_name = "PATH")]
     rig: Option<PathBuf>,
-    /// Folder or file of a further drive with stations that nobody moved: solved together, each with its own clocks
+    /// Folder or file of a further drive with unmoved stations: solved together, each with its own clocks
     #[arg(long, value_name = "PATH")]
     drive: Vec<PathBuf>,
-    /// Settings as TOML; flags overrule it
+    /// Settings as TOML; flags take precedence
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
 
 impl SettingsArguments {
-    /// The settings: defaults, then the config file, then the flags.
+    /// Returns the settings: defaults, then the config file, then the flags.
     pub fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = match &self.config {
             None => Settings::default(),
@@ -122,7 +122,7 @@ impl SettingsArguments {
         Ok(settings)
     }
 
-    /// The files of `--rig`, `--gcp` and `--drive`.
+    /// Returns the files of `--rig`, `--gcp` and `--drive`.
     pub fn extras(&self) -> Extras {
         Extras {
             rig: self.rig.clone(),
@@ -134,14 +134,14 @@ impl SettingsArguments {
     }
 }
 
-/// A place, as three numbers with commas between them (m).
+/// Parses a position, three numbers separated by commas (m).
 pub fn metres(text: &str) -> Result<Vector3<f64>, String> {
     let values: Option<Vec<f64>> = text.split(',').map(|v| v.trim().parse().ok()).collect();
     values
         .and_then(|values| <[f64; 3]>::try_from(values).ok())
         .filter(|values| values.iter().all(|value| value.is_finite()))
         .map(Vector3::from)
-        .ok_or_else(|| "give three numbers with commas between them, in metres".to_owned())
+        .ok_or_else(|| "give three numbers separated by commas, in metres".to_owned())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `resect simulate`: a deployment with known truth, as files.
+//! `resect simulate`: a deployment with known ground truth, as files.
 
 mod error_args;
 mod limits;
@@ -25,8 +25,8 @@ use resect_report::trajectory::FileKind;
 const TRUE_POSES_APART_S: f64 = 0.1;
 
 #[derive(Args)]
-pub struct Arguments {
-    /// What is driven, and where
+pub struct SimulateArguments {
+    /// Scenario: the drive and its surroundings
     #[arg(long, value_parser = choice(PRESETS))]
     preset: Preset,
     /// The same seed gives the same files
@@ -50,29 +50,29 @@ pub struct Arguments {
     /// Lost locks of each station per minute
     #[arg(long, value_name = "PER_MIN")]
     lost_locks: Option<f64>,
-    /// How often a minute each station follows a wrong prism for a while
+    /// Intervals a minute in which each station follows a wrong prism
     #[arg(long, value_name = "PER_MIN")]
     wrong_targets: Option<f64>,
     /// Readings per second of each station
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// When stations 1, 2, 3 take their first reading (ms); from the seed if not given
+    /// Time of the first reading of stations 1, 2, 3 (ms); from the seed if not given
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',')]
     stagger: Vec<f64>,
-    /// How long is driven (s)
+    /// Duration of the drive (s)
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     #[command(flatten)]
     errors: Box<ErrorArguments>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let scenario = scenario(arguments)?;
     let kind = arguments.true_poses.as_deref().map(kind_of).transpose()?;
     if let Some(file) =
         arguments.true_poses.as_deref().filter(|file| file.starts_with(&arguments.out))
     {
-        let line = "would be read with the deployment; name a file beside its folder";
+        let line = "would be read with the deployment; choose a file outside its folder";
         return Err(Failure::Usage(format!("{}: {line}", file.display())));
     }
     let simulated = simulate_scenario(&scenario, arguments.seed);
@@ -81,8 +81,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         write_true_poses(&simulated, file, kind)?;
     }
     print(&format!(
-        "{}: {} readings ({} outliers, {} lost), {} control-point sets; the truth is in truth.toml\n\
-         next: resect calibrate {}\n",
+        "{}: {} readings ({} outliers, {} lost), {} control-point sets; the ground truth is in truth.toml\nnext: \
+         resect calibrate {}\n",
         arguments.out.display(),
         simulated.records.len(),
         simulated.truth.outliers,
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes where the vehicle really was.
+/// Writes the true poses of the vehicle.
 fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Result<(), Failure> {
     spare(file, [])?;
     let truth = &simulated.truth;
@@ -121,8 +121,8 @@ fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Resul
     Ok(atomic::write(file, content)?)
 }
 
-/// The preset with what the options change.
-fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
+/// Returns the preset with the changes of the options.
+fn scenario(arguments: &SimulateArguments) -> Result<Scenario, Failure> {
     let mut scenario = arguments.preset.scenario();
     let noise = &mut scenario.noise;
     let mut stagger_s = [0.0; 3];
@@ -177,6 +177,6 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     if !arguments.stagger.is_empty() {
         scenario.stagger_s = Some(stagger_s);
     }
-    // Last, since errors happen within the drive.
+    // Last, since errors occur within the duration of the drive.
     arguments.errors.apply(scenario, arguments.seed)
 }

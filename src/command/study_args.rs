@@ -1,4 +1,4 @@
-//! What the commands that run studies share: deployments, splits, where the results go.
+//! Arguments that the commands for studies share: deployments, splits, output.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,16 +16,16 @@ pub struct StudyArguments {
     /// Folders or files with the stations' tracks
     #[arg(required = true)]
     path: Vec<PathBuf>,
-    /// Folder for the picture (SVG, PNG) and the table (CSV)
+    /// Folder for the plot (SVG, PNG) and the table (CSV)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Solve with a random 75 % of the data and judge by the rest, so many times
+    /// Number of random splits: 75 % of the data to solve, the rest to evaluate
     #[arg(long, value_name = "REPEATS")]
     splits: Option<usize>,
-    /// Where the random splits start
+    /// Seed of the random splits
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -44,13 +44,13 @@ impl StudyArguments {
         match self.splits {
             Some(0) => Err(Failure::Usage("--splits must be at least 1".to_owned())),
             Some(repeats) if repeats > 1000 => {
-                Err(Failure::Usage("--splits: 1000 repeats are the most".to_owned()))
+                Err(Failure::Usage("--splits must be at most 1000".to_owned()))
             }
             repeats => Ok(repeats.map(|repeats| Splits { repeats, seed: self.seed })),
         }
     }
 
-    /// Writes the files and, unless JSON was asked for, says which.
+    /// Writes the files and, without `--json`, prints their names.
     pub fn write(&self, study: &Study) -> Result<(), Failure> {
         let Some(folder) = &self.out else { return Ok(()) };
         let written = study::write(study, folder)?;

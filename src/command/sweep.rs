@@ -1,4 +1,4 @@
-//! `resect sweep`: how the errors depend on one threshold.
+//! `resect sweep`: dependence of the errors on one threshold.
 
 use clap::Args;
 
@@ -11,10 +11,10 @@ use resect_core::progress::Progress;
 use resect_report::study;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct SweepArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// What to vary
+    /// Parameter to vary
     #[arg(long, value_parser = choice(PARAMETERS))]
     parameter: Parameter,
     /// First value, in the unit of the setting
@@ -26,16 +26,15 @@ pub struct Arguments {
     /// Number of values, both ends included
     #[arg(long, default_value_t = 11)]
     steps: usize,
-    /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
-    /// dynamic-gcp for one prism; the joint estimate only where it is named here
+    /// Reference method [default: as in the paper, static-gcp with control points, dynamic-gcp for one prism, else inter-prism]
     #[arg(long, value_parser = choice(METHODS), value_name = "METHOD")]
     reference: Option<Method>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
-    let Arguments { parameter, from, to, steps, .. } = *arguments;
+    let SweepArguments { parameter, from, to, steps, .. } = *arguments;
     let range = Sweep { parameter, from, to, steps };
     range.check(&settings.pipeline).map_err(Failure::Usage)?;
     let deployments = arguments.study.deployments()?;

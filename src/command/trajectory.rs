@@ -10,7 +10,7 @@ use super::remedy_flags::trajectory_flag;
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst};
-use resect_core::calibration::joint::prisms::Instant;
+use resect_core::calibration::joint::prism_motion::MotionInstant;
 use resect_core::calibration::{Calibration, Targets};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::site::SiteFrame;
@@ -24,17 +24,17 @@ use resect_io::file_mark::used_files;
 use resect_report::trajectory as trajectory_file;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct TrajectoryArguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
-    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or by its ending .csv with covariance and velocity, .mcap or .bag
-    /// (ROS 1) with nav_msgs/Odometry, or .ply with time and σ; TUM on the terminal if none
+    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or by its extension .csv with covariance and velocity, .mcap or .bag (ROS 1)
+    /// with nav_msgs/Odometry, or .ply with time and σ; TUM on the terminal if none
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Leave out epochs with an inter-prism error above this (mm)
+    /// Omit epochs with an inter-prism error above this (mm)
     #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
-    /// Poses at even steps, so many a second, instead of at the triplets (the joint estimate only)
+    /// Rate of evenly spaced poses (1/s), instead of one at each triplet (the joint estimate only)
     #[arg(long, value_name = "HZ", conflicts_with_all = ["at", "at_readings"], allow_negative_numbers = true)]
     pose_rate: Option<f64>,
     /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
@@ -43,10 +43,10 @@ pub struct Arguments {
     /// Poses at the stamps of all readings, instead of at the triplets (the joint estimate only)
     #[arg(long, conflicts_with = "at")]
     at_readings: bool,
-    /// Poses of a sensor instead of the vehicle: where its origin is in the vehicle's frame (m), its axes being parallel
+    /// Poses of a sensor instead of the vehicle: its origin in the vehicle's frame (m), with parallel axes
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
     lever_arm: Option<Vector3<f64>>,
-    /// The frame of the poses: station 1's, or that in which the control points were surveyed
+    /// The frame of the poses: station 1's, or the one in which the control points were surveyed
     #[arg(long, value_enum, default_value_t = FrameArgument::Station1)]
     frame: FrameArgument,
     #[command(flatten)]
@@ -59,13 +59,13 @@ enum FrameArgument {
     ControlPoints,
 }
 
-/// More poses a second than any sensor has stamps.
+/// Greatest rate of poses (1/s), above the rate of any sensor.
 const MOST_HZ: f64 = 10_000.0;
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     check(arguments)?;
-    // Before anything that takes long.
+    // Before the slow steps.
     arguments.out.as_deref().map(kind_of).transpose()?;
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Refuses arguments out of their range.
-fn check(arguments: &Arguments) -> Result<(), Failure> {
+fn check(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     if !(arguments.max_error > 0.0 && arguments.max_error.is_finite()) {
         let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
         return Err(Failure::Usage(line));
@@ -139,15 +139,15 @@ struct FramedTrajectory<'a> {
     /// The frame of the poses, in words, and its id.
     frame: &'a str,
     frame_id: &'a str,
-    /// The point of the vehicle and its axes, in words.
+    /// Reference point and axes of the vehicle, in words.
     vehicle: String,
 }
 
 impl FramedTrajectory<'_> {
-    /// Writes the file, or prints it where none is named.
+    /// Writes the file, or prints the trajectory if no file is named.
     fn write(
         &self,
-        arguments: &Arguments,
+        arguments: &TrajectoryArguments,
         (deployment, analysis): (&Deployment, &Analysis),
         calibration: &Calibration,
     ) -> Result<(), Failure> {
@@ -196,17 +196,16 @@ impl FramedTrajectory<'_> {
     }
 }
 
-/// Positions of the prism that all stations follow.
+/// Returns the positions of the one prism that all stations follow.
 fn one_prism(
-    arguments: &Arguments,
+    arguments: &TrajectoryArguments,
     (deployment, analysis): (&Deployment, &Analysis),
     calibration: &Calibration,
     wanted: Instants<'_>,
     (site, frame): (Option<&SiteFrame>, &str),
 ) -> Result<(), Failure> {
     if arguments.lever_arm.is_some() {
-        let why =
-            "one prism has no orientation, by which --lever-arm would be turned; leave it out";
+        let why = "--lever-arm needs an orientation, and one prism has none; leave it out";
         return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
     }
     let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)
@@ -228,7 +227,7 @@ fn one_prism(
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
     atomic::write(file, content)?;
-    let sigma_m = |at: &Instant<3>| (at.position_covariance.trace() / 3.0).sqrt();
+    let sigma_m = |at: &MotionInstant<3>| (at.position_covariance.trace() / 3.0).sqrt();
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
     sigmas_m.sort_by(f64::total_cmp);
     Ok(print(&format!(
@@ -240,7 +239,7 @@ fn one_prism(
     ))?)
 }
 
-/// A line on what all stations read and what has no pose for all that; empty where there is nothing of it.
+/// Returns a line on the times that all stations observed without a pose; empty if there are none.
 fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
     let Some(joint) = calibration.joint() else { return String::new() };
     let spans_s: Vec<[f64; 2]> = joint.solution.spans_s().collect();
@@ -252,27 +251,28 @@ fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
     match without {
         0 => String::new(),
         _ => format!(
-            "no poses at {without} triplets whose readings cannot be right and were left out (`resect calibrate` says where)\n"
+            "no poses at {without} triplets: their readings are wrong and were left out (`resect calibrate` shows the \
+             times)\n"
         ),
     }
 }
 
-/// The frame of the control points, if poses are wanted in it.
+/// Returns the frame of the control points, if the poses are to be in it.
 fn site_frame(
-    arguments: &Arguments,
+    arguments: &TrajectoryArguments,
     deployment: &Deployment,
     calibration: &Calibration,
 ) -> Result<Option<SiteFrame>, Failure> {
     if arguments.frame == FrameArgument::Station1 {
         return Ok(None);
     }
-    // Where the answer is about another frame than theirs, they have no place in it.
+    // Control points have no position in a calibration of another frame.
     let placing = calibration.placing_control_points(deployment);
     let placing = placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     Ok(Some(SiteFrame::of(deployment, placing).map_err(|why| anyhow::anyhow!("{why}"))?))
 }
 
-/// The stamps of all readings in station 1's clock, as far as the others' are estimated (s), each once.
+/// Returns the distinct times of all readings in station 1's clock, as far as the other clocks' offsets are estimated (s).
 fn reading_times_s(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -293,12 +293,12 @@ fn reading_times_s(
     times_s
 }
 
-/// The numbers that begin the lines of a file (s): those of TUM, CSV, or a bare list. Comments and one header are left out.
+/// Reads the first number of each line of a file (s): TUM, CSV, or a bare list. Skips comments and one header.
 fn times_of(path: &Path) -> Result<Vec<f64>, anyhow::Error> {
     let unreadable = |why: std::io::Error| anyhow::anyhow!("{}: {why}", path.display());
-    // To read a pipe would wait for whoever writes to it.
+    // Reading a pipe would block until its writer closes it.
     let is_file = path.metadata().map_err(unreadable)?.is_file();
-    anyhow::ensure!(is_file, "{}: no file; give TUM or CSV", path.display());
+    anyhow::ensure!(is_file, "{}: not a regular file; give TUM or CSV", path.display());
     let text = std::fs::read_to_string(path).map_err(unreadable)?;
     let mut times_s = Vec::new();
     let mut headers = 0;
@@ -309,17 +309,17 @@ fn times_of(path: &Path) -> Result<Vec<f64>, anyhow::Error> {
         }
         let first = line.split([',', ';', ' ', '\t']).next().unwrap_or_default().trim();
         match first.parse::<f64>() {
-            // EuRoC counts nanoseconds.
+            // EuRoC stamps are in nanoseconds.
             Ok(time) if time.is_finite() && time.abs() > 1e15 => times_s.push(1e-9 * time),
             Ok(time_s) if time_s.is_finite() => times_s.push(time_s),
             _ if times_s.is_empty() && headers == 0 => headers += 1,
             _ => anyhow::bail!(
-                "{}:{}: the first column is no time in seconds; give TUM or CSV whose first column is",
+                "{}:{}: the first column is not a time in seconds; give TUM or CSV with times in the first column",
                 path.display(),
                 index + 1
             ),
         }
     }
-    anyhow::ensure!(!times_s.is_empty(), "{}: there are no times in it", path.display());
+    anyhow::ensure!(!times_s.is_empty(), "{}: no times in this file", path.display());
     Ok(times_s)
 }

@@ -1,4 +1,4 @@
-//! `resect validate`: whether a calibration holds for other runs of its set-up.
+//! `resect validate`: test of a calibration on other runs of its set-up.
 
 use std::path::PathBuf;
 
@@ -13,21 +13,21 @@ use resect_report::json::read_earlier;
 use resect_report::validation;
 
 #[derive(Args)]
-pub struct Arguments {
-    /// What `calibrate --json` wrote
+pub struct ValidateArguments {
+    /// Output of `calibrate --json`
     #[arg(value_name = "CALIBRATION.json")]
     calibration: PathBuf,
     /// Folders or files with the tracks of other runs
     #[arg(required = true)]
     path: Vec<PathBuf>,
-    /// Print one JSON object (a list for several runs); its verdict is for scripts, the exit code is 0 whatever it is
+    /// Print one JSON object (a list for several runs) with the verdict for scripts; the exit code is 0 for every verdict
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     settings: AnswerArguments,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let earlier = read_earlier(&arguments.calibration)?;
     let mut found = Vec::new();

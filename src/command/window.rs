@@ -1,4 +1,4 @@
-//! Plain `resect`: the window, or without a display the answer in the terminal.
+//! Plain `resect`: the window, or without a display the calibration in the terminal.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use resect_io::what_is::{Dropped, what_is};
 use resect_report::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
-    // A session is opened by the window, which can leave out what is missing.
+    // The window opens sessions, since it can skip missing files.
     if let [path] = paths
         && what_is(path) == Dropped::Session
     {
@@ -39,8 +39,8 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     for path in paths {
         match opened(path) {
             Ok(deployment) => deployments.push(deployment),
-            // What does not open ends here, on the terminal it came from; of several, the window shows the others. Where
-            // there is no terminal, as behind a menu, only the window can say why.
+            // A single path that does not open ends the program with an error on the terminal; of several, the window shows the others.
+            // Without a terminal, as from a menu, only the window can show the reason.
             Err(error) => {
                 let is_alone = paths.len() == 1 && std::io::stderr().is_terminal();
                 if is_alone || !has_display() {
@@ -64,7 +64,7 @@ fn opened(path: &Path) -> anyhow::Result<(Arc<Deployment>, Source)> {
     Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?)))
 }
 
-/// Runs the window to its end, or says why there is none.
+/// Runs the window until it closes; fails with the reason if it cannot open.
 fn window(start: app::Start) -> Result<(), String> {
     if !has_display() {
         return Err("no display".to_owned());
@@ -72,7 +72,7 @@ fn window(start: app::Start) -> Result<(), String> {
     app::open_window(start).map_err(|error| format!("the window did not open ({error})"))
 }
 
-/// Other systems always have one.
+/// Returns true if there is a display; systems other than Linux always have one.
 fn has_display() -> bool {
     !cfg!(target_os = "linux")
         || ["WAYLAND_DISPLAY", "DISPLAY"]
@@ -80,7 +80,7 @@ fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-/// The deployments of a session, each with its settings.
+/// Returns the deployments of a session, each with its settings.
 fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> {
     let (session, findings) = session_file::load(path)?;
     for finding in findings {
@@ -88,7 +88,7 @@ fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> 
     }
     if session.deployments.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(
-            "{}: a session without deployments, which only the window can show; run resect where there is a display",
+            "{}: a session without deployments, which only the window can show; run resect with a display",
             path.display()
         )));
     }
@@ -100,7 +100,7 @@ fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> 
     open.collect()
 }
 
-/// Answers where there is no window, and says what else can be done.
+/// Prints the calibrations without a window, and names the alternatives.
 fn in_terminal(
     deployments: &[(Arc<Deployment>, Settings)],
     why: &str,

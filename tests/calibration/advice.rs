@@ -1,4 +1,4 @@
-//! What to drive first and next, followed while readings come in with all errors of the field.
+//! Advice on the first and next moves, followed during simulated drives with all errors of the field.
 
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
 
@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::inter_prism::observability::Hold;
-use resect_core::calibration::joint::Expected;
+use resect_core::calibration::joint::ExpectedNoise;
 use resect_core::calibration::{ErrorSizes, Method, Targets};
 use resect_core::evaluation::far_end::far_end;
 use resect_core::geometry::{LevelTransform, RigidTransform};
@@ -18,22 +18,22 @@ use resect_core::simulation::{
     EPOCH_S, ErrorKind, Motion, Path, Preset, Scenario, Simulated, Waypoint, simulate_scenario,
 };
 
-/// How often it is asked whether it is enough (s).
+/// Interval at which the estimate is tested for sufficiency (s).
 const EVERY_S: f64 = 20.0;
 const TURN_RADIUS_M: f64 = 3.5;
-/// The vehicle stands this long at the start, as it does by itself, and at least so long where it is to turn on the spot.
+/// Time at rest at the start, as in the preset's own drive, and least time at rest before a turn on the spot.
 const STAND_S: f64 = 8.0;
 const STOP_S: f64 = 0.01;
-/// Places where the vehicle is to be known.
+/// Number of positions at which the accuracy is required.
 const PLACES: u32 = 42;
 
-/// Stations, rig and instruments of a preset with all errors of the field, jumping clocks left out.
+/// Stations, rig and instruments of a preset with all errors of the field except clock steps.
 struct Site {
     scenario: Scenario,
     seed: u64,
     sizes: ErrorSizes,
     settings: Settings,
-    /// Where the preset drives by itself.
+    /// Positions on the preset's own drive.
     places_m: Vec<Vector3<f64>>,
     target_m: f64,
 }
@@ -47,8 +47,8 @@ impl Site {
         Self::told(scenario, seed, sizes, by(Method::Joint), target_m)
     }
 
-    /// The same with the instruments of the paper, which read with noise and lose locks and have no errors beside, and with an
-    /// estimate that is told so: what it is told of, but the clocks, are errors that calibrated instruments still have.
+    /// The same with the paper's instruments: noise and lost locks are their only errors. The estimate has matching error sizes: apart from
+    /// the clocks, only errors that calibrated instruments still have.
     fn of_the_paper(preset: Preset, seed: u64, target_m: f64) -> Self {
         let sizes = ErrorSizes {
             inter_prism_m: 0.3e-3,
@@ -94,7 +94,7 @@ impl Site {
         Motion::arrival_s(waypoints, TURN_RADIUS_M, cruise_m_per_s, latest_s)
     }
 
-    /// What the coach says before there is an answer, from where the preset begins and as the vehicle heads there.
+    /// Returns the coach's advice before there is a calibration, from the preset's start in its initial direction.
     fn opening(&self, preset: Preset) -> Vec<Waypoint> {
         let own = Plan::from_preset(preset, self.seed).waypoints();
         let (at_m, heading) = (own[0].place_m(), own[1].place_m() - own[0].place_m());
@@ -106,22 +106,21 @@ impl Site {
         waypoints
     }
 
-    /// The joint estimate of what is read by a time of the drive (s).
+    /// Returns the joint estimate of the readings up to a time of the drive (s).
     fn analysis(&self, drive: &Simulated, until_s: f64) -> Analysis {
         let mut so_far = drive.clone();
         so_far.records.retain(|record| record.measurement.time_s < EPOCH_S + until_s);
         analyse(&resect_io::simulation_files::open(&so_far).expect("valid"), &self.settings)
     }
 
-    /// Asks about what is read so far; `None` without an answer.
+    /// Evaluates the readings so far; `None` without a calibration.
     fn ask<T>(&self, analysis: &Analysis, ask: impl FnOnce(&SoFar<'_>) -> T) -> Option<T> {
         let calibration = &analysis.answer.as_ref().ok()?.calibration;
         let stations = calibration
             .station1_from_station
             .map(|at| LevelTransform::new(at.translation_m, at.yaw_rad()));
-        let expected = calibration.joint().map_or_else(Expected::default, |joint| Expected {
-            levels: joint.levels,
-            wander: joint.wander,
+        let expected = calibration.joint().map_or_else(ExpectedNoise::default, |joint| {
+            ExpectedNoise { levels: joint.levels, wander: joint.wander }
         });
         Some(ask(&SoFar {
             triplets: &analysis.pipeline.triplets,
@@ -145,8 +144,8 @@ impl Site {
         })
     }
 
-    /// Whether an answer to so much of a drive holds every direction, and each of the site's places as well as is wanted, whatever
-    /// was driven. Gives σ at the worst of them (m).
+    /// Returns the largest σ at the site's positions (m) if an estimate from the drive so far
+    /// constrains every direction, and each position to the target. Independent of the drive.
     fn enough(&self, drive: &Simulated, until_s: f64) -> Option<f64> {
         let analysis = self.analysis(drive, until_s);
         let seen = self.known(&analysis)?.observability?;
@@ -160,7 +159,7 @@ impl Site {
         (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
     }
 
-    /// When a drive is first enough (s), to a few seconds.
+    /// Returns the time at which a drive is first sufficient (s), to a few seconds.
     fn reaches_s(&self, drive: &Simulated, from_s: f64, until_s: f64) -> Option<f64> {
         const EVERY_S: f64 = 4.0;
         let times_s = (0..).map(|step| from_s + EVERY_S * f64::from(step));
@@ -168,7 +167,7 @@ impl Site {
         times_s.find(|at_s| self.enough(drive, *at_s).is_some())
     }
 
-    /// How far off the answer puts the far end (m).
+    /// Returns the error of the far end by the calibration (m).
     fn off_m(&self, drive: &Simulated, analysis: &Analysis, known: &Known) -> Option<f64> {
         let far = known.far_end?;
         let truth = drive.truth.station1_from_station.map(RigidTransform::from);
@@ -178,7 +177,7 @@ impl Site {
     }
 }
 
-/// The beginning of what a preset drives by itself.
+/// Returns the beginning of a preset's own drive.
 fn beginning(site: &Site, preset: Preset, for_s: f64) -> Vec<Waypoint> {
     let mut waypoints = Plan::from_preset(preset, site.seed).waypoints();
     while waypoints.len() > 2 && site.arrival_s(&waypoints, 1e3) > for_s {
@@ -187,8 +186,8 @@ fn beginning(site: &Site, preset: Preset, for_s: f64) -> Vec<Waypoint> {
     waypoints
 }
 
-/// Follows the best advice so many times after a beginning. Gives σ at the far end before and after each, as it was foreseen and
-/// as the estimates of the readings have it (m), and the drive with when it ends (s).
+/// Follows the best advice a number of times after a beginning. Returns σ at the far end before and after each (m), as predicted and as
+/// estimated from the readings, and the drive with its end time (s).
 fn followed(
     site: &Site,
     mut waypoints: Vec<Waypoint>,
@@ -201,13 +200,13 @@ fn followed(
         let before = site.analysis(&drive, now_s);
         let best = site.ask(&before, advised).flatten().expect("something helps");
         println!("    {now_s:>4.0} s: {}", best.sentence);
-        // It is at the first of them already, where it stops to turn on the spot.
+        // The vehicle is at the first of them already, where it stops to turn on the spot.
         let last = waypoints.len() - 1;
         waypoints[last].stand_s += STOP_S;
         waypoints.extend(best.waypoints_m.into_iter().skip(1).map(Waypoint::at));
         let mut then_s = site.arrival_s(&waypoints, site.scenario.duration_s);
         if then_s < now_s + 5.0 {
-            // Where a lock is lost, the vehicle is told to go where it is already: it waits until it is seen again.
+            // After a lost lock, the advice is to stay: the vehicle waits until it is tracked again.
             let last = waypoints.len() - 1;
             waypoints[last].stand_s += 10.0;
             then_s += 10.0;
@@ -222,7 +221,8 @@ fn followed(
     (steps, drive, end_s)
 }
 
-/// Drives that hold too little by themselves: an L never gets better than 8 mm, and a line and a circle leave directions free.
+/// Drives with insufficient information of their own: an L never gets better
+/// than 8 mm, and a line and a circle leave directions unconstrained.
 #[test]
 fn advice_makes_a_drive_of_one_that_holds_too_little() {
     let cases = [(Preset::StraightLine, 1), (Preset::Circle, 2), (Preset::LShape, 3)];
@@ -245,8 +245,8 @@ fn advice_makes_a_drive_of_one_that_holds_too_little() {
     });
 }
 
-/// Tracks of a straight leg coincide like those of one prism, which would put stations a metre off: the first turn is not yet a way that
-/// tells, as prisms go every way in it and hardly anywhere.
+/// Tracks of a straight leg coincide like those of one prism, which would put stations a metre off. The first turn alone is insufficient:
+/// the prisms move in every direction, but hardly anywhere.
 #[test]
 fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
     let site = Site::new(Preset::LShape, 2, 0.001);
@@ -262,8 +262,8 @@ fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
     assert!(off_m.fold(0.0, f64::max) < 0.03);
 }
 
-/// Prisms that stand evenly about the middle of a vehicle go around one circle where it turns on the spot, as one prism would, and an
-/// answer of that puts stations a hundred metres off.
+/// Prisms evenly spaced about the middle of a vehicle follow one circle when it turns on the
+/// spot, as one prism would. A calibration of one prism would put stations a hundred metres off.
 #[test]
 fn prisms_that_turn_on_the_spot_are_no_one_prism() {
     let mut site = Site::new(Preset::Warthog, 3, 0.002);
@@ -282,7 +282,7 @@ fn prisms_that_turn_on_the_spot_are_no_one_prism() {
     }
 }
 
-/// When it is first said to be enough (s), and how far off the far end is then (m).
+/// Returns the time at which the data is first reported as sufficient (s), and the error of the far end then (m).
 fn first_enough(site: &Site, drive: &Simulated) -> Option<(f64, f64)> {
     let steps = (site.scenario.duration_s / EVERY_S) as u32;
     (2..=steps).map(|step| f64::from(step) * EVERY_S).find_map(|until_s| {
@@ -293,7 +293,7 @@ fn first_enough(site: &Site, drive: &Simulated) -> Option<(f64, f64)> {
     })
 }
 
-/// Of so many drives, how many are said to be enough; none before the far end is off by less than three times the target.
+/// Returns the number of drives that are reported as sufficient; asserts that the far end is then within three times the target.
 fn never_too_early(drives: u64) -> usize {
     const TARGET_M: f64 = 0.0055;
     let presets = [Preset::Warthog, Preset::UnevenGround, Preset::Circle, Preset::FigureEight];
@@ -317,18 +317,18 @@ fn enough_is_never_said_too_early() {
     assert!(never_too_early(8) >= 4);
 }
 
-/// 30 of 40 are said to be enough, after 80 to 240 s, with the far end off by 1.5 to 11.9 mm where 5.5 mm are wanted; the rest are
-/// circles, which never are.
+/// 30 of 40 are reported as sufficient, after 80 to 240 s, with an error of the far end
+/// of 1.5 to 11.9 mm for a target of 5.5 mm. The rest are circles, which never are.
 #[test]
 #[ignore = "minutes; prints each drive"]
 fn enough_is_never_said_too_early_in_forty_drives() {
     assert!(never_too_early(40) >= 20);
 }
 
-/// How long drives take to what the preset's own is worth at its end: advised ones over the preset's own time.
+/// Time that advised drives need for the final accuracy of the preset's own drive, relative to the preset's own time.
 ///
-/// Noise averages out with time, whatever is driven; turns on the spot tell more in that time. All of 20 reach it, after 58 % of the time
-/// on average: winding on flat ground after 45 to 59 %, eights after 37 to 49 %, an L after 64 to 74 %, the warthog's after 63 to 86 %.
+/// Noise averages out with time on any drive; turns on the spot give more information in that time. All of 20 reach it, after 58 % of the
+/// time on average. By drive: winding on flat ground 45 to 59 %, eights 37 to 49 %, an L 64 to 74 %, the warthog's 63 to 86 %.
 #[test]
 #[ignore = "minutes; prints the table"]
 fn an_advised_drive_is_as_good_in_less_time() {
@@ -368,8 +368,8 @@ fn an_advised_drive_is_as_good_in_less_time() {
     assert!(reached.len() >= 19 && mean < 0.66, "{} of 20 after {mean:.2}", reached.len());
 }
 
-/// When drives of the presets that wind at random meet 2 mm at their places, and when drives do that begin as the coach says and
-/// follow the advice from then on (s).
+/// Returns the times (s) at which the presets' randomly winding drives reach 2 mm at their positions, and those at which drives do that
+/// begin with the coach's opening and follow the advice.
 fn until_enough(seeds: std::ops::Range<u64>) -> Vec<[f64; 2]> {
     const TARGET_M: f64 = 0.002;
     const FROM_S: f64 = 16.0;
@@ -407,26 +407,27 @@ fn advised(so_far: &SoFar<'_>) -> Option<NextMove> {
     advice.moves.into_iter().next()
 }
 
-/// Mean time of advised drives over that of those that wind at random.
+/// Returns the mean time of advised drives relative to that of randomly winding ones.
 fn share(times_s: &[[f64; 2]]) -> f64 {
     let sum = |which: usize| times_s.iter().map(|times_s| times_s[which]).sum::<f64>();
     println!("{:.0} s instead of {:.0} s in all: {:.2}", sum(1), sum(0), sum(1) / sum(0));
     sum(1) / sum(0)
 }
 
-/// Three drives tell a share to about a fifth; the twenty below, of which 60 % are asked, are what it is measured by.
+/// Three drives determine the ratio to about a fifth; the twenty below, with a limit of 60 %, are the actual measure.
 #[test]
 fn who_follows_the_advice_reaches_two_millimetres_sooner() {
     assert!(share(&until_enough(12..15)) <= 0.6);
 }
 
-/// Advised drives take 51 s on average and the presets' own 95 s: 53 %, and 57 % over sixty drives. Both stand for the first 8 s. Most
-/// meet it in the second turn on the spot, at 44 s, before any advice; the rest, where a lock is lost, in a manoeuvre or two.
+/// Advised drives need 51 s on average and the presets' own 95 s: 53 %, and 57 % over sixty
+/// drives. Both stand still for the first 8 s. Most reach the target in the second turn on the
+/// spot, at 44 s, before any advice. The rest, in which a lock is lost, need a manoeuvre or two.
 ///
-/// The opening makes it: of ways of one kind after the other for twenty drives, eights of 14 to 32 m take 92 to 96 s, legs of 12 m
-/// there and back with turns on the spot 79 s, growing ones along the sight 60 s, and turns once around where they begin and 12 to
-/// 15 m further along it 51 s. Advice alone, from the first answer at 19 s on, takes 65 s, and 71 s where turns on the spot
-/// are foreseen and bends are driven.
+/// The opening is decisive. Twenty drives were tried with paths of one kind, repeated. Eights of 14 to 32 m need
+/// 92 to 96 s. Legs of 12 m there and back with turns on the spot need 79 s. Legs of growing length along the line
+/// of sight need 60 s. Single turns at the start and 12 to 15 m further along it need 51 s. Advice alone, from the
+/// first calibration at 19 s on, needs 65 s, and 71 s if turns on the spot are predicted but bends are driven.
 #[test]
 #[ignore = "a minute; prints the table"]
 fn who_follows_the_advice_reaches_two_millimetres_sooner_over_twenty_drives() {

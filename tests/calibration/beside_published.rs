@@ -1,4 +1,4 @@
-//! The joint estimate is the default, and the paper's answer stands beside it unchanged.
+//! The joint estimate is the default; the paper's calibration beside it is unchanged.
 
 use crate::common::{analyse, answer, by, field_data, published};
 use resect_core::analysis::{Analyst, Settings};
@@ -13,7 +13,7 @@ fn calibration(deployment: &Deployment, settings: &Settings) -> Calibration {
     answer(&analyse(deployment, settings)).calibration.clone()
 }
 
-/// The same numbers to the last bit, and the same judgement.
+/// Asserts bit-identical numbers, and the same verdict.
 #[track_caller]
 fn assert_same(a: &Calibration, b: &Calibration) {
     assert_eq!(a.method, b.method);
@@ -63,7 +63,7 @@ fn of_one_prism_the_joint_estimate_has_the_clocks_and_c_beside_it() {
     assert!(beside.clocks().is_none(), "as published, C knows no clocks");
 }
 
-/// The window shows it before the joint estimate is there.
+/// The window shows it before the joint estimate is available.
 #[test]
 fn the_papers_answer_can_be_had_first() {
     let mut analyst = Analyst::new(sample().into());

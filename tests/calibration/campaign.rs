@@ -1,7 +1,7 @@
-//! Random simulated deployments over presets and error sources: how often the stated region covers the truth, how good
-//! the estimates are, and whether anything is ever silently wrong.
+//! Random simulated deployments over presets and error sources: coverage of the
+//! stated region, accuracy of the estimates, and a search for silent failures.
 //!
-//! The short versions run always; the whole ones, which print the tables, on request (many minutes):
+//! The short versions always run. The full ones, which print the tables, run on request (many minutes):
 //! `cargo test --release --no-default-features --test calibration campaign -- --ignored --nocapture`
 
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
@@ -37,14 +37,14 @@ const PRESETS: [Preset; 10] = [
     Preset::LShape,
     Preset::SinglePrism,
 ];
-/// Those whose drives hold all eight numbers well.
+/// Number of presets whose drives constrain all eight parameters well; they come first.
 const WELL_POSED: usize = 6;
-/// Where instruments are in order, what is drawn has this spread, and the estimate is told so.
+/// Standard deviations of the drawn errors of well-adjusted instruments, which the estimate has as priors.
 const DRAWN: Drawn =
     Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.001, prism_constant_m: 0.0003, drift: 5e-6 };
 const CLOCK_OFFSET_SIGMA_S: f64 = 0.004;
 
-/// Noise, blunders and lost locks as they happen in the field.
+/// Noise, outliers and lost locks of the usual size in the field.
 fn noisy_scenario(preset: Preset, seed: u64) -> Scenario {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let mut scenario = preset.scenario();
@@ -58,12 +58,12 @@ fn noisy_scenario(preset: Preset, seed: u64) -> Scenario {
     scenario
 }
 
-/// With some kinds of errors that real instruments make, each of its size in the field.
+/// Returns a scenario with some kinds of real instruments' errors, each of its size in the field.
 fn scenario_with(preset: Preset, seed: u64, kinds: &[ErrorKind]) -> Scenario {
     Scenario { drawn_errors: kinds.to_vec(), ..noisy_scenario(preset, seed) }
 }
 
-/// With clocks, distances, tilts and a prism constant that are off by what the bound knows of, and nothing else.
+/// Returns a scenario whose only errors are those that the bound includes: clocks, distances, tilts and a prism constant.
 fn scenario_in_order(preset: Preset, seed: u64) -> Scenario {
     let mut scenario = noisy_scenario(preset, seed);
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x0d3e);
@@ -80,14 +80,14 @@ fn scenario_in_order(preset: Preset, seed: u64) -> Scenario {
     scenario
 }
 
-/// The joint estimate where it is told that instruments are in order.
+/// Returns the joint estimate's settings with priors for well-adjusted instruments.
 fn told_in_order() -> Settings {
     let mut settings = by(Method::Joint);
     settings.calibration.errors = ErrorSizes {
         clock_wander_s: 1e-6,
         latency_s: 0.0,
         lean_rad: DRAWN.tilt_rad,
-        // One constant for all three hardly matters, and each station's own is none.
+        // A common offset of all three hardly matters, and there are no individual ones.
         range_offset_m: 1e-4,
         range_scale: 0.0,
         index_rad: 0.0,
@@ -100,7 +100,7 @@ fn told_in_order() -> Settings {
     settings
 }
 
-/// The joint estimate where it is not told of a kind of error; `None` where it has no size to be told.
+/// Returns the joint estimate's settings with the size of one kind of error set to zero; `None` if the kind has no size.
 fn not_told(kind: ErrorKind) -> Option<Settings> {
     let mut settings = by(Method::Joint);
     let errors = &mut settings.calibration.errors;
@@ -120,11 +120,11 @@ fn not_told(kind: ErrorKind) -> Option<Settings> {
     Some(settings)
 }
 
-/// One deployment by one estimator.
+/// Result of one estimator for one deployment.
 struct Outcome {
-    /// `None` where there is no answer.
+    /// `None` without a calibration.
     verdict: Option<Verdict>,
-    /// Found minus true (x, y, z, yaw) of stations 2 and 3.
+    /// Error (x, y, z, yaw) of stations 2 and 3: estimate minus truth.
     error: SVector<f64, 8>,
     covariance: Option<SMatrix<f64, 8, 8>>,
     jumps: bool,
@@ -165,7 +165,7 @@ impl Outcome {
         (0..8).filter(|k| k % 4 != 3).map(|k| self.error[k].abs()).fold(0.0, f64::max)
     }
 
-    /// Good, yet off by more than 5 σ and by more than anyone may overlook: 2 cm or 1 mrad.
+    /// Returns true for a good verdict with an error of more than 5 σ and more than 2 cm or 1 mrad, which nobody may miss.
     fn is_grossly_silent(&self) -> bool {
         let turned_rad = self.error[3].abs().max(self.error[7].abs());
         self.verdict == Some(Verdict::Good)
@@ -173,14 +173,14 @@ impl Outcome {
             && (self.largest_m() > 0.02 || turned_rad > 1e-3)
     }
 
-    /// Good, yet off by more than 5 σ or 5 cm.
+    /// Returns true for a good verdict with an error of more than 5 σ or 5 cm.
     fn is_silent_failure(&self) -> bool {
         self.verdict == Some(Verdict::Good)
             && (self.largest_sigmas() > 5.0 || self.largest_m() > 0.05)
     }
 }
 
-/// Outcomes of several settings, by preset.
+/// Returns the outcomes of several settings, by preset.
 fn run(
     count: u64,
     presets: &[Preset],
@@ -199,17 +199,17 @@ fn run(
         .collect()
 }
 
-/// What a campaign says of one estimator.
+/// Statistics of a campaign for one estimator.
 struct Summary {
     silent: usize,
     grossly_silent: usize,
-    /// Share of well-posed deployments, no clock jumping, that are called good.
+    /// Share of well-posed deployments without clock steps whose verdict is good.
     good: f64,
-    /// Share of well-posed deployments, no clock jumping, whose stated 95 % region covers the truth.
+    /// Share of well-posed deployments without clock steps whose stated 95 % region contains the truth.
     coverage: f64,
 }
 
-/// Prints a line for each preset.
+/// Prints a line for each preset and returns the statistics.
 fn summarise(name: &str, outcomes: &[(usize, &Outcome)]) -> Summary {
     println!(
         "{name}\n  preset            n  good weak ambig degen none  covered      worst good: σ, mm  silent"
@@ -274,14 +274,14 @@ fn with_everything(preset: Preset, seed: u64) -> Scenario {
 fn nothing_is_silently_wrong_in_a_short_campaign() {
     let all = [("published D", by(Method::InterPrism)), ("joint", by(Method::Joint))];
     let found = campaign(120, with_everything, &all);
-    // The paper's method knows nothing of what instruments do wrong, and its σ are of its own model.
+    // The paper's method has no model of instrument errors, so its σ are those of its own model.
     assert_eq!((found[0].grossly_silent, found[1].silent), (0, 0), "silent failures");
     assert!(found[1].coverage > 0.88, "coverage {:.2}", found[1].coverage);
     assert!(found[1].good > 0.80, "called good {:.2}", found[1].good);
 }
 
-/// Root mean square errors over the bound's, for each of the eight numbers and all well-posed presets alike, where
-/// instruments are in order and the estimate is told so.
+/// Returns root mean square errors relative to the bound, for each of the eight parameters
+/// and over all well-posed presets, with well-adjusted instruments and matching priors.
 fn over_bound_in_order(count: u64) -> SVector<f64, 8> {
     let held: Vec<(SVector<f64, 8>, SMatrix<f64, 8, 8>)> = (0..count)
         .into_par_iter()
@@ -327,7 +327,7 @@ fn errors_are_near_the_bound_in_six_hundred_deployments() {
     assert!(over_bound.max() < 1.2, "errors over the bound {over_bound:.2}");
 }
 
-/// Each kind of error by itself, and unknown among all the others.
+/// Each kind of error is tested alone, and without its prior among all the others.
 #[test]
 #[ignore = "an hour in release; prints the table"]
 fn no_kind_of_error_is_silent() {
@@ -366,7 +366,7 @@ fn no_kind_of_error_is_silent() {
     }
 }
 
-/// With all that the field is known for, and an error beyond it.
+/// Returns a scenario with all errors known from the field, and one beyond them.
 fn scenario_beyond(kind: usize, preset: Preset, seed: u64) -> Scenario {
     let mut scenario = with_everything(preset, seed).draw_errors(seed);
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xbe70);

@@ -1,8 +1,8 @@
-//! Drives of one set-up that are solved together: each has its own clocks, and all hold one answer.
+//! Drives of one set-up solved together: each has its own clocks, and all share one calibration.
 
 use crate::common::{analyse, answer, by, knock, two_runs};
 use resect_core::analysis::Analysis;
-use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
+use resect_core::calibration::joint::{DriveClocks, JointEstimate, StepSize};
 use resect_core::calibration::{Calibration, Method, Verdict};
 use resect_core::deployment::{Deployment, Finding, FindingKind};
 use resect_core::geometry::wrap_to_pi;
@@ -11,10 +11,10 @@ use resect_core::simulation::{Preset, Settling, Simulated, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::{Extras, Source};
 
-/// The second drive's stamps of stations 2 and 3 are later by this than the first's.
+/// Increase of the clock offsets of stations 2 and 3 from the first drive to the second (s).
 const RESTARTED_S: [f64; 2] = [0.15, -0.08];
 
-/// Two drives, the clocks of stations 2 and 3 set anew in between.
+/// Returns two drives; the clocks of stations 2 and 3 are reset in between.
 fn drives(preset: Preset, seed: u64, between: &[Settling]) -> [Simulated; 2] {
     let mut drives = two_runs(preset.scenario(), seed, between);
     for record in &mut drives[1].records {
@@ -40,7 +40,7 @@ fn joint(calibration: &Calibration) -> &JointEstimate {
     calibration.joint().expect("a joint estimate")
 }
 
-/// By how many of its σ the answer is off, at most.
+/// Returns the largest error of the calibration in σ.
 fn sigmas_off(calibration: &Calibration, truth: &Simulated) -> f64 {
     let covariance = calibration.covariance.expect("σ");
     let off = |k: usize| {
@@ -68,8 +68,8 @@ fn two_drives_are_one_answer_that_is_surer_and_each_has_its_clocks() {
         let [first, second]: [DriveClocks; 2] =
             joint(calibration).drives.clone().try_into().expect("two drives");
         for (slot, restarted_s) in RESTARTED_S.into_iter().enumerate() {
-            let later_s = second.late_s[slot].value - first.late_s[slot].value;
-            let sigma_s = first.late_s[slot].sigma.hypot(second.late_s[slot].sigma);
+            let later_s = second.offsets_s[slot].value - first.offsets_s[slot].value;
+            let sigma_s = first.offsets_s[slot].sigma.hypot(second.offsets_s[slot].sigma);
             assert!(
                 (later_s - restarted_s).abs() < 4.0 * sigma_s && sigma_s < 0.003,
                 "{name}: {later_s:.4} ± {sigma_s:.4} s"
@@ -97,8 +97,8 @@ fn a_station_that_moved_between_drives_is_named() {
     let [moved] = moved[..] else { panic!("{:#?}", calibration.findings) };
     assert!(moved.is_about_station(1), "{moved}");
     assert!(moved.to_string().contains("between drives 1 and 2"), "{moved}");
-    let [step] = &joint(calibration).stepped[..] else { panic!("{moved}") };
-    let Stepped::Station { turned_rad, .. } = &step.what else { panic!("{moved}") };
+    let [step] = &joint(calibration).steps[..] else { panic!("{moved}") };
+    let StepSize::Station { turned_rad, .. } = &step.size else { panic!("{moved}") };
     assert!(turned_rad.sigmas_from(1e-3).abs() < 3.0, "{moved}");
 }
 

@@ -1,5 +1,4 @@
-//! Why a reading has its fate: the explanation of every reading of whole deployments holds up against the pipeline's
-//! own output.
+//! Explanations of the fates of readings: the explanation of every reading of whole deployments agrees with the pipeline's own output.
 
 use crate::common::of_field;
 use resect_core::deployment::Deployment;
@@ -9,7 +8,7 @@ use resect_core::pipeline::{Interval, PipelineSettings, SampleFate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
 
-/// How many readings were rejected, are in no interval, in one too short, and kept.
+/// Returns the numbers of readings that were rejected, in no interval, in a short interval, and kept.
 fn explain_all(deployment: &Deployment, settings: &PipelineSettings) -> [usize; 4] {
     let output = pipeline::run(deployment, settings);
     let start_s = deployment.start_s().expect("not empty");
@@ -36,7 +35,7 @@ fn explain_all(deployment: &Deployment, settings: &PipelineSettings) -> [usize; 
                     for silence in silences {
                         let length_s = silence.length_s();
                         assert!(length_s.is_none_or(|s| s > thresholds.tau_s_seconds), "{words}");
-                        // Nothing that module 1 let pass lies within, but the reading itself.
+                        // No other reading within passed module 1.
                         let within = output.filtered[silence.station].time_s.iter().filter(|t| {
                             silence.from_s.is_none_or(|from_s| **t > from_s)
                                 && silence.to_s.is_none_or(|to_s| **t < to_s)
@@ -47,7 +46,7 @@ fn explain_all(deployment: &Deployment, settings: &PipelineSettings) -> [usize; 
                 (SampleFate::IntervalTooShort, Place::In { interval, kept: None, .. }) => {
                     counts[2] += 1;
                     assert!(interval.length_s() <= thresholds.tau_l_seconds, "{words}");
-                    assert!(words.contains("τ_l asks for more"), "{words}");
+                    assert!(words.contains("τ_l requires more"), "{words}");
                 }
                 (SampleFate::Kept, Place::In { interval, kept: Some(number), beside }) => {
                     counts[3] += 1;

@@ -1,5 +1,4 @@
-//! The published run of 2022-07-11 against what an independent implementation finds in it
-//! (`../shared/datasets/README.md`).
+//! The published run of 2022-07-11 compared with an independent implementation (`../shared/datasets/README.md`).
 
 use crate::common::{analyse, answer, assert_close, by, field_data, of_field, published};
 use nalgebra::Vector3;
@@ -44,7 +43,7 @@ fn defaults_reproduce_the_reference() {
     let inter_prism = answer.evaluation.inter_prism_mm.expect("a rig is there");
     assert!((inter_prism.median - 1.31).abs() < 0.05, "{inter_prism:?}");
     assert!((inter_prism.iqr - 2.53).abs() < 0.05, "{inter_prism:?}");
-    // The pillars are no control points of the metric: three sets, not four.
+    // The pillars are not among the control points of the metric: three sets, not four.
     let medians: Vec<f64> =
         answer.evaluation.control_points_mm.iter().map(|m| m.spread.median.round()).collect();
     assert_eq!(medians, [35.0, 83.0, 123.0]);
@@ -95,7 +94,7 @@ fn without_filters_neither_prior_falls_into_the_mirror() {
     let path = of_field("2022-07-11-2");
     let mut deployment = open(&path).expect("opens");
     let blind = {
-        // No witness at all: the cost must do.
+        // Without any independent evidence the cost decides.
         let mut blind = deployment.clone();
         blind.control_points.clear();
         if let Some(rig) = &mut blind.rig {
@@ -153,7 +152,7 @@ fn all_bags_give_the_numbers_of_the_table() {
         let extras = Extras { rig: Some(folder.clone()), ..Extras::default() };
         let source = Source::at(path).with(extras);
         let deployment = source.open(&Progress::default()).expect("opens");
-        // Six messages of the ROS 1 bags say that the lock was lost.
+        // Six messages of the ROS 1 bags report a lost lock.
         let lost =
             deployment.findings.iter().filter(|f| f.kind == FindingKind::RecordsDropped).count();
         assert_eq!(lost, if bag.ends_with(".bag") { 3 } else { 0 }, "{bag}: a finding a station");
@@ -176,9 +175,9 @@ fn a_bag_alone_says_what_it_lacks() {
     assert!(deployment.rig.is_none());
     let error = analyse(&deployment, &published()).answer.expect_err("no rig").to_string();
     assert!(error.contains("inter-prism distances are not known"), "{error}");
-    // And a folder of several bags of the same drive is a question, not a choice.
+    // A folder with several bags of the same drive gives an error, instead of an arbitrary choice.
     let error = open(&folder).expect_err("ambiguous").to_string();
-    assert!(error.contains("several files hold tracks"), "{error}");
+    assert!(error.contains("several files contain tracks"), "{error}");
 }
 
 #[test]
@@ -217,7 +216,7 @@ fn a_cut_bag_gives_its_beginning_and_says_so() {
     }
 }
 
-/// A millimetre and 0.02 mrad, as the issue asks.
+/// A millimetre and 0.02 mrad, the tolerances of the issue.
 const B_NEAR: ([f64; 3], f64) = ([1e-3; 3], 2e-5);
 
 #[test]
@@ -252,12 +251,12 @@ fn static_control_points_reproduce_the_reference() {
     let inter_prism = answer.evaluation.inter_prism_mm.expect("a rig is there");
     assert!((inter_prism.median - 10.7).abs() < 0.1, "{inter_prism:?}");
     assert!((inter_prism.iqr - 18.1).abs() < 0.2, "{inter_prism:?}");
-    // The drive speaks against it, and it says so.
+    // The drive contradicts it, and a finding reports that.
     assert_eq!(answer.calibration.verdict, Verdict::Weak);
     assert!(answer.calibration.findings.iter().any(|f| f.kind == FindingKind::DriveContradicts));
 }
 
-/// A level reference with the tilt of what it is compared to: only four numbers are known.
+/// Returns a level reference with the tilt of the compared transform: only four parameters of the reference are known.
 fn turned(x: f64, y: f64, z: f64, yaw: f64, tilted: &RigidTransform) -> RigidTransform {
     let level = RigidTransform::from(transform(x, y, z, yaw));
     let level_of_tilted = RigidTransform::from(transform(0.0, 0.0, 0.0, tilted.yaw_rad()));
@@ -279,10 +278,10 @@ fn two_point_resection_agrees_with_the_control_points() {
         assert_close(a, b, [0.015; 3], 1e-4);
     }
     let Details::TwoPoint(details) = &a.details else { panic!("method A") };
-    // Four pillars: six pairs, each leaving two out, which three pairs of stations compare.
+    // Four pillars: six pairs, each with two excluded points, which three pairs of stations compare.
     assert_eq!(details.pairs.len(), 6);
     assert!(details.pairs.iter().all(|pair| pair.left_out_m.len() == 6));
-    // Every pair agrees with B as well, and the σ stated covers it.
+    // Every pair agrees with B as well, within its stated σ.
     for pair in &details.pairs {
         for station in 1..3 {
             let b = &b.station1_from_station[station];

@@ -1,4 +1,4 @@
-//! Where Gaussian processes beat straight lines, and where they do not, on deployments whose truth is known.
+//! Comparison of Gaussian processes with linear interpolation, on deployments with known ground truth.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use resect_core::simulation::{Path, Preset, simulate, simulate_scenario};
 use resect_io::open::open;
 use resect_io::sample::Sample;
 
-/// Median of the inter-prism metric of method D (mm).
+/// Returns the median of the inter-prism metric of method D (mm).
 fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
     let mut settings = published();
     settings.pipeline.interpolation = interpolation;
@@ -20,7 +20,7 @@ fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
     answer(&analysis).evaluation.inter_prism_mm.expect("a rig").median
 }
 
-/// Mean over seeds of the metric with an interpolation over that with straight lines.
+/// Returns the mean over seeds of the metric with an interpolation relative to the linear one.
 fn ratio(preset: Preset, interpolation: Interpolation) -> f64 {
     const SEEDS: u64 = 4;
     let ratios = (0..SEEDS).map(|seed| {
@@ -34,7 +34,7 @@ fn ratio(preset: Preset, interpolation: Interpolation) -> f64 {
 fn on_winding_tracks_at_2_5_hz_learned_noise_beats_straight_lines() {
     for preset in [Preset::Warthog, Preset::UnevenGround, Preset::Hd2Tunnel] {
         let gp = ratio(preset, Interpolation::Gp);
-        // A fifth to two fifths less.
+        // The GP's metric is 20 % to 40 % smaller.
         assert!(gp < 0.85, "{preset:?}: the GP's metric is {gp:.2} times that of straight lines");
         let wnoa = ratio(preset, Interpolation::Wnoa);
         assert!(wnoa < 1.1, "{preset:?}: the motion model's is {wnoa:.2} times");
@@ -49,7 +49,7 @@ fn with_gross_errors_left_in_straight_lines_lose_least() {
     let median = |group: usize, series: usize| {
         study.groups[group].boxes[series].as_ref().expect("a box").median
     };
-    // One reading off by metres bends a smooth curve far and wide, a straight line only next to it.
+    // An outlier of some metres bends a smooth curve over a wide range, a polyline only beside it.
     let [linear, gp, wnoa] = [0, 1, 2].map(|series| median(0, series) / median(3, series));
     assert!(linear < 1.1, "{linear:.2} times the error with both filters");
     assert!(gp > 3.0 && wnoa > 2.0, "GP {gp:.2}, motion model {wnoa:.2} times");
@@ -61,15 +61,15 @@ fn on_the_field_data_the_motion_model_wins_and_the_smooth_process_loses() {
     let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let [linear, gp, wnoa] = Interpolation::ALL.map(|i| metric_mm(&deployment, i));
-    // The paper's finding, even with learned noise: a Warthog does not drive like a sample of a smooth process.
+    // The paper's finding, even with learned noise: a Warthog's motion is no sample of a smooth process.
     assert!(gp > linear, "GP {gp:.2}, linear {linear:.2} mm");
     assert!(wnoa < linear, "motion model {wnoa:.2}, linear {linear:.2} mm");
 }
 
-/// Positions themselves, not only their distances: a slow winding drive, and the truth interpolated by nobody.
+/// Tests σ on a slow winding drive: distance errors over their σ, with the exact transforms and distances.
 #[test]
 fn the_stated_sigma_is_about_as_large_as_the_errors() {
-    // The distances between prisms are known exactly, so their errors show how honest the σ are.
+    // The distances between prisms are known exactly, so their errors test σ.
     for (interpolation, low, high) in
         [(Interpolation::Gp, 0.5, 2.6), (Interpolation::Wnoa, 0.4, 1.6)]
     {

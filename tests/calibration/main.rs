@@ -14,6 +14,7 @@ mod methods;
 mod minima;
 mod observability;
 mod own_evidence;
+mod paper;
 mod planning;
 mod properties;
 mod published;

@@ -1,4 +1,4 @@
-//! The four methods on simulated deployments, whose truth is known.
+//! The four methods on simulated deployments with known ground truth.
 
 use crate::common::{analyse, answer, by, normalised, rms_by_component};
 use resect_core::analysis::Settings;
@@ -31,14 +31,14 @@ fn c_recovers_the_truth_within_its_stated_uncertainty() {
     }
 }
 
-/// Answers of a method to simulated drives of the Warthog, against their truth.
+/// Calibrations by a method from simulated drives of the Warthog, compared with the truth.
 struct Recovered {
-    /// Errors of all eight numbers in σ, by drive.
+    /// Errors of all eight parameters in σ, by drive.
     in_sigmas: Vec<[f64; 8]>,
-    /// Largest error of a position over all drives (m), and largest σ of one.
+    /// Largest error of a position over all drives (m), and its largest σ.
     error_m: f64,
     sigma_m: f64,
-    /// Drives whose answer is good.
+    /// Number of drives with a good verdict.
     good: usize,
 }
 
@@ -77,7 +77,7 @@ impl Recovered {
 #[test]
 fn b_recovers_the_truth_within_its_stated_uncertainty() {
     let all = Recovered::by(Method::StaticGcp, 0..12);
-    // Twenty points to a hundred metres: millimetres, whatever σ says.
+    // Twenty points within a hundred metres: errors of millimetres, whatever σ is.
     assert!(all.error_m < 0.005 && all.sigma_m < 0.003, "{} m ± {} m", all.error_m, all.sigma_m);
     assert_eq!(all.good, 12);
     assert!(all.largest() < 4.0, "{:.1?}", all.in_sigmas);
@@ -89,7 +89,7 @@ fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
     let simulated = simulate(Preset::Warthog, 3);
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let relative = analyse(&deployment, &by(Method::StaticGcp));
-    // A map frame, turned and far away, in which the points' true positions are known.
+    // A map frame, rotated and distant, in which the points' true positions are known.
     let map_from_station1 = LevelTransform::new([5000.0, -2000.0, 90.0].into(), 2.1);
     for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
         let read: Vec<nalgebra::Vector3<f64>> = (0..3)
@@ -116,7 +116,7 @@ fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
     };
     let world = details.world_from_station1.expect("coordinates are known");
     crate::common::assert_close(&world, &map_from_station1, [0.004; 3], 1e-4);
-    // Method A can use them too: two of the points are enough.
+    // Method A can use known coordinates too: two of the points suffice.
     let two_point = analyse(&deployment, &by(Method::TwoPoint));
     for station in 1..3 {
         let found = &answer(&two_point).calibration.station1_from_station[station];
@@ -175,11 +175,11 @@ fn a_recovers_the_truth_within_its_stated_uncertainty() {
     assert!(all.error_m < 0.010 && all.sigma_m < 0.015, "{} m ± {} m", all.error_m, all.sigma_m);
     assert_eq!(all.good, 12);
     assert!(all.largest() < 4.0, "{:.1?}", all.in_sigmas);
-    // The pair is chosen by the points left out, which helps; the σ are those of any pair.
+    // The other points select the pair, which improves it; the σ are those of any pair.
     assert!((0.4..1.3).contains(&all.rms()), "rms of error/σ is {:.2}", all.rms());
 }
 
-/// Of each component on its own: ranges are noisier than directions, so x and y err more than z.
+/// Tests each component separately: ranges are noisier than directions, so x and y have larger errors than z.
 #[test]
 fn the_sigmas_of_b_hold_for_every_component() {
     const SEEDS: u64 = 40;
@@ -225,7 +225,7 @@ fn stations_that_share_few_points_with_each_other_still_have_their_sigma() {
     let mut deployment =
         resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
     deployment.control_points.truncate(1);
-    // Station 2 sees the first five, station 3 the others.
+    // Station 2 observes the first five points, station 3 the others.
     for (index, point) in deployment.control_points[0].points.iter_mut().enumerate() {
         point.readings[if index < 5 { 2 } else { 1 }] = None;
     }

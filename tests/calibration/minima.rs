@@ -1,4 +1,4 @@
-//! The list of minima of method D, on simulated deployments and the published one.
+//! Local minima of method D, on simulated deployments and the published one.
 
 use crate::common::{analyse, answer, of_field, published};
 use resect_core::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
@@ -7,7 +7,7 @@ use resect_core::geometry::wrap_to_pi;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 
-/// Roles and cost ratios, in order of cost.
+/// Returns roles and cost ratios, in order of cost.
 fn minima(deployment: &Deployment) -> Vec<(&'static str, f64)> {
     let analysis = analyse(deployment, &published());
     let details = answer(&analysis).calibration.inter_prism().expect("method D");
@@ -48,7 +48,7 @@ fn every_list_names_one_answer_and_is_in_order() {
         (Preset::Warthog, 2),
         (Preset::FigureEight, 2),
         (Preset::LShape, 6),
-        // Free directions: valleys, not hundreds of minima.
+        // Unconstrained directions: valleys, not hundreds of minima.
         (Preset::Circle, 6),
         (Preset::StraightLine, 4),
     ] {
@@ -64,7 +64,7 @@ fn every_list_names_one_answer_and_is_in_order() {
     }
 }
 
-/// A turned rig fits an L-shaped drive to centimetres.
+/// A rotated rig fits an L-shaped drive to centimetres.
 #[test]
 fn an_l_shape_lists_the_turned_rig() {
     let list =

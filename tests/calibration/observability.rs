@@ -1,4 +1,4 @@
-//! What a drive holds: its shape by name, its free directions by number and in words.
+//! Observability of a drive: its shape by name, its unconstrained directions by number and in words.
 
 use crate::common::{analyse, answer, of_field, published};
 use resect_core::analysis::Settings;
@@ -27,7 +27,7 @@ fn simulated(preset: Preset, seed: u64) -> Deployment {
     resect_io::simulation_files::open(&simulate(preset, seed)).expect("valid")
 }
 
-/// The bends of a figure-eight hold everything; its floor is what remains to be said of it.
+/// The bends of a figure-eight constrain everything; only its flat floor remains to be reported.
 #[test]
 fn every_preset_is_called_what_it_is_and_leaves_free_what_it_must() {
     let mut unfiltered = published();
@@ -54,7 +54,7 @@ fn every_preset_is_called_what_it_is_and_leaves_free_what_it_must() {
             let with_outliers = observed_with(&deployment, &unfiltered);
             misnamed += usize::from(with_outliers.drive.name() != name);
         }
-        // With one reading in 250 metres off, a drive may look more varied than it was.
+        // With an outlier every 250 m, a drive may look more varied than it was.
         assert!(misnamed <= 1, "{preset:?}, outliers left in: {misnamed}");
     }
 }
@@ -75,8 +75,8 @@ fn the_field_data_and_the_samples_wind() {
 fn what_is_free_is_said_in_words() {
     for seed in SEEDS {
         let line = observed(&simulated(Preset::StraightLine, seed)).words(Hold::Free);
-        // The rig may be turned at will: about the track, and so that the stations slide or swing with it.
-        let leans = "stations 2 and 3 can swing about the track, as if the rig leaned to a side";
+        // The rig may rotate freely about the track, with the stations sliding or swinging along.
+        let leans = "stations 2 and 3 can rotate about the track, like a roll of the rig";
         assert!(line.contains(leans), "{seed}: {line}");
         assert!(line.contains("can slide along the track"), "{seed}: {line}");
         assert_eq!(line.split("; ").count(), 3, "{seed}: {line}");
@@ -86,29 +86,33 @@ fn what_is_free_is_said_in_words() {
     }
 }
 
-/// A surveyor reads what is wrong, what is free, and what to drive, in the findings.
+/// The findings name the fault, the unconstrained directions, and the next drive for a surveyor.
 #[test]
 fn the_findings_name_the_drive_and_what_to_drive_next() {
     for (preset, parts) in [
         (
             Preset::StraightLine,
-            ["one straight line", "3 of 8 directions are free", "leave the line"],
+            ["one straight line", "3 of 8 directions are unobservable", "leave the line"],
         ),
         (
             Preset::Circle,
             [
                 "round one circle, one way (radius 10.0 m)",
-                "1 of 8 directions is free",
+                "1 of 8 directions is unobservable",
                 "turn the other way too",
             ],
         ),
         (
             Preset::LShape,
-            ["the drive is an L", "one corner of 90°", "everything rests on that corner"],
+            ["the drive is an L", "one corner of 90°", "depends on that corner alone"],
         ),
         (
             Preset::FlatFloor,
-            ["the floor is flat (heights vary by", "mirror twin", "only the rig or control points"],
+            [
+                "the floor is flat (heights vary by",
+                "mirror ambiguity",
+                "only the rig or control points",
+            ],
         ),
     ] {
         let analysis = analyse(&simulated(preset, 1), &published());
@@ -135,7 +139,7 @@ fn turning_a_station_changes_no_name() {
             }
             let after = observed(&turned);
             assert_eq!(before.drive.name(), after.drive.name());
-            // Where something is free, the answer itself may be another, and with it what is held.
+            // With an unconstrained direction the solution itself may differ, and with it the constrained directions.
             let holds = [Hold::Free, Hold::Weak, Hold::Held];
             let count = if before.count(Hold::Free) > 0 { 1 } else { 3 };
             for hold in &holds[..count] {
@@ -149,7 +153,7 @@ fn turning_a_station_changes_no_name() {
     }
 }
 
-/// The motion of a station says the same as the words: along a straight line, slides have no other part.
+/// The motion of a station agrees with the words: along a straight line, slides have no other component.
 #[test]
 fn motions_are_those_of_the_instruments() {
     let observed = observed(&simulated(Preset::StraightLine, 3));
@@ -158,7 +162,7 @@ fn motions_are_those_of_the_instruments() {
     // The simulated line runs along x.
     assert!(slide.motion[0].translation_m.x.abs() > 0.95, "{slide:?}");
     assert!(slide.motion[1].translation_m.norm() < 0.2, "{slide:?}");
-    // The circle's stations stand tens of metres from its middle: turning about it moves them far.
+    // The circle's stations are tens of metres from its middle: a rotation about it moves them far.
     let circle = self::observed(&simulated(Preset::Circle, 3));
     let turn = &circle.directions[0];
     for motion in &turn.motion {

@@ -1,4 +1,5 @@
-//! No verdict against one's own evidence: what an answer itself shows to be wrong caps it at weak, and is said first.
+//! Verdicts consistent with their own evidence: a fault that a calibration
+//! itself reveals limits its verdict to weak, and is reported first.
 
 use crate::common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
@@ -18,7 +19,7 @@ fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
 }
 
-/// Weak or worse, and what is said first is why; only other doubts, or the mistake that explains it, go before.
+/// Asserts a verdict of weak or worse, with this reason first; only other doubts, or the mistake behind it, may precede it.
 #[track_caller]
 fn assert_doubted(calibration: &Calibration, why: &str) {
     let said: Vec<_> = calibration.findings.iter().map(ToString::to_string).collect();
@@ -26,7 +27,7 @@ fn assert_doubted(calibration: &Calibration, why: &str) {
     assert!(said[..3].iter().any(|line| line.contains(why)), "`{why}` is not first in {said:#?}");
 }
 
-/// Nothing of all this is said of data that is right.
+/// Correct data has no such finding.
 #[test]
 fn what_is_right_is_not_doubted() {
     let calibration = solved(&sample(), Method::Joint);
@@ -48,9 +49,9 @@ fn an_estimate_that_did_not_converge_is_not_good() {
 #[test]
 fn a_fifth_of_the_triplets_left_out_is_too_much() {
     let mut wrong = sample();
-    // Every eighth reading of station 3 is of something nearer, and spoils the triplets on both sides.
+    // Every eighth reading of station 3 is of a nearer object, and spoils the triplets on both sides.
     wrong.tracks[2].measurements.iter_mut().step_by(8).for_each(|m| m.range_m -= 0.3);
-    assert_doubted(&solved(&wrong, Method::Joint), "cannot be right were left out");
+    assert_doubted(&solved(&wrong, Method::Joint), "outlying triplets were left out");
 }
 
 #[test]
@@ -70,10 +71,10 @@ fn a_lean_that_no_compensator_leaves_is_a_doubt() {
         let leaning = Polar::from_cartesian(lean * polar.to_cartesian());
         (m.azimuth_rad, m.zenith_rad) = (leaning.azimuth_rad, leaning.zenith_rad);
     }
-    assert_doubted(&solved(&wrong, Method::Joint), "taken together: it was knocked");
+    assert_doubted(&solved(&wrong, Method::Joint), " σ: it was knocked");
 }
 
-/// The same drive, the same distances, and two methods from points: neither holds it together.
+/// The same drive, the same distances, and two methods from control points, neither of which fits the rig.
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
@@ -90,8 +91,8 @@ fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
     }
 }
 
-/// A clock that is estimated explains what the published answer cannot fit: the joint estimate is not blamed for it, and its
-/// twin and cost are its own.
+/// An estimated clock explains the misfit of the published calibration:
+/// the joint estimate is not blamed for it, and has its own twin and cost.
 #[test]
 fn a_joint_estimate_is_judged_as_itself() {
     let mut late = sample();
@@ -117,7 +118,8 @@ fn a_joint_estimate_is_judged_as_itself() {
     assert_eq!(direct.map(|ratio| ratio > 10.0), Some(true), "{direct:?}");
 }
 
-/// The drive through the tunnel, station 2's azimuths turned by this much (mrad) at each share of the drive.
+/// Returns the calibration of the drive through the tunnel, with station
+/// 2's azimuths rotated by an angle (mrad) at each share of the drive.
 fn turned(by_mrad: impl Fn(f64) -> f64) -> Calibration {
     let mut tunnel = Sample::Hd2Tunnel.open().expect("built in");
     let (from_s, to_s) = (tunnel.start_s().expect("readings"), tunnel.end_s().expect("readings"));
@@ -127,13 +129,13 @@ fn turned(by_mrad: impl Fn(f64) -> f64) -> Calibration {
     solved(&tunnel, Method::Joint)
 }
 
-/// When something happened, by what is said of it (s).
+/// Returns the time of an event in a finding's text (s).
 fn after_s(said: &str) -> f64 {
     let time = said.split_once("about ").and_then(|(_, rest)| rest.split_once(" s into the drive"));
     time.and_then(|(time, _)| time.parse().ok()).unwrap_or_else(|| panic!("{said}"))
 }
 
-/// Along a tunnel a turn looks like a move, which hides it from who compares two halves.
+/// Along a tunnel a rotation resembles a translation, which hides it from a comparison of two halves.
 #[test]
 fn a_station_that_turns_half_way_through_a_tunnel_is_told() {
     let calibration = turned(|share| if share > 0.5 { 0.5 } else { 0.0 });
@@ -148,7 +150,7 @@ fn a_station_that_turns_slowly_is_told() {
     assert_doubted(&calibration, "station 2 turned by");
 }
 
-/// The longer a drive, the smaller the share of it that a moment is.
+/// The longer a drive, the smaller the share of it that an instant is.
 #[test]
 fn a_station_that_turns_within_an_hour_is_told_when() {
     let mut hour = Preset::Warthog.scenario();
@@ -171,7 +173,7 @@ fn a_station_that_turns_within_an_hour_is_told_when() {
     assert_eq!(calibration.verdict, Verdict::Weak);
 }
 
-/// Ranges 0.1 m too long for the first forty seconds: what fits is the rest alone.
+/// Ranges 0.1 m too long for the first forty seconds: only the rest fits.
 #[test]
 fn what_was_left_out_in_a_row_is_told() {
     let mut moved = sample();
@@ -182,10 +184,10 @@ fn what_was_left_out_in_a_row_is_told() {
         }
     }
     let calibration = solved(&moved, Method::Joint);
-    assert_doubted(&calibration, "of the drive does not fit the rest and was left out");
+    assert_doubted(&calibration, "of the drive do not fit the rest and were left out");
 }
 
-/// Errors that settings call none are held against the data; those that are none stand.
+/// Errors whose size the settings set to zero are tested against the data; those that are really zero pass.
 #[test]
 fn a_size_that_the_data_contradicts_is_told() {
     let told = |scenario: &Scenario, set: fn(&mut ErrorSizes)| {
@@ -209,7 +211,7 @@ fn a_size_that_the_data_contradicts_is_told() {
     assert_doubted(&told(&long, none), "station 2's ranges are off by +");
 }
 
-/// Two stations that follow each other's prism for a while look like a rig that is another one.
+/// Two stations that track each other's prism for a while look like another rig.
 #[test]
 fn distances_that_are_off_together_are_a_doubt() {
     let mut wrong = sample();
@@ -218,8 +220,5 @@ fn distances_that_are_off_together_are_a_doubt() {
         *distance_m += 0.004;
     }
     wrong.rig.as_mut().expect("a rig").prisms_m = None;
-    assert_doubted(
-        &solved(&wrong, Method::Joint),
-        "taken together: a station followed another prism",
-    );
+    assert_doubted(&solved(&wrong, Method::Joint), " σ: a station followed another prism");
 }

@@ -1,4 +1,4 @@
-//! What must hold whatever the data: moving the input moves the output alike.
+//! Invariances that are independent of the data: moving the input moves the output in the same way.
 
 mod cases;
 mod moved;
@@ -19,7 +19,7 @@ fn sample() -> Deployment {
 #[test]
 fn a_wrong_prism_order_is_called_ambiguous_not_good() {
     let mut wrong = sample();
-    // The rig's heights upside down, the cost clearly against them.
+    // The rig's heights are inverted, against the clear evidence of the cost.
     if let Some(prisms) = wrong.rig.as_mut().and_then(|rig| rig.prisms_m.as_mut()) {
         for prism in prisms {
             prism.z = -prism.z;
@@ -43,7 +43,7 @@ fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
     assert!(calibration.sigma.is_none());
 }
 
-/// Drives that do not hold the answer are called what they are, whichever prior they start from.
+/// Drives with unconstrained directions are classified correctly, with each prior.
 #[test]
 fn the_shape_of_the_drive_shows_in_the_verdict() {
     let expected = [

@@ -1,4 +1,4 @@
-//! The authors' layout: tracks as positions that were turned into one frame, with and without the transforms.
+//! The authors' layout: tracks as positions in one frame, with and without the transforms.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::simulation_files::write_folder;
 
-/// Our x is their y, our y their −x.
+/// Converts axes: our x is their y, our y their −x.
 fn to_theirs(p: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(-p.y, p.x, p.z)
 }
 
 fn line_of(transform: &RigidTransform) -> String {
-    // In their axes: conjugated by the turn.
+    // In their axes: conjugated by the rotation.
     let turn = Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(
         &[Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| to_theirs(&axis)),
     ));
@@ -30,11 +30,11 @@ fn line_of(transform: &RigidTransform) -> String {
     format!("{} {} {}\n", row(0), row(1), row(2))
 }
 
-/// A simulated drive as the program writes it, and the same as the authors would publish it.
+/// A simulated drive as the program writes it, and in the authors' published layout.
 struct Published {
     folder: tempfile::TempDir,
     name: PathBuf,
-    /// As measured.
+    /// The deployment as measured.
     own: Deployment,
     applied: [RigidTransform; 3],
 }
@@ -94,7 +94,7 @@ fn calibration(deployment: &Deployment, method: Method) -> Calibration {
     answer(&analyse(deployment, &settings)).calibration.clone()
 }
 
-/// Largest differences of range (m), azimuth and zenith angle (rad) between the readings of two deployments.
+/// Returns the largest differences of range (m), azimuth and zenith angle (rad) between the readings of two deployments.
 fn differences(a: &Deployment, b: &Deployment, station: usize) -> [f64; 3] {
     let (a, b) = (&a.tracks[station], &b.tracks[station]);
     assert_eq!(a.measurements.len(), b.measurements.len(), "station {}", station + 1);
@@ -178,7 +178,7 @@ fn transforms_that_were_not_applied_are_not_undone() {
     assert_eq!(deployment.track_frame, TrackFrame::Common);
     let text = said(&deployment);
     assert!(text.contains("none of the 1 sets of transforms in list_tf/TF_list"), "{text}");
-    // Among several, the one that was applied is found.
+    // The applied transform is found among several.
     let both = [other, published.applied].concat();
     published.write("list_tf/more.csv", &both.iter().map(line_of).collect::<String>());
     let deployment = published.open();
@@ -201,7 +201,7 @@ fn tracks_in_their_own_frames_are_left_there() {
     let published = Published::new("run", |applied| *applied = [RigidTransform::IDENTITY; 3]);
     let deployment = published.open();
     assert_eq!(deployment.track_frame, TrackFrame::Own);
-    assert!(said(&deployment).contains("each in its station's own frame"));
+    assert!(said(&deployment).contains("in each station's own frame"));
     assert!(differences(&deployment, &published.own, 2).iter().all(|off| *off < 1e-9));
 }
 
@@ -214,7 +214,7 @@ fn interpolated_positions_are_no_tracks() {
     };
     for station in 1..4 {
         published.write(&format!("predictions/f-2-1_{station}.csv"), &grid(50));
-        // By its place: too few lines to see the grid.
+        // By its position: too few lines for the grid to be recognised.
         published.write(&format!("raw_prediction/nf-1-2-0-L_{station}.csv"), &grid(3));
     }
     let deployment = published.open();
@@ -224,9 +224,9 @@ fn interpolated_positions_are_no_tracks() {
     };
     assert_eq!(
         what("f-2-1_2.csv"),
-        ("positions at even steps of time: interpolated, not measured", false)
+        ("positions at equal time steps: interpolated, not measured", false)
     );
-    assert_eq!(what("nf-1-2-0-L_1.csv"), ("positions made from tracks, not measured ones", false));
+    assert_eq!(what("nf-1-2-0-L_1.csv"), ("positions computed from tracks, not measured", false));
     assert!(what("trimble1.csv").1);
 }
 
@@ -297,7 +297,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     assert!(error.contains("does not describe a rig"), "{error}");
 }
 
-/// Two sets of `list_tf` of the authors' repository (data/20220711-2, MIT): one of control points, that of D.
+/// Two sets of `list_tf` of the authors' repository (data/20220711-2, MIT): one from control points, and that of D.
 const BY_POINTS: &str = "1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0\n\
 0.8680246066119283 0.49652118010440266 4.892774548533936e-06 2.52681898970547 -0.4965211801274662 0.8680246065477573 1.0603733445372343e-05 5.319690381106842 1.0179295413874425e-06 -1.163366774546789e-05 0.999999999931811 -0.29296556794641193\n\
 0.8963591628112443 0.443328604041812 -9.091985137624918e-06 0.02766459847635261 -0.4433286041349115 0.8963591626383024 -1.761117085320332e-05 -5.450739614750583 3.421483947849148e-07 1.981667144198189e-05 0.9999999998035912 -0.2626835119996478\n";
@@ -360,7 +360,7 @@ fn station_1_reads_what_its_bag_has_and_the_others_too_once_they_are_undone() {
     assert_eq!(deployment.track_frame, TrackFrame::Own, "{}", said(&deployment));
     assert!(said(&deployment).contains("list_tf/b.csv"));
     for station in 1..3 {
-        // The data's own conversion is known to a millimetre.
+        // The accuracy of the data's own conversion is a millimetre.
         let [range_m, azimuth_rad, _] = differences(&deployment, &polar, station);
         assert!(range_m < 0.002 && azimuth_rad < 2e-4, "{range_m} {azimuth_rad}");
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::common::{analyse, answer, by, normalised, of_field, published, rms_by_component};
 use resect_core::analysis::{Analysis, Analyst, Settings};
-use resect_core::calibration::joint::{JointEstimate, Stepped};
+use resect_core::calibration::joint::{JointEstimate, StepSize};
 use resect_core::calibration::{CalibrationSettings, Method, Offer, Verdict, solve};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::pipeline;
@@ -45,7 +45,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
         }
         let off = normalised(&analysis, truth);
         assert!(off.iter().all(|z| z.abs() < 3.0), "seed {seed}: {off:.1?}");
-        // Without it the metric suffers.
+        // Without it the metric is worse.
         let plain = analyse(&deployment, &published());
         let median =
             |analysis: &Analysis| answer(analysis).evaluation.inter_prism_mm.expect("a rig").median;
@@ -65,7 +65,7 @@ fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
     for pair in 0..3 {
         let off_m = found[pair].value - simulated.truth.inter_prism_m[pair];
         assert!(off_m.abs() < 3.0 * found[pair].sigma, "{pair}: {off_m} {:?}", found[pair]);
-        // The data tells two thirds of the three millimetres, and says how well it does.
+        // The data determines two thirds of the three millimetres, with a realistic σ.
         assert!(off_m.abs() < 0.001, "{pair}: {off_m} {:?}", found[pair]);
         assert!(
             found[pair].sigma < 0.0015,
@@ -80,7 +80,7 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
     const SEEDS: u64 = 24;
     let mut runs = Vec::new();
     for seed in 0..SEEDS {
-        // With what instruments do wrong in the field, but for clocks that jump.
+        // With the errors of instruments in the field, except clock steps.
         let mut scenario = Preset::Warthog.scenario().with_field_errors(seed);
         scenario.drawn_errors.retain(|kind| *kind != ErrorKind::ClockJumps);
         let simulated = simulate_scenario(&scenario, seed);
@@ -117,9 +117,9 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
         let simulated = with_errors(errors, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let steps = &joint(&analysis).stepped;
+        let steps = &joint(&analysis).steps;
         let [step] = &steps[..] else { panic!("seed {seed}: {steps:?}") };
-        let Stepped::Clock(found_s) = &step.what else { panic!("seed {seed}: {step:?}") };
+        let StepSize::Clock(found_s) = &step.size else { panic!("seed {seed}: {step:?}") };
         assert_eq!(step.station, 2, "seed {seed}: the others are steady");
         assert!((found_s.value - by_s).abs() < 0.15 * by_s.abs(), "seed {seed}: {step:?}");
         assert!((step.after_s - 210.0).abs() <= 15.0, "seed {seed}: {step:?}");
@@ -144,7 +144,7 @@ fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_esti
         assert_eq!(calibration.verdict, Verdict::Good, "seed {seed}: {:?}", calibration.findings);
         let off = normalised(&analysis, truth);
         assert!(off.iter().all(|z| z.abs() < 4.0), "seed {seed}: {off:.1?}");
-        // The published method is pulled, and says so.
+        // The published method is biased, and reports so.
         let plain = analyse(&deployment, &published());
         let calibration = &answer(&plain).calibration;
         assert!(calibration.verdict >= Verdict::Weak, "seed {seed}");
@@ -153,10 +153,10 @@ fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_esti
     }
 }
 
-/// The noise that was simulated is learned, so that nobody has to state it.
+/// The simulated noise is estimated, so that nobody has to state it.
 #[test]
 fn the_noise_of_ranges_and_angles_is_learned() {
-    // Half an arcsecond is less than what cubic splines miss of a bend.
+    // Half an arcsecond is less than the error of cubic splines in a bend.
     for (range_sigma_m, angle_arcseconds) in [(0.001, 2.0), (0.003, 1.0)] {
         let mut scenario = Preset::FigureEight.scenario();
         scenario.noise.range_sigma_m = range_sigma_m;
@@ -165,14 +165,14 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         let noise = joint(&analysis).levels;
-        // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
+        // Ranges have 2 ppm in addition, and the weights of Cauchy's loss reduce the estimate by some per cent.
         assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
         let angle = noise.angle_rad / scenario.noise.angle_sigma_rad;
         assert!((0.75..1.3).contains(&angle), "{angle} {noise:?}");
     }
 }
 
-/// One prism for all three stations.
+/// All three stations track one prism.
 #[test]
 fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
     let mut runs = Vec::new();
@@ -191,12 +191,12 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
         }
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
-    // No station leans here and the prism constant is right; σ allows for both.
+    // No station leans here and the prism constant is correct; σ allows for both.
     let rms = rms_by_component(&runs);
     assert!(rms.iter().all(|rms| *rms < 1.3), "{rms:.2?}");
 }
 
-/// Fitted on some intervals, judged on the others.
+/// Fitted to some intervals, evaluated on the others.
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
@@ -232,13 +232,13 @@ fn an_analysis_that_nobody_wants_any_more_stops() {
         Arc::new(resect_io::simulation_files::open(&simulate(Preset::Warthog, 1)).expect("valid"));
     let settings = by(Method::Joint);
     let mut analyst = Analyst::new(Arc::clone(&deployment));
-    // The pipeline's stages are remembered, so that the joint estimate is what is stopped below.
+    // The pipeline's stages are cached, so that the cancellation below meets the joint estimate.
     let started = Instant::now();
     let whole = analyst.run(&settings);
     let whole_seconds = started.elapsed().as_secs_f64();
     assert!(whole.answer.expect("an answer").calibration.inter_prism().is_some());
-    // How soon it stops is measured in `benches/path.rs`: other tests on the same cores stretch any time taken here. A run
-    // that ends before it is stopped, because the first one was slow by chance, is tried again and stopped earlier.
+    // `benches/path.rs` measures the delay of a cancellation: other tests on the same cores extend any time measured here. If a run ends
+    // before it is cancelled, because the first one was slow by chance, the next attempt cancels earlier.
     let stopped = (1..=10).any(|attempt| {
         let progress = Progress::default();
         let result = std::thread::scope(|scope| {

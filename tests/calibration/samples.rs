@@ -1,4 +1,4 @@
-//! Simulated deployments, where the truth is known.
+//! Simulated deployments with known ground truth.
 
 use crate::common::{analyse, answer, normalised, published, sample_folder};
 use resect_core::calibration::{PriorMethod, Verdict};
@@ -50,7 +50,7 @@ fn the_built_in_samples_are_the_files_in_assets() {
         assert_eq!(built_in.tracks, on_disk.tracks);
         assert_eq!(built_in.rig, on_disk.rig);
         assert_eq!(built_in.control_points, on_disk.control_points);
-        // The truth lies beside the data, and nothing reads it.
+        // The truth is beside the data, and no reader uses it.
         let truth = on_disk.ingredients.iter().find(|i| i.file == "truth.toml").expect("listed");
         assert!(!truth.used);
     }
@@ -65,7 +65,7 @@ fn the_same_seed_gives_the_same_deployment() {
     assert_ne!(a.tracks, other.tracks);
 }
 
-/// The stated σ is honest: over many seeds the normalised errors have about unit spread, and none is wild.
+/// The stated σ is realistic: over many seeds the normalised errors have about unit spread, without outliers.
 #[test]
 fn stated_uncertainty_covers_the_truth_over_seeds() {
     for preset in [Preset::Warthog, Preset::Hd2Tunnel] {

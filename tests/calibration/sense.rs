@@ -1,4 +1,4 @@
-//! Data that is read with the wrong sense, numbers or units: never called good, and the cause is named.
+//! Data with a wrong sense, order or unit: the verdict is never good, and a finding names the cause.
 
 use crate::common::{analyse, answer, by, of_field, published};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use resect_io::sample::Sample;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mistake {
     Azimuth,
-    /// Station k gets what station `.0[k]` measured.
+    /// Station k has the readings of station `.0[k]`.
     Numbers([usize; 3], &'static str),
     Feet(Option<usize>),
 }
@@ -24,8 +24,8 @@ const MISTAKES: [Mistake; 8] = [
     Mistake::Numbers([1, 0, 2], "stations 1 and 2"),
     Mistake::Numbers([2, 1, 0], "stations 1 and 3"),
     Mistake::Numbers([0, 2, 1], "stations 2 and 3"),
-    Mistake::Numbers([1, 2, 0], "what was read as 3, 1, 2"),
-    Mistake::Numbers([2, 0, 1], "what was read as 2, 3, 1"),
+    Mistake::Numbers([1, 2, 0], "those read as 3, 1, 2"),
+    Mistake::Numbers([2, 0, 1], "those read as 2, 3, 1"),
     Mistake::Feet(None),
     Mistake::Feet(Some(1)),
 ];
@@ -70,7 +70,7 @@ impl Mistake {
     }
 }
 
-/// What there is beside the tracks and the distances.
+/// Data beside the tracks and the distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Beside {
     All,
@@ -82,7 +82,7 @@ enum Beside {
 impl Beside {
     const ALL: [Self; 4] = [Self::All, Self::RigReading, Self::ControlPoints, Self::Nothing];
 
-    /// `None` where it would be the same as with less.
+    /// `None` if it would equal a case with less data.
     fn of(self, deployment: &Deployment) -> Option<Deployment> {
         let has_points = deployment.control_points.iter().any(|set| !set.pillars);
         let mut left = deployment.clone();
@@ -98,7 +98,7 @@ impl Beside {
     }
 }
 
-/// The verdict and all that is said, or why there is no answer.
+/// Returns the verdict and all findings, or the error.
 fn said(deployment: &Deployment, settings: &Settings) -> (Option<String>, String) {
     match &analyse(deployment, settings).answer {
         Ok(answer) => {
@@ -110,7 +110,7 @@ fn said(deployment: &Deployment, settings: &Settings) -> (Option<String>, String
     }
 }
 
-/// Every mistake in every deployment, with so much beside it; gives what went wrong.
+/// Tests every mistake in every deployment, with this additional data; returns the failures.
 fn failures(
     deployments: &[(String, Deployment)],
     besides: &[Beside],
@@ -130,7 +130,8 @@ fn failures(
             let (verdict, said) = said(wrong, settings);
             let good = verdict.as_deref() == Some("good");
             let unchecked = verdict.as_deref() == Some("good, not independently checked");
-            // Without a rig's reading and control points a rig with like sides tells nothing; then the words must be there.
+            // Without a rig's measurement and control points, a rig with similar
+            // sides gives no evidence; otherwise the words must be there.
             let nothing_tells = *beside == Beside::Nothing && !good;
             let passes = nothing_tells || !(good || unchecked) && mistake.is_named_in(&said);
             (!passes).then(|| format!("{name} {beside:?} {mistake:?}: {verdict:?}\n{said}\n"))
@@ -163,7 +164,7 @@ fn assert_none(failures: &[String]) {
     assert!(failures.is_empty(), "{} cases:\n{}", failures.len(), failures.join("\n"));
 }
 
-/// The one or the other witness, and none.
+/// One kind of independent evidence, the other, and none.
 const WITNESSES: [Beside; 3] = [Beside::RigReading, Beside::ControlPoints, Beside::Nothing];
 const PRESETS: [Preset; 6] = [
     Preset::Warthog,
@@ -264,7 +265,7 @@ fn control_points_check_an_answer_only_where_they_hold_one_that_agrees() {
     let mut few = right;
     few.control_points.retain(|set| !set.pillars);
     few.control_points.truncate(1);
-    // Three points at nearly one place hold no yaw: B is not good, and agrees with anything.
+    // Three points at nearly one position do not constrain yaw: B is not good, and agrees with anything.
     let points = &mut few.control_points[0].points;
     points.truncate(1);
     for shift in [1e-3, 2e-3] {
@@ -276,7 +277,7 @@ fn control_points_check_an_answer_only_where_they_hold_one_that_agrees() {
     assert!(!checked(&few), "points at one place agree with anything");
 }
 
-/// Control points can be misread as well as tracks: what the rig's reading goes with is right.
+/// Control points can be misread as well as tracks: the ones that agree with the rig's measurement are correct.
 #[test]
 fn the_rig_tells_whether_tracks_or_control_points_were_misread() {
     let right = Sample::Warthog.open().expect("built in");
@@ -298,7 +299,7 @@ fn the_rig_tells_whether_tracks_or_control_points_were_misread() {
         assert_eq!(verdict.as_deref(), Some("weak"), "{said}");
         assert!(said.lines().next().expect("findings").contains(words), "{said}");
     }
-    // Without the reading either can be the one.
+    // Without the measurement either can be wrong.
     let (_, said) = said(&Beside::ControlPoints.of(&points).expect("points"), &published());
     for words in ["azimuths of the tracks look", "azimuths of the control points look"] {
         assert!(said.contains(words), "{said}");

@@ -31,7 +31,7 @@ fn stdout(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
-/// The one line on standard error of a run that must fail with this code.
+/// Returns the one line on standard error of a run that must fail with this code.
 #[track_caller]
 fn complaint(arguments: &[&str], code: i32) -> String {
     let output = resect(arguments);
@@ -91,12 +91,12 @@ fn without_a_method_the_joint_estimate_answers_and_has_the_papers_beside_it() {
         let sigmas = turned.abs() / number(&now["sigma"]["yaw_rad"]);
         assert!((number(&moved["yaw_sigmas"]) - sigmas).abs() < 1e-9);
     }
-    // In the terminal as well.
+    // The terminal's text has it as well.
     let said = stdout(&["calibrate", text(&path)]);
     assert!(said.contains(" · the joint estimate · verdict: "), "{said}");
     let millimetres = number(&beside["moved"][0]["distance_m"]) * 1e3;
     let line = format!("  T12 {millimetres:.2} mm (");
-    assert!(said.contains("the paper's D (method inter-prism, verdict "), "{said}");
+    assert!(said.contains("difference from the paper's D (method inter-prism, verdict "), "{said}");
     assert!(said.contains(&line), "{line} is not in {said}");
 }
 
@@ -279,7 +279,7 @@ fn broken_folders_end_in_one_line_with_the_place_and_a_remedy() {
         ),
         ("words", good.replacen("1760000003", "later", 1), "inter_prism.csv:"),
         ("cut", good[..good.len() - 30].to_owned(), "fields where the header has 5"),
-        ("a column gone", good.replacen("va", "vb", 1), "which column is what?"),
+        ("a column gone", good.replacen("va", "vb", 1), "its columns are unknown"),
         ("binary", "\u{1}\u{2}\u{fffd}".repeat(50), "no tracks of the stations"),
     ];
     for (name, content, expected) in cases {
@@ -294,7 +294,7 @@ fn broken_folders_end_in_one_line_with_the_place_and_a_remedy() {
     complaint(&["check", text(folder.path())], 1);
 }
 
-/// Rejects numbers that no instrument gives, without hanging.
+/// Rejects physically impossible numbers, without hanging.
 #[test]
 fn absurd_numbers_are_refused_or_left_out() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -352,7 +352,7 @@ fn simulate_neither_mixes_deployments_nor_replaces_what_was_measured() {
     let recording = measured.path().join("inter_prism.csv");
     std::fs::write(&recording, "timestamp,id,distance,ha,va\n").expect("writable");
     let line = complaint(&["simulate", "--preset", "warthog", "--out", text(measured.path())], 1);
-    assert!(line.contains("no truth.toml that says they are simulated"), "{line}");
+    assert!(line.contains("no truth.toml, so they may not be simulated"), "{line}");
     let kept = std::fs::read_to_string(&recording).expect("still there");
     assert_eq!(kept, "timestamp,id,distance,ha,va\n");
 }
@@ -428,7 +428,7 @@ fn true_poses_of_a_simulation_are_judged_as_such() {
     assert!((length_m - 0.45_f64.hypot(0.05).hypot(1.55)).abs() < 0.005, "{arm_m:?}");
     // Neither inside the drive, where it would be read as data, nor with an unknown extension.
     let line = complaint(&simulate_with(text(&inside)), 2);
-    assert!(line.contains("beside its folder"), "{line}");
+    assert!(line.contains("outside its folder"), "{line}");
     let line = complaint(&simulate_with(text(&other)), 2);
     assert!(line.contains(".foo") && line.contains(".mcap"), "{line}");
     let line = complaint(&["trajectory", text(&out), "--out", text(&other)], 2);
@@ -540,7 +540,7 @@ fn every_table_of_an_export_agrees_with_the_answer() {
     assert_eq!(clocks.iter().map(|row| row["station"].as_str()).collect::<Vec<_>>(), ["2", "3"]);
     assert!(clocks.iter().all(|row| number(&row["sigma_offset_s"]) > 0.0));
     assert_eq!(rows("residuals.csv").len(), rows("triplets.csv").len());
-    // The rows of the JSON, number by number.
+    // Compares the rows of the JSON, number by number.
     let answer = rows("answer.csv");
     let described = value["rows"].as_array().expect("rows");
     assert_eq!(answer.len(), described.len());
@@ -548,7 +548,7 @@ fn every_table_of_an_export_agrees_with_the_answer() {
         for key in ["group", "subject", "name", "symbol", "unit"] {
             assert_eq!(told[key], row[key].as_str());
         }
-        // The reader of JSON may round the last bit.
+        // The JSON parser may round the last bit.
         for key in ["value", "sigma"] {
             let both = [told[key].as_f64(), row[key].parse().ok()];
             let [Some(told), Some(written)] = both else {
@@ -754,7 +754,7 @@ fn validate_tells_what_holds_and_which_station_moved() {
     assert!(off.abs() < 3.0, "{off} σ");
     let metrics = &found[1]["metrics"]["inter_prism_mm"];
     assert!(number(&metrics["earlier"]["median"]) > 2.0 * number(&metrics["own"]["median"]));
-    // One run is one object, and a text says the same.
+    // A single run is one object, and the text agrees.
     let one = json(&["validate", text(&file), text(&second), "--json"]);
     assert_eq!(found[1]["deployment"], "warthog (simulated), second", "told apart from the first");
     let mut named_alone = found[1].clone();
@@ -819,7 +819,7 @@ fn nothing_is_written_over_what_was_read() {
     let before = std::fs::read(&recording).expect("readable");
     for command in ["report", "trajectory"] {
         let line = complaint(&[command, text(folder.path()), "--out", text(&recording)], 1);
-        assert!(line.contains("not written over; name another file"), "{line}");
+        assert!(line.contains("not overwritten; choose another file"), "{line}");
         assert_eq!(std::fs::read(&recording).expect("there"), before, "{command}");
     }
     // An existing page is replaced.
@@ -899,7 +899,7 @@ fn a_session_without_a_display_is_calibrated_in_the_terminal() {
     let pipeline = own.lines().find(|line| line.starts_with("pipeline")).expect("a line");
     assert!(said.contains(pipeline), "{pipeline} is not in {said}");
     let line = complaint(&["calibrate", text(&session)], 1);
-    assert!(line.contains("a session: `resect FILE` opens it"), "{line}");
+    assert!(line.contains("a session: open it with `resect FILE`"), "{line}");
     std::fs::write(&session, "resect_session = 1\n").expect("writable");
     let line = complaint(&[text(&session)], 1);
     assert!(line.contains("without deployments") && line.contains("a display"), "{line}");
@@ -910,10 +910,10 @@ fn a_dash_is_no_file_and_a_newline_in_a_name_no_second_line() {
     let path = sample();
     for command in ["trajectory", "report"] {
         let line = complaint(&[command, &path, "--out", "-"], 2);
-        assert!(line.contains("name a file"), "{line}");
+        assert!(line.contains("give a file name"), "{line}");
     }
     let line = complaint(&["trajectory", &path, "--out", "no\nsuch/\u{1b}[31mx.tum"], 1);
-    assert!(line.contains("there is no folder no\\nsuch; make it"), "{line}");
+    assert!(line.contains("folder no\\nsuch does not exist; create it"), "{line}");
 }
 
 #[cfg(unix)]
@@ -941,7 +941,7 @@ fn a_full_disk_is_one_line_with_a_remedy() {
     ] {
         let line = complaint(&[arguments, &["/dev/full"]].concat(), 1);
         assert!(
-            line.contains("/dev/full: cannot be written") && line.contains("make room"),
+            line.contains("/dev/full: cannot be written") && line.contains("free space"),
             "{line}"
         );
     }
@@ -950,7 +950,7 @@ fn a_full_disk_is_one_line_with_a_remedy() {
     std::os::unix::fs::symlink("/dev/full", table).expect("linked");
     let line = complaint(&["export", &path, "--csv", text(folder.path())], 1);
     assert!(
-        line.contains("readings.csv: cannot be written") && line.contains("make room"),
+        line.contains("readings.csv: cannot be written") && line.contains("free space"),
         "{line}"
     );
 }
@@ -961,11 +961,15 @@ fn plan_says_what_a_drive_will_leave_open_and_what_improves_it() {
     let file = folder.path().join("line.toml");
     let printed =
         stdout(&["plan", "--preset", "straight-line", "--seed", "2", "--out", text(&file)]);
-    for part in ["verdict: DEGENERATE", "leaves free", "what improves the far end most", "free → "]
-    {
+    for part in [
+        "verdict: DEGENERATE",
+        "unobservable with this drive",
+        "largest improvements at the far end",
+        "not determined → ",
+    ] {
         assert!(printed.contains(part), "{part} is not in\n{printed}");
     }
-    // The file is the plan: asked again, it says the same.
+    // The written file is the plan: the command gives the same result from it.
     assert_eq!(stdout(&["plan", text(&file)]), printed);
     let way = folder.path().join("way.csv");
     std::fs::write(&way, "x,y,speed\n40,0,0.6\n60,0,0.6\n60,20,0.6\n45,12,0.6\n60,-5,0.6\n")

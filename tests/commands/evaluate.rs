@@ -1,4 +1,4 @@
-//! Trajectories of other systems against the deployment's own: simulated ones, whose errors are known, and the real evo.
+//! Trajectories of other systems compared with the deployment's own: simulated ones with known errors, and the real evo.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,19 +10,25 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy};
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{Alignment, Body, Estimate, Judgement, Options, Unjudged, judge};
+use resect_core::estimates::{
+    Body, EstimatedTrajectory, EstimatesJudgement, Options, TrajectoryAlignment, Unjudged, judge,
+};
 use resect_core::evaluation::vehicle::NoTrajectory;
 use resect_core::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
 };
 use resect_io::estimate_file;
 
-fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) -> Judgement {
+fn judged(
+    deployment: &Deployment,
+    estimates: Vec<EstimatedTrajectory>,
+    options: &Options,
+) -> EstimatesJudgement {
     let analysis: Analysis = analyse(deployment, &by(Method::Joint));
     judge(deployment, &analysis, estimates.into_iter().map(|one| (one, *options)).collect())
 }
 
-/// A station's readings wrong at some times: 30 cm too far, as of a wrong prism, or turned by 5°, as of a lost level.
+/// Corrupts a station's readings at some times: 30 cm too far, as from a wrong prism, or rotated by 5°, as after losing level.
 fn with_wrong_readings(
     deployment: &Deployment,
     station: usize,
@@ -59,7 +65,7 @@ fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
             let off_m = found_m[axis] - lever_m[axis];
             assert!(off_m.abs() < 4.0 * sigma_m[axis] + 1e-3, "axis {axis}: {off_m} ± {sigma_m}");
         }
-        // Level ground tells the lever's length along and across, not its height.
+        // Level ground determines the lever arm's horizontal components, not its height.
         assert!(sigma_m.xy().norm() < 0.05, "{sigma_m}");
         let turn = fit.body_rotation.expect("found");
         let off_rad = turn.angle_to(&UnitQuaternion::from_scaled_axis(turn_rad));
@@ -69,11 +75,11 @@ fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
     }
 }
 
-/// A trajectory in feet has the right form and the wrong size: that is said, and not that clock and lever arm cannot be told apart.
+/// A trajectory in feet has the right shape and the wrong scale: the finding says so, and not that clock and lever arm cannot be separated.
 #[test]
 fn another_unit_is_named_as_such() {
     let (simulated, deployment) = driven(3);
-    let longer_by = |times: f64, alignment: Alignment| -> Vec<String> {
+    let longer_by = |times: f64, alignment: TrajectoryAlignment| -> Vec<String> {
         let mut estimate = SLAM.drive(&simulated);
         estimate.poses.iter_mut().for_each(|pose| pose.position_m *= times);
         let found =
@@ -83,17 +89,17 @@ fn another_unit_is_named_as_such() {
         unjudged.chain(of_judged.map(ToString::to_string)).collect()
     };
     for (times, told) in [(3.2808, "are 3.28"), (0.3048, "are 0.30")] {
-        let said = longer_by(times, Alignment::Rigid).join("\n");
+        let said = longer_by(times, TrajectoryAlignment::Rigid).join("\n");
         assert!(said.contains(told), "{said}");
-        assert!(said.contains("in metres") && !said.contains("told apart"), "{said}");
-        let with_scale = longer_by(times, Alignment::Similarity).join("\n");
+        assert!(said.contains("in metres") && !said.contains("does not determine"), "{said}");
+        let with_scale = longer_by(times, TrajectoryAlignment::Similarity).join("\n");
         assert!(!with_scale.contains("in metres"), "{with_scale}");
     }
-    let drifted = longer_by(1.03, Alignment::Rigid).join("\n");
+    let drifted = longer_by(1.03, TrajectoryAlignment::Rigid).join("\n");
     assert!(!drifted.contains("in metres"), "{drifted}");
 }
 
-/// A drive whose stations all follow one prism, on ground that is as uneven as the rig's.
+/// Returns a drive whose stations all track one prism, on ground as uneven as the rig's.
 fn one_prism(seed: u64, kinds: &[ErrorKind]) -> (Simulated, Deployment) {
     let drawn_errors = kinds.to_vec();
     let scenario = Scenario { drawn_errors, ..Preset::SinglePrism.scenario() };
@@ -102,8 +108,8 @@ fn one_prism(seed: u64, kinds: &[ErrorKind]) -> (Simulated, Deployment) {
     (simulated, deployment)
 }
 
-/// Of one prism the ground truth knows positions alone: clock and lever arm are found all the same, by the estimate's own
-/// orientations, and nothing is said of how the vehicle is turned.
+/// With one prism the ground truth has only positions: clock and lever arm are estimated
+/// from the estimate's own orientations, and no errors of orientation are reported.
 #[test]
 fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
     let lever_m = Vector3::new(0.45, -0.2, 0.6);
@@ -124,7 +130,7 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
             assert!(one.rotation.is_none() && fit.body_rotation.is_none(), "{fit:?}");
             assert!(fit.body_rotation_sigma_rad.is_none() && one.relative.is_empty());
             assert!(one.errors.iter().all(|e| e.rotation_rad.is_none()));
-            // Where the prism is in the body.
+            // The prism's position in the body.
             let prism_m = turn.inverse() * (simulated.truth.prisms_m[0] - lever_m);
             let off_m = fit.lever_arm_m.expect("found") - prism_m;
             let sigma_m = fit.lever_arm_sigma_m.expect("found");
@@ -145,7 +151,7 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
     assert!(rms.iter().all(|over| (0.1..1.6).contains(over)), "{rms:.2?}");
 }
 
-/// Positions alone, of the estimate and of the ground truth: no lever arm is known to anybody.
+/// Positions alone, of the estimate and of the ground truth: nothing determines the lever arm.
 #[test]
 fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
     let (simulated, deployment) = one_prism(7, &[]);
@@ -163,7 +169,7 @@ fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
     let given = Options { body: Body::Lever(prism_m), ..Options::default() };
     let refused = judged(&deployment, vec![estimate.clone()], &given);
     assert!(refused.unjudged[0].1.to_string().contains("needs orientations"));
-    // By the paper's method C there is no motion to ask at an estimate's times, and that is said.
+    // By the paper's method C there is no motion at an estimate's times, and the error says so.
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
     let why = &found.unjudged[0].1;
@@ -171,8 +177,7 @@ fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
     assert!(one_prism && why.finding().remedies == [Remedy::JointEstimate], "{why}");
 }
 
-/// The stations see one prism three times: where one of them is wrong they contradict each other, and an estimate does not make
-/// them do so.
+/// The stations observe one prism three times: if one of them is wrong they contradict each other, independently of the estimate.
 #[test]
 fn who_is_wrong_is_told_by_one_prism_too() {
     let (mut right, mut told) = ([0; 2], 0);
@@ -195,7 +200,7 @@ fn who_is_wrong_is_told_by_one_prism_too() {
         let broken = with_wrong_readings(&deployment, station, seed % 2 == 0, is_in);
         let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
         assert!(found.unjudged.is_empty(), "{seed}: {:?}", found.unjudged);
-        // Neither do they move its clock.
+        // The wrong readings do not change its clock either.
         let fit = &found.judged[0].fit;
         let off = fit.time_offset_s / fit.time_offset_sigma_s.expect("found");
         assert!(off.abs() < 4.0, "{seed}: {off}");
@@ -210,8 +215,8 @@ fn who_is_wrong_is_told_by_one_prism_too() {
     assert!(right == [DRIVES; 2] && told >= 3, "{right:?} {told}");
 }
 
-/// Errors of the clock and of the lever arm's three axes over their stated σ, root mean square over drives, each with several
-/// estimates. What is wrong with a drive's ground truth is wrong for all of its estimates.
+/// Returns errors of the clock and of the lever arm's three axes relative to their stated σ, root mean square over drives, each with
+/// several estimates. Errors of a drive's ground truth are common to all of its estimates.
 fn clock_and_lever_over_sigma(drives: u64, noise_m: f64, kinds: &[ErrorKind]) -> [f64; 4] {
     const ESTIMATES: u64 = 3;
     let lever_m = Vector3::new(0.45, -0.2, 0.6);
@@ -238,7 +243,7 @@ fn clock_and_lever_over_sigma(drives: u64, noise_m: f64, kinds: &[ErrorKind]) ->
     [0, 1, 2, 3].map(rms)
 }
 
-/// Without what is common to all instants, the ground truth's own errors made the lever arm wrong by up to 9 of its σ.
+/// Without the errors common to all instants, the ground truth's own errors made the lever arm wrong by up to 9 σ.
 #[test]
 fn sigma_of_clock_and_lever_arm_holds_what_is_wrong_with_the_ground_truth() {
     let found = clock_and_lever_over_sigma(6, 0.01, &ErrorKind::ALL);
@@ -249,7 +254,7 @@ fn sigma_of_clock_and_lever_arm_holds_what_is_wrong_with_the_ground_truth() {
 #[ignore = "four minutes in debug"]
 fn sigma_of_clock_and_lever_arm_holds_over_many_drives() {
     for noise_m in [0.003, 0.01, 0.03] {
-        // Where instruments are in order, what they are known to do wrong makes σ too large.
+        // With well-adjusted instruments, the priors of their errors make σ too large.
         for (kinds, least) in [(&[][..], 0.2), (&ErrorKind::ALL, 0.5)] {
             let found = clock_and_lever_over_sigma(16, noise_m, kinds);
             eprintln!("noise {noise_m} m, {} kinds of errors: {found:.2?}", kinds.len());
@@ -292,15 +297,15 @@ fn an_estimate_that_is_the_truth_is_not_told_from_none_by_its_errors() {
     assert!(one.position.rmse < 0.01, "{:?}", one.position);
 }
 
-/// In how many drives the right one is blamed for 30 cm and 5° of some seconds that are put into the estimate, and into the
-/// readings of one station; in how many of the latter that station is named.
+/// Returns the number of drives in which the right source is blamed for errors of 30 cm and 5° during some seconds. The errors are inserted
+/// into the estimate, and into one station's readings. Also returns the number of the latter in which that station is named.
 fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
     let (mut right, mut told) = ([0; 2], 0);
     for seed in 0..drives {
         let (simulated, deployment) = driven(20 + seed);
         let from_s = EPOCH_S + 40.0 + 20.0 * (seed % 15) as f64;
         let is_in = |time_s: f64| (from_s..from_s + 8.0).contains(&time_s);
-        // A corruption is told from a drift as large.
+        // A corruption is distinguished from a drift of the same size.
         let mut wrong = Slam { drift_m: 0.01, seed, ..SLAM }.drive(&simulated);
         for pose in wrong.poses.iter_mut().filter(|pose| is_in(pose.time_s)) {
             pose.position_m += Vector3::new(0.3, 0.0, 0.0);
@@ -312,7 +317,7 @@ fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
         let is_there =
             |span: &OddSpan| span.span_s[0] > from_s - 1.0 && span.span_s[1] < from_s + 9.0;
         let blamed = |span: &OddSpan| span.odd_one == OddOne::Estimate && is_there(span);
-        // Where no station reads there is nothing to tell.
+        // Without readings of the stations there is no evidence.
         let seen = found.judged[0].errors.iter().filter(|error| is_in(error.time_s)).count() > 3;
         right[0] += u64::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
 
@@ -320,7 +325,7 @@ fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
         let broken = with_wrong_readings(&deployment, station, seed % 2 == 0, is_in);
         let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
         let odd = &found.judged[0].odd;
-        // A motion that sets the wrong readings aside is not odd, and nobody is to be blamed.
+        // A motion that excludes the wrong readings is correct, and nothing is to be blamed.
         let station_is_told = |span: &OddSpan| span.station.is_none_or(|told| told == station);
         let is_of_readings =
             |span: &OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
@@ -336,7 +341,7 @@ fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
 fn who_is_wrong_in_a_span_is_told() {
     let (right, told) = rightly_blamed(12);
     assert_eq!(right, [12; 2]);
-    // Where its readings were left out as wrong, or contradict the rig, the station is named.
+    // If its readings were excluded as wrong, or contradict the rig, the station is named.
     assert!(told >= 8, "{told} of 12");
 }
 
@@ -398,20 +403,22 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let svg = at("errors.svg");
     let files = ["--csv", csv.to_str().expect("UTF-8"), "--svg", svg.to_str().expect("UTF-8")];
     let text = said(&mut evaluate(&["lio.tum", "vio.tum"], &files));
-    for part in ["lio is better than vio", "APE position, rmse (mm)", "ground truth's σ (mm)"] {
+    for part in
+        ["lio is significantly better than vio", "APE position, rmse (mm)", "ground truth's σ (mm)"]
+    {
         assert!(text.contains(part), "{text}");
     }
     let csv = std::fs::read_to_string(csv).expect("written");
     let errors = csv.lines().filter(|line| line.starts_with("\"lio\",")).count();
     assert!(errors > 1000 && csv.lines().all(|line| line.split(',').count() == 15), "{errors}");
     assert!(std::fs::read_to_string(svg).expect("written").contains("vio: "));
-    // What the drive itself was read from, and what is judged, is not written over.
+    // The drive's own files, and the evaluated trajectories, are not overwritten.
     let own = at("lio.tum");
     let kept = std::fs::read(&own).expect("there");
     let path = own.to_str().expect("UTF-8");
     assert!(!evaluate(&["lio.tum"], &["--csv", path]).output().expect("runs").status.success());
     assert_eq!(std::fs::read(&own).expect("there"), kept);
-    // Two systems have two clocks and two bodies: what is known of one is found of the other.
+    // Two systems have two clocks and two bodies: one may be known while the other is estimated.
     let own = ["--time-offset", "0.25", "--time-offset", "found", "--body", "found"];
     let own = [&own[..], &["--body", "0.1,-0.2,0", "--align", "rigid", "--json"]].concat();
     let found: serde_json::Value =
@@ -422,7 +429,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     assert_eq!(vio["lever_arm_m"], serde_json::json!([0.1, -0.2, 0.0]));
     let thrice = ["--align", "rigid", "--align", "none", "--align", "none"];
     for (more, part) in [
-        (&thrice[..], "--align is given 3 times and the number of trajectories is 2"),
+        (&thrice[..], "--align values: 3, trajectories: 2"),
         (&["--body", "1,2"], "found, same, or three numbers"),
         (&["--time-offset", "nan"], "a number of seconds, or found"),
     ] {
@@ -430,7 +437,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
         let why = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && why.contains(part), "{why}");
     }
-    // An estimate of another drive, a line, and a handful of poses.
+    // An estimate of another drive, a straight line, and a few poses.
     let line = |name: &str, count: usize, along: fn(f64) -> [f64; 3]| {
         let pose = |i: usize| {
             let [x, y, z] = along(i as f64);
@@ -446,7 +453,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
         assert!(output.status.code() == Some(1) && why.contains(part), "{why}");
         assert_eq!(why.trim().lines().count(), 1, "{why}");
     }
-    // One that cannot be judged does not keep the others from being.
+    // A trajectory that cannot be evaluated does not prevent the others.
     let text = said(&mut evaluate(&["lio.tum", "few.tum"], &[]));
     assert!(text.contains("APE position") && text.contains("few: "), "{text}");
 }
@@ -466,13 +473,12 @@ fn a_report_judges_as_it_is_told_to() {
     };
     let (found, given) = (page(&[]), page(&["--time-offset", "0.25"]));
     assert!(!found.contains("+250.0 given") && given.contains("+250.0 given"));
-    // Nobody is left to believe that something was judged so which was not.
+    // Unused or incomplete options are refused, so that no user believes that they were applied.
     let lio = at("lio.tum");
     let judged = ["--judge", lio.to_str().expect("UTF-8"), "--body", "same", "--body", "found"];
-    for (wrong, part) in [
-        (&judged[..], "--body is given 2 times and the number of trajectories is 1"),
-        (&["--body", "same"], "give that, too"),
-    ] {
+    for (wrong, part) in
+        [(&judged[..], "--body values: 2, trajectories: 1"), (&["--body", "same"], "give it too")]
+    {
         let mut command = resect();
         command.arg("report").arg(at("drive")).arg("--out").arg(at("none.html")).args(wrong);
         let output = command.output().expect("runs");
@@ -482,8 +488,8 @@ fn a_report_judges_as_it_is_told_to() {
     }
 }
 
-/// What `resect trajectory` writes as odometry is read as the poses that it writes as TUM, from a file and from the folder that
-/// ROS 2 makes of it; as a deployment such a bag is refused with the way to use it.
+/// Odometry of bags from `resect trajectory` equals the poses in its TUM file, read from a
+/// file and from ROS 2's folder. Opened as a deployment, such a bag is refused with a hint.
 #[test]
 fn odometry_of_bags_is_an_estimate() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -522,7 +528,7 @@ fn odometry_of_bags_is_an_estimate() {
     assert!((1..tum.poses.len()).contains(&cut.poses.len()) && !cut.findings.is_empty());
 }
 
-/// The same numbers as evo's for the same alignment and association: the ground truth at the estimate's own times.
+/// Compares the numbers with evo's for the same alignment and association: the ground truth at the estimate's own times.
 #[test]
 #[ignore = "needs evo: tests/run --peers"]
 fn the_command_agrees_with_its_peer_evo() {
@@ -531,7 +537,7 @@ fn the_command_agrees_with_its_peer_evo() {
     let simulated = simulate(Preset::Warthog, 7);
     resect_io::simulation_files::write_folder(&simulated, &at("drive")).expect("written");
     write_tum(&Slam { noise_m: 0.02, ..SLAM }.drive(&simulated), &at("slam.tum"));
-    // The reference as a file: at the estimate's times, nothing left out.
+    // The reference as a file: at the estimate's times, complete.
     said(
         resect()
             .arg("trajectory")

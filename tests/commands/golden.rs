@@ -1,6 +1,6 @@
-//! The JSON of `calibrate` for every preset, against the files in `tests/fixtures/golden`.
+//! The JSON of `calibrate` for every preset, compared with the files in `tests/fixtures/golden`.
 //!
-//! `UPDATE_GOLDEN=1 cargo test --test commands golden` writes them again; look at the difference before you commit it.
+//! `UPDATE_GOLDEN=1 cargo test --test commands golden` rewrites them; check the difference before you commit it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use serde_json::Value;
 
 use crate::common::{by, published};
 
-/// Numbers agree within this share of the larger one; processors round differently.
+/// Relative tolerance of numbers; processors round differently.
 const RELATIVE: f64 = 1e-9;
 /// Numbers below this are rounding errors of zero (m, rad, s, 1).
 const ZERO: f64 = 1e-12;

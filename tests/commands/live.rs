@@ -1,11 +1,11 @@
-//! Live deployments: streams of servers that break off, repeat and garble, and what is recorded of them.
+//! Live deployments: streams of servers that disconnect, repeat and garble messages, and their recordings.
 
 mod bad_input;
 mod bonn;
 mod coach;
 mod command;
+mod corrections;
 mod day;
 mod peers;
-mod put_right;
 mod server;
 mod stream;

@@ -1,4 +1,4 @@
-//! The report as whoever opens it finds it: what is in it, that it is whole, and that no name can break it.
+//! The report as its reader sees it: complete content, well-formed, and safe against any name.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -6,7 +6,9 @@ use std::process::{Command, Output};
 use crate::common::{of_field, sample_folder};
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, Finding, FindingKind};
-use resect_core::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
+use resect_core::estimates::{
+    EstimatedPose, EstimatedTrajectory, EstimatesJudgement, Options, judge,
+};
 use resect_core::evaluation::trajectory::Pose;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
 use resect_io::file_mark::FileMark;
@@ -15,7 +17,7 @@ use resect_report::report::{Chapter, page};
 use resvg::usvg::roxmltree::{Document, Node};
 use sha2::Digest;
 
-/// 2026-07-14 00:00 UTC: the date of every report that is compared.
+/// 2026-07-14 00:00 UTC: the date of every compared report.
 const DATE: i64 = 1_783_987_200;
 
 fn resect(arguments: &[&str]) -> Output {
@@ -28,7 +30,7 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
 
-/// The page that a run must write, which must say so in one line.
+/// Returns the page that a run writes; asserts its confirmation in one line.
 #[track_caller]
 fn report(arguments: &[&str]) -> String {
     let folder = tempfile::tempdir().expect("a folder");
@@ -45,7 +47,7 @@ fn report(arguments: &[&str]) -> String {
     std::fs::read_to_string(&file).expect("written")
 }
 
-/// The body as a tree. It is written so that it is XML too, which no misplaced or unescaped `<` survives.
+/// Returns the body, for parsing as a tree. It is well-formed XML as well, so a misplaced or unescaped `<` fails.
 #[track_caller]
 fn body(html: &str) -> String {
     assert!(html.starts_with("<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\">"));
@@ -54,7 +56,7 @@ fn body(html: &str) -> String {
     html[from..html.len() - "</html>".len()].to_owned()
 }
 
-/// All text in reading order.
+/// Returns all text in reading order.
 fn words(node: Node) -> String {
     let texts = node.descendants().filter(Node::is_text).filter_map(|node| node.text());
     texts.collect::<Vec<_>>().join(" ")
@@ -64,7 +66,7 @@ fn sections<'a>(document: &'a Document) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|node| node.has_tag_name("section")).collect()
 }
 
-/// The cells of the row with this heading, in the first table that has one.
+/// Returns the cells of the row with this heading, in the first table that has one.
 #[track_caller]
 fn row(document: &Document, heading: &str) -> Vec<String> {
     rows(document, heading).next().unwrap_or_else(|| panic!("no row {heading}"))
@@ -119,11 +121,11 @@ fn it_holds_what_calibrate_says() {
     }
     let metric = &json["metrics"]["inter_prism_mm"];
     let median = metric["median"].as_f64().expect("a number");
-    // What σ is made of names them as well, before the metrics.
+    // The variance budget names them as well, before the metrics.
     assert_eq!(last_row(&document, "inter-prism distances")[0], format!("{median:.2}"));
     place(&format!("{} triplets", json["pipeline"]["triplets"]));
     for expected in
-        [env!("CARGO_PKG_VERSION"), "Told apart by the rig", "GCP_raw_1.txt", "inter_prism.csv"]
+        [env!("CARGO_PKG_VERSION"), "Resolved by the rig", "GCP_raw_1.txt", "inter_prism.csv"]
     {
         place(expected);
     }
@@ -160,7 +162,7 @@ fn the_page_says_when_by_what_and_from_which_files_and_numbers_its_pages() {
     assert_eq!(row(&document, text(&tracks)), [bytes.len().to_string(), hash]);
     assert!(html.contains("counter(page) \" / \" counter(pages)"), "numbers of pages");
     let all = words(document.root_element());
-    assert!(all.contains("not used") && all.contains("readings that are not used"), "{all}");
+    assert!(all.contains("not used") && all.contains("unused readings"), "{all}");
 }
 
 #[test]
@@ -194,7 +196,7 @@ fn files_that_flags_put_aside_are_not_called_used() {
     assert_eq!(fate(text(&gcp)), "used");
 }
 
-/// The deployment's own poses, as another system might have them.
+/// Returns the deployment's own poses, in the form of another system's estimate.
 fn own_poses(deployment: &Deployment, analysis: &Analysis) -> Vec<EstimatedPose> {
     let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
     let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
@@ -219,7 +221,7 @@ fn no_name_can_break_the_page() {
     let analysis = Box::new(crate::common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
     let files = vec![FileMark { path: hostile.into(), bytes: 1, sha256: hostile.to_owned() }];
-    let mut estimate = Estimate {
+    let mut estimate = EstimatedTrajectory {
         name: hostile.to_owned(),
         path: hostile.into(),
         topic: None,
@@ -232,7 +234,7 @@ fn no_name_can_break_the_page() {
     let all = vec![(estimate, Options::default()); 2];
     let judgement = judge(&deployment, &analysis, all);
     assert_eq!(judgement.judged.len(), 2);
-    let judgement = Some(Judgement { unjudged: few.unjudged, ..judgement }.into());
+    let judgement = Some(EstimatesJudgement { unjudged: few.unjudged, ..judgement }.into());
     let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files, judgement };
     let html = page(&[chapter, unopened], jiff::Timestamp::UNIX_EPOCH);
     assert!(!html.contains("<script"));
@@ -260,7 +262,7 @@ fn one_bad_deployment_does_not_keep_the_others_back() {
     assert!(good.contains("GOOD") && good.contains("± "), "{good}");
     assert!(none.contains("NO ANSWER") && none.contains("/nowhere/at/all: No such file"), "{none}");
     assert!(
-        line.contains("DEGENERATE") && line.contains("There is none: the data leaves"),
+        line.contains("DEGENERATE") && line.contains("No covariance: this data leaves"),
         "{line}"
     );
     let rows: Vec<Node> = document

@@ -35,7 +35,7 @@ fn the_disagreement_of_b_and_d_about_station_2_is_plain() {
     assert!((disagreement.yaw_rad - 0.87e-3).abs() < 0.02e-3, "{disagreement:?}");
     assert!(disagreement.yaw_sigmas.expect("both have σ") > 10.0);
     assert_eq!(between(3), None, "about station 3 they agree");
-    // In the table, in the findings and in the picture, in words.
+    // The table, the findings and the plot contain the words.
     let words = "B and D disagree about the yaw of station 2";
     assert!(study::table(&result.study).contains(words));
     let folder = tempfile::tempdir().expect("a folder");
@@ -56,7 +56,7 @@ fn methods_that_agree_are_not_said_to_disagree_and_gnss_is_a_line() {
     let gnss = result.study.levels.iter().find(|level| level.label.contains("GNSS"));
     // Simulated with 6 mm horizontally and 12 mm vertically per antenna.
     assert!((4.0..10.0).contains(&gnss.expect("three antennas").value), "{gnss:?}");
-    // The stations beat it.
+    // The stations are more accurate.
     let d = result.study.groups[3].boxes[1].as_ref().expect("distances");
     assert!(d.median < 0.5 * gnss.expect("three antennas").value);
 }
@@ -69,11 +69,11 @@ fn the_outlier_filter_pays_and_all_twelve_boxes_are_there() {
     let p95 = |group: usize, series: usize| {
         study.groups[group].boxes[series].as_ref().expect("a box").q95
     };
-    // Straight lines keep a gross error to its neighbours, Gaussian processes need the filter.
+    // Linear interpolation confines a gross error to its neighbours, Gaussian processes need the filter.
     for (series, share) in [(0, 0.95), (1, 0.2), (2, 0.2)] {
         assert!(p95(1, series) < share * p95(0, series), "series {series}");
     }
-    // One way of writing for each reader.
+    // One format for each reader.
     let csv = study::csv(&study);
     assert_eq!(csv.lines().count(), 13);
     assert_eq!(study::json(&study)["groups"][3]["boxes"][2]["series"], "GP, motion model");
@@ -107,7 +107,7 @@ fn splits_are_seeded_and_judge_unseen_data() {
     let n = |study: &resect_core::experiment::Study, group: usize, metric: usize| {
         study.groups[group].boxes[metric].as_ref().expect("a box").n as f64
     };
-    // Four times a quarter.
+    // Four quarters.
     let share = n(&first, 3, 1) / n(&whole, 3, 1);
     assert!((0.85..1.15).contains(&share), "{share}");
 }

@@ -1,10 +1,10 @@
-//! The vehicle's poses in six degrees of freedom, against the truth of the simulator and with the real evo.
+//! The vehicle's poses in six degrees of freedom, compared with the simulator's ground truth and by the real evo.
 
 use std::process::Command;
 
 use crate::common::{analyse, answer, by, of_field, published, sample_folder};
 use resect_core::calibration::Method;
-use resect_core::calibration::joint::prisms::{Instant, Prisms};
+use resect_core::calibration::joint::prism_motion::{MotionInstant, PrismMotion};
 use resect_core::evaluation::vehicle::{
     Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
@@ -27,7 +27,7 @@ fn the_poses_carry_the_prisms_to_where_they_were_seen() {
     assert_eq!(frame, VehicleFrame::Reading);
     assert!(trajectory.poses.len() + trajectory.dropped == triplets.len());
     assert!(trajectory.dropped < triplets.len() / 50, "{}", trajectory.dropped);
-    // The rig stood level when it was read and the ground is nearly level: so is the vehicle, most of the time.
+    // The rig was level when it was measured and the ground is nearly level: so is the vehicle, most of the time.
     let mut tilts: Vec<f64> = trajectory
         .poses
         .iter()
@@ -76,7 +76,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
     let mean_z = trajectory.poses.iter().map(|p| p.position_m.z).sum::<f64>()
         / trajectory.poses.len() as f64;
     assert!((mean_z + 1.6).abs() < 0.8, "{mean_z}");
-    // x ahead: where it moves, it moves along its own x axis.
+    // x points ahead: a moving vehicle moves along its own x axis.
     let mut along: Vec<f64> = trajectory
         .poses
         .windows(2)
@@ -158,7 +158,7 @@ fn the_command_writes_tum_that_evo_reads() {
         last = time_s;
         assert!((x * x + y * y + z * z + w * w - 1.0).abs() < 1e-6, "a unit quaternion");
     }
-    // `pip install evo` puts it on the path; machines without Python skip this part.
+    // `pip install evo` installs it on the path; machines without Python skip this test.
     match Command::new("evo_traj").args(["tum"]).arg(&file).env("HOME", folder.path()).output() {
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stdout);
@@ -180,13 +180,13 @@ fn the_csv_has_the_covariance_and_the_field_data_its_poses() {
     let text = std::fs::read_to_string(&file).expect("written");
     let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
     assert_eq!(header.len(), 9 + 6 + 21 + 12);
-    // 2032 triplets, a few of them in stretches too short for a motion.
+    // 2032 triplets, a few of them in segments too short for a motion.
     let poses = text.lines().count() - 1;
     assert!((1950..=2032).contains(&poses), "{poses}");
     assert!(open(&path).is_ok());
 }
 
-/// What the command writes as CSV: times, positions and their σ.
+/// Returns times, positions and their σ from the CSV that the command writes.
 fn csv_of(arguments: &[&str]) -> Vec<[f64; 5]> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.csv");
@@ -226,7 +226,7 @@ fn poses_are_had_at_a_rate_and_at_the_stamps_of_a_file() {
     for pose in at_triplets.iter().rev().step_by(7) {
         text += &format!("{:.6} 0\n", pose[0]);
     }
-    // Long after the drive there is nothing.
+    // Long after the drive there is no pose.
     text += "1760009999.0 0\n";
     std::fs::write(&stamps, text).expect("written");
     let at_stamps = csv_of(&["--at", stamps.to_str().expect("UTF-8")]);
@@ -235,7 +235,7 @@ fn poses_are_had_at_a_rate_and_at_the_stamps_of_a_file() {
         let other = at_triplets.iter().find(|other| other[0] == pose[0]).expect("a triplet's time");
         (0..3).all(|k| (pose[1 + k] - other[1 + k]).abs() < 2e-5)
     };
-    // A time is written to a microsecond, which moves the one at a cut of a long stretch to the other side.
+    // A time is written to a microsecond, which moves the one at a cut of a long segment to the other side.
     let count = at_stamps.iter().filter(same).count();
     assert!(count + 3 >= at_stamps.len(), "{count} of {}", at_stamps.len());
 }
@@ -254,13 +254,12 @@ fn a_pose_is_less_certain_where_readings_end_and_none_is_made_up_in_a_gap() {
         all[all.len() / 2]
     };
     let (end, middle) = (median(ends), median(middles));
-    // Most of both is the calibration's.
+    // Most of both σ comes from the calibration.
     assert!(end > 1.05 * middle, "{end} at the ends, {middle} in the middle");
 }
 
-/// A drive that is read without a pause is cut into stretches of a hundred knots at most, and nothing tells where: about a cut
-/// the prisms are as certain as elsewhere, and do not jump. (Knots of the two motions that go over into each other are not the
-/// same, which is where what is left comes from.)
+/// A drive without a pause is cut into segments of at most a hundred knots. The cuts are not visible: near a cut the prisms are as certain
+/// as elsewhere, and do not jump. (The two overlapping motions have different knots, which explains the remaining difference.)
 #[test]
 fn nothing_tells_where_a_long_stretch_is_cut() {
     let mut found = Vec::new();
@@ -282,12 +281,13 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
             let times_s: Vec<f64> =
                 (-2000..2000).map(|step| cut_s + STEP_S * f64::from(step)).collect();
             let instants = joint.solution.instants(&times_s, &Progress::default());
-            let Ok(Prisms::Rig(instants)) = instants else { panic!("a rig") };
+            let Ok(PrismMotion::Rig(instants)) = instants else { panic!("a rig") };
             assert_eq!(instants.len(), times_s.len(), "every instant once");
-            let sigma_m = |at: &Instant<9>| (at.position_covariance.trace() / 9.0).sqrt();
+            let sigma_m = |at: &MotionInstant<9>| (at.position_covariance.trace() / 9.0).sqrt();
             // Between readings σ is larger than at them.
             let largest_m = |from_s: f64, to_s: f64| {
-                let is_in = |at: &&Instant<9>| (from_s..to_s).contains(&(at.time_s - cut_s).abs());
+                let is_in =
+                    |at: &&MotionInstant<9>| (from_s..to_s).contains(&(at.time_s - cut_s).abs());
                 instants.iter().filter(is_in).map(sigma_m).fold(0.0, f64::max)
             };
             let jumps = instants.windows(2).map(|two| {
@@ -308,9 +308,9 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
     }
 }
 
-/// The scene draws the vehicle where the splines put it, in every frame, and says how well that is known once the pass over
-/// the drive has been made that tells it. Both are one pose; only where one prism is known far worse than the others, as at the end
-/// of its readings, does it count for less with the latter.
+/// The scene draws the vehicle by the splines in every frame, and shows its σ once a pass over
+/// the drive has computed it. Both give one pose. They differ only where one prism is much less
+/// certain than the others, as at the end of its readings: the latter gives it less weight.
 #[test]
 fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     let deployment = Sample::Warthog.open().expect("built in");
@@ -351,9 +351,9 @@ fn what_cannot_be_had_is_said_in_a_line() {
     let cases: [(&[&str], &str); 5] = [
         (&["--pose-rate", "5", "--method", "inter-prism"], "--method joint"),
         (&["--pose-rate", "nan"], "--pose-rate is NaN Hz"),
-        (&["--at", words], "words.txt:2: the first column is no time"),
+        (&["--at", words], "words.txt:2: the first column is not a time"),
         (&["--at", "/no/such/file"], "/no/such/file"),
-        (&["--at", "/tmp"], "no file"),
+        (&["--at", "/tmp"], "not a regular file"),
     ];
     for (arguments, expected) in cases {
         let output = resect()
@@ -384,7 +384,7 @@ fn one_prism_has_positions_that_are_as_certain_as_they_say() {
             let true_m = truth.motion.position_m(&truth.prisms_m[0], at.time_s - EPOCH_S);
             let error = at.position_m - true_m;
             let inverse = at.position_covariance.try_inverse().expect("full rank");
-            // 95 % of χ² with three degrees of freedom.
+            // The 95 % quantile of χ² with three degrees of freedom.
             covered += usize::from(error.dot(&(inverse * error)) < 7.815);
             all += 1;
         }
@@ -394,7 +394,7 @@ fn one_prism_has_positions_that_are_as_certain_as_they_say() {
     assert!(share > 0.9, "{share}");
 }
 
-/// The motion goes on smoothly and keeps the rig's distances; a pose there would look better than what was read.
+/// The motion continues smoothly and keeps the rig's distances; a pose there would look better than the readings.
 #[test]
 fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     let deployment = Sample::Warthog.open().expect("built in");
@@ -413,7 +413,7 @@ fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     assert!(dropped(0.002) > dropped(0.005) && dropped(0.005) > 0);
 }
 
-/// Bags and clouds of the same poses, read by programs of others.
+/// Bags and clouds of the same poses, read by other programs.
 #[test]
 #[ignore = "needs the PyPI packages rosbags and mcap-ros2-support: tests/run --peers"]
 fn odometry_in_bags_is_read_by_the_peers_as_it_was_written() {
@@ -446,7 +446,7 @@ fn odometry_in_bags_is_read_by_the_peers_as_it_was_written() {
         let read = numbers(&String::from_utf8_lossy(&output.stdout));
         assert_eq!(read.len(), tum.len());
         for (read, tum) in read.iter().zip(&tum) {
-            // TUM has six decimals of a second and nine of the rest.
+            // TUM has six decimals of a second and nine of the other values.
             assert!(
                 read[..8].iter().zip(tum).all(|(a, b)| (a - b).abs() < 2e-6),
                 "{read:?} {tum:?}"
@@ -518,7 +518,7 @@ fn poses_are_had_at_the_readings_of_all_stations() {
         .map(|line| line.split(' ').next().expect("a time").parse().expect("a number"))
         .collect();
     let deployment = Sample::Warthog.open().expect("built in");
-    // Those of station 1 stand as they are, the others where its clock had them.
+    // Times of station 1 are unchanged; the others are converted to its clock.
     let first: Vec<f64> = deployment.tracks[0].measurements.iter().map(|m| m.time_s).collect();
     let found = |time_s: &&f64| times_s.iter().any(|t| (t - **time_s).abs() < 2e-6);
     let shared = first.iter().filter(found).count();
@@ -528,7 +528,7 @@ fn poses_are_had_at_the_readings_of_all_stations() {
     assert!(times_s.is_sorted());
 }
 
-/// The sample's pillars are surveyed: poses in their frame are the same drive, turned and shifted, and less certain.
+/// The sample's pillars are surveyed: poses in their frame describe the same drive, rotated and translated, and less certain.
 #[test]
 fn poses_are_had_in_the_frame_of_the_control_points() {
     let (here, there) = (csv_of(&[]), csv_of(&["--frame", "control-points"]));

@@ -1,4 +1,4 @@
-//! Whether a calibration holds for another run: simulated pairs of runs of one set-up, and what a run cannot tell.
+//! Validation of a calibration on another run: simulated pairs of runs of one set-up, and inconclusive runs.
 
 use std::sync::{Arc, LazyLock};
 
@@ -13,7 +13,7 @@ use resect_core::simulation::{Preset, Settling, simulate};
 use resect_core::validation::{Cause, Earlier, Outcome, Validation, drive_alone, validate};
 use resect_io::open::open;
 
-/// Two runs of one set-up, as they are opened.
+/// Returns two opened runs of one set-up.
 fn runs(preset: Preset, seed: u64, between: &[Settling]) -> [Deployment; 2] {
     two_runs(preset.scenario(), seed, between)
         .map(|run| resect_io::simulation_files::open(&run).expect("valid"))
@@ -23,7 +23,7 @@ fn earlier(deployment: &Deployment, settings: &Settings) -> Earlier {
     Earlier::of(deployment, answer(&analyse(deployment, settings)))
 }
 
-/// The answer to a run that a validation is about.
+/// Returns the calibration of a run that is to be validated.
 fn own(deployment: &Deployment) -> Analysis {
     analyse(&drive_alone(&Arc::new(deployment.clone())), &Settings::default())
 }
@@ -33,7 +33,7 @@ fn validated(runs: &[Deployment; 2]) -> Validation {
     validate(&earlier(first, &Settings::default()), second, &own(second))
 }
 
-/// The station that moved, with each part of its move within 3 σ of the truth.
+/// Asserts that this station moved, with each component of its motion within 3 σ of the truth.
 #[track_caller]
 fn assert_moved(found: &Validation, knock: &Settling) {
     let said = found.to_string();
@@ -47,7 +47,7 @@ fn assert_moved(found: &Validation, knock: &Settling) {
     assert!(said.contains(&format!("station {} turned by", knock.station + 1)), "{said}");
 }
 
-/// A drive of the Warthog with a good answer, and that analysed.
+/// Two runs of the Warthog, the calibration of the first, and the analysis of the second.
 static SAMPLE: LazyLock<([Deployment; 2], Earlier, Analysis)> = LazyLock::new(|| {
     let runs = runs(Preset::Warthog, 3, &[]);
     let before = earlier(&runs[0], &Settings::default());
@@ -61,10 +61,10 @@ fn where_nothing_moved_it_holds_and_says_what_would_have_shown() {
     let found = validate(before, second, own);
     let said = found.to_string();
     assert_eq!(found.outcome, Outcome::Holds, "{said}");
-    assert!(said.contains("would show from about"), "{said}");
+    assert!(said.contains("minimal detectable displacement"), "{said}");
     let metric = found.metric.expect("a rig is there");
     assert!(!metric.is_worse() && metric.earlier_mm.median < 1.5 * metric.own_mm.median);
-    // Both numbers are of the measured distances, as the answer's own are.
+    // Both metrics refer to the measured distances, as in the calibration's own evaluation.
     let evaluation = &answer(own).evaluation;
     assert_eq!(Some(metric.own_mm), evaluation.against_measured_mm);
 }
@@ -77,7 +77,7 @@ fn a_station_that_was_turned_or_moved_is_named_with_its_size() {
         knock(2, -0.4e-3, [0.005, 0.0, 0.0]),
         knock(0, 0.3e-3, [0.0; 3]),
         knock(0, 0.0, [0.006, 0.008, 0.0]),
-        // Far enough that a turn of station 1 is no small one.
+        // Far enough that a rotation of station 1 has a large effect.
         knock(0, 20e-3, [0.05, -0.1, 0.02]),
     ];
     knocks.par_iter().for_each(|knock| {
@@ -85,7 +85,7 @@ fn a_station_that_was_turned_or_moved_is_named_with_its_size() {
         let found = validated(&runs);
         eprintln!("{found}");
         assert_moved(&found, knock);
-        // What a turn does far from the station, the prisms show as well.
+        // A rotation has its effect far from the station, where the prisms show it as well.
         let metric = found.metric.expect("a rig is there");
         assert!(metric.is_worse() || knock.turn_rad == 0.0, "{metric}");
     });
@@ -98,7 +98,7 @@ fn two_stations_that_moved_are_not_taken_for_one() {
     assert_eq!(found.outcome, Outcome::DoesNotHold(Cause::NoneAlone), "{found}");
 }
 
-/// With the errors of real instruments drawn, other ones for each seed, tripods that settle among them.
+/// With random errors of real instruments for each seed, settling tripods included.
 #[test]
 fn a_calibration_that_holds_is_hardly_ever_said_not_to() {
     let outcomes: Vec<Outcome> = (0..40_u64)
@@ -110,8 +110,8 @@ fn a_calibration_that_holds_is_hardly_ever_said_not_to() {
         })
         .collect();
     let count = |name: &str| outcomes.iter().filter(|outcome| outcome.name() == name).count();
-    let (held, alarms, untold) = (count("holds"), count("does not hold"), count("cannot be told"));
-    eprintln!("{held} hold, {alarms} do not, {untold} cannot be told");
+    let (held, alarms, untold) = (count("holds"), count("does not hold"), count("inconclusive"));
+    eprintln!("{held} hold, {alarms} do not, {untold} inconclusive");
     assert!(alarms <= 2, "{alarms} false alarms");
     assert!(held >= 24, "only {held} hold");
 }
@@ -142,7 +142,7 @@ fn one_prism_tells_as_well() {
     assert_moved(&validated(&runs(Preset::SinglePrism, 5, &[knock])), &knock);
 }
 
-/// Control points that were read before a station moved contradict the run: that is no reason not to tell that it moved.
+/// Control points that were measured before a station moved contradict the run; the motion is detected nevertheless.
 #[test]
 fn control_points_do_not_stand_in_the_way() {
     let knock = knock(1, 2e-3, [0.0; 3]);
@@ -162,25 +162,25 @@ fn assert_untold(found: &Validation, why: &str) {
 #[test]
 fn a_run_that_cannot_see_says_so() {
     let ([_, second], before, own) = &*SAMPLE;
-    // A run with a weak answer, one without any, and an earlier answer that is none.
+    // A run with a weak calibration, one without any, and an earlier calibration that failed.
     let line = resect_io::simulation_files::open(&simulate(Preset::LShape, 1)).expect("valid");
     let weak = analyse(&line, &Settings::default());
-    assert_untold(&validate(before, &line, &weak), "the run's own answer is");
+    assert_untold(&validate(before, &line, &weak), "the run's own calibration is");
     let mut unknown = second.clone();
     unknown.rig = None;
     let none = analyse(&unknown, &Settings::default());
     assert_untold(&validate(before, &unknown, &none), "inter-prism distances are not known");
     let free = Earlier { verdict: Verdict::Degenerate, covariance: None, ..before.clone() };
-    assert_untold(&validate(&free, second, own), "it is itself degenerate");
+    assert_untold(&validate(&free, second, own), "the earlier calibration is degenerate");
     let without = Earlier { covariance: None, ..before.clone() };
     assert_untold(&validate(&without, second, own), "has no σ");
     let ambiguous = Earlier { verdict: Verdict::Ambiguous, ..before.clone() };
-    assert_untold(&validate(&ambiguous, second, own), "it is itself ambiguous");
-    // Answers that agree, one of which knows nothing.
+    assert_untold(&validate(&ambiguous, second, own), "the earlier calibration is ambiguous");
+    // Calibrations that agree, one of which is too uncertain.
     let coarse = Earlier { covariance: before.covariance.map(|c| c * 1e3), ..before.clone() };
-    assert_untold(&validate(&coarse, second, own), "hides what matters");
+    assert_untold(&validate(&coarse, second, own), "too large to detect");
     let other_frame = Earlier { track_frame: Some(TrackFrame::Common), ..before.clone() };
-    assert_untold(&validate(&other_frame, second, own), "other frames");
+    assert_untold(&validate(&other_frame, second, own), "different frames");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn the_calibration_of_a_field_run_holds_for_that_run() {
     }
 }
 
-/// The authors' control points and their drive put station 2 0.87 mrad apart (`../shared/datasets/README.md`).
+/// The authors' control points and their drive disagree by 0.87 mrad about station 2 (`../shared/datasets/README.md`).
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn field_control_points_do_not_hold_for_the_drive_because_of_station_2() {

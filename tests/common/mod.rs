@@ -13,9 +13,9 @@ use resect_core::deployment::Deployment;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect_core::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
-/// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is not there.
+/// Returns a folder or file of the field data, which is never in the repository; `None`, with a message, if it is absent.
 ///
-/// For tests that have something else to look at as well.
+/// For tests that can use other data as well.
 pub fn field_data(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/datasets").join(name);
     if path.exists() {
@@ -26,7 +26,7 @@ pub fn field_data(name: &str) -> Option<PathBuf> {
     }
 }
 
-/// The same for tests of nothing else, which `build.rs` has ignored, and told so, where there is none.
+/// Returns the same for tests of field data alone, which `build.rs` ignores with a message if it is absent.
 pub fn of_field(name: &str) -> PathBuf {
     field_data(name).expect("../shared/datasets has it")
 }
@@ -35,19 +35,19 @@ pub fn sample_folder(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("crates/resect-io/assets/samples").join(name)
 }
 
-/// The one path, from a fresh start.
+/// Runs the full analysis, without caches.
 pub fn analyse(deployment: &Deployment, settings: &Settings) -> Analysis {
     Analyst::new(deployment.clone().into()).run(settings)
 }
 
-/// The default settings but for the method.
+/// Returns the default settings with this method.
 pub fn by(method: Method) -> Settings {
     let mut settings = Settings::default();
     settings.calibration.method = Some(method);
     settings
 }
 
-/// Those of the paper: method D, and nothing beyond.
+/// Returns the paper's settings: method D alone.
 pub fn published() -> Settings {
     by(Method::InterPrism)
 }
@@ -56,7 +56,7 @@ pub fn answer(analysis: &Analysis) -> &Answer {
     analysis.answer.as_ref().expect("an answer")
 }
 
-/// Asserts that two transforms agree within metres and radians.
+/// Asserts that two transforms agree within tolerances (m, rad).
 #[track_caller]
 pub fn assert_close(
     found: &(impl Copy + Into<RigidTransform>),
@@ -73,13 +73,13 @@ pub fn assert_close(
     );
 }
 
-/// Errors of (x, y, z, yaw) of stations 2 and 3 over their stated σ.
+/// Returns the errors of (x, y, z, yaw) of stations 2 and 3 relative to their stated σ.
 #[track_caller]
 pub fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
     off_in_sigmas(&answer(analysis).calibration, truth)
 }
 
-/// The same of a calibration by itself.
+/// Returns the same for a calibration.
 #[track_caller]
 pub fn off_in_sigmas(calibration: &Calibration, truth: &[LevelTransform; 3]) -> [f64; 8] {
     let sigma = calibration.sigma.expect("nothing is free");
@@ -95,18 +95,18 @@ pub fn off_in_sigmas(calibration: &Calibration, truth: &[LevelTransform; 3]) -> 
     })
 }
 
-/// Root mean square of each component over many runs.
+/// Returns the root mean square of each component over many runs.
 pub fn rms_by_component(runs: &[[f64; 8]]) -> [f64; 8] {
     std::array::from_fn(|k| {
         (runs.iter().map(|run| run[k].powi(2)).sum::<f64>() / runs.len() as f64).sqrt()
     })
 }
 
-/// How long each of two runs is, and the pause between them (s).
+/// Duration of each of two runs, and of the pause between them (s).
 const RUN_S: f64 = 200.0;
 const BETWEEN_RUNS_S: f64 = 20.0;
 
-/// Two runs of one set-up, with what happens to stations in between: one drive with a pause, cut there.
+/// Returns two runs of one set-up, with settlings of stations in between: one drive with a pause, cut there.
 pub fn two_runs(scenario: Scenario, seed: u64, between: &[Settling]) -> [Simulated; 2] {
     let duration_s = 2.0 * RUN_S + BETWEEN_RUNS_S;
     let mut scenario = Scenario { duration_s, ..scenario }.draw_errors(seed);
@@ -121,7 +121,7 @@ pub fn two_runs(scenario: Scenario, seed: u64, between: &[Settling]) -> [Simulat
     })
 }
 
-/// A station (0 to 2) that turns and moves between two runs.
+/// Returns a rotation and displacement of a station (0 to 2) between two runs.
 pub fn knock(station: usize, turn_rad: f64, move_m: [f64; 3]) -> Settling {
     Settling {
         station,

@@ -1,5 +1,4 @@
-//! Trajectories as a SLAM system would estimate them: the truth of a simulated drive with noise, drift, another clock and
-//! another body.
+//! Simulated estimates of a SLAM system: the true poses of a simulated drive with noise, drift, another clock and another body frame.
 
 use std::path::Path;
 
@@ -8,19 +7,19 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect_core::deployment::{Deployment, Track};
-use resect_core::estimates::{Estimate, EstimatedPose};
+use resect_core::estimates::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::trajectory::{ObservedRig, align_rig};
 use resect_core::simulation::{EPOCH_S, Preset, Simulated, simulate};
 
-/// What a SLAM system does to the truth.
+/// Errors of a SLAM system.
 pub struct Slam {
     pub name: &'static str,
     pub seed: u64,
-    /// Noise of each pose (m), and how far it drifts in a second (m).
+    /// Noise of each pose (m), and drift in a second (m).
     pub noise_m: f64,
     pub drift_m: f64,
     pub rate_hz: f64,
-    /// Its clock less the stations' (s), and where its body is in the vehicle.
+    /// Clock of the system minus the stations' (s), and pose of the body in the vehicle.
     pub clock_s: f64,
     pub lever_m: Vector3<f64>,
     pub turn_rad: Vector3<f64>,
@@ -38,11 +37,11 @@ pub const SLAM: Slam = Slam {
 };
 
 impl Slam {
-    pub fn drive(&self, simulated: &Simulated) -> Estimate {
+    pub fn drive(&self, simulated: &Simulated) -> EstimatedTrajectory {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut normal = || Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
         let turn = UnitQuaternion::from_scaled_axis(self.turn_rad);
-        // Its own frame is where it began, turned.
+        // The system's own frame is its initial pose, rotated.
         let (frame, origin_m) =
             (UnitQuaternion::from_euler_angles(0.02, -0.01, 1.0), Vector3::new(5.0, -3.0, 1.0));
         let (mut drift_m, mut drift_rad) = (Vector3::zeros(), Vector3::zeros());
@@ -63,7 +62,7 @@ impl Slam {
             }
         });
         let path = format!("{}.tum", self.name).into();
-        Estimate {
+        EstimatedTrajectory {
             name: self.name.into(),
             path,
             topic: None,
@@ -80,7 +79,7 @@ pub fn span_s(simulated: &Simulated) -> f64 {
 }
 
 pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
-    // Of vehicles with one prism as well.
+    // For vehicles with one prism as well.
     let corners_m = [Vector3::x(), Vector3::y(), Vector3::z()];
     let points_m = corners_m.map(|p| simulated.truth.motion.position_m(&p, time_s - EPOCH_S));
     let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
@@ -88,7 +87,7 @@ pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuate
     (pose.position_m, pose.orientation)
 }
 
-/// A simulated drive, whose vehicle's frame is the truth's.
+/// Returns a simulated drive, whose vehicle frame is the true one.
 pub fn driven(seed: u64) -> (Simulated, Deployment) {
     let simulated = simulate(Preset::Warthog, seed);
     let deployment =
@@ -101,7 +100,7 @@ pub fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployme
     deployment
 }
 
-pub fn write_tum(estimate: &Estimate, path: &Path) {
+pub fn write_tum(estimate: &EstimatedTrajectory, path: &Path) {
     let line = |pose: &EstimatedPose| {
         let (t, q) = (pose.position_m, pose.orientation.expect("turned"));
         format!(

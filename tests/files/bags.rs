@@ -1,7 +1,7 @@
-//! Bags of every container and compression: the same readings, by the right clock, and what damage leaves of them.
+//! Bags of every container and compression: identical readings with the right clock, and recovery from damage.
 //!
-//! `tests/fixtures/bags` holds the first readings of the sample "HD2 in a tunnel", written by `tests/peers/write_bags.py` with the
-//! PyPI package `rosbags`. The ignored tests read whole drives of the same script; `tests/run --peers` runs them.
+//! `tests/fixtures/bags` has the first readings of the sample "HD2 in a tunnel", written by `tests/peers/write_bags.py` with the PyPI
+//! package `rosbags`. The ignored tests read whole drives of the same script; `tests/run --peers` runs them.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 
 const READINGS: usize = 30;
-/// Numbers of seconds since 1970 as floating point, and microseconds in the text: this close is the same (s).
+/// Tolerance of times (s): floating-point seconds since 1970, and microseconds in the text.
 const SAME_S: f64 = 1e-6;
 
 fn fixtures() -> PathBuf {
@@ -32,7 +32,7 @@ fn fixture_names() -> Vec<String> {
     names
 }
 
-/// A fixture, opened alone in a folder: beside each other they are a question.
+/// Opens a fixture alone in a folder, since several together would be ambiguous.
 fn open_alone(name: &str) -> Result<Deployment, OpenError> {
     open_bytes(name, &std::fs::read(fixtures().join(name)).expect("readable"))
 }
@@ -99,7 +99,7 @@ fn a_bag_that_is_cut_gives_what_came_before_and_says_so() {
                 Err(error) => assert_one_line(&error, &name, length),
             }
         }
-        // A small file is one block of zstd, of which there is all or nothing.
+        // A small file is one block of zstd, which is read completely or not at all.
         assert!(most > 0 || name.ends_with(".zstd"), "{name}: nothing was saved at any length");
     }
 }
@@ -111,7 +111,7 @@ fn assert_one_line(error: &OpenError, name: &str, place: usize) {
     assert!(said.contains("; "), "{name} at {place} has no remedy: {said}");
 }
 
-/// A generator of numbers that is the same on every machine (Steele, Lea & Flood 2014).
+/// A random number generator with the same results on every machine (Steele, Lea & Flood 2014).
 fn split_mix(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -142,7 +142,7 @@ fn damaged_bytes_give_an_answer_or_one_line() {
     }
 }
 
-/// The panic of issue 11: an index that lies inside of the header.
+/// The panic of issue 11: an index inside the header.
 #[test]
 fn a_damaged_header_or_index_costs_nothing_that_is_there() {
     let bytes = std::fs::read(fixtures().join("ros1-lz4.bag")).expect("readable");
@@ -173,10 +173,10 @@ fn a_recording_that_was_killed_is_read_without_an_index() {
     killed[at..at + 8].fill(0);
     let deployment = open_bytes("drive.bag.active", &killed).expect("opens");
     assert_sample(&deployment, READINGS);
-    assert!(words(&deployment).contains("its recording was interrupted"), "{}", words(&deployment));
+    assert!(words(&deployment).contains("the recording was interrupted"), "{}", words(&deployment));
 }
 
-/// ROS 1 bags around a chunk that inflates to a gigabyte: refused, with the number of the cap.
+/// ROS 1 bags around a chunk that inflates to a gigabyte: refused, with the limit in the message.
 #[test]
 fn a_bomb_is_refused() {
     let field = |name: &str, value: &[u8]| {
@@ -187,7 +187,7 @@ fn a_bomb_is_refused() {
         let lengths = [header.len() as u32, data.len() as u32].map(u32::to_le_bytes);
         [&lengths[0][..], header, &lengths[1][..], data].concat()
     };
-    // Index data that nobody needs, a megabyte each.
+    // Unneeded index data, a megabyte each.
     let index = record(&[field("op", &[4]), field("conn", &[0; 4])].concat(), &vec![0; 1 << 20]);
     let mut encoder = zstd::stream::write::Encoder::new(Vec::new(), 1).expect("an encoder");
     std::io::Write::write_all(&mut encoder, b"#ROSBAG V2.0\n").expect("memory");
@@ -197,7 +197,7 @@ fn a_bomb_is_refused() {
     let bomb = encoder.finish().expect("memory");
     assert!(bomb.len() < 1 << 16, "{}", bomb.len());
     let error = open_bytes("x.bag", &bomb).expect_err("300 MB").to_string();
-    assert!(error.contains("inflate to more than") && error.contains("MiB"), "{error}");
+    assert!(error.contains("decompress to more than") && error.contains("MiB"), "{error}");
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn a_database_with_its_log_is_read_and_the_folder_left_as_it_was() {
     let (killed, path) = (folder.path().join("killed.db3"), folder.path().join("drive.db3"));
     let compressed = std::fs::read(fixtures().join("sqlite-file.db3.zstd")).expect("readable");
     std::fs::write(&killed, zstd::decode_all(&compressed[..]).expect("whole")).expect("written");
-    // Ten rows lie in the log only, as when the recorder was killed.
+    // Ten rows are only in the write-ahead log, as after the recorder was killed.
     let connection = rusqlite::Connection::open(&killed).expect("a database");
     connection.pragma_update(None, "journal_mode", "wal").expect("possible");
     connection.execute("DELETE FROM messages WHERE id > 20", []).expect("possible");
@@ -241,7 +241,7 @@ fn a_foreign_database_is_passed_over_with_a_reason() {
     std::fs::copy(fixtures().join("ros1-plain.bag"), folder.path().join("a.bag")).expect("copied");
     let deployment = open(folder.path()).expect("one bag is left");
     let notes = deployment.ingredients.iter().find(|i| i.file == "notes.db3").expect("listed");
-    assert!(!notes.used && notes.what.contains("no ROS 2 bag"), "{notes:?}");
+    assert!(!notes.used && notes.what.contains("not a ROS 2 bag"), "{notes:?}");
 }
 
 #[test]
@@ -253,10 +253,10 @@ fn the_same_drive_in_two_containers_stays_a_question() {
     );
 }
 
-/// Bags of whole drives of a peer, as `tests/peers/write_bags.py` writes them to the folder that RESECT_BAGS names.
+/// Bags of whole drives, as `tests/peers/write_bags.py` writes them to the folder in RESECT_BAGS.
 struct PeerBags {
     folder: PathBuf,
-    /// Readings of the sample that the bags are made of.
+    /// Number of readings of the sample in the bags.
     readings: usize,
     /// Transforms of the sample.
     station1_from_station: [RigidTransform; 3],
@@ -274,9 +274,9 @@ impl PeerBags {
         }
     }
 
-    fn open_with(&self, name: &str, put_right: Overrides) -> Result<Deployment, OpenError> {
+    fn open_with(&self, name: &str, corrections: Overrides) -> Result<Deployment, OpenError> {
         let rig = Some(sample_folder("hd2-tunnel"));
-        let extras = Extras { rig, put_right, ..Extras::default() };
+        let extras = Extras { rig, corrections, ..Extras::default() };
         Source::at(self.folder.join(name)).with(extras).open(&Progress::default())
     }
 
@@ -284,7 +284,7 @@ impl PeerBags {
         self.open_with(name, Overrides::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// Asserts that a deployment has the answer of the sample.
+    /// Asserts that a deployment has the calibration of the sample.
     fn assert_same_answer(&self, name: &str, deployment: &Deployment) {
         let analysis = analyse(deployment, &Settings::default());
         let transforms = &answer(&analysis).calibration.station1_from_station;
@@ -334,7 +334,7 @@ fn bags_of_the_peer_give_the_answer_of_the_table() {
             ("own-off", "station 2 +0.3000 s"),
             ("own-hour", "station 3 -3600.0000 s"),
             ("headers-zero", "no synchronised time"),
-            ("corrections", "time corrections, from its stamps by +0.0 ms"),
+            ("corrections", "time corrections, +0.0 ms from its stamps"),
             ("split", "3 bags are read as one drive"),
         ] {
             assert!(!name.starts_with(part) || said.contains(expected), "{name}: {said}");
@@ -379,9 +379,9 @@ fn topics_of_points_of_the_peer_have_to_be_named() {
 fn missing_bags_of_a_recording_of_the_peer_are_reported() {
     let bags = PeerBags::find();
     let piece = bags.open("split-1/drive_1.bag");
-    assert!(words(&piece).contains("one piece of a recording"), "{}", words(&piece));
+    assert!(words(&piece).contains("one of several bags of a recording"), "{}", words(&piece));
     let both = OneOrMany::Many(vec!["drive_0.bag".into(), "drive_2.bag".into()]);
     let both = Overrides { tracks: Some(both), ..Overrides::default() };
     let both = bags.open_with("split-1", both).expect("opens");
-    assert!(words(&both).contains("piece 1 is missing"), "{}", words(&both));
+    assert!(words(&both).contains("bag number 1 is missing"), "{}", words(&both));
 }

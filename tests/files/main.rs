@@ -1,4 +1,4 @@
-//! Files of every format: the same deployment out of each, and errors that name the file, the place and the remedy.
+//! Files of every format: each gives the same deployment, and errors name the file, the position and the remedy.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Opening: how far it is, giving it up, and files that the user names beside those that lie with the tracks.
+//! Opening: its progress, its cancellation, and files that the user names in addition to those beside the tracks.
 
 use resect_core::deployment::FindingKind;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ fn named_control_points_are_added_or_used_instead() {
     let own = open(&[], false);
     let added = open(&[&more], false);
     assert_eq!(added.control_points.len(), own.control_points.len() + 1);
-    // The survey of the pillars, which lies with the tracks, still belongs to them.
+    // The survey of the pillars, beside the tracks, still belongs to them.
     assert!(added.control_points.iter().any(|set| set.points.iter().all(|p| p.known_m.is_some())));
     let instead = open(&[&more], true);
     assert_eq!(instead.control_points.len(), 1);
@@ -106,7 +106,7 @@ fn three_named_antennas_take_the_place_of_those_that_are_there() {
     assert_eq!(named[2], own[2]);
 }
 
-/// As `lost+found`, or a file of somebody else: what is there to be read is read, and the rest is told.
+/// For example `lost+found`, or a file of another user: readable files are read, and the rest is reported.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_neighbour_that_cannot_be_read_is_passed_over_and_told() {
@@ -115,7 +115,7 @@ fn a_neighbour_that_cannot_be_read_is_passed_over_and_told() {
         std::fs::copy(sample_folder("hd2-tunnel").join(file), folder.path().join(file))
             .expect("copied");
     }
-    // A file for all the world but for reading, even by root.
+    // A file that exists but cannot be read, even by root.
     std::os::unix::fs::symlink("/proc/self/mem", folder.path().join("sealed.csv")).expect("linked");
     let deployment = open(folder.path()).expect("the rest is whole");
     let told: Vec<_> = deployment.findings.iter().map(ToString::to_string).collect();
@@ -134,5 +134,5 @@ fn a_pipe_is_refused_instead_of_waited_for() {
     assert!(made.success());
     let error = open(&pipe).expect_err("no file").to_string();
     assert!(error.contains("tracks.csv: a pipe"), "{error}");
-    assert!(error.contains("save what it gives as a file"), "{error}");
+    assert!(error.contains("save its output as a file"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Surveyors' files: control points, their coordinates and the rig out of GSI and JobXML.
+//! Surveyors' files: control points, their coordinates and the rig from GSI and JobXML.
 
 use resect_core::deployment::{Deployment, FindingKind, Subject};
 use resect_core::geometry::{Polar, RigidTransform};
@@ -39,7 +39,7 @@ fn jobxml(readings: &[(String, Polar)], constant_m: f64) -> String {
     )
 }
 
-/// What each station read on the first set of simulated control points, by name.
+/// Returns each station's readings of the first set of simulated control points, by name.
 fn readings() -> ([Vec<(String, Polar)>; 3], [RigidTransform; 3]) {
     let simulated = simulate(Preset::Warthog, 5);
     let points = &simulated.control_points[0].points;
@@ -74,18 +74,15 @@ fn three_instruments_make_a_set_of_control_points() {
     assert_eq!(set.file, "cp/s1.gsi, cp/s2.gsi, cp/s3.jxl");
     assert_eq!(set.points.len(), one.len());
     assert_eq!(set.points[0].marker, 1);
-    // The ranges are whole: with another constant they would be a centimetre off.
+    // The ranges include the constant: with another one they would be a centimetre off.
     let mut apart_m = set.disagreements_m(&truth);
     apart_m.sort_by(f64::total_cmp);
     assert!(apart_m[apart_m.len() / 2] < 0.005, "{apart_m:?}");
     let read = set.points[0].readings[0].expect("read");
     assert!((read.range_m - one[0].1.range_m).abs() < 1e-5);
     let text = said(&deployment);
-    assert!(
-        text.contains("(+10.0 mm by words 51 and 58) to the slope distances; nothing"),
-        "{text}"
-    );
-    assert!(text.contains("prism constants of its targets (+34.4 mm)"), "{text}");
+    assert!(text.contains("(+10.0 mm by words 51 and 58); nothing is added"), "{text}");
+    assert!(text.contains("the targets' prism constants (+34.4 mm)"), "{text}");
     assert!(deployment.ingredients.iter().filter(|i| i.file.starts_with("cp/")).all(|i| i.used));
 }
 
@@ -150,6 +147,6 @@ fn as_tracks_they_are_refused_with_the_reason() {
     let ([one, ..], _) = readings();
     for (name, text) in [("s1.gsi", gsi(&one)), ("s1.jxl", jobxml(&one, 0.0))] {
         let error = open_files("d", &[(name, &text)]).expect_err("no tracks").to_string();
-        assert!(error.contains("its stamps are whole seconds, so no track"), "{error}");
+        assert!(error.contains("not a track, because stamps are whole seconds"), "{error}");
     }
 }

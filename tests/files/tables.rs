@@ -1,4 +1,4 @@
-//! Tables of tracks: foreign columns by a mapping, Bonn's network, and units, clocks and readings that cannot be right.
+//! Tables of tracks: foreign columns by a mapping, Bonn's network, and implausible units, clocks and readings.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -29,18 +29,18 @@ fn polar(readings: &[Reading]) -> String {
     "timestamp,id,distance,ha,va\n".to_owned() + &rows.collect::<String>()
 }
 
-/// The deployments that a change is tried on: a sample, and the field data where they are.
+/// Returns the readings of the tested deployments: a sample, and the field data if available.
 fn originals() -> Vec<Vec<Reading>> {
     let folders = [Some(sample_folder("warthog")), field_data("2022-07-11-2")];
     folders.into_iter().flatten().map(|folder| readings(&folder)).collect()
 }
 
-fn opened(files: &[(&str, &str)], put_right: Overrides) -> Result<Deployment, OpenError> {
+fn opened(files: &[(&str, &str)], corrections: Overrides) -> Result<Deployment, OpenError> {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).expect("writable");
     }
-    let extras = Extras { put_right, ..Extras::default() };
+    let extras = Extras { corrections, ..Extras::default() };
     Source::at(folder.path()).with(extras).open(&Progress::default())
 }
 
@@ -48,7 +48,7 @@ fn doubts(deployment: &Deployment) -> Vec<&Finding> {
     deployment.findings.iter().filter(|f| f.kind.is_doubt()).collect()
 }
 
-/// What is done to a reading.
+/// A change of a reading.
 type Change = fn(&mut Reading);
 
 #[test]
@@ -142,7 +142,7 @@ fn zero_ranges_among_valid_readings_raise_a_doubt_and_good_data_none() {
         let said = doubts(&spoiled);
         assert_eq!(said.len(), 3, "one a station: {said:?}");
         assert!(said.iter().all(|f| f.kind == FindingKind::ReadingsImplausible), "{said:?}");
-        // In time of its own, as some recorders count.
+        // With a time origin of its own, as in some recorders.
         for reading in &mut original {
             reading[0] -= 1.6e9;
             reading[2] = reading[2].max(1.0);
@@ -188,7 +188,7 @@ fn foreign_columns_are_a_question_and_its_answer_reads_the_same_tracks() {
     let toml = COLUMNS.to_owned() + "station = \"Instrument\"\n";
     let files = [("tracks.csv", table.as_str()), ("deployment.toml", toml.as_str())];
     assert_same(&opened(&files, Overrides::default()).expect("answered"), &good);
-    // The same said by the window.
+    // The window gives the same answer.
     let columns: Overrides = toml::from_str(&toml).expect("valid");
     let deployment = opened(&files[..1], columns).expect("answered");
     assert!(deployment.findings.iter().any(|f| f.kind == FindingKind::TableColumns && f.to_string().contains("(millimetres)")));
@@ -244,8 +244,8 @@ fn coordinates_are_read_as_the_polar_readings_that_they_are() {
         z: name("z"),
         ..ColumnMapping::default()
     };
-    let put_right = Overrides { columns: Some(columns), ..Overrides::default() };
-    let cartesian = opened(&[("xyz.csv", &text)], put_right).expect("read");
+    let corrections = Overrides { columns: Some(columns), ..Overrides::default() };
+    let cartesian = opened(&[("xyz.csv", &text)], corrections).expect("read");
     assert_eq!(cartesian.tracks[0].prism_constant_m, 0.0);
     assert_same(&cartesian, &good);
 }
@@ -270,7 +270,7 @@ fn bonns_files_are_stations_in_the_order_that_the_user_gives() {
     let [one, two, three] = texts.each_ref().map(String::as_str);
     let files = [("raw_a.csv", two), ("raw_b.csv", three), ("raw_c.csv", one)];
     let asked = opened(&files, Overrides::default()).expect_err("nothing tells");
-    assert!(asked.to_string().contains("which file is which station?"), "{asked}");
+    assert!(asked.to_string().contains("the stations of these files are unknown"), "{asked}");
     let tracks = ["raw_c.csv", "raw_a.csv", "raw_b.csv"].map(str::to_owned).to_vec();
     let answer = Overrides { tracks: Some(OneOrMany::Many(tracks)), ..Overrides::default() };
     let bonn = opened(&files, answer).expect("answered");

@@ -1,6 +1,6 @@
-//! The same input gives the same bytes in every output, whatever the number of threads.
+//! Determinism: the same input gives the same bytes in every output, for any number of threads.
 //!
-//! What is the run's, its date and how long it took, is held by `SOURCE_DATE_EPOCH`.
+//! `SOURCE_DATE_EPOCH` fixes the date and the durations of a run.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,10 +8,10 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// What a command said, and every file that it wrote, by name.
+/// Standard output of a command, and every file that it wrote, by name.
 type Outputs = BTreeMap<String, Vec<u8>>;
 
-/// Runs resect in a folder of its own, in which whatever it writes lies.
+/// Runs resect in an empty folder, which receives all output files.
 #[track_caller]
 fn outputs(arguments: &[&str], threads: usize) -> Outputs {
     let folder = tempfile::tempdir().expect("a folder");
@@ -74,7 +74,7 @@ fn assert_always_the_same(arguments: &[&str], files: usize) {
     }
 }
 
-/// A short drive with all errors of the field, so that nothing is left out.
+/// Returns a short drive with all errors of the field, so that every output has content.
 fn drive() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = resect_core::simulation::Scenario {
@@ -86,7 +86,7 @@ fn drive() -> TempDir {
     folder
 }
 
-/// One line a command: its arguments, `@` for the drive, and how many files it writes.
+/// Tests commands: each with its arguments, `@` for the drive, and the number of files that it writes.
 #[track_caller]
 fn hold(commands: &[(&str, usize)]) {
     let folder = drive();

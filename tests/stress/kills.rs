@@ -1,5 +1,4 @@
-//! Every command that writes, killed at any moment: each file is the old one or the new one, and what was left
-//! half-written is gone after the next run.
+//! Every command that writes, killed at any moment: each file is the old one or the new one, and the next run removes half-written files.
 //!
 //! `cargo nextest run --test stress kills --run-ignored only --no-capture` kills each a hundred times.
 #![cfg(unix)]
@@ -17,7 +16,7 @@ use resect_io::simulation_files::write_folder;
 /// Long enough for files of some size, short enough for hundreds of runs.
 const DRIVE_S: f64 = 60.0;
 
-/// A command, where `IN` stands for the deployment and `OUT` for the folder that it writes to.
+/// Commands; `IN` is the deployment and `OUT` the output folder.
 const COMMANDS: [(&str, &str); 7] = [
     ("tables", "export IN --csv OUT --method inter-prism"),
     ("recording", "export IN --rrd OUT/drive.rrd --method inter-prism"),
@@ -30,14 +29,14 @@ const COMMANDS: [(&str, &str); 7] = [
 
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// One command with a folder of its own.
+/// One command with its own folder.
 struct Killed {
     arguments: Vec<String>,
     out: PathBuf,
-    /// What it writes when nobody stops it.
+    /// Files of an undisturbed run.
     new: Files,
     old: Files,
-    /// How long it takes until it begins to write, and until it ends.
+    /// Times after which it begins to write, and after which it ends.
     begins: Duration,
     ends: Duration,
 }
@@ -78,7 +77,7 @@ impl Killed {
             .args(&self.arguments)
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
-            // The report tells the day.
+            // The report contains the date.
             .env("SOURCE_DATE_EPOCH", "1760000000")
             .stdout(Stdio::null())
             .stderr(Stdio::null())
@@ -93,7 +92,7 @@ impl Killed {
         paths.map(|path| (name(&path), std::fs::read(&path).expect("readable"))).collect()
     }
 
-    /// Names, sizes and times of what is there, as far as it stays while one looks.
+    /// Returns names, sizes and times of the files; skips those that disappear meanwhile.
     fn look(&self) -> Vec<(PathBuf, u64, Option<std::time::SystemTime>)> {
         let entries = std::fs::read_dir(&self.out).expect("a folder").flatten();
         let seen = entries.filter_map(|entry| {
@@ -110,14 +109,14 @@ impl Killed {
         }
     }
 
-    /// Kills it once; whether something half-written was left.
+    /// Kills a run; returns true if a half-written file remained.
     fn kill(&self, number: usize, random: &mut ChaCha8Rng) -> bool {
         for (name, old) in &self.old {
             std::fs::write(self.out.join(name), old).expect("written");
         }
         let mut child = self.start();
-        // Every other while it writes, which is a small part of its time; and half of those at once, because a small file is
-        // written before a thread that slept wakes up again.
+        // Every second kill is during the writing, a small share of the run; half of these
+        // without a delay, because a small file is written before a sleeping thread wakes up.
         let span = if number.is_multiple_of(2) {
             self.ends
         } else {
@@ -127,7 +126,7 @@ impl Killed {
         if !span.is_zero() {
             std::thread::sleep(span.mul_f64(random.random_range(0.0..1.0)));
         }
-        // SIGKILL: nothing of the child runs after it.
+        // SIGKILL: the child executes nothing after it.
         child.kill().expect("killed");
         child.wait().expect("gone");
         let mut files = self.files();
@@ -145,7 +144,7 @@ impl Killed {
         parts > 0
     }
 
-    /// One more run, to its end.
+    /// Runs the command once more, to its end.
     fn finish(&self) {
         assert!(self.start().wait().expect("a child").success());
         let files = self.files();
@@ -181,7 +180,7 @@ fn kill_one(name: &str, killed: &Killed, kills: usize, seed: u64) {
         killed.begins.as_secs_f64(),
         killed.ends.as_secs_f64()
     );
-    // Otherwise it is not the writing that was tried.
+    // Otherwise no kill came during the writing.
     assert!(kills < 100 || half > 0, "{name}: no kill came while it wrote");
 }
 

@@ -26,12 +26,12 @@ fn sent(station: u8, stamp_s: f64) -> Event {
         range_m: 30.0 + (stamp_s * 0.1).sin(),
     });
     let sent_ns = ((stamp_s + 0.01) * 1e9) as u64;
-    let channel = bonn::Protocol::channel().id;
+    let channel = bonn::BonnProtocol::channel().id;
     Event::Message(Sent { channel, sent_ns, received_s: stamp_s + 0.02, payload })
 }
 
-/// At 2.5 readings a second, as of the authors' instruments. One is 40 bytes with its own clock, in a list that has up to twice the room;
-/// each second of the recording leaves an index, which is as much again. At ten readings a second it is 85 bytes.
+/// At 2.5 readings a second, as with the authors' instruments. A reading has 40 bytes with its own clock, in a list with up to twice the
+/// capacity. Each second of the recording has an index of the same size. At ten readings a second a reading needs 85 bytes.
 #[test]
 fn a_day_takes_less_than_200_bytes_a_reading_and_nothing_else_grows() {
     process::alone(
@@ -45,7 +45,7 @@ fn measure(folder: &Path) {
     let recorder = Recorder::create(&folder.join("day.mcap")).expect("a new file");
     let mut engine = Engine::new(growing.expect("nothing is read"), None, Some(recorder), 2e-3);
     engine.take(Event::Connected("robot".to_owned()), 0.0);
-    engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
+    engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();
     let mut readings = 0;
@@ -58,7 +58,7 @@ fn measure(folder: &Path) {
                 readings += 1;
             }
         }
-        // What is repeated, garbled and broken off is counted and not kept.
+        // Repeated, garbled and truncated messages are counted and not stored.
         engine.take(sent(1, START_S + at_s + 1e-3), at_s);
         engine.take(
             Event::LeftOut { what: LeftOut::Frame, count: 1, first: format!("{second}") },
@@ -67,7 +67,7 @@ fn measure(folder: &Path) {
         if second % 3600 == 1800 {
             engine.take(Event::Lost { why: "broken off".to_owned(), again_in_s: 1.0 }, at_s);
             engine.take(Event::Connected("robot".to_owned()), at_s);
-            engine.take(Event::Channel(bonn::Protocol::channel()), at_s);
+            engine.take(Event::Channel(bonn::BonnProtocol::channel()), at_s);
         }
         engine.flush();
         if second % 60 == 59 {
@@ -81,7 +81,7 @@ fn measure(folder: &Path) {
     let each = took as f64 / readings as f64;
     eprintln!("{each:.1} bytes for each of {readings} readings, {} MB", took / 1_000_000);
     assert!(each < 200.0, "{each:.1} bytes a reading");
-    // Half a day more of nothing but repeats takes nothing.
+    // Half a day more of repeats alone needs no memory.
     let before = ALLOCATED.current_usage();
     for second in 0..DAY_S / 2 {
         engine.take(sent(2, START_S + f64::from(second) + 2e-3), f64::from(DAY_S + second));

@@ -7,10 +7,10 @@ use resect_core::simulation::{Preset, simulate_scenario};
 
 use crate::{ALLOCATED, process};
 
-/// What the joint estimate keeps of the first half hour of a drive, and of its first two hours, whatever its length.
+/// Bytes that the joint estimate stores for the first half hour of a drive, and for its first two hours, for any total length.
 const KEPT_BYTES: f64 = 45e6;
 
-/// With all that is made of the parts of the drive kept it would be 400 bytes, with the rows of the motion 2400.
+/// With the results of all segments stored it would be 400 bytes, with the rows of the motion 2400.
 #[test]
 fn the_joint_estimate_of_a_long_drive_takes_less_than_200_bytes_a_reading() {
     process::alone(

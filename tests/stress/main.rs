@@ -9,6 +9,6 @@ mod process;
 
 use peak_alloc::PeakAlloc;
 
-/// Counts what the whole process allocates: a test that reads it runs by [`process::alone`].
+/// Counts the allocations of the whole process: a test that reads it runs by [`process::alone`].
 #[global_allocator]
 static ALLOCATED: PeakAlloc = PeakAlloc;

@@ -1,16 +1,16 @@
-//! A monkey at the window: random events against the real window and all its panes, from a seed, in a folder of its own.
+//! A monkey test of the window: random events from a seed against the real window and all its panes, in a folder of its own.
 //!
-//! It holds that nothing panics, on no thread; that no frame takes the window's thread long; that what is closed is let
-//! go of; and that all that was saved, by the user or by the program for the case that it dies, is there afterwards.
+//! It asserts four properties. No thread panics. No frame takes the window's thread long. Closed deployments are freed. Everything that was
+//! saved, by the user or by the program against a crash, is restored afterwards.
 //!
 //! ```sh
 //! cargo test --release --test stress monkey -- --ignored --nocapture     # an hour, or RESECT_MONKEY_MINUTES
 //! RESECT_MONKEY_SEED=17 cargo test --test stress a_monkey_breaks_nothing_in_a_short_while
 //! ```
-//! Without `--release` the hour has egui's own checks as well, and compares no memory. The second plays one life again;
-//! what ran beside the window may come at other frames. RESECT_MONKEY_TRACE=1 prints every act before it is done.
-//! `Open in Rerun` alone is left out (`dice::LEFT_OUT`), because it starts another program; links are never followed, for
-//! nothing here listens to what the window asks of the system.
+//! Without `--release` the hour includes egui's own checks, and compares no memory. The second command
+//! repeats one life; background results may arrive at other frames. RESECT_MONKEY_TRACE=1 prints every
+//! act before it is done. Only `Open in Rerun` is excluded (`dice::LEFT_OUT`), because it starts another
+//! program. Links are never followed, since the harness ignores the window's requests to the system.
 
 mod act;
 mod dice;
@@ -27,14 +27,14 @@ use life::Life;
 
 use super::process;
 
-/// How many acts a life has: about half a minute without optimisation.
+/// Number of acts in a life: about half a minute without optimisation.
 const ACTS: usize = 700;
 const FIRST_SEED: u64 = 1;
-/// A life comes to about thirty of what [`reached`] looks for.
+/// A life reaches about thirty of the states in [`reached`].
 const LEAST_REACHED: usize = 22;
 const MINUTES: u64 = 60;
-/// What the resident size may grow by from the first rounds to the last, when things are opened and closed, and in an hour in
-/// which anything happens: some of it is the allocator's and the driver's. Answers that are not let go of are 56 MB.
+/// Greatest growth of the resident size from the first rounds to the last: when deployments are opened and closed, and in an hour of random
+/// events. Some of it is the allocator's and the driver's. Analyses that are never freed are 56 MB.
 const MOST_GROWTH_BY_OPENING_MB: f64 = 24.0;
 const MOST_GROWTH_MB: f64 = 64.0;
 
@@ -88,14 +88,14 @@ fn a_monkey_breaks_nothing_for_an_hour() {
                 break;
             }
         }
-        // With its own checks on, egui keeps the source of every id that it ever gave: 2 MB a life.
+        // With its own checks on, egui stores the source of every id: 2 MB a life.
         if !cfg!(debug_assertions) {
             assert_no_growth(&sizes_mb, MOST_GROWTH_MB);
         }
     });
 }
 
-/// Compares the second quarter with the last: in the first everything is there for the first time.
+/// Compares the second quarter with the last: the first includes all first allocations.
 fn assert_no_growth(sizes_mb: &[f64], most_mb: f64) {
     let quarter = sizes_mb.len() / 4;
     if quarter == 0 {

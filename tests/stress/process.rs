@@ -1,16 +1,16 @@
-//! A process of its own for a test, and its memory and processor time as the system counts them.
+//! A separate process for a test, with its memory and processor time by the system's count.
 
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-/// Names the folder to the process that works in it.
+/// Environment variable with the folder of the process.
 const FOLDER: &str = "RESECT_TEST_FOLDER";
-/// Written by that process when the work is done: a name that fits no test would pass otherwise.
+/// File that the process writes when the work is done: a name that matches no test would pass otherwise.
 const DONE: &str = "test-is-done";
 
-/// Does a test's work in a process of its own, which has nothing but a temporary folder: no home of the user, no
-/// program to start, and a memory that no other test adds to. `test` is the path of the test below its binary.
+/// Does a test's work in a separate process, which has only a temporary folder: no home of the user, no program to start, and no memory of
+/// other tests. `test` is the path of the test below its binary.
 pub fn alone(test: &str, work: impl FnOnce(&Path)) {
     if let Some(folder) = std::env::var_os(FOLDER) {
         work(Path::new(&folder));
@@ -28,7 +28,7 @@ pub fn alone(test: &str, work: impl FnOnce(&Path)) {
         .env("PATH", path.join("no-programs"))
         .env("TMPDIR", &path)
         .env("MESA_SHADER_CACHE_DISABLE", "true")
-        // With one heap a thread, as many as there ever were threads, the resident size tells little.
+        // With one heap for each thread, as many as there ever were threads, the resident size is meaningless.
         .env("MALLOC_ARENA_MAX", "2")
         .env_remove("XDG_CONFIG_HOME")
         .env_remove("XDG_DATA_HOME")
@@ -39,7 +39,7 @@ pub fn alone(test: &str, work: impl FnOnce(&Path)) {
     assert!(path.join(DONE).exists(), "{test} is the name of no test");
 }
 
-/// What is in memory of this process, as Linux counts it; nothing elsewhere.
+/// Returns the resident size of this process (MB) on Linux; zero on other systems.
 pub fn resident_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -47,10 +47,9 @@ pub fn resident_mb() -> f64 {
     kilobytes.map_or(0.0, |kilobytes| kilobytes / 1024.0)
 }
 
-/// What this thread has spent on a processor, as Linux counts it; nothing elsewhere, where a busy machine would make a
-/// frame slow.
+/// Returns the processor time of this thread on Linux; zero on other systems, where a busy machine would make a frame slow.
 pub fn thread_time() -> Duration {
-    // The count is brought up to date when the thread rests.
+    // The kernel updates the count when the thread sleeps.
     std::thread::sleep(Duration::from_micros(1));
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()

@@ -1,4 +1,4 @@
-//! What findings advise can be done where they stand: by a button, or from the command palette, and never by a flag.
+//! Advice of findings: each can be followed by a button beside it, or from the command palette, and never needs a flag.
 
 use egui::Theme;
 use egui::accesskit::Role;
@@ -20,7 +20,7 @@ fn method(harness: &Window) -> Method {
     analysis.answer.as_ref().expect("an answer").calibration.method
 }
 
-/// Presses the first button of this name, wherever it has been scrolled to: several findings may advise the same.
+/// Presses the first button of this name at any scroll position: several findings may give the same advice.
 fn press_first(harness: &mut Window, name: &str) {
     let buttons: Vec<_> = harness.get_all_by_label(name).collect();
     buttons[0].click_accesskit();
@@ -31,7 +31,7 @@ fn is_said(harness: &Window, words: &str) -> bool {
     harness.query_all_by_label_contains(words).next().is_some()
 }
 
-/// Method D where a station followed another prism now and then.
+/// Returns a window with method D, where a station tracked another prism at times.
 fn pulled() -> Window {
     let mut harness = window(LARGE, Theme::Dark);
     let mut scenario = Preset::Warthog.scenario();
@@ -55,7 +55,7 @@ fn the_joint_estimate_is_taken_where_a_finding_advises_it_and_given_back() {
     send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(method(&harness), Method::InterPrism);
 
-    // The palette has it as well.
+    // The palette has the advice as well.
     send(&mut harness, DialogCommand::ShowPalette);
     harness.event(egui::Event::Text("advice joint".to_owned()));
     settle(&mut harness);
@@ -73,7 +73,7 @@ fn no_finding_shows_a_flag() {
     let findings = &analysis.answer.as_ref().expect("an answer").calibration.findings;
     assert!(findings.iter().any(|one| one.remedies.contains(&Remedy::JointEstimate)));
 
-    // Nor does what is missing.
+    // Missing data shows no flag either.
     let mut deployment =
         resect_io::simulation_files::open(&simulate(Preset::FigureEight, 1)).expect("valid");
     deployment.rig = None;
@@ -83,7 +83,7 @@ fn no_finding_shows_a_flag() {
         assert!(!is_said(&harness, "--"), "{pane:?}");
     }
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Result));
-    // It came from no file, so it cannot be read again with one.
+    // The deployment came from no file, so it cannot be read again with one.
     let mut choose = harness.get_all_by_role_and_label(Role::Button, "Choose a rig file…");
     assert!(choose.all(|button| button.accesskit_node().is_disabled()));
 }
@@ -97,14 +97,14 @@ fn exchanged_stations_are_exchanged_back_by_the_finding_that_sees_it() {
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     let stations = |harness: &Window| {
         let source = shown(harness).source.as_ref().expect("a source");
-        source.extras.put_right.stations
+        source.extras.corrections.stations
     };
     let mut extras = shown(&harness).source.as_ref().expect("a source").extras.clone();
-    extras.put_right.stations = Some([1, 3, 2]);
-    send(&mut harness, DeploymentCommand::PutRight(extras));
+    extras.corrections.stations = Some([1, 3, 2]);
+    send(&mut harness, DeploymentCommand::Correct(extras));
     assert_eq!(stations(&harness), Some([1, 3, 2]));
 
-    let back = "Put right: station numbers 1 3 2 → 1 2 3";
+    let back = "Correct: station numbers 1 3 2 → 1 2 3";
     press_first(&mut harness, back);
     assert_eq!(stations(&harness), None);
     assert!(!is_said(&harness, back));
@@ -136,11 +136,11 @@ fn a_point_and_a_time_that_a_finding_names_are_shown() {
 }
 
 #[test]
-fn what_can_be_put_right_unfolds_on_request() {
+fn what_can_be_corrections_unfolds_on_request() {
     let mut harness = window(LARGE, Theme::Dark);
     let station_numbers = "Exchange stations 2 and 3";
     assert!(harness.query_by_label(station_numbers).is_none());
-    send(&mut harness, DeploymentCommand::ShowPutRight);
+    send(&mut harness, DeploymentCommand::ShowCorrections);
     assert!(harness.query_by_label(station_numbers).is_some());
 }
 

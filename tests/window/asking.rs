@@ -1,4 +1,4 @@
-//! What the window asks before it goes on: which files, topics and columns are what, and what files are for.
+//! Questions of the window: the roles of files, topics and columns, and the purpose of files.
 
 use egui::Vec2;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn asked(harness: &Window) -> &Asked {
     harness.state().state.asked().expect("something is asked")
 }
 
-/// Chooses in a box that folds down.
+/// Selects an entry of a combo box.
 fn choose(harness: &mut Window, name: &str, choice: &str) {
     harness.get_by_role_and_label(Role::ComboBox, name).click();
     harness.run_steps(3);
@@ -34,8 +34,8 @@ fn choose(harness: &mut Window, name: &str, choice: &str) {
     settle(harness);
 }
 
-fn put_right(harness: &Window) -> Overrides {
-    shown(harness).source.as_ref().expect("a source").extras.put_right.clone()
+fn corrections(harness: &Window) -> Overrides {
+    shown(harness).source.as_ref().expect("a source").extras.corrections.clone()
 }
 
 fn copy(name: &str, to: &Path) {
@@ -51,15 +51,15 @@ fn two_recordings_in_a_folder_are_a_question() {
     let mut harness = window(LARGE, Theme::Dark);
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert!(harness.state().state.toasts.errors().next().is_none());
-    harness.get_by_label("Which file holds the tracks?");
-    // Nothing is chosen, so nothing is opened.
+    harness.get_by_label("Choose the file with the tracks");
+    // Without a selection nothing is opened.
     click(&mut harness, "Open");
     assert!(matches!(asked(&harness), Asked::Tracks(_)));
     click(&mut harness, "zz another.csv");
     click(&mut harness, "Open");
     assert!(harness.state().state.asked().is_none());
-    assert_eq!(put_right(&harness).tracks, Some(OneOrMany::One("zz another.csv".into())));
-    // It is remembered: read again, nothing is asked.
+    assert_eq!(corrections(&harness).tracks, Some(OneOrMany::One("zz another.csv".into())));
+    // The answer is stored: reading again asks nothing.
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert!(harness.state().state.asked().is_none());
 }
@@ -85,7 +85,8 @@ fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
             click(&mut harness, "Open");
             let open = &harness.state().state.deployments.open;
             assert_eq!((open.len(), harness.state().state.session.missing.len()), (2, 0));
-            let tracks = open[0].source.as_ref().and_then(|it| it.extras.put_right.tracks.clone());
+            let tracks =
+                open[0].source.as_ref().and_then(|it| it.extras.corrections.tracks.clone());
             assert_eq!(tracks, Some(OneOrMany::One("b.csv".into())));
         } else {
             harness.key_press(egui::Key::Escape);
@@ -101,7 +102,7 @@ fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
 #[test]
 fn a_question_can_be_left() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Its name is in the picture.
+    // The picture contains its name.
     let drive = folder.path().join("drive");
     std::fs::create_dir(&drive).expect("created");
     copy("inter_prism.csv", &drive.join("a.csv"));
@@ -143,10 +144,10 @@ fn topics_are_proposed_and_can_be_exchanged() {
     );
     click(&mut harness, "Open");
     let expected = ["/rts2", "/rts1", "/rts10"].map(str::to_owned);
-    assert_eq!(put_right(&harness).topics, Some(expected));
+    assert_eq!(corrections(&harness).topics, Some(expected));
 }
 
-/// The sample's tracks under a header that no reader knows.
+/// The sample's tracks with an unknown header.
 fn foreign(folder: &Path) -> std::path::PathBuf {
     let tracks = std::fs::read_to_string(sample_folder("warthog").join("inter_prism.csv"));
     let tracks = tracks.expect("readable");
@@ -168,7 +169,7 @@ fn columns_are_named_with_the_first_rows_in_sight() {
         send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
         let Asked::Columns(columns) = asked(&harness) else { panic!("columns") };
         assert_eq!(columns.preview.header.len(), 5);
-        // Not all of it can be guessed: it cannot be opened yet.
+        // Not all columns can be guessed: the table cannot be opened yet.
         assert!(!asked(&harness).is_answered());
         click(&mut harness, "Open");
         assert!(harness.state().state.asked().is_some());
@@ -186,7 +187,7 @@ fn columns_are_named_with_the_first_rows_in_sight() {
         snapshot_of(&mut harness, Part::Middle(Vec2::new(1100.0, 640.0)), name);
         click(&mut harness, "is in the ranges already");
         click(&mut harness, "Open");
-        let own = put_right(&harness);
+        let own = corrections(&harness);
         assert_eq!(own.ranges_include_prism_constant, Some(true));
         let expected = ColumnMapping {
             time: "aa".to_owned(),
@@ -228,7 +229,7 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     );
     send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
-    // As a deployment it has no tracks, which is said.
+    // As a deployment it has no tracks, which an error reports.
     send(&mut harness, DeploymentCommand::OpenPaths(vec![rig]));
     click(&mut harness, "Open as a deployment of its own");
     assert_eq!(harness.state().state.deployments.open.len(), 1);

@@ -1,4 +1,4 @@
-//! The pane of the channels.
+//! The channels pane.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ fn every_channel_is_plotted_over_time_and_against_others() {
     let mut harness = window(LARGE, Theme::Dark);
     for channel in Channel::ALL {
         plot(&mut harness, channel, None);
-        // No file of the sample tells the stations' own clocks.
+        // No file of the sample contains the stations' own clocks.
         if channel == Channel::OwnClock {
             harness.get_by_label("No station clocks in these files.");
             continue;
@@ -58,7 +58,7 @@ fn channels_are_chosen_in_the_menu_and_plotted_against_those_that_they_go_with()
     let mut harness = window(LARGE, Theme::Dark);
     plot(&mut harness, Channel::DistanceError, Some(Channel::Speed));
     harness.get_by_label("distance error against prism speed");
-    // Ranges are of stations and errors of pairs: beside each other they are plotted over time, or against the vehicle.
+    // Ranges belong to stations and errors to pairs: side by side they are plotted over time, or against the vehicle.
     click(&mut harness, "Show…");
     click(&mut harness, "range");
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -86,7 +86,7 @@ fn pitch_is_plotted_against_speed_and_saved_with_its_sigma() {
     let pitch_rad = way.instants[0].attitude.expect("a rig").pitch_rad;
     assert_eq!(rows[1][3].parse(), Ok(pitch_rad.value));
     assert_eq!(rows[1][4].parse(), Ok(pitch_rad.sigma));
-    // Several channels are written below each other.
+    // Several channels are written one below the other.
     send(&mut harness, TimeCommand::Plot(ChannelPlots::of(&[Channel::Roll, Channel::Range])));
     let rows = saved(&mut harness, &folder.path().join("two.csv"));
     assert_eq!(rows[0], vec!["series", "time_s", "channel", "value", "sigma"]);
@@ -103,7 +103,7 @@ fn saved(harness: &mut Window, path: &Path) -> Vec<csv::StringRecord> {
     send(harness, TimeCommand::SaveChannelsDialog);
     type_and_enter_at_once(harness, &path.display().to_string());
     settle(harness);
-    // It is written beside the window, whole or not at all.
+    // A background thread writes the file atomically.
     for _ in 0..100 {
         if path.exists() {
             break;
@@ -129,7 +129,7 @@ fn what_is_shown_is_written_as_a_table() {
     assert_eq!(rows[1][2].parse(), Ok(first.range_m));
     let time_s: f64 = rows[1][1].parse().expect("a number");
     assert!((time_s - first.time_s).abs() < 1e-6);
-    // Of what is hidden or out of sight nothing is written.
+    // Hidden series and times out of view are not written.
     let mut visibility = harness.state().state.scene.visibility;
     visibility.stations = [false, true, false];
     send(&mut harness, SceneCommand::Show(visibility));

@@ -1,4 +1,4 @@
-//! The pane of the clocks.
+//! The clocks pane.
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
@@ -9,7 +9,7 @@ use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{LARGE, Part, SMALL, Window, open, send, set, shown, snapshot_of, window};
 
-/// A drive whose stations have clocks of their own, as bags tell them.
+/// Returns a drive whose stations have clocks of their own, as in bags.
 fn with_clocks() -> resect_core::deployment::Deployment {
     let mut deployment =
         resect_io::simulation_files::open(&simulate(Preset::UnevenGround, 1)).expect("readable");
@@ -61,9 +61,9 @@ fn clocks_are_drawn_with_what_the_calibration_estimates() {
 #[test]
 fn what_no_file_tells_is_said() {
     let mut harness = window(SMALL, Theme::Light);
-    // The joint estimate has clocks to draw.
+    // The joint estimate would have clocks to draw.
     set(&mut harness, |settings| settings.calibration.method = Some(Method::InterPrism));
     show_clocks(&mut harness);
-    harness.get_by_label("No file tells the stations' own clocks.");
+    harness.get_by_label("No station clocks in these files.");
     snapshot_of(&mut harness, Part::Pane(Pane::Clocks), "clocks-none-light");
 }

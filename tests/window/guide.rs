@@ -1,4 +1,4 @@
-//! The words of the field where they stand, and the guide.
+//! Explanations of terms beside their use, and the guide.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
@@ -12,7 +12,7 @@ use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, press, send, settle, shown, snapshot_of, window,
 };
 
-/// What F1 explains now.
+/// Returns the terms that F1 explains now.
 fn explained(harness: &mut Window) -> Vec<&'static Term> {
     press(harness, Modifiers::NONE, Key::F1);
     let of = match &harness.state().state.dialogs.overlay {
@@ -92,7 +92,7 @@ fn words_are_found_by_what_is_typed() {
     press(&mut harness, Modifiers::COMMAND, Key::A);
     harness.event(Event::Text("clock".to_owned()));
     settle(&mut harness);
-    // More than were there before make the list longer again.
+    // More matches than before make the list longer again.
     harness.get_by_label(glossary::CLOCK_OFFSET.means);
     snapshot_of(&mut harness, part, "glossary-small-light");
 }
@@ -134,7 +134,7 @@ fn the_guide_is_searched_together_with_the_words() {
     press(&mut harness, Modifiers::COMMAND, Key::A);
     harness.event(Event::Text("xyzzy".to_owned()));
     settle(&mut harness);
-    harness.get_by_label_contains("Neither the guide nor the words have this");
+    harness.get_by_label_contains("No match in the guide or the glossary");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn who_has_nothing_open_is_led_to_the_guide() {
     settle(&mut harness);
     harness.get_by_label("Nothing is open.");
     click(&mut harness, "4  Trust it?");
-    harness.get_by_label("No answer yet.");
+    harness.get_by_label("No result yet.");
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn the_guide_explains_the_doubts_that_there_are() {
         open(&mut harness, straight);
         send(&mut harness, WorkspaceCommand::ShowPane(Pane::Guide));
         click(&mut harness, "4  Trust it?");
-        harness.get_by_label("⚠ A direction is free or weakly held, here");
+        harness.get_by_label("⚠ A direction is unobservable or weakly observable, here");
         click(&mut harness, "2  Is it right?");
         snapshot_of(&mut harness, Part::Pane(Pane::Guide), name);
     }

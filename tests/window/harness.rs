@@ -1,12 +1,12 @@
-//! A window without a screen, and what a user does to it.
+//! A window without a screen, and simulated actions of a user.
 //!
 //! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
-//! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
+//! `UPDATE_SNAPSHOTS=1 cargo test --test window` and check the new pictures before committing them.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
-use resect::app::keeping::Keeping;
+use resect::app::saved_state::SavedState;
 use resect::app::{
     Command, DeploymentCommand, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer,
 };
@@ -19,13 +19,18 @@ pub const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
 
 pub type Window = Harness<'static, ResectWindow>;
 
-/// The window with the Warthog sample, calibrated. It asks for paths by itself.
+/// Returns the window with the calibrated Warthog sample. It has its own prompt for paths.
 pub fn window(size: Vec2, theme: Theme) -> Window {
     window_from(size, theme, &Start::Sample(Sample::Warthog), None)
 }
 
-/// The window as it is started, with its session kept or not.
-pub fn window_from(size: Vec2, theme: Theme, start: &Start, keeping: Option<Keeping>) -> Window {
+/// Returns the window as the program starts it, with or without saving of the session.
+pub fn window_from(
+    size: Vec2,
+    theme: Theme,
+    start: &Start,
+    saved_state: Option<SavedState>,
+) -> Window {
     let start = start.clone();
     let mut harness = Harness::builder()
         .with_size(size)
@@ -33,7 +38,7 @@ pub fn window_from(size: Vec2, theme: Theme, start: &Start, keeping: Option<Keep
         .with_render_cursor(false)
         .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
         .build_eframe(move |creation| {
-            ResectWindow::keeping(creation, &start, Settings::default(), keeping)
+            ResectWindow::with_saved_state(creation, &start, Settings::default(), saved_state)
         });
     harness.state_mut().state.workspace.fixed_elapsed_ms = Some(1.0);
     harness.state_mut().state.dialogs.asks_in_window = true;
@@ -41,7 +46,7 @@ pub fn window_from(size: Vec2, theme: Theme, start: &Start, keeping: Option<Keep
     harness
 }
 
-/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
+/// Runs frames until the worker has processed the commands and the panes show its results.
 pub fn settle(harness: &mut Window) {
     for _ in 0..2 {
         harness.run_steps(2);
@@ -50,7 +55,7 @@ pub fn settle(harness: &mut Window) {
     harness.run_steps(3);
 }
 
-/// Carries out a command as a pane would.
+/// Executes a command as a pane would.
 pub fn send(harness: &mut Window, command: impl Into<Command>) {
     let ctx = harness.ctx.clone();
     harness.state_mut().send(command, &ctx);
@@ -89,8 +94,8 @@ pub fn press(harness: &mut Window, modifiers: Modifiers, key: Key) {
     settle(harness);
 }
 
-/// Types over what is in the text field that has the focus, and presses Enter, all in one frame: the harness gives every
-/// event a frame of its own, slow machines do not.
+/// Replaces the text in the focused text field, and presses Enter, all in one
+/// frame: the harness gives every event a frame of its own, slow machines do not.
 pub fn type_and_enter_at_once(harness: &mut Window, text: &str) {
     let key = |key, modifiers| Event::Key {
         key,
@@ -119,30 +124,30 @@ pub fn triplets(harness: &Window) -> usize {
     harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
 }
 
-/// What a picture is of: a change elsewhere is no change of it, and the history stays small.
+/// Region of a snapshot: changes elsewhere do not affect it, and the repository stays small.
 #[derive(Clone, Copy)]
 pub enum Part {
     Window,
     Pane(Pane),
-    /// A dialog, this large at most.
+    /// A dialog, with this maximum size.
     Middle(Vec2),
-    /// Toasts: as wide as the window, this high.
+    /// Toasts: as wide as the window, with this height.
     Bottom(f32),
 }
 
-/// Compares the window with its picture in `screenshots/`.
+/// Compares the window with its reference picture in `screenshots/`.
 #[track_caller]
 pub fn snapshot(harness: &mut Window, name: &str) {
     snapshot_of(harness, Part::Window, name);
 }
 
-/// The same of a part of it.
+/// Compares a region of the window.
 #[track_caller]
 pub fn snapshot_of(harness: &mut Window, part: Part, name: &str) {
-    // Away from everything that shows something under the pointer.
+    // Away from every widget with a hover effect.
     harness.hover_at(Pos2::new(700.0, 4.0));
     harness.run_steps(2);
-    // A few pixels on the edge of a disc may round differently with another version of Mesa.
+    // A few pixels on the edge of a disc may differ with another version of Mesa.
     let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
     let picture = harness.render().expect("a picture");
     let whole = Rect::from_min_size(Pos2::ZERO, harness.ctx.content_rect().size());
@@ -158,6 +163,6 @@ pub fn snapshot_of(harness: &mut Window, part: Part, name: &str) {
     };
     let picture =
         image::imageops::crop_imm(&picture, left, top, right - left, bottom - top).to_image();
-    // At once, and not when the harness is dropped: a test may have several.
+    // At once, and not when the harness is dropped: a test may have several snapshots.
     image_snapshot_options(&picture, name, &options);
 }

@@ -1,4 +1,4 @@
-//! A live deployment in the window: connected, grown, stopped, and kept.
+//! A live deployment in the window: connected, growing, stopped, and saved.
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
@@ -18,7 +18,7 @@ fn form(record: Option<std::path::PathBuf>) -> LiveForm {
     }
 }
 
-/// Begins a replay by the button, and lets frames pass until something is the case.
+/// Begins a replay by the button, and runs frames until it has begun.
 fn replay(harness: &mut Window, record: Option<std::path::PathBuf>) {
     send(harness, LiveCommand::Show);
     send(harness, LiveCommand::Edit(form(record)));
@@ -53,7 +53,7 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     until(&mut harness, has_answer);
     let id = shown(&harness).id;
     let before: usize = shown(&harness).deployment.tracks[0].measurements.len();
-    // The tracks grow where they are open, and the answer is of them.
+    // The tracks grow in the open deployment, and the calibration uses them.
     until(&mut harness, |window| shown(window).deployment.tracks[0].measurements.len() > before);
     assert_eq!(shown(&harness).id, id);
     let analysis = shown(&harness).analysis.clone().expect("never without an answer");
@@ -73,7 +73,7 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let open = shown(&harness);
     assert_eq!((open.id, open.source.as_ref().and_then(|s| s.path())), (id, Some(&*file)));
     assert!(open.analysis.is_some() && open.analysing.is_none());
-    // What was said last is of all of it, and of what is shown.
+    // The last report covers all readings, as the shown deployment does.
     let last = harness.state().state.live.view.as_ref().and_then(|view| view.answer.clone());
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.clone().ok());
     let [last, answer] = [
@@ -81,12 +81,12 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
         answer.map(|answer| answer.calibration.station1_from_station),
     ];
     assert_eq!(last.expect("judged"), answer.expect("calibrated"));
-    // What was recorded is what is shown.
+    // The recording equals the shown deployment.
     let recorded = open.source.clone().expect("recorded").open(&Default::default()).expect("opens");
     assert_eq!(recorded.tracks, open.deployment.tracks);
 }
 
-/// The paper's answer to each snapshot comes first; drawn for a moment it would say something else than the sentence beside it.
+/// The paper's calibration of each snapshot comes first; drawn for a moment it would contradict the sentence beside it.
 #[test]
 fn what_is_drawn_while_it_grows_is_of_the_answer_that_is_told() {
     let mut harness = window(LARGE, Theme::Dark);
@@ -187,7 +187,7 @@ fn who_closes_what_grows_ends_it_and_keeps_what_was_recorded() {
     assert!(resect_io::open::open(&file).is_ok());
 }
 
-/// What every MCAP file that was ended ends with.
+/// Last bytes of every completed MCAP file.
 const END_OF_MCAP: &[u8] = b"\x89MCAP0\r\n";
 
 fn is_whole(file: &std::path::Path) -> bool {
@@ -197,7 +197,7 @@ fn is_whole(file: &std::path::Path) -> bool {
 #[test]
 fn a_window_that_is_closed_leaves_a_whole_recording() {
     let folder = tempfile::tempdir().expect("a folder");
-    // While it records, and while the recording is being ended.
+    // During the recording, and while it is being completed.
     for stops_first in [false, true] {
         let file = folder.path().join(format!("{stops_first}.mcap"));
         let mut harness = window(SMALL, Theme::Dark);
@@ -217,7 +217,7 @@ fn a_window_that_is_closed_leaves_a_whole_recording() {
 }
 
 #[test]
-fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
+fn what_is_corrections_while_it_is_live_holds_for_what_comes() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.mcap");
     let mut harness = window(SMALL, Theme::Dark);
@@ -232,19 +232,19 @@ fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
     let before = firsts(&harness);
     let exchanged = [before[0], before[2], before[1]];
     let mut extras = harness.state().state.extras().expect("recorded").clone();
-    extras.put_right.stations = Some([1, 3, 2]);
-    send(&mut harness, DeploymentCommand::PutRight(extras.clone()));
+    extras.corrections.stations = Some([1, 3, 2]);
+    send(&mut harness, DeploymentCommand::Correct(extras.clone()));
     // A second change comes before the first one is read.
-    extras.put_right.inter_prism_m = Some([0.4, 0.4, 0.4]);
-    send(&mut harness, DeploymentCommand::PutRight(extras.clone()));
+    extras.corrections.inter_prism_m = Some([0.4, 0.4, 0.4]);
+    send(&mut harness, DeploymentCommand::Correct(extras.clone()));
     let rig_m =
         |window: &Window| shown(window).deployment.rig.as_ref().expect("a rig").inter_prism_m;
     until(&mut harness, |window| firsts(window) == exchanged && rig_m(window) == [0.4; 3]);
     let then = lengths(&harness);
-    // So it stays, with the next snapshots and at the end.
+    // The correction applies to later snapshots and at the end.
     until(&mut harness, |window| lengths(window)[0] > then[0] + 20);
     assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged, [0.4; 3]));
-    // And it is undone as any other change.
+    // It can be undone like any other change.
     send(&mut harness, DeploymentCommand::Undo);
     until(&mut harness, |window| rig_m(window) != [0.4; 3]);
     assert_eq!(firsts(&harness), exchanged);

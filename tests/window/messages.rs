@@ -1,4 +1,4 @@
-//! What the window says: where it stands, how long, and by which names.
+//! Messages of the window: their position, duration and names.
 
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
@@ -69,7 +69,7 @@ fn deployments_of_one_name_are_told_apart_wherever_they_are_listed() {
     for run in ["run1", "run2"] {
         let path = folder.path().join(run).join("data");
         write_folder(&simulate(Preset::FigureEight, 1), &path).expect("written");
-        // Called after its folder.
+        // Named after its folder.
         let toml = path.join("deployment.toml");
         let text = std::fs::read_to_string(&toml).expect("simulated");
         let lines = text.lines().filter(|line| !line.starts_with("name"));

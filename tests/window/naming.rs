@@ -1,4 +1,4 @@
-//! Everything that can be used has a name that a screen reader can say, and can be reached with Tab.
+//! Accessibility: every usable widget has a name for screen readers, and is reachable with Tab.
 
 use egui::accesskit::{Action, Node, Role};
 use egui::{Key, Modifiers, Theme};
@@ -9,13 +9,13 @@ use resect::app::{
 
 use crate::harness::{LARGE, Window, press, send, window};
 
-/// Roles and places of what can be clicked or moved and has no name.
+/// Returns roles and positions of clickable or movable widgets without a name.
 fn nameless(harness: &Window) -> Vec<String> {
     fn visit<'a>(node: &egui_kittest::Node<'a>, into: &mut Vec<String>) {
         let known = node.accesskit_node();
         let data: &Node = known.data();
         let used = data.supports_action(Action::Click) || data.supports_action(Action::Increment);
-        // Text, the ground of a pane and what moves a pane's edges say nothing by themselves.
+        // Texts, backgrounds of panes and the handles of their edges need no name.
         let passive = [Role::Label, Role::ScrollBar, Role::ScrollView, Role::Unknown];
         let is_widget = used && !passive.contains(&known.role());
         let named = known.label().is_some_and(|name| !name.trim().is_empty());
@@ -55,8 +55,7 @@ fn whatever_can_be_used_has_a_name() {
     }
 }
 
-/// From widget to widget until the first comes again: the scene, a threshold, a plot and a button of the result must be
-/// among them.
+/// From widget to widget until the first comes again: the scene, a threshold, a plot and a button of the result must be among them.
 #[test]
 fn tab_reaches_the_widgets() {
     let mut harness = window(LARGE, Theme::Dark);

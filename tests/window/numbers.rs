@@ -1,4 +1,4 @@
-//! What is typed into a field for a number and is none stays there, and says why.
+//! Invalid text in a field for a number: it stays there, with the reason.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Theme};
@@ -28,7 +28,7 @@ fn garbage_stays_in_its_field_until_it_is_mended() {
     assert_eq!(left_in_the_field(&harness).as_deref(), Some("soon"));
     harness.get_by_role_and_label(Role::TextInput, "τ_l  length").hover();
     harness.run_steps(60);
-    harness.get_by_label_contains("“soon” is no number; it is still 6 s");
+    harness.get_by_label_contains("“soon” is not a number; the value is still 6 s");
     harness.get_by_role_and_label(Role::TextInput, "τ_l  length").focus();
     harness.run_steps(2);
     type_and_enter_at_once(&mut harness, "20 s");
@@ -54,7 +54,7 @@ fn who_enters_garbage_types_on_in_the_same_place() {
     type_garbage(&mut harness);
     assert_eq!(below(&harness), next, "nothing moves");
     assert!(place(&harness, Role::TextInput).contains_rect(number.shrink(1.0)));
-    // T would look from the top, and digits belong to no other widget.
+    // T would be the top view, and digits belong to no other widget.
     let camera = harness.state().state.scene.view.camera;
     harness.event(Event::Text("T".to_owned()));
     press(&mut harness, egui::Modifiers::NONE, Key::T);

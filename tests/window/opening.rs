@@ -16,7 +16,7 @@ use crate::harness::{
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
 
-/// Types over what is in the prompt.
+/// Replaces the text of the prompt.
 fn type_path(harness: &mut Window, text: &str) {
     harness.get_by_label("Path").focus();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
@@ -25,7 +25,7 @@ fn type_path(harness: &mut Window, text: &str) {
     settle(harness);
 }
 
-/// Waits until the window says so, however long the disk takes.
+/// Waits until the window reports a text, however slow the disk is.
 #[track_caller]
 fn wait_until_told(harness: &mut Window, what: &str) {
     let told = |harness: &Window| {
@@ -54,7 +54,7 @@ fn a_deployment_is_opened_by_typing_its_path() {
     type_path(&mut harness, &format!("{above}/HD"));
     assert!(harness.query_by_label("warthog/").is_none());
     assert!(can_open(&harness), "as Enter does");
-    // The one folder that is left is entered, and then taken.
+    // Enter opens the one folder that is left, and then selects it.
     press(&mut harness, Modifiers::NONE, Key::Enter);
     harness.get_by_label("inter_prism.csv deployment");
     press(&mut harness, Modifiers::NONE, Key::Enter);
@@ -92,7 +92,7 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
     assert!(proposed.ends_with("warthog (simulated).tum"), "{proposed}");
     type_path(&mut harness, &path.display().to_string());
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    // Enter keeps it.
+    // Enter keeps the file.
     press(&mut harness, Modifiers::NONE, Key::Enter);
     assert_eq!(std::fs::read_to_string(&path).expect("there"), "mine\n");
     harness.get_by_label("Cancel").click();
@@ -125,7 +125,7 @@ fn a_session_is_named_over_what_is_proposed_and_looked_for_where_it_was_saved() 
     let asked = harness.state().state.dialogs.prompt.as_ref().expect("asked");
     assert_eq!(asked.shown.folder(), folder.path());
     assert!(harness.query_by_label("Open this folder").is_none(), "a session is a file");
-    // Data are looked for where data were.
+    // Data is looked for in the folder of the last data.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     send(&mut harness, DeploymentCommand::OpenFolderDialog);
     let asked = harness.state().state.dialogs.prompt.as_ref().expect("asked");
@@ -211,7 +211,7 @@ fn a_hovering_file_says_what_it_would_do() {
     harness.input_mut().hovered_files.clear();
     harness.run_steps(1);
     assert!(harness.query_by_label_contains("Add the control points").is_none());
-    // Dropped, it is used with what is open, once the user says so.
+    // A dropped file is added to the open deployment once the user confirms.
     let before = harness.state().state.active().expect("open").deployment.control_points.len();
     send(&mut harness, DeploymentCommand::OpenPaths(vec![path]));
     click(&mut harness, "Use for warthog (simulated)");
@@ -251,7 +251,7 @@ fn a_folder_is_made_in_the_dialog_that_saves() {
     let prompt = &harness.state().state.dialogs.prompt.as_ref().expect("still asked").shown;
     assert_eq!(prompt.folder(), folder.path().join("results"));
     assert!(prompt.text.ends_with("warthog (simulated).tum"), "{}", prompt.text);
-    // Where one opens something there is nothing to make.
+    // A dialog for opening cannot create folders.
     send(&mut harness, DeploymentCommand::OpenFolderDialog);
     assert!(harness.query_by_label("New folder…").is_none());
 }

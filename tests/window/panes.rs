@@ -17,7 +17,7 @@ use crate::harness::{
 
 const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
 
-/// Draws a state in both themes, the first part in the dark and the second in the light, and checks its contents.
+/// Draws a state in both themes, the first region in the dark and the second in the light one, and checks its contents.
 fn both(
     name: &str,
     size: Vec2,
@@ -43,7 +43,7 @@ fn is_shown(harness: &Window, text: &str) -> bool {
     harness.query_all_by(|_| true).any(|node| {
         let node = node.accesskit_node();
         let texts = [node.label(), node.value()].into_iter().flatten();
-        // Numbers and units are kept together in long texts.
+        // Long texts have non-breaking spaces between numbers and units.
         texts.into_iter().any(|own| own.replace('\u{a0}', " ").contains(text))
     })
 }
@@ -56,7 +56,7 @@ fn calibration(harness: &Window) -> &Calibration {
     &analysis(harness).answer.as_ref().expect("an answer").calibration
 }
 
-/// The first reading that was rejected for its azimuth rate.
+/// Returns the first reading that was rejected for its azimuth rate.
 fn rejected(harness: &Window) -> Picked {
     let analysis = analysis(harness);
     let wanted = SampleFate::Rejected(OutlierReason::Azimuth);
@@ -80,7 +80,7 @@ fn inspect_explains_the_picked_reading() {
         assert_shown(harness, &format!("reading {} of {}", index + 1, readings.len()));
         assert_shown(harness, &format!("{:.4}", readings[index].range_m));
         assert_shown(harness, "rejected: azimuth rate");
-        // The rate that is too large, and the threshold that would keep the reading.
+        // The excessive rate, and the threshold that would keep the reading.
         assert_shown(harness, "τ_a 1  ✗");
         assert_shown(harness, "Set τ_a 1 → ");
     };
@@ -188,7 +188,7 @@ fn the_palette_and_the_sheet_of_shortcuts() {
         |harness| {
             let layouts = harness.query_all_by_label_contains("Layout").count();
             assert!(layouts >= LayoutPreset::ALL.len(), "{layouts} layouts");
-            // Only lines with what is typed are left.
+            // Only lines with the typed text are left.
             assert!(!is_shown(harness, "Method B:"));
         },
     );
@@ -222,12 +222,12 @@ fn paths_are_asked_for_in_the_window() {
             press(harness, Modifiers::COMMAND, Key::A);
             harness.event(Event::Text(format!("{}/", folder.display())));
             settle(harness);
-            // Its name is another each time: what is in it stays in sight without it.
+            // The name differs in each run: without it the content stays in view.
             press(harness, Modifiers::COMMAND, Key::A);
             press(harness, Modifiers::NONE, Key::Delete);
         },
         |harness| {
-            // Each file with its kind; text without any is no deployment.
+            // Each file with its kind; text without data is no deployment.
             for entry in ["2024-05-03/", "tracks.csv deployment", "notes.txt"] {
                 harness.get_by_label(entry);
             }
@@ -247,7 +247,7 @@ fn a_picture_of_the_scene_has_no_buttons() {
     assert!(harness.query_by_label("Colour by").is_some());
 }
 
-/// A tab can be dragged to be as small as a border lets it, and egui's own checks see widths below nothing.
+/// A tab can be dragged to any small size, where egui's own checks detect negative widths.
 #[test]
 fn a_pane_of_any_size_breaks_nothing() {
     let mut harness = window(SMALL, Theme::Dark);
@@ -285,7 +285,7 @@ fn each_pane_shows_numbers_of_the_analysis() {
         (Pane::Runs, "Run 1, good: warthog (simulated)".to_owned()),
         (Pane::Residuals, "distance errors 2–3 over time".to_owned()),
         (Pane::Histogram, "distribution of the errors 1–3".to_owned()),
-        (Pane::ControlPoints, format!("Come to control point P{}", point.marker)),
+        (Pane::ControlPoints, format!("Go to control point P{}", point.marker)),
         (Pane::Channels, "σ position over time".to_owned()),
         (Pane::Clocks, "clocks over time".to_owned()),
     ];

@@ -1,4 +1,4 @@
-//! A plan in the window: handles that are dragged, what is foreseen, what improves it, and that nothing of it is lost.
+//! A plan in the window: draggable handles, its prediction and its improvements, all of it saved.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Theme, Vec2};
@@ -53,8 +53,8 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
     settle(&mut harness);
     let (before, before_m) = (plan(&harness).clone(), far_end_m(&harness));
     assert!((0.0005..0.02).contains(&before_m), "{before_m}");
-    // The verdict beside it is good; whether it is good enough is another question.
-    harness.get_by_label_contains("mm at the far end misses the wanted 2.0\u{a0}mm");
+    // The verdict beside it is good, although the target is missed.
+    harness.get_by_label_contains("mm at the far end misses the 2.0\u{a0}mm target");
     harness.get_by_label("x of T12");
     snapshot_of(&mut harness, Part::Pane(Pane::PlanMap), "plan-dark");
 
@@ -66,7 +66,7 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
         (far_end_m(&harness) / before_m - 1.0).abs() > 0.01,
         "the prediction is of the old place"
     );
-    // However many frames it took, a drag is one step.
+    // A drag is one undo step, for any number of frames.
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(plan(&harness), &before);
     assert!((far_end_m(&harness) - before_m).abs() < 1e-12);
@@ -111,7 +111,7 @@ fn pieces_are_added_chosen_and_removed() {
     click(&mut harness, "middle of the loop");
     click(&mut harness, "Remove");
     assert_eq!(plan(&harness), &before);
-    // A way needs its last places.
+    // A path needs its last points.
     click(&mut harness, "station 1");
     assert!(harness.get_by_label("Remove").accesskit_node().is_disabled());
 }
@@ -140,7 +140,7 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     let driven = plan(&harness).clone();
     let stations = driven.stations_m.map(|at| at.norm());
     assert!(stations[0] < 1e-9 && stations[1] > 4.0 && stations[2] > 4.0, "{stations:?}");
-    // About as well as the drive was known indeed.
+    // About as accurate as the actual drive.
     let found = far_end_m(&harness);
     assert!((0.0003..0.01).contains(&found), "{found}");
     let session = harness.state().state.session();
@@ -164,7 +164,7 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     harness.get_by_label_contains("tunnel.toml:1");
 }
 
-/// Clicked on the ground, nothing is chosen; the pane takes no focus from what is typed elsewhere.
+/// A click on the ground selects nothing; the pane takes no focus from typing elsewhere.
 #[test]
 fn a_straight_line_is_said_to_leave_directions_free() {
     let mut harness = window(LARGE, Theme::Dark);
@@ -174,5 +174,5 @@ fn a_straight_line_is_said_to_leave_directions_free() {
         foreseen(&harness).held.is_none()
             || foreseen(&harness).verdict > resect_core::calibration::Verdict::Weak
     );
-    harness.get_by_label_contains("leaves free");
+    harness.get_by_label_contains("unobservable with this drive");
 }

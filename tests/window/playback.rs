@@ -1,4 +1,4 @@
-//! Playing in the scene: the rig at the time cursor or its ghosts, the trail behind it, and the camera that goes with it.
+//! Playback in the scene: the rig at the time cursor or its ghosts, the trail behind it, and the camera that follows it.
 
 use egui::accesskit::Role;
 use egui::{Context, Event, Key, Modifiers, PointerButton, Theme, Vec2};
@@ -28,12 +28,12 @@ fn camera(harness: &Window) -> Camera {
     harness.state().state.scene.view.camera
 }
 
-/// Lets the camera arrive.
+/// Runs frames until the camera has arrived.
 fn arrive(harness: &mut Window) {
     harness.run_steps(200);
 }
 
-/// The longest time without triplets (s).
+/// Returns start and end of the longest time without triplets (s).
 fn gap_s(harness: &Window) -> [f64; 2] {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let times_s = &analysis.triplets().time_s;
@@ -41,7 +41,7 @@ fn gap_s(harness: &Window) -> [f64; 2] {
     gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0]))).expect("triplets")
 }
 
-/// A triplet's prism 1 (m, in station 1's frame), which is half a metre from the middle of the rig.
+/// Returns prism 1 of a triplet (m, station 1's frame), which is half a metre from the middle of the rig.
 fn prism_m(harness: &Window, time_s: f64) -> Vector3<f32> {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let index = analysis.triplets().nearest(time_s).expect("a triplet");
@@ -62,7 +62,7 @@ fn drag(harness: &mut Window, button: PointerButton, by: Vec2) {
     settle(harness);
 }
 
-/// The camera with the rig in the middle, at the last triplet before the longest gap.
+/// Returns a window whose camera follows the rig, at the last triplet before the longest gap.
 fn following() -> Window {
     let mut harness = window(LARGE, Theme::Dark);
     let [gap_start_s, _] = gap_s(&harness);
@@ -105,7 +105,7 @@ fn the_camera_goes_with_the_rig_and_only_turns_and_zooms_beside() {
     assert!(follows(&harness) && camera(&harness).parallel);
     assert_eq!(camera(&harness).distance_m, near.distance_m);
 
-    // Behind the gap the rig is elsewhere: the camera glides there.
+    // After the gap the rig is elsewhere: the camera glides there.
     harness.state_mut().state.handle(TimeCommand::MoveCursor(gap_end_s), &Context::default());
     let mut last_m = camera(&harness).target_m;
     let whole_m = (prism_m(&harness, gap_end_s) - last_m).norm();

@@ -14,7 +14,7 @@ use resect_core::simulation::{Preset, simulate_scenario};
 
 use crate::harness::{LARGE, Window, double_click, open, send, set, settle, shown, triplets};
 
-/// With a pane in front.
+/// Returns a window with a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
     let mut harness = crate::harness::window(size, theme);
     send(&mut harness, WorkspaceCommand::ShowPane(pane));
@@ -25,7 +25,7 @@ fn thresholds(harness: &Window) -> Thresholds {
     harness.state().state.settings().pipeline.thresholds
 }
 
-/// The window of time, since the first measurement.
+/// Returns the shown span of time (s since the first measurement).
 fn window_s(harness: &Window) -> [f64; 2] {
     let open = shown(harness);
     open.timeline.window_s.map(|t| t - open.start_s())
@@ -84,19 +84,19 @@ fn a_threshold_is_set_by_dragging_its_line() {
     let mut harness = window(LARGE, Theme::Dark, Pane::Rates);
     let before = triplets(&harness);
     let at = rect(&harness, "τ_r line").center();
-    // Down to where the vehicle drives.
+    // Down to the rates of the drive.
     drag(&mut harness, at, at + Vec2::new(0.0, 14.0), PointerButton::Primary);
     let set = thresholds(&harness);
     assert!((0.2..1.0).contains(&set.tau_r_m_per_s), "{set:?}");
     assert_eq!([set.tau_a_deg_per_s, set.tau_e_deg_per_s], [1.0, 1.0]);
     assert!(triplets(&harness) < before);
-    // The plot says what the pipeline did, and nothing was selected.
+    // The plot agrees with the pipeline, and the drag selected nothing.
     let (open, analysis) = harness.state().state.analysed().expect("an answer");
     let fate = SampleFate::Rejected(OutlierReason::Range);
     let [a, b, c] = [0, 1, 2].map(|station| analysis.pipeline.count(station, fate));
     assert!(a > 100 && open.timeline.selection_s.is_none());
     harness.get_by_label_contains(&format!("rejects {a} / {b} / {c} of"));
-    // The line is where it was dropped, and a click with the right button brings the paper's value back.
+    // The line is at its new position, and a click with the right button restores the paper's value.
     let line = rect(&harness, "τ_r line");
     assert!((line.center().y - at.y - 14.0).abs() < 3.0, "{line} {at}");
     harness.get_by_label("τ_r line").click_secondary();
@@ -158,12 +158,12 @@ fn zoom_in_one_plot_is_zoom_in_all() {
         moved[0] > from + 5.0 && ((moved[1] - moved[0]) - (to - from)).abs() < 1e-5,
         "{moved:?}"
     );
-    // So it does with the right button.
+    // The same with the right button.
     drag(&mut harness, quarter, quarter + Vec2::new(100.0, 0.0), PointerButton::Secondary);
     let expected = moved[0] - 100.0 * (to - from) / f64::from(frame.width());
     assert!((window_s(&harness)[0] - expected).abs() < 0.5, "{:?} {expected}", window_s(&harness));
     assert!(shown(&harness).timeline.selection_s.is_none());
-    // The other plots show the same; a double click there shows all again.
+    // The other plots show the same window; a double click there shows everything again.
     let zoomed = window_s(&harness);
     for (pane, name) in [
         (Pane::Intervals, "readings, silences and intervals over time"),
@@ -235,7 +235,7 @@ fn a_click_on_a_reading_picks_it() {
             "readings, silences and intervals over time"
         };
         let frame = rect(&harness, name);
-        // Its rate is somewhere above its time.
+        // The rate is somewhere above its time.
         for step in 1..8 {
             if shown(&harness).timeline.picked.is_some() {
                 break;
@@ -265,7 +265,7 @@ fn gaps_and_lengths_are_set_where_they_are_seen() {
     harness.get_by_label("τ_s line").click_secondary();
     settle(&mut harness);
     assert_eq!(intervals(&harness), before);
-    // The bar of τ_l is as long as six seconds of the chart; twice as long are twelve.
+    // The bar of τ_l is as long as six seconds of the chart; twice the length is twelve.
     let start_s = shown(&harness).start_s();
     send(&mut harness, TimeCommand::ShowTimes([start_s, start_s + 60.0]));
     let bar = rect(&harness, "τ_l bar");
@@ -324,7 +324,7 @@ fn each_pair_has_a_strip_of_its_own_and_all_have_one_time_axis() {
         assert_eq!(pair[0].x_range(), pair[1].x_range());
         assert!((pair[0].height() - pair[1].height()).abs() < 1.0, "{pair:?}");
     }
-    // A pair that is hidden leaves its room to the others.
+    // A hidden pair leaves its room to the others.
     let mut visibility = harness.state().state.scene.visibility;
     visibility.pairs = [true, false, true];
     send(&mut harness, SceneCommand::Show(visibility));
@@ -360,12 +360,12 @@ fn times_are_read_as_the_user_chooses() {
     let units = harness.state().state.workspace.units;
     send(&mut harness, WorkspaceCommand::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
     harness.get_by_label_contains(&format!("/ {seconds}"));
-    // The sample's stamps are of the Unix epoch.
+    // The sample's stamps are relative to the Unix epoch.
     let day_s = 86_400.0;
     let utc = |time_s: f64| ((time_s % day_s) / 3600.0) as u32;
     send(&mut harness, WorkspaceCommand::SetUnits(Units { time: TimeUnit::Utc, ..units }));
     harness.get_by_label_contains(&format!("/ {:02}:", utc(end_s)));
-    // Stamps that begin at zero tell no time of day: the menu says so, and a choice made before counts from the start.
+    // Stamps that begin at zero have no time of day: the menu says so, and an earlier choice falls back to time from the start.
     let mut deployment = (*shown(&harness).deployment).clone();
     for track in &mut deployment.tracks {
         track.measurements.iter_mut().for_each(|reading| reading.time_s -= start_s);
@@ -390,7 +390,7 @@ fn what_is_selected_is_counted_beside_all() {
     let [from_s, to_s] = shown(&harness).timeline.whole_s;
     send(&mut harness, TimeCommand::Select(Some([from_s, (from_s + to_s) / 2.0])));
     let first = harness.get_all_by_label_contains("selected: median").count();
-    // All pairs and each, in the histogram and, but for all, beside the errors over time.
+    // All pairs and each, in the histogram and, except for all, beside the errors over time.
     assert_eq!(first, 7);
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let all = analysis.answer.as_ref().expect("an answer").evaluation.inter_prism_mm;
@@ -407,7 +407,7 @@ fn count_shapes(shape: &egui::Shape) -> usize {
     }
 }
 
-/// How many shapes a frame is, with each plot over time in front.
+/// Returns the number of shapes in a frame, with each plot over time in front.
 fn shapes_by_pane(harness: &mut Window) -> Vec<(Pane, usize)> {
     let panes = [Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Channels].into_iter();
     panes
@@ -419,7 +419,7 @@ fn shapes_by_pane(harness: &mut Window) -> Vec<(Pane, usize)> {
         .collect()
 }
 
-/// Each shape costs a frame's time: a rectangle for each of 4587 intervals was once a third of it.
+/// Each shape costs frame time: a rectangle for each of 4587 intervals was once a third of it.
 #[test]
 fn a_long_drive_is_hardly_more_shapes_than_a_short_one() {
     let mut harness = crate::harness::window(LARGE, Theme::Dark);

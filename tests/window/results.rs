@@ -1,5 +1,4 @@
-//! Results in the window, driven by the names of the widgets: copying, pinning, the history of runs, and the reading
-//! that was picked.
+//! Results in the window, driven by the names of the widgets: copying, pinning, the history of runs, and the picked reading.
 
 use egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -15,7 +14,7 @@ use crate::harness::{
     window,
 };
 
-/// Clicks an entry of the Copy menu and gives what reached the clipboard.
+/// Clicks an entry of the Copy menu and returns the clipboard's text.
 fn copy(harness: &mut Window, entry: &str) -> String {
     harness.get_by_label("Copy…").click();
     harness.run_steps(3);
@@ -42,7 +41,7 @@ fn the_copy_menu_gives_each_form() {
     let ros = copy(&mut harness, "ROS 2 static_transform_publisher");
     assert!(ros.contains("--child-frame-id station2") && ros.contains("station3"), "{ros}");
 
-    // One transform alone: the menu stays open while it is chosen, and remembers it.
+    // One transform alone: the menu stays open while it is chosen, and remembers the choice.
     harness.get_by_label("Copy…").click();
     harness.run_steps(3);
     harness.get_by_role_and_label(Role::Button, "T13").click();
@@ -60,11 +59,11 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         (SMALL, Theme::Light, "against-pinned-small-light"),
     ] {
         let mut harness = window(size, theme);
-        assert!(harness.query_by_label("Against pinned E").is_none());
+        assert!(harness.query_by_label("Compared with pinned result E").is_none());
         click(&mut harness, "Pin");
         assert_eq!(harness.state().state.results.pins.len(), 1);
         assert!(harness.query_by_label("This is the pinned result.").is_some());
-        // What is pinned cannot be pinned again.
+        // A pinned result cannot be pinned again.
         click(&mut harness, "Pin");
         assert_eq!(harness.state().state.results.pins.len(), 1);
 
@@ -82,7 +81,7 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
 
         click(&mut harness, "Unpin E");
         assert!(harness.state().state.results.pins.is_empty());
-        assert!(harness.query_by_label("Against pinned E").is_none());
+        assert!(harness.query_by_label("Compared with pinned result E").is_none());
     }
 }
 
@@ -94,17 +93,17 @@ fn the_papers_answer_is_one_click_away_and_the_joint_estimate_one_back() {
         analysis.answer.as_ref().expect("an answer").calibration.method
     };
     assert_eq!(method(&harness), Method::Joint);
-    assert!(harness.query_by_label("The paper's D: moved by").is_some());
+    assert!(harness.query_by_label("Difference from the paper's D").is_some());
 
     click(&mut harness, "Show the paper's D");
     assert_eq!(method(&harness), Method::InterPrism);
-    assert!(harness.query_by_label("The paper's D: moved by").is_none());
+    assert!(harness.query_by_label("Difference from the paper's D").is_none());
 
     click(&mut harness, "Reset to the defaults");
     assert_eq!(method(&harness), Method::Joint);
 }
 
-/// Whoever looks in time sees the paper's answer, and that it is not the last.
+/// The paper's calibration is visible first, marked as preliminary.
 #[test]
 fn the_joint_estimate_is_said_to_follow() {
     let mut harness = window(LARGE, Theme::Dark);
@@ -139,7 +138,7 @@ fn the_result_follows_the_units() {
     send(&mut harness, WorkspaceCommand::SetUnits(units));
     assert!(has(&harness, " gon") && !has(&harness, " rad"));
     let summary = harness.state().state.active().and_then(|o| o.summary.clone()).expect("one");
-    // As many decimals as σ has, which has two digits.
+    // As many decimals as σ, which has two digits.
     let sigma_mm = summary.stations[0].sigma.expect("held")[0] * 1e3;
     assert!((0.995..9.95).contains(&sigma_mm), "{sigma_mm}");
     let x = format!("{:.1} ", summary.stations[0].translation_m[0] * 1e3);
@@ -196,7 +195,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
 #[test]
 fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     let mut harness = window(LARGE, Theme::Dark);
-    // A change makes the sample the user's own; untouched it would give way.
+    // A change makes the sample the user's own; an unchanged sample would be replaced.
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     click(&mut harness, "Pin");
     let deployment =
@@ -207,7 +206,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     let text = copy(&mut harness, "x y z qx qy qz qw");
     assert!(text.contains("WARNING: verdict DEGENERATE"), "{text}");
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "other-data-dark");
-    // Runs of several deployments name their own.
+    // Runs of several deployments have the deployments' names.
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Runs));
     let first = harness.get_by_role_and_label(Role::Button, "Run 1, good: warthog (simulated)");
     first.click();
@@ -215,7 +214,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     assert_eq!(harness.state().state.settings().pipeline.rate_hz, 10.0);
 }
 
-/// The first reading with this fate.
+/// Returns the first reading with this fate.
 fn find(harness: &Window, wanted: SampleFate) -> Picked {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     (0..3)
@@ -267,7 +266,7 @@ fn every_fate_has_its_explanation_in_the_pane() {
         for (fate, words) in [
             (SampleFate::Kept, "Kept: "),
             (SampleFate::InNoInterval, "In no interval: "),
-            (SampleFate::IntervalTooShort, "and τ_l asks for more than"),
+            (SampleFate::IntervalTooShort, "τ_l requires more than"),
         ] {
             let picked = find(&harness, fate);
             send(&mut harness, TimeCommand::PickInScene(picked));
@@ -302,16 +301,16 @@ fn a_calibration_that_is_stopped_leaves_the_answer_and_its_settings() {
 fn what_was_estimated_besides_stands_in_a_table_and_not_in_sentences() {
     let mut harness = window(LARGE, Theme::Dark);
     assert!(harness.query_by_label_contains("stamps are").is_none());
-    harness.get_by_label_contains("Estimated besides").click_accesskit();
+    harness.get_by_label_contains("Other estimates").click_accesskit();
     settle(&mut harness);
     for row in ["station 3", "prisms 1–2", "  clock offset", "  range offset", "  collimation"] {
         assert!(harness.query_all_by_label(row).next().is_some(), "{row}");
     }
-    harness.get_by_label("What σ comes from").click_accesskit();
+    harness.get_by_label("Sources of σ").click_accesskit();
     settle(&mut harness);
     assert!(harness.query_by_label("σ of T13").is_some());
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "extras-dark");
-    // The pane of findings tells all in words.
+    // The findings pane has all of them in words.
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Findings));
     assert!(harness.query_all_by_label_contains("stamps are").next().is_some());
 }

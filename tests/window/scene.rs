@@ -22,17 +22,17 @@ fn click_at(harness: &mut Window, at: Pos2) {
     harness.run_steps(2);
 }
 
-/// The picture, above the strip.
+/// Returns the rectangle of the picture, above the strip.
 pub fn picture(harness: &Window) -> Rect {
     harness.get_by_role_and_label(Role::Image, "Scene").rect()
 }
 
-/// Somewhere in the scene where nothing is.
+/// Returns an empty position in the scene.
 fn empty(harness: &Window) -> Pos2 {
     picture(harness).right_bottom() - Vec2::splat(8.0)
 }
 
-/// Where a reading is seen, if it is in the picture.
+/// Returns the screen position of a reading; `None` outside of the picture.
 pub fn seen(harness: &Window, picked: Picked) -> Option<Pos2> {
     let (open, analysis) = harness.state().state.analysed().expect("an answer");
     let place_m = picked.place_m(&open.deployment, analysis).expect("placed").cast::<f32>();
@@ -43,7 +43,7 @@ pub fn seen(harness: &Window, picked: Picked) -> Option<Pos2> {
     Some(rect.center() + at).filter(|at| rect.contains(*at))
 }
 
-/// The first place from a reading of station 1 on where something is under the pointer, other than at some time.
+/// Returns the first position, from a reading of station 1 on, with an item under the pointer whose time is not `not_s`.
 fn find(harness: &mut Window, from: usize, not_s: Option<f64>) -> (Pos2, f64) {
     for index in (from..900).step_by(10) {
         let Some(at) = seen(harness, Picked { station: 0, index }) else { continue };
@@ -57,7 +57,7 @@ fn find(harness: &mut Window, from: usize, not_s: Option<f64>) -> (Pos2, f64) {
     panic!("nothing under the pointer from reading {from} on");
 }
 
-/// Pixels that differ in the middle of the scene, without its legend and its buttons.
+/// Counts the pixels that differ in the middle of the scene, without its legend and its buttons.
 fn differing(scene: Rect, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
     let top = scene.top() + 0.3 * scene.height();
     let middle = Rect::from_min_max(Pos2::new(scene.left(), top), scene.max - Vec2::splat(20.0));
@@ -67,7 +67,7 @@ fn differing(scene: Rect, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
         .count()
 }
 
-/// Every two of these pictures differ in the scene.
+/// Asserts that every two of these pictures differ in the scene.
 #[track_caller]
 fn assert_all_differ(scene: Rect, pictures: &[(String, image::RgbaImage)]) {
     for (index, (one, picture)) in pictures.iter().enumerate() {
@@ -103,7 +103,7 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     harness.hover_at(at);
     harness.run_steps(2);
     assert_eq!(harness.state().state.time.hover_s, None);
-    // Of tracks alone a click moves the cursor, and picks nothing.
+    // With tracks alone a click moves the cursor, and picks nothing.
     visibility.tracks = true;
     send(&mut harness, SceneCommand::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
@@ -178,7 +178,7 @@ fn stations_can_be_stood_at() {
         pictures.push((name.to_owned(), harness.render().expect("a picture")));
     }
     assert_all_differ(scene, &pictures);
-    // The palette's command is the button's.
+    // The palette's command equals the button's.
     send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     send(&mut harness, SceneCommand::Look(ViewPreset::Top));
     let (_, top) = &pictures[pictures.len() - 1];
@@ -194,7 +194,7 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
     harness.run_steps(4);
     let near = harness.render().expect("a picture");
     assert!(differing(scene, &before, &near) > 1000);
-    // It has arrived, and asks for no more frames.
+    // The camera has arrived, and requests no more frames.
     harness.run_steps(2);
     assert_eq!(differing(scene, &near, &harness.render().expect("a picture")), 0);
 }
@@ -236,7 +236,7 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
         prism: Some(prism),
     };
     let ruler = Ruler { active: true, ends: vec![end(0), end(1)] };
-    // Near enough to see that it moves.
+    // Near enough for the motion to be visible.
     send(&mut harness, TimeCommand::PickInPlot(Picked { station: 0, index: 500 }));
     harness.run_steps(4);
     send(&mut harness, SceneCommand::Measure(ruler));

@@ -1,4 +1,4 @@
-//! What the legend hides, what the strip says of it, and what the camera makes of it.
+//! Effects of the legend's switches on the scene, the strip and the camera.
 
 use egui::accesskit::Role;
 use egui::{Theme, Vec2};
@@ -14,7 +14,7 @@ fn visibility(harness: &Window) -> Visibility {
     harness.state().state.scene.visibility
 }
 
-/// Whether the strip under the scene says this.
+/// Returns true if the strip under the scene has this text.
 fn says(harness: &Window, text: &str) -> bool {
     harness
         .query_all_by_role(Role::Status)
@@ -58,7 +58,7 @@ fn a_click_on_a_row_hides_what_it_names_and_the_strip_says_so() {
     click(&mut harness, "Show everything");
     assert_eq!(visibility(&harness), Visibility::default());
     assert!(!says(&harness, "hidden"));
-    // Once more, to take it back by the same click.
+    // Twice, so that the second click reverts the first.
     click(&mut harness, "Show readings: in no interval");
     click(&mut harness, "Show readings: in no interval");
     assert_eq!(visibility(&harness), Visibility::default());
@@ -69,7 +69,7 @@ fn fit_looks_at_what_is_shown() {
     let mut harness = window(LARGE, Theme::Dark);
     let camera = |harness: &Window| harness.state().state.scene.view.camera;
     let all = camera(&harness);
-    // The stations stand within a few metres of each other, far from the drive.
+    // The stations are within a few metres of each other, far from the drive.
     let hidden =
         Visibility { raw: false, tracks: false, control_points: false, ..Visibility::default() };
     send(&mut harness, SceneCommand::Show(hidden));
@@ -82,7 +82,7 @@ fn fit_looks_at_what_is_shown() {
     send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     let again = camera(&harness);
     assert!((again.distance_m - all.distance_m).abs() < 1e-2 * all.distance_m);
-    // An open legend takes room from the picture: what is fitted in is smaller beside it.
+    // An open legend takes room from the picture: the fitted content is smaller beside it.
     click(&mut harness, "Legend");
     assert!(camera(&harness).distance_m < 0.99 * all.distance_m);
 }
@@ -117,7 +117,9 @@ fn the_strip_is_as_high_whatever_it_says() {
             &mut harness,
             SceneCommand::Measure(resect::app::Ruler { active: true, ends: vec![] }),
         );
-        assert!(says(&harness, "ruler: click its first end") && says(&harness, "hidden: readings"));
+        assert!(
+            says(&harness, "ruler: click the first point") && says(&harness, "hidden: readings")
+        );
         assert_eq!(picture(&harness), before);
     }
 }

@@ -1,4 +1,4 @@
-//! How the scene is looked at: from the sides, near and far, and back.
+//! Views of the scene: from the sides, near and far, and back.
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
@@ -38,7 +38,7 @@ fn readings_are_found_where_they_are_drawn_from_every_side_and_however_high() {
             harness.run_steps(2);
             found += usize::from(harness.state().state.time.hover_s.is_some());
         }
-        // A few lie under the legend, or were thrown far away.
+        // A few are under the legend, or are distant outliers.
         assert!(found >= 14, "{preset:?} ×{height_scale}: {found}");
     }
     assert!(strip(&harness).contains("heights drawn ×5"));
@@ -63,7 +63,7 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     let (open, analysis) = harness.state().state.analysed().expect("an answer");
     let place_m = picked.place_m(&open.deployment, analysis).expect("placed");
     assert!((near.target_m.cast::<f64>() - place_m).norm() < 3.0, "{near:?} {place_m}");
-    // The picked reading can be come to without a mouse.
+    // The camera can go to the picked reading without a mouse.
     send(&mut harness, TimeCommand::PickInPlot(picked));
     send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     press(&mut harness, Modifiers::NONE, Key::G);
@@ -81,7 +81,7 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     assert!((camera(&harness).distance_m - all.distance_m).abs() < 0.05 * all.distance_m);
 }
 
-/// What the strip says of the grid.
+/// Returns the strip's text on the grid.
 fn grid(harness: &Window) -> String {
     let strip = strip(harness);
     let grid = strip.split(" · ").find(|item| item.starts_with("grid "));
@@ -126,7 +126,7 @@ fn under_the_pointer_the_strip_says_what_has_no_room_and_nothing_else() {
         harness.hover_at(at);
         harness.run_steps(8);
         let count = |words: &str| harness.query_all_by_label_contains(words).count();
-        // The strip itself tells screen readers all of it.
+        // The strip itself has the whole text for screen readers.
         ["ellipsoids ×100", "frame of station 1"].map(|words| count(words) - 1)
     };
     assert_eq!(said(SMALL), [0, 1]);
@@ -147,6 +147,6 @@ fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() 
     assert_ne!(with, harness.render().expect("a picture"));
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::ControlPoints));
     let far = harness.state().state.scene.view.camera;
-    click(&mut harness, &format!("Come to control point P{marker}"));
+    click(&mut harness, &format!("Go to control point P{marker}"));
     assert!(harness.state().state.scene.view.camera.distance_m < far.distance_m);
 }

@@ -1,4 +1,4 @@
-//! The window as pictures.
+//! Pictures of the window.
 
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
@@ -144,7 +144,7 @@ fn a_click_in_the_residuals_moves_the_cursor() {
     assert!((after - expected).abs() < 2.0, "{before} {after} {expected}");
 }
 
-/// A file as the window system hands it over.
+/// A file as the window system passes it.
 #[derive(Debug)]
 struct Dropped(std::path::PathBuf);
 
@@ -179,7 +179,7 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
     let again = harness.render().expect("a picture");
-    // Inside the scene, away from the switch that was clicked.
+    // Inside the scene, away from the clicked switch.
     let differ = |a: &image::RgbaImage, b: &image::RgbaImage| {
         a.enumerate_pixels()
             .filter(|(x, y, _)| (300..740).contains(x) && (230..480).contains(y))
@@ -259,7 +259,7 @@ fn each_open_deployment_keeps_its_settings() {
         (SMALL, Theme::Light, "side-by-side-small-light"),
     ] {
         let mut harness = window(size, theme);
-        // A change makes the sample the user's own; untouched it would give way.
+        // A change makes the sample the user's own; an unchanged sample would be replaced.
         set(&mut harness, |s| s.calibration.method = Some(Method::StaticGcp));
         open_sample(&mut harness, Sample::Hd2Tunnel);
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
@@ -277,8 +277,8 @@ fn each_open_deployment_keeps_its_settings() {
         let settings = *harness.state().state.settings();
         assert_eq!(settings.calibration.method, Some(Method::StaticGcp));
         assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 6.0);
-        // Wherever it has been scrolled to.
-        harness.get_by_label("Give all the active one's settings").click_accesskit();
+        // At any scroll position.
+        harness.get_by_label("Copy these settings to all runs").click_accesskit();
         settle(&mut harness);
         assert!(
             harness.state().state.deployments.open.iter().all(|open| open.settings == settings)
@@ -358,7 +358,7 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         assert_eq!(method, expected);
         let pane = if theme == Theme::Dark { Pane::Pipeline } else { Pane::Result };
         snapshot_of(&mut harness, Part::Pane(pane), name);
-        // A click on what is disabled changes nothing.
+        // A click on a disabled widget changes nothing.
         let refused = if theme == Theme::Dark {
             "D  inter-prism distances"
         } else {
@@ -371,7 +371,7 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
     }
 }
 
-/// Tall enough for the whole result: what the drive holds, and how the errors go together.
+/// Tall enough for the whole result with the observability of the drive and the correlations of the errors.
 #[test]
 fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
     for (preset, theme, size, name) in [
@@ -388,13 +388,13 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
         }
         let pane = if size == SMALL { Pane::Scene } else { Pane::Result };
         snapshot_of(&mut harness, Part::Pane(pane), name);
-        // Without the arrows the scene is another picture.
+        // Without the arrows the picture differs.
         let shown = harness.render().expect("a picture");
         harness.get_by_label("weak directions").click();
         settle(&mut harness);
         assert!(!harness.state().state.scene.visibility.weak_directions);
         let hidden = harness.render().expect("a picture");
-        // Under the legend, where the stations are.
+        // Below the legend, where the stations are.
         let bottom = (0.66 * size.y) as u32;
         let scene = |x: u32, y: u32| (300..740).contains(&x) && (240..bottom).contains(&y);
         let differ = (shown.enumerate_pixels())

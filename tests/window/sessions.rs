@@ -1,4 +1,4 @@
-//! The window through crashes and session files: what was open comes back, and nothing of it is lost.
+//! The window through crashes and session files: the session is restored, and nothing of it is lost.
 
 use resect_core::deployment::FindingKind;
 use std::path::{Path, PathBuf};
@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
+use resect::app::saved_state::SavedState;
 use resect::app::{
     Colouring, DeploymentCommand, LayoutPreset, Pane, ResultsCommand, SceneCommand, SessionCommand,
     Start, TimeCommand, WorkspaceCommand,
@@ -21,11 +21,11 @@ use resect_io::source::Source;
 
 use crate::harness::{SMALL, Window, send, settle, window_from};
 
-/// A window that keeps its session in this folder, or keeps none.
+/// Returns a window that saves its session in this folder, or does not save it.
 fn window(start: &Start, kept_in: Option<&Path>) -> Window {
     // Saves in every frame, so that no test has to wait.
     let keeping = kept_in
-        .map(|folder| Keeping::start(&Folders::inside(folder)).every(std::time::Duration::ZERO));
+        .map(|folder| SavedState::start(&Folders::inside(folder)).every(std::time::Duration::ZERO));
     let mut harness = window_from(SMALL, Theme::Dark, start, keeping);
     // A session opens its deployments, and then calibrates them.
     settle(&mut harness);
@@ -43,7 +43,7 @@ fn names(harness: &Window) -> Vec<String> {
     harness.state().state.deployments.open.iter().map(|open| open.deployment.name.clone()).collect()
 }
 
-/// Two deployments, the first of which is shown, tuned, pinned and looked at.
+/// Opens two deployments; the first is shown, with changed settings, a pinned result and a changed view.
 fn prepare(harness: &mut Window, path: &Path) -> Settings {
     send(harness, DeploymentCommand::OpenPaths(vec![path.to_owned()]));
     send(harness, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
@@ -85,7 +85,7 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     let mut harness = window(&sample, kept);
     let settings = prepare(&mut harness, &path);
     let expected = names(&harness);
-    // Dropped without its exit being told, as by a crash.
+    // Dropped without an exit, as by a crash.
     drop(harness);
 
     let mut harness = window(&sample, kept);
@@ -119,7 +119,7 @@ fn what_a_crash_left_can_be_discarded_and_that_taken_back() {
     drop(harness);
 
     let mut harness = window(&sample, kept);
-    // It is no news that goes by itself.
+    // The message does not disappear by itself.
     harness.run_steps(200);
     harness.get_by_label("Discard").click();
     settle(&mut harness);
@@ -168,7 +168,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     assert_is_back(&harness, &expected, settings);
     drop(harness);
 
-    // A changed file is named among the findings.
+    // A finding names a changed file.
     let tracks = path.join("inter_prism.csv");
     let text = std::fs::read_to_string(&tracks).expect("simulated");
     let shorter = text.trim_end().rsplit_once('\n').expect("lines").0;
@@ -178,7 +178,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
     drop(harness);
 
-    // A deployment that is not there stays in the session, through a save, until it is there again.
+    // A missing deployment stays in the session, through a save, until it is available again.
     let away = folder.path().join("away");
     std::fs::rename(&path, &away).expect("moved");
     let harness = window(&start, None);
@@ -200,7 +200,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     assert_eq!(names(&harness).len(), 2, "nothing is missing any more");
 }
 
-/// A window in this folder that dies with a deployment open; what it had open.
+/// Crashes a window in this folder with a deployment open; returns its session's names.
 fn die_with(folder: &Path, path: &Path) -> Vec<String> {
     let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder));
     send(&mut harness, DeploymentCommand::OpenPaths(vec![path.to_owned()]));
@@ -227,7 +227,7 @@ fn what_a_dead_window_had_open_waits_while_the_user_asks_for_something_else() {
         let mut harness = window(&start, kept);
         assert_eq!(names(&harness), std::slice::from_ref(&tunnel.name));
         let said = warnings(&harness);
-        assert!(said.contains("comes back when resect is started without a path"), "{said}");
+        assert!(said.contains("start resect without a path"), "{said}");
         eframe::App::on_exit(harness.state_mut());
     }
     assert_eq!(names(&window(&Start::Sample(Sample::Warthog), kept)), before);
@@ -243,7 +243,7 @@ fn what_was_open_at_a_clean_exit_can_be_opened_again() {
     let has_entry = |harness: &mut Window| {
         harness.get_by_label("File").click();
         harness.run_steps(2);
-        let has = harness.query_by_label("Reopen what was open last").is_some();
+        let has = harness.query_by_label("Reopen the last session").is_some();
         harness.get_by_label("File").click();
         harness.run_steps(2);
         has
@@ -254,7 +254,7 @@ fn what_was_open_at_a_clean_exit_can_be_opened_again() {
     eframe::App::on_exit(harness.state_mut());
     drop(harness);
 
-    // One that shows only the sample leaves it as it is.
+    // A window that shows only the sample does not change the saved session.
     let mut harness = window(&sample, kept);
     eframe::App::on_exit(harness.state_mut());
     drop(harness);
@@ -288,7 +288,7 @@ fn what_a_session_takes_the_place_of_can_be_opened_again() {
     assert!(state.results.runs.iter().all(here), "no run of what is gone");
     send(&mut harness, SessionCommand::ReopenLast);
     assert_is_back(&harness, &expected, settings);
-    // And back again.
+    // Reopening again restores the other session.
     send(&mut harness, SessionCommand::ReopenLast);
     assert_eq!(names(&harness), other);
 }

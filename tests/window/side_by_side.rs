@@ -1,4 +1,4 @@
-//! Results beside each other: open deployments and pinned results, what differs, and what cannot be compared.
+//! Comparison of results: open deployments and pinned results, their differences, and incomparable ones.
 
 use egui::Theme;
 use egui::accesskit::Role;
@@ -12,7 +12,7 @@ use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, send, set, settings, snapshot_of, window,
 };
 
-/// The sample's joint estimate, pinned, with the answer of method D beside it.
+/// Returns a window with the sample's pinned joint estimate, beside method D.
 fn pinned(size: egui::Vec2, theme: Theme) -> Window {
     let mut harness = window(size, theme);
     click(&mut harness, "Pin");
@@ -32,7 +32,7 @@ fn a_pinned_result_stands_beside_the_present_one_with_what_differs() {
     ] {
         let mut harness = pinned(size, theme);
         assert!(harness.query_by_label("Pinned E").is_some());
-        // Eight numbers of the transforms, in their units and in σ.
+        // Eight parameters of the transforms, in their units and in σ.
         let told = |unit| harness.query_all_by_label_contains(unit).count();
         assert!(told(" mm (") >= 6 && told(" mrad (") >= 2, "{name}");
         snapshot_of(&mut harness, Part::Pane(Pane::SideBySide), name);

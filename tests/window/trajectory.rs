@@ -1,4 +1,4 @@
-//! The vehicle's own trajectory, and those of other systems that are dropped on the window.
+//! The vehicle's own trajectory, and dropped trajectories of other systems.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use resect::app::{
     Visibility, WorkspaceCommand,
 };
 use resect_core::calibration::Method;
-use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 use resect_core::evaluation::trajectory::Trajectory;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
 use resect_core::simulation::{Preset, simulate};
@@ -30,7 +30,7 @@ use crate::harness::{
     type_and_enter_at_once, window,
 };
 
-/// The ground truth of what is open, ten poses a second.
+/// Returns the ground truth of the open deployment, ten poses a second.
 fn own(harness: &Window) -> Trajectory {
     let open = shown(harness);
     let analysis = open.analysis.as_ref().expect("analysed");
@@ -44,7 +44,7 @@ fn own(harness: &Window) -> Trajectory {
         .0
 }
 
-/// Writes it as another system would have it: noisy, and far off for five seconds in the middle.
+/// Writes it in the form of another system's estimate: noisy, and with a large error for five seconds in the middle.
 fn write_slam(harness: &Window, folder: &Path, name: &str, noise_m: f64, jump_m: f64) -> PathBuf {
     let mut rng = ChaCha8Rng::seed_from_u64(name.len() as u64);
     let poses = own(harness).poses;
@@ -88,13 +88,13 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     for channel in all.channels() {
         harness.get_by_label(&format!("{} over time", channel.name()));
     }
-    // Another answer is another way; by the paper's D it has no speed.
+    // Another calibration gives another path; by the paper's D it has no speed.
     set(&mut harness, |settings| {
         settings.calibration = settings.calibration.with_method(Method::InterPrism);
     });
     let by_d = shown(&harness).way.newest.clone().expect("made");
     assert!(by_d.instants.iter().all(|at| at.speed_m_per_s.is_none()));
-    harness.get_by_label("This answer does not determine it.");
+    harness.get_by_label("Not determined by this result.");
 }
 
 #[test]
@@ -105,11 +105,11 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
     let before = shown(&harness).analysis_run;
     send(&mut harness, DeploymentCommand::OpenPaths(vec![vio.clone(), lio.clone()]));
-    // Reading, judging and drawing are one after the other.
+    // Reading, evaluation and drawing are sequential.
     settle(&mut harness);
     assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
     harness.get_by_label(" lio is better ");
-    harness.get_by_label_contains("lio is better than vio: ");
+    harness.get_by_label_contains("lio is significantly better than vio: ");
     harness.get_by_label("position errors of lio over time");
     harness.get_by_label_contains("the estimate is wrong: the readings agree with the rig");
     let judged: Vec<&str> =
@@ -117,7 +117,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     assert_eq!(judged, ["lio", "vio"], "by name, whatever the order in which they were dropped");
     snapshot_of(&mut harness, Part::Pane(Pane::Channels), "estimates-errors-dark");
     snapshot_of(&mut harness, Part::Pane(Pane::Evaluation), "estimates-evaluation-dark");
-    // The span leads there.
+    // The span's button leads there.
     let span = {
         let label = "Look at vio";
         harness.get_by_label_contains(label).click();
@@ -125,15 +125,15 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
         shown(&harness).timeline.selection_s.expect("selected")
     };
     assert!((4.0..6.5).contains(&(span[1] - span[0])), "{span:?}");
-    // Other options are another judgement.
-    let similarity = Options { alignment: Alignment::Similarity, ..Options::default() };
+    // Other options give another evaluation.
+    let similarity = Options { alignment: TrajectoryAlignment::Similarity, ..Options::default() };
     click(&mut harness, "scale too");
     assert!(shown(&harness).judging.added.iter().all(|one| one.options == similarity));
     harness.get_by_label("scale");
-    click(&mut harness, "Take vio away");
+    click(&mut harness, "Remove vio");
     settle(&mut harness);
     assert!(harness.query_by_label("position errors of vio over time").is_none());
-    click(&mut harness, "Take lio away");
+    click(&mut harness, "Remove lio");
     assert!(shown(&harness).judging.judgement.newest.is_none());
 }
 
@@ -178,7 +178,7 @@ fn what_cannot_be_judged_says_why() {
     harness.get_by_label_contains("not judged: elsewhere: ");
 }
 
-/// The tube is made when it is asked for, and is as wide as the user has ellipsoids drawn.
+/// The tube is computed on request, with the enlargement of the ellipsoids.
 #[test]
 fn a_tube_tells_how_well_the_way_is_known() {
     let mut harness = window(LARGE, Theme::Dark);
@@ -196,8 +196,7 @@ fn a_tube_tells_how_well_the_way_is_known() {
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
 }
 
-/// The pose at the cursor is the joint estimate's and says how well it is known; the paper's is one triplet's, and nobody makes
-/// a way for it.
+/// The pose at the cursor comes from the joint estimate, with its σ; the paper's comes from one triplet, without a path.
 #[test]
 fn the_pose_in_the_scene_says_what_it_is_from_and_how_well_it_is_known() {
     let mut harness = window(LARGE, Theme::Light);
@@ -214,7 +213,7 @@ fn the_pose_in_the_scene_says_what_it_is_from_and_how_well_it_is_known() {
     assert!(!strip.contains('±'), "{strip}");
 }
 
-/// A verdict on others is worth no more than the one on the ground truth, which stands above it.
+/// An evaluation is no more reliable than its ground truth, whose verdict is shown above it.
 #[test]
 fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -222,17 +221,17 @@ fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
     send(&mut harness, DeploymentCommand::OpenSample(Sample::Warthog));
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let mut deployment = Sample::Warthog.open().expect("built in");
-    // Station 3 is turned by 3 mrad halfway.
+    // Station 3 is rotated by 3 mrad halfway.
     let readings = &mut deployment.tracks[2].measurements;
     let half = readings.len() / 2;
     readings[half..].iter_mut().for_each(|reading| reading.azimuth_rad += 3e-3);
     open(&mut harness, deployment);
     send(&mut harness, JudgingCommand::Add(vec![lio]));
     settle(&mut harness);
-    harness.get_by_label_contains("The ground truth itself");
+    harness.get_by_label_contains("so these results are no more reliable");
 }
 
-/// Known clocks and levers are given like any other number, and errors are shown over the way that was driven.
+/// Known clock offsets and lever arms are entered like any other number, and errors can be plotted over the distance driven.
 #[test]
 fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -277,7 +276,7 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     snapshot_of(&mut harness, Part::Pane(Pane::Channels), "estimates-by-distance-dark");
 }
 
-/// What is done with trajectories is taken back and done again like any other setting, whichever deployment is looked at.
+/// Changes of trajectories are undone and redone like any other setting, with any deployment active.
 #[test]
 fn what_is_done_with_trajectories_can_be_undone() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -295,9 +294,9 @@ fn what_is_done_with_trajectories_can_be_undone() {
     send(&mut harness, DeploymentCommand::OpenPaths(vec![lio, vio]));
     settle(&mut harness);
     assert_eq!(next(&harness), "Undo trajectory added: lio, vio");
-    click(&mut harness, "Take lio away");
+    click(&mut harness, "Remove lio");
     assert_eq!(names(&harness), ["vio 1"]);
-    // The number of a colour that is free is given to the next, and comes back with its owner.
+    // A free colour number is given to the next trajectory, and returns with its owner.
     send(&mut harness, DeploymentCommand::Undo);
     settle(&mut harness);
     assert_eq!(names(&harness), ["lio 0", "vio 1"]);
@@ -315,7 +314,7 @@ fn what_is_done_with_trajectories_can_be_undone() {
     click(&mut harness, "scale too");
     send(&mut harness, DeploymentCommand::Undo);
     let judging = &shown(&harness).judging;
-    assert!(judging.added.iter().all(|one| one.options.alignment == Alignment::Rigid));
+    assert!(judging.added.iter().all(|one| one.options.alignment == TrajectoryAlignment::Rigid));
     assert!(judging.judged().all(|(_, one)| one.fit.time_offset_sigma_s.is_none()));
     send(&mut harness, DeploymentCommand::Undo);
     settle(&mut harness);
@@ -331,11 +330,13 @@ fn what_is_done_with_trajectories_can_be_undone() {
     settle(&mut harness);
     let judging = &shown(&harness).judging;
     assert!(judging.added.iter().all(|one| one.options.time_offset_s == Some(0.0)));
-    assert!(judging.added.iter().all(|one| one.options.alignment == Alignment::Similarity));
+    assert!(
+        judging.added.iter().all(|one| one.options.alignment == TrajectoryAlignment::Similarity)
+    );
     assert_eq!(names(&harness), ["lio 0", "vio 1"]);
 }
 
-/// Two systems have two clocks and two bodies; a session keeps what is known of each.
+/// Two systems have two clocks and two bodies; a session stores the known values of each.
 #[test]
 fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -344,11 +345,14 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
     send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
-    click(&mut harness, "How vio alone is judged");
+    click(&mut harness, "Options of vio only");
     click(&mut harness, "scale too");
     click(&mut harness, "the vehicle's frame");
-    let wanted =
-        Options { alignment: Alignment::Similarity, time_offset_s: None, body: Body::Same };
+    let wanted = Options {
+        alignment: TrajectoryAlignment::Similarity,
+        time_offset_s: None,
+        body: Body::Same,
+    };
     let options = |harness: &Window| -> Vec<Options> {
         shown(harness).judging.added.iter().map(|one| one.options).collect()
     };
@@ -362,10 +366,10 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     };
     assert_eq!(fits(&harness), [true, false], "the one has its lever arm found, the other given");
     harness.get_all_by_label("aligned by").nth(1).expect("a line of the table says so");
-    // Of all, what they do not have in common is neither; what is chosen then is of both.
-    click(&mut harness, "How all are judged");
+    // The common settings show no choice where the trajectories differ; a new choice applies to all.
+    click(&mut harness, "Options of all trajectories");
     click(&mut harness, "nothing");
-    assert!(options(&harness).iter().all(|one| one.alignment == Alignment::None));
+    assert!(options(&harness).iter().all(|one| one.alignment == TrajectoryAlignment::None));
     assert_eq!(options(&harness)[1].body, Body::Same);
     send(&mut harness, DeploymentCommand::Undo);
 
@@ -380,7 +384,7 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     assert_eq!(drawn, [false, true]);
 }
 
-/// One prism has a place and no heading: what nobody can know is not shown, of the vehicle or of what it judges.
+/// One prism has a position and no heading: undetermined quantities are not shown, for the vehicle and for the evaluated trajectories.
 #[test]
 fn one_prism_judges_positions_and_claims_no_heading() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -394,7 +398,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     settle(&mut harness);
     harness.get_by_label(" lio is better ");
     harness.get_by_label("lever arm, z (mm)");
-    assert!(harness.query_by_label_contains("rotation").is_none());
+    assert!(harness.query_by_label_contains("APE rotation").is_none());
     for (_, one) in shown(&harness).judging.judged() {
         let off_m = one.fit.lever_arm_m.expect("found") - simulated.truth.prisms_m[0];
         let sigma_m = one.fit.lever_arm_sigma_m.expect("found");
@@ -402,11 +406,11 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     }
     let all = ChannelPlots::of(&Channel::ALL[..Channel::OF_VEHICLE]);
     send(&mut harness, TimeCommand::Plot(all));
-    let unknown = harness.get_all_by_label("This answer does not determine it.").count();
+    let unknown = harness.get_all_by_label("Not determined by this result.").count();
     assert_eq!(unknown, 4, "heading, roll, pitch and their σ");
 }
 
-/// The first that someone does who has a drive and two systems: all of it dropped at once.
+/// The typical first action with a drive and two systems: all of them dropped at once.
 #[test]
 fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -421,14 +425,14 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
     harness.get_by_label(" lio is better ");
-    harness.get_by_label_contains("which is significant");
+    harness.get_by_label_contains("is significantly better than");
     let judging = &shown(&harness).judging;
     let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
     let off_s = lio.fit.time_offset_s + 0.4;
     assert!(off_s.abs() < 4.0 * lio.fit.time_offset_sigma_s.expect("found"), "{off_s}");
 }
 
-/// Systems often call their files the same: their folders tell them apart.
+/// Systems often use the same file names: their folders distinguish them.
 #[test]
 fn trajectories_of_one_name_are_told_apart_by_their_folders() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -440,17 +444,17 @@ fn trajectories_of_one_name_are_told_apart_by_their_folders() {
     });
     send(&mut harness, JudgingCommand::Add(vec![lio.clone()]));
     settle(&mut harness);
-    harness.get_by_label("Take trajectory away");
+    harness.get_by_label("Remove trajectory");
     send(&mut harness, JudgingCommand::Add(vec![vio, lio]));
     settle(&mut harness);
-    harness.get_by_label_contains("lio/trajectory is better than vio/trajectory: ");
+    harness.get_by_label_contains("lio/trajectory is significantly better than vio/trajectory: ");
     assert_eq!(shown(&harness).judging.added.len(), 2, "none is there twice");
-    click(&mut harness, "Take vio/trajectory away");
+    click(&mut harness, "Remove vio/trajectory");
     settle(&mut harness);
     assert_eq!(shown(&harness).judging.judged().count(), 1);
 }
 
-/// What is needed to judge is offered where it is said.
+/// The message offers the remedy that the evaluation needs.
 #[test]
 fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -467,7 +471,7 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     harness.get_by_label(" lio is better ");
 }
 
-/// Runs of one set-up are drawn in one frame, and so are those that control points bring together; others say why not.
+/// Runs of one set-up are drawn in one frame, and so are runs that share control points; others give the reason.
 #[test]
 fn other_open_runs_are_drawn_in_the_frame_of_this_one() {
     let mut harness = window(LARGE, Theme::Dark);

@@ -1,4 +1,4 @@
-//! Whether one open deployment's calibration holds for the others, in the window.
+//! Validation of one open deployment's calibration on the others, in the window.
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
@@ -9,7 +9,7 @@ use resect_core::validation::{Cause, Outcome};
 use crate::common::{knock, two_runs};
 use crate::harness::{LARGE, Window, click, open, send, set, settle, window};
 
-/// Of the second of two deployments of one name, as both are simulated from one preset.
+/// Button of the second of two deployments with one name, since both are simulated from one preset.
 const APPLY: &str = "Apply warthog (simulated) (2)'s calibration to the others";
 
 fn outcomes(harness: &Window) -> Vec<Outcome> {
@@ -38,7 +38,7 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     assert!(harness.query_by_label_contains("mgon and moved by").is_some(), "in the unit chosen");
     send(&mut harness, WorkspaceCommand::SetUnits(Units::default()));
 
-    // It is of the deployment shown, and of answers that are there.
+    // Validations belong to the active deployment, and expire when its calibration changes.
     let ids: Vec<u64> = harness.state().state.deployments.open.iter().map(|open| open.id).collect();
     send(&mut harness, DeploymentCommand::Activate(ids[0]));
     assert_eq!(outcomes(&harness), []);

@@ -1,4 +1,4 @@
-//! The workspace driven by the names of its widgets: what a user does, and what must come of it.
+//! The workspace driven by the names of its widgets: actions of a user, and their effects.
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
@@ -33,7 +33,7 @@ fn every_setting_can_be_taken_back_and_done_again() {
     assert!(!settings(&harness).pipeline.outlier_filter);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(settings(&harness), at_first);
-    // The answer shown is that of the settings shown.
+    // The shown calibration belongs to the shown settings.
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     assert_eq!(analysis.settings, at_first);
     for _ in 0..2 {
@@ -75,7 +75,7 @@ fn the_palette_does_what_is_typed() {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let method = analysis.answer.as_ref().expect("an answer").calibration.method;
     assert_eq!(method, resect_core::calibration::Method::StaticGcp);
-    // Escape closes it and does nothing.
+    // Escape closes it without effect.
     let before = settings(&harness);
     press(&mut harness, Modifiers::COMMAND, Key::P);
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -113,9 +113,9 @@ fn the_sheet_of_shortcuts_is_seen_whole_in_a_small_window() {
     let mut harness = window(SMALL, Theme::Dark);
     send(&mut harness, DialogCommand::ShowShortcuts);
     let lowest = |name: &str| harness.get_by_label(name).rect().bottom();
-    // The sheet stands in the middle.
+    // The sheet is in the middle.
     let end = SMALL.y - (harness.get_by_label("Close").rect().top() - 8.0);
-    for last in ["Reset layout", "Words, explained", "zoom in mm; double-click: all"] {
+    for last in ["Reset layout", "Glossary", "zoom in mm; double-click: all"] {
         assert!(lowest(last) < end, "{last}: {} of {end}", lowest(last));
     }
 }
@@ -210,7 +210,7 @@ fn keys_move_through_time_unless_a_widget_has_them() {
     assert!((cursor_s(&harness) - before + 0.9).abs() < 1e-6);
     press(&mut harness, Modifiers::NONE, Key::Home);
     assert_eq!(cursor_s(&harness), 0.0);
-    // A slider with the focus keeps the arrows.
+    // A focused slider keeps the arrow keys.
     harness.get_by_role_and_label(Role::Slider, "τ_s  gap").focus();
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
@@ -231,7 +231,7 @@ fn escape_closes_an_open_menu_and_leaves_what_is_selected() {
     assert!(shown(&harness).timeline.selection_s.is_some());
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(shown(&harness).timeline.selection_s, None);
-    // What other keys open does not stand behind the menu.
+    // A dialog that a key opens is not behind the menu.
     click(&mut harness, "Edit");
     press(&mut harness, Modifiers::COMMAND, Key::P);
     assert!(!is_open(&harness));
@@ -276,7 +276,7 @@ fn the_strip_of_time_scrubs() {
 #[test]
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
     let mut harness = window(LARGE, Theme::Dark);
-    // With the strip that says what it shows; that it was copied is said in a strip of the window's, which takes room.
+    // With the strip below it. A message bar of the window reports the copy, and takes room.
     let scene = harness.state().layout().place(Pane::Scene).expect("shown");
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     let mut copied = None;
@@ -325,7 +325,7 @@ fn what_was_measured_in_one_deployment_is_not_shown_in_another() {
         send(harness, SceneCommand::Measure(Ruler { active: true, ends }));
     };
     measure(&mut harness);
-    // Another answer puts everything but the prisms elsewhere.
+    // Another calibration moves everything but the prisms.
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
     let kept: Vec<_> = harness.state().state.scene.ruler.ends.iter().map(|end| end.prism).collect();
     assert_eq!(kept, [Some(0)]);
@@ -364,7 +364,7 @@ fn the_palette_heeds_what_is_typed_in_the_same_frame_as_enter() {
     assert_eq!(method, Some(resect_core::calibration::Method::StaticGcp));
 }
 
-/// egui keeps a tooltip for as long as the pointer rests: it lay over the dialog that a key had opened.
+/// egui keeps a tooltip for as long as the pointer rests: it covered the dialog that a key had opened.
 #[test]
 fn a_tooltip_that_is_open_goes_when_a_dialog_opens() {
     let mut harness = window(LARGE, Theme::Dark);
@@ -374,7 +374,7 @@ fn a_tooltip_that_is_open_goes_when_a_dialog_opens() {
     press(&mut harness, Modifiers::COMMAND, Key::P);
     harness.run_steps(60);
     assert!(harness.query_by_label_contains("right click").is_none());
-    // Those of other things come again.
+    // Tooltips of other widgets appear again.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     harness.get_by_role_and_label(Role::Slider, "τ_s  gap").hover();
     harness.run_steps(60);

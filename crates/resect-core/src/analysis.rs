@@ -1,6 +1,6 @@
-//! The one path: deployment → pipeline → calibration → evaluation.
+//! The processing chain: deployment → pipeline → calibration → evaluation.
 //!
-//! The window, the commands and the tests come through [`Analyst::run`].
+//! The window, the commands and the tests all use [`Analyst::run`].
 
 mod setting_change;
 mod settings;
@@ -25,30 +25,30 @@ use crate::stopwatch::Stopwatch;
 pub struct Answer {
     pub calibration: Calibration,
     pub evaluation: Evaluation,
-    /// What it holds for: the pipeline's, with the clocks put right where they were estimated.
+    /// Triplets of the pipeline, with corrected clocks if they were estimated.
     pub triplets: Arc<Triplets>,
 }
 
-/// What came of one run.
+/// Result of one run.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     pub settings: Settings,
     pub pipeline: PipelineOutput,
-    /// Which methods the data allows.
+    /// Methods that the data allows.
     pub offer: Offer,
-    /// The answer, or why there is none; the pipeline's part stands either way.
+    /// The answer, or the reason why there is none; the pipeline's output is valid in both cases.
     pub answer: Result<Arc<Answer>, CalibrationError>,
     pub pipeline_ms: f64,
     pub evaluation_ms: f64,
 }
 
 impl Analysis {
-    /// The triplets of the answer; without one the pipeline's.
+    /// Returns the triplets of the answer, or those of the pipeline without an answer.
     pub fn triplets(&self) -> &Arc<Triplets> {
         self.answer.as_ref().map_or(&self.pipeline.triplets, |answer| &answer.triplets)
     }
 
-    /// Wall time of all parts (ms).
+    /// Wall time of pipeline, calibration and evaluation (ms).
     pub fn total_ms(&self) -> f64 {
         let calibration = self
             .answer
@@ -57,7 +57,7 @@ impl Analysis {
         self.pipeline_ms + calibration + self.evaluation_ms
     }
 
-    /// The rows of the answer; none without one.
+    /// Returns the rows of the answer; empty without one.
     pub fn rows(&self, deployment: &Deployment) -> Vec<AnswerRow> {
         self.answer.as_ref().map_or_else(
             |_| Vec::new(),
@@ -69,7 +69,7 @@ impl Analysis {
     }
 }
 
-/// Runs one deployment again and again, remembering the stages that a change leaves alone.
+/// Runs one deployment repeatedly, and caches the stages that a change does not affect.
 pub struct Analyst {
     deployment: Arc<Deployment>,
     pipeline: StagedPipeline,
@@ -88,7 +88,7 @@ impl Analyst {
         self.run_while(settings, &Progress::default()).expect("nobody else can cancel it")
     }
 
-    /// Runs like [`Self::run`] until `progress` is cancelled. What the pipeline found by then is remembered.
+    /// Runs like [`Self::run`] until `progress` is cancelled. Completed stages of the pipeline are cached.
     pub fn run_while(
         &mut self,
         settings: &Settings,
@@ -123,8 +123,8 @@ impl Analyst {
         Ok(Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms })
     }
 
-    /// The paper's answer alone, which is there at once where these settings ask for the joint estimate; `None` where they
-    /// do not.
+    /// Returns the paper's answer alone, which is available at once, if these settings select the joint estimate; otherwise
+    /// `None`.
     pub fn run_published_while(
         &mut self,
         settings: &Settings,

@@ -7,12 +7,13 @@
 //! ```
 //!
 //! # Modules, from the ground up
-//! A module imports only from those above it in this table (`tests/structure.rs`).
+//! A module imports only from those above it in this table (`tests/structure`).
 //!
 //! | module | content | next change |
 //! |---|---|---|
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances of data that is correlated in time | another small-sample correction: `sandwich.rs` |
+//! | [`linear_algebra`] | factorisation of structured matrices by vector instructions | |
 //! | [`progress`] | progress and cancellation of long work | |
 //! | [`number_setting`] | a number that a user can set: its name, unit, limits and meaning | |
 //! | [`stopwatch`] | wall time of a calculation, on targets that have a clock | |
@@ -35,6 +36,7 @@ pub mod estimates;
 pub mod evaluation;
 pub mod experiment;
 pub mod geometry;
+pub mod linear_algebra;
 pub mod number_setting;
 pub mod palette;
 pub mod pipeline;

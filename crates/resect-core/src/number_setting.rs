@@ -14,7 +14,7 @@ pub struct NumberSetting<S: 'static> {
     pub key: &'static str,
     /// Name as a flag of the command line and as the parameter of a sweep.
     pub flag: Option<&'static str>,
-    /// Meaning, as the help of the command line says it.
+    /// Meaning, in the words of the command line's help.
     pub meaning: &'static str,
     /// Unit for people.
     pub unit: &'static str,
@@ -67,7 +67,7 @@ impl<S: Copy + Default> NumberSetting<S> {
         if !(is_above && value.is_finite()) {
             Err(format!("{key} is {value}; it must be {limit}"))
         } else if value > *most {
-            Err(format!("{key} is {value}; {most} is the most"))
+            Err(format!("{key} is {value}; it must be at most {most}"))
         } else {
             Ok(())
         }

@@ -1,6 +1,6 @@
-//! The colours that mean something, the same in the window, in pictures and in Rerun.
+//! Colours with a meaning, the same in the window, in pictures and in Rerun.
 //!
-//! From Okabe & Ito's set, which stays distinct for colour-blind eyes.
+//! From Okabe & Ito's set, which colour-blind people can distinguish.
 
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::observability::Hold;
@@ -13,17 +13,16 @@ pub type Rgb = [u8; 3];
 /// Stations (and their prisms) 1, 2, 3: blue, orange, green.
 pub const STATIONS: [Rgb; 3] = [[86, 160, 233], [230, 159, 0], [0, 178, 130]];
 
-/// Pairs 12, 13, 23: violet, raspberry, olive, none of them near a station's.
+/// Pairs 12, 13, 23: violet, raspberry, olive, none of them similar to a station's.
 pub const PAIRS: [Rgb; 3] = [[172, 128, 248], [205, 55, 115], [150, 140, 50]];
 
-/// The metrics of a study: of control points blue, of inter-prism distances vermilion.
+/// Metrics of a study: control points blue, inter-prism distances vermilion.
 pub const METRICS: [Rgb; 2] = [[60, 130, 200], [213, 94, 0]];
 
-/// The two steps of the paper's search of the prior: steel, and rust.
+/// The two steps of the paper's search of the prior: steel and rust.
 pub const STEPS: [Rgb; 2] = [[110, 150, 190], [190, 110, 70]];
 
-/// How positions are interpolated, the same in every study: linear slate, the Gaussian process plum, the motion model
-/// ochre.
+/// Interpolations of positions, the same in every study: linear slate, the Gaussian process plum, the motion model ochre.
 pub fn interpolation(interpolation: Interpolation) -> Rgb {
     match interpolation {
         Interpolation::Linear => [112, 128, 150],
@@ -32,13 +31,12 @@ pub fn interpolation(interpolation: Interpolation) -> Rgb {
     }
 }
 
-/// Correlated errors: vermilion where two numbers are too large together, blue where one is too large as the other is too
-/// small.
+/// Correlation of two errors: vermilion if positive, blue if negative.
 pub fn correlation(value: f64) -> Rgb {
     if value > 0.0 { [213, 94, 0] } else { [60, 130, 200] }
 }
 
-/// What became of a raw reading.
+/// Fate of a raw reading.
 pub fn fate(fate: SampleFate) -> Rgb {
     match fate {
         SampleFate::Kept => [150, 160, 170],
@@ -51,7 +49,7 @@ pub fn fate(fate: SampleFate) -> Rgb {
     }
 }
 
-/// Ground of a verdict's badge, and black or white text that can be read on it.
+/// Background of a verdict's badge, and black or white text that is legible on it.
 pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
     match verdict {
         Verdict::Good => [[0, 140, 100], [255; 3]],
@@ -61,7 +59,7 @@ pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
     }
 }
 
-/// Ground of the badge of whether a calibration holds for another run, and text that can be read on it.
+/// Background of the badge of a validation's outcome, and text that is legible on it.
 pub fn outcome(outcome: &Outcome) -> [Rgb; 2] {
     verdict(match outcome {
         Outcome::Holds => Verdict::Good,
@@ -70,7 +68,7 @@ pub fn outcome(outcome: &Outcome) -> [Rgb; 2] {
     })
 }
 
-/// How a drive holds a direction: vermilion, purple, grey.
+/// Observability of a direction by a drive: unobservable vermilion, weak purple, constrained grey.
 pub fn hold(hold: Hold) -> Rgb {
     match hold {
         Hold::Free => [226, 82, 40],
@@ -79,10 +77,10 @@ pub fn hold(hold: Hold) -> Rgb {
     }
 }
 
-/// What has no value on a scale.
+/// Values that are missing on a scale.
 pub const NO_VALUE: Rgb = [110, 118, 128];
 
-/// Intervals, over and over: all of Okabe & Ito's set but black.
+/// Intervals, in cyclic order: all of Okabe & Ito's set but black.
 pub const INTERVALS: [Rgb; 7] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -93,8 +91,8 @@ pub const INTERVALS: [Rgb; 7] = [
     [0, 114, 178],
 ];
 
-/// Trajectories of other systems: purple, violet, vermilion, brown, none of them near a station's or on the scale by which
-/// their errors are coloured.
+/// Trajectories of other systems: purple, violet, vermilion, brown. None is similar to a station's colour, or to the scale that
+/// colours their errors.
 const ESTIMATES: [Rgb; 4] = [[204, 121, 167], [130, 80, 220], [213, 94, 0], [140, 84, 50]];
 
 /// A trajectory of another system, numbered from 0.
@@ -102,13 +100,13 @@ pub fn estimate(number: usize) -> Rgb {
     ESTIMATES[number % ESTIMATES.len()]
 }
 
-/// Another run that is open, numbered from 0: tints that no station, pair or trajectory has.
+/// Another open run, numbered from 0: tints that no station, pair or trajectory has.
 pub fn run_beside(number: usize) -> Rgb {
     const TINTS: [Rgb; 4] = [[190, 190, 120], [150, 190, 190], [200, 160, 170], [170, 170, 215]];
     TINTS[number % TINTS.len()]
 }
 
-/// What went well: the set's green.
+/// Success: the set's green.
 pub const DONE: Rgb = INTERVALS[2];
 
 /// An interval, numbered from 0.
@@ -116,8 +114,8 @@ pub fn interval(number: u32) -> Rgb {
     INTERVALS[number as usize % INTERVALS.len()]
 }
 
-/// Viridis (Smith & van der Walt, matplotlib 2.0; perceptually uniform, safe for colour-blind eyes) at every eighth from
-/// 1/4 to 1: its darkest quarter cannot be seen on a dark ground.
+/// Viridis (Smith & van der Walt, matplotlib 2.0; perceptually uniform, safe for colour-blind eyes) at every eighth from 1/4 to
+/// 1. The darkest quarter is invisible on a dark background.
 const VIRIDIS: [Rgb; 7] = [
     [59, 82, 139],
     [44, 114, 142],
@@ -128,7 +126,7 @@ const VIRIDIS: [Rgb; 7] = [
     [253, 231, 37],
 ];
 
-/// A place on a scale from 0 to 1; beyond its ends, theirs.
+/// Colour on a scale from 0 to 1; values outside are clamped.
 pub fn continuous(share: f32) -> Rgb {
     let last = VIRIDIS.len() - 1;
     let at = share.clamp(0.0, 1.0) * last as f32;
@@ -145,7 +143,7 @@ pub fn continuous(share: f32) -> Rgb {
 mod tests {
     use super::*;
 
-    /// How different two colours look (Ottosson 2020, "A perceptual color space for image processing": OKLab).
+    /// Perceived difference of two colours (Ottosson 2020, "A perceptual color space for image processing": OKLab).
     fn difference(a: Rgb, b: Rgb) -> f64 {
         let lab = |rgb: Rgb| {
             let [r, g, b] = rgb.map(|c| {

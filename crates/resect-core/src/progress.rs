@@ -1,8 +1,8 @@
-//! How far a piece of work is, and whether anyone still wants it.
+//! Progress and cancellation of a calculation.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
-/// Shared between a piece of work and who waits for it. Each kind of work has its own unit: bytes of files, steps of a
+/// Progress of a calculation, shared with its caller. Each kind of calculation has its own unit: bytes of files, steps of a
 /// study.
 #[derive(Debug, Default)]
 pub struct Progress {
@@ -11,13 +11,13 @@ pub struct Progress {
     total: AtomicU64,
 }
 
-/// The work was no longer wanted: nothing to tell anyone.
+/// The calculation was cancelled; nothing is reported to the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
 impl Progress {
-    /// Asks the work to stop; it does so at its next step.
+    /// Cancels the calculation, which stops at its next step.
     pub fn cancel(&self) {
         self.cancelled.store(true, Relaxed);
     }
@@ -26,7 +26,7 @@ impl Progress {
         self.cancelled.load(Relaxed)
     }
 
-    /// An error once the work is cancelled, for `?` in its loops.
+    /// Returns an error once the calculation is cancelled, for `?` in its loops.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
@@ -39,18 +39,18 @@ impl Progress {
         self.total.load(Relaxed)
     }
 
-    /// Share of the work that is done, 0 to 1; `None` while nobody knows how much there is.
+    /// Share that is done, 0 to 1; `None` while the total is unknown.
     pub fn share(&self) -> Option<f32> {
         let total = self.total();
         (total > 0).then(|| (self.done() as f32 / total as f32).min(1.0))
     }
 
-    /// Tells that more work was found.
+    /// Adds to the total.
     pub fn expect(&self, amount: u64) {
         self.total.fetch_add(amount, Relaxed);
     }
 
-    /// Some of it is done; an error once cancelled.
+    /// Adds to the amount done; returns an error once cancelled.
     pub fn advance(&self, amount: u64) -> Result<(), Cancelled> {
         self.done.fetch_add(amount, Relaxed);
         self.check()

@@ -1,4 +1,4 @@
-//! Errors of opening: what, where, and what to do about it.
+//! Errors of opening, with their place and a remedy.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use resect_core::deployment::OtherSetUp;
 use resect_core::deployment::printable::{excerpt, printable};
 use resect_core::progress::Cancelled;
 
-/// Why a file or folder did not become a deployment: what, where, and what to do about it.
+/// Error of opening a file or folder as a deployment, with its place and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     #[error("{}: {error}; check the path and its permissions", path.display())]
@@ -15,40 +15,41 @@ pub enum OpenError {
     File { file: String, what: String, remedy: String },
     #[error("{file}:{line}: {what}; {remedy}")]
     Line { file: String, line: usize, what: String, remedy: String },
-    /// What only the user can tell; the window asks, a command names the key of `deployment.toml`.
+    /// Needs an answer of the user: the window asks, a command names the key of `deployment.toml`.
     #[error("{0}")]
     Question(Box<Question>),
-    /// Opening was cancelled by who asked for it: not to be shown as an error.
+    /// The user cancelled opening; not to be shown as an error.
     #[error("cancelled")]
     Cancelled,
 }
 
-/// What only the user can tell, and the key of `deployment.toml` that answers it.
+/// A question that only the user can answer, with the key of `deployment.toml` that answers it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Question {
     /// A bag has topics of positions that do not name their station.
     #[error(
-        "{file}: which topic is which station? there are {}; name those of stations 1, 2, 3 in deployment.toml: \
+        "{file}: the stations of its topics are unknown: {}; list the topics of stations 1, 2, 3 in deployment.toml: \
          topics = [\"…\", \"…\", \"…\"]",
         topics_in_words(topics)
     )]
     Topics { file: String, topics: Vec<Topic> },
-    /// A table has a header that no reader knows.
+    /// A table has an unknown header.
     #[error(
-        "{file}: which column is what? its header is `{}`; say so under [columns] in deployment.toml, or open it in \
-         the window",
+        "{file}: its columns are unknown, the header is `{}`; assign them under [columns] in deployment.toml, or open \
+         it in the window",
         excerpt(header)
     )]
     Columns { file: String, path: PathBuf, header: String },
-    /// Several files hold tracks.
+    /// Several files contain tracks.
     #[error(
-        "{folder}: several files hold tracks: {}; open one of these files, or name it in deployment.toml: tracks = \"…\"",
+        "{folder}: several files contain tracks: {}; open one of these files, or name it in deployment.toml: tracks = \
+         \"…\"",
         files.join(", ")
     )]
     Tracks { folder: String, files: Vec<String> },
-    /// Each file holds the track of one station, and none says of which.
+    /// Each file contains the track of one station, and none names the station.
     #[error(
-        "{folder}: which file is which station? there are {}; name those of stations 1, 2, 3 in deployment.toml: \
+        "{folder}: the stations of these files are unknown: {}; list those of stations 1, 2, 3 in deployment.toml: \
          tracks = [\"…\", \"…\", \"…\"]",
         files.join(", ")
     )]

@@ -1,8 +1,7 @@
-//! Trajectories of other systems, read from their files: TUM, EuRoC, KITTI with its times, CSV with a header, and bags of
-//! ROS 1 and ROS 2.
+//! Reading of trajectories of other systems: TUM, EuRoC, KITTI with times, CSV with a header, and bags of ROS 1 and ROS 2.
 //!
-//! What a file is, is told from its lines: commas or spaces, how many numbers, and the names of the columns. Lines that begin
-//! with `#` or `%` are comments, but for one that names columns. Times above 10¹⁵ are nanoseconds.
+//! The format is recognised from the lines: separator, number of fields, and names of columns. Lines that begin with `#` or `%` are
+//! comments, except one that names the columns. Times above 10¹⁵ are nanoseconds.
 
 use crate::findings::trajectories::{
     estimate_orientations_missing, estimate_out_of_order, estimate_quaternions_normalised,
@@ -18,17 +17,17 @@ use crate::format::Format;
 use crate::format::bag;
 use crate::format::bag::{Piece, natural_key};
 use resect_core::deployment::Finding;
-use resect_core::estimates::{Estimate, EstimatedPose};
+use resect_core::estimates::{EstimatedPose, EstimatedTrajectory};
 use resect_core::progress::Progress;
 
-/// Quaternions whose length differs from one by more are wrong, and are said to be.
+/// Largest difference of a quaternion's length from one; larger ones are errors.
 const ROUNDED: f64 = 1e-2;
-const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV whose header names \
-                       timestamp, x, y, z and perhaps qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
+const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
+                       timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
 const CORRECT: &str = "correct or delete the line";
 
-/// Reads what is estimated in a file, whatever its format is: one trajectory, or of a bag one for each topic of poses.
-pub fn read(path: &Path) -> Result<Vec<Estimate>, OpenError> {
+/// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
+pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let pieces = pieces_of_bag(path)?;
     if !pieces.is_empty() {
@@ -39,12 +38,12 @@ pub fn read(path: &Path) -> Result<Vec<Estimate>, OpenError> {
     let mut findings = Vec::new();
     let poses = poses(&file, path, &text, &mut findings)?;
     if poses.is_empty() {
-        return Err(OpenError::file(&file, "there is no pose in it", FORMATS));
+        return Err(OpenError::file(&file, "no pose in this file", FORMATS));
     }
     Ok(vec![put_in_order((name, None), path, poses, findings)])
 }
 
-/// The files of a bag, where a path is one or a folder of one; none where it is not.
+/// Returns the files of a bag, if the path is one or a folder of one; otherwise none.
 fn pieces_of_bag(path: &Path) -> Result<Vec<PathBuf>, OpenError> {
     let io = |error| OpenError::Io { path: path.to_owned(), error };
     let mut files = vec![path.to_owned()];
@@ -56,7 +55,7 @@ fn pieces_of_bag(path: &Path) -> Result<Vec<PathBuf>, OpenError> {
     }
     let mut pieces = Vec::new();
     for file in files {
-        // To read a pipe would wait for whoever writes to it.
+        // Reading a pipe would block.
         if !file.metadata().map_err(io)?.is_file() {
             continue;
         }
@@ -72,14 +71,18 @@ fn pieces_of_bag(path: &Path) -> Result<Vec<PathBuf>, OpenError> {
     Ok(pieces)
 }
 
-fn read_bag(path: &Path, name: &str, pieces: &[PathBuf]) -> Result<Vec<Estimate>, OpenError> {
+fn read_bag(
+    path: &Path,
+    name: &str,
+    pieces: &[PathBuf],
+) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let names: Vec<String> = pieces.iter().map(|piece| piece.display().to_string()).collect();
     let pieces: Vec<Piece<'_>> =
         pieces.iter().zip(&names).map(|(path, file)| Piece { path, file }).collect();
     let (topics, findings) = bag::poses(&pieces, &Progress::default())?;
     let file = path.display().to_string();
     if topics.is_empty() {
-        let what = "there is no topic of nav_msgs/Odometry or geometry_msgs/PoseStamped in it";
+        let what = "no topic of type nav_msgs/Odometry or geometry_msgs/PoseStamped";
         return Err(OpenError::file(&file, what, FORMATS));
     }
     let several = topics.len() > 1;
@@ -90,7 +93,7 @@ fn read_bag(path: &Path, name: &str, pieces: &[PathBuf]) -> Result<Vec<Estimate>
             let quaternion = Quaternion::new(w, x, y, z);
             let numbers = pose.position_m.iter().chain(&pose.orientation);
             let is_sound = numbers.clone().all(|number| number.is_finite());
-            // A rotation that is not told is all zeros.
+            // An unset rotation is all zeros.
             let orientation = if quaternion.norm() == 0.0 {
                 None
             } else if (quaternion.norm() - 1.0).abs() < ROUNDED {
@@ -117,13 +120,13 @@ fn unsound(file: &str, topic: &str, index: usize) -> OpenError {
     OpenError::file(file, what, "leave the topic out, or record it again")
 }
 
-/// An estimate with its poses in order of time, no two at one, and what had to be done for that.
+/// Returns a trajectory sorted by time, without repeated times, and adds findings about the changes.
 fn put_in_order(
     (name, topic): (String, Option<String>),
     path: &Path,
     mut poses: Vec<EstimatedPose>,
     mut findings: Vec<Finding>,
-) -> Estimate {
+) -> EstimatedTrajectory {
     let file = path.display().to_string();
     if !poses.is_sorted_by(|a, b| a.time_s <= b.time_s) {
         findings.push(estimate_out_of_order(&file));
@@ -140,21 +143,21 @@ fn put_in_order(
         findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
-    Estimate { name, path: path.to_owned(), topic, poses, findings }
+    EstimatedTrajectory { name, path: path.to_owned(), topic, poses, findings }
 }
 
 fn read_text(path: &Path) -> Result<String, OpenError> {
     let io = |error| OpenError::Io { path: path.to_owned(), error };
-    // To read a pipe would wait for whoever writes to it.
+    // Reading a pipe would block.
     if !path.metadata().map_err(io)?.is_file() {
-        return Err(OpenError::file(&path.display().to_string(), "no file", FORMATS));
+        return Err(OpenError::file(&path.display().to_string(), "not a regular file", FORMATS));
     }
     let bytes = std::fs::read(path).map_err(io)?;
     String::from_utf8(bytes)
-        .map_err(|_| OpenError::file(&path.display().to_string(), "it is no text", FORMATS))
+        .map_err(|_| OpenError::file(&path.display().to_string(), "not a text file", FORMATS))
 }
 
-/// Which column holds what.
+/// Indices of the columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Columns {
     time: usize,
@@ -166,7 +169,7 @@ struct Columns {
 const TUM: Columns = Columns { time: 0, position: [1, 2, 3], orientation: Some([4, 5, 6, 7]) };
 const POSITIONS: Columns = Columns { orientation: None, ..TUM };
 const EUROC: Columns = Columns { orientation: Some([5, 6, 7, 4]), ..TUM };
-/// Numbers in a line of KITTI: the first three rows of a matrix.
+/// Numbers in a line of KITTI: the first three rows of a 4×4 matrix.
 const KITTI: usize = 12;
 
 fn poses(
@@ -198,7 +201,7 @@ fn poses(
                 OpenError::line(
                     file,
                     number,
-                    format!("the header `{line}` names no poses"),
+                    format!("the header `{line}` has no columns of poses"),
                     FORMATS,
                 )
             })?);
@@ -208,7 +211,7 @@ fn poses(
             let row = values.and_then(|values| values.try_into().ok());
             let row: [f64; KITTI] = row
                 .filter(|row: &[f64; KITTI]| row.iter().all(|v| v.is_finite()))
-                .ok_or_else(|| OpenError::line(file, number, "a field is no number", CORRECT))?;
+                .ok_or_else(|| OpenError::line(file, number, "a field is not a number", CORRECT))?;
             rows_of_kitti.push(row);
             continue;
         }
@@ -216,7 +219,7 @@ fn poses(
             columns = without_names(line, &fields);
         }
         let columns = columns.ok_or_else(|| {
-            let what = format!("{} fields are no pose", fields.len());
+            let what = format!("{} fields do not form a pose", fields.len());
             OpenError::line(file, number, what, FORMATS)
         })?;
         let (pose, length) =
@@ -237,7 +240,7 @@ fn split(line: &str) -> Box<dyn Iterator<Item = &str> + '_> {
     }
 }
 
-/// The columns by the names of a header; `None` if time or position are not among them.
+/// Returns the columns by the names in a header; `None` without time or position.
 fn named(header: &str) -> Option<Columns> {
     let names: Vec<String> = split(header).map(plain).collect();
     let at = |candidates: &[String]| names.iter().position(|name| candidates.contains(name));
@@ -280,14 +283,14 @@ fn named(header: &str) -> Option<Columns> {
     })
 }
 
-/// A column's name without its unit, in small letters: `p_RS_R_x [m]` is `p_rs_r_x`, `x_m` is `x`.
+/// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `x_m` becomes `x`.
 fn plain(name: &str) -> String {
     let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
     let name = name.replace(['.', '/', ' '], "_");
     name.strip_suffix("_m").unwrap_or(&name).trim_matches('"').to_owned()
 }
 
-/// The columns of a line of numbers by how many there are and what parts them.
+/// Returns the columns of a line of numbers, by the number of fields and the separator.
 fn without_names(line: &str, fields: &[&str]) -> Option<Columns> {
     let is_euroc = line.contains(',') && fields[0].parse::<f64>().is_ok_and(|t| t.abs() > 1e15);
     match fields.len() {
@@ -298,14 +301,13 @@ fn without_names(line: &str, fields: &[&str]) -> Option<Columns> {
     }
 }
 
-/// The pose of a line, and the length that its quaternion had.
+/// Returns the pose of a line, and the length of its quaternion before normalisation.
 fn pose(fields: &[&str], columns: &Columns) -> Result<(EstimatedPose, f64), String> {
     let value = |column: usize| -> Result<f64, String> {
-        let field =
-            fields.get(column).ok_or_else(|| format!("it has only {} fields", fields.len()))?;
+        let field = fields.get(column).ok_or_else(|| format!("only {} fields", fields.len()))?;
         match field.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("`{field}` is no number")),
+            _ => Err(format!("`{field}` is not a number")),
         }
     };
     let [x, y, z] = columns.position;
@@ -316,7 +318,7 @@ fn pose(fields: &[&str], columns: &Columns) -> Result<(EstimatedPose, f64), Stri
             let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
             let length = raw.norm();
             if length < 1e-3 {
-                return Err("its quaternion is zero".to_owned());
+                return Err("the quaternion is zero".to_owned());
             }
             (Some(UnitQuaternion::from_quaternion(raw)), length)
         }
@@ -331,7 +333,7 @@ fn pose(fields: &[&str], columns: &Columns) -> Result<(EstimatedPose, f64), Stri
     ))
 }
 
-/// Seconds, which nanoseconds are too many digits for to be read as one number and divided.
+/// Returns seconds. Nanoseconds are split as integers, since they have more digits than a double.
 fn seconds(field: &str, value: f64) -> f64 {
     if value.abs() <= 1e15 {
         return value;
@@ -344,7 +346,7 @@ fn seconds(field: &str, value: f64) -> f64 {
     }
 }
 
-/// Poses of KITTI, whose times lie in a file beside them.
+/// Poses of KITTI, whose times are in a separate file in the same folder.
 fn of_kitti(
     file: &str,
     path: &Path,
@@ -373,7 +375,7 @@ fn of_kitti(
                 return Err(OpenError::line(
                     &name,
                     index + 1,
-                    format!("`{line}` is no time"),
+                    format!("`{line}` is not a time"),
                     CORRECT,
                 ));
             }
@@ -388,7 +390,7 @@ fn of_kitti(
         EstimatedPose {
             time_s,
             position_m: Vector3::new(row[3], row[7], row[11]),
-            // Rounded to a few digits, rows are no rotation any more.
+            // Rows rounded to a few digits are not exactly a rotation.
             orientation: Some(UnitQuaternion::from(Rotation3::from_matrix(&matrix))),
         }
     };

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A file with this text; its folder lives as long as it does.
+/// Writes a file with this text; the folder is removed when dropped.
 fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
@@ -8,13 +8,13 @@ fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-fn of(name: &str, text: &str) -> Result<Estimate, OpenError> {
+fn of(name: &str, text: &str) -> Result<EstimatedTrajectory, OpenError> {
     let (_folder, path) = file(name, text);
     only(&path)
 }
 
-/// The one trajectory that there is in a file.
-fn only(path: &Path) -> Result<Estimate, OpenError> {
+/// Reads the only trajectory of a file.
+fn only(path: &Path) -> Result<EstimatedTrajectory, OpenError> {
     let mut all = read(path)?;
     assert_eq!(all.len(), 1);
     Ok(all.remove(0))
@@ -78,13 +78,13 @@ fn kitti_takes_its_times_from_the_file_beside_it() {
 #[test]
 fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
     for (text, said) in [
-        ("1 0 0 0 0 0 0 1\n2 0 x 0 0 0 0 1\n", ":2: `x` is no number"),
-        ("1 0 0 0 0 0 0 0\n", ":1: its quaternion is zero"),
-        ("1 0 0 0 0 0 0 1\n2 0 0\n", ":2: it has only 3 fields"),
-        ("1 0 nan 0 0 0 0 1\n", ":1: `nan` is no number"),
-        ("a,b,c\n1,2,3\n", ":1: the header `a,b,c` names no poses"),
-        ("# nothing\n", "there is no pose in it"),
-        ("1 2 3\n", ":1: 3 fields are no pose"),
+        ("1 0 0 0 0 0 0 1\n2 0 x 0 0 0 0 1\n", ":2: `x` is not a number"),
+        ("1 0 0 0 0 0 0 0\n", ":1: the quaternion is zero"),
+        ("1 0 0 0 0 0 0 1\n2 0 0\n", ":2: only 3 fields"),
+        ("1 0 nan 0 0 0 0 1\n", ":1: `nan` is not a number"),
+        ("a,b,c\n1,2,3\n", ":1: the header `a,b,c` has no columns of poses"),
+        ("# nothing\n", "no pose in this file"),
+        ("1 2 3\n", ":1: 3 fields do not form a pose"),
     ] {
         let why = of("a.txt", text).expect_err(text).to_string();
         assert!(why.contains(said), "{why}");
@@ -93,7 +93,7 @@ fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
         of("a.txt", "2 0 0 0 0 0 0 2\n1 0 0 0 0 0 0 1\n1 5 0 0 0 0 0 1\n").expect("read");
     let said: Vec<String> = estimate.findings.iter().map(ToString::to_string).collect();
     assert_eq!(estimate.poses.len(), 2);
-    for (finding, part) in said.iter().zip(["another length", "go back", "repeat a time"]) {
+    for (finding, part) in said.iter().zip(["unit length", "not in time order", "repeat a time"]) {
         assert!(finding.contains(part), "{finding}");
     }
     assert_eq!(said.len(), 3);

@@ -6,29 +6,29 @@ use serde::{Deserialize, Serialize};
 
 use resect_core::deployment::Overrides;
 
-/// What the user adds to what lies with the tracks: further files, and what is put right.
+/// Additions of the user to a deployment's folder: further files, and overrides.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Extras {
-    /// Folder or file that describes the rig, instead of what lies with the tracks and of `deployment.toml`.
+    /// Folder or file that describes the rig, replacing the folder's own description and that of `deployment.toml`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<PathBuf>,
     /// Files of control points, of pillars, or of coordinates of control points.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gcp: Vec<PathBuf>,
-    /// Whether those of `gcp` are used instead of what lies with the tracks; otherwise they are added to it.
+    /// True if the files in `gcp` replace those of the folder; otherwise they are added.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub gcp_instead: bool,
-    /// RTKLIB solutions of antennas 1, 2, 3, instead of what lies with the tracks.
+    /// RTKLIB solutions of antennas 1, 2, 3, replacing those of the folder.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gnss: Vec<PathBuf>,
-    /// Folders or files of further drives, with stations that nobody moved: they are solved together, each with its own
-    /// clocks. A rig that is named, and what is put right, is said of all drives.
+    /// Folders or files of further drives with unmoved stations: all are solved together, each with its own clocks. A rig and
+    /// overrides named here apply to all drives.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub drives: Vec<PathBuf>,
-    /// What the user says of the data, over what `deployment.toml` says.
+    /// Overrides of the user, which take precedence over `deployment.toml`.
     #[serde(skip_serializing_if = "Overrides::is_empty")]
-    pub put_right: Overrides,
+    pub corrections: Overrides,
 }
 
 impl Extras {
@@ -36,7 +36,7 @@ impl Extras {
         *self == Self::default()
     }
 
-    /// Takes further files in: control points beside those that are there, everything else instead.
+    /// Merges further extras: control points are added, everything else is replaced.
     pub fn add(&mut self, other: Self) {
         if other.rig.is_some() {
             self.rig = other.rig;
@@ -44,8 +44,8 @@ impl Extras {
         if !other.gnss.is_empty() {
             self.gnss = other.gnss;
         }
-        if !other.put_right.is_empty() {
-            self.put_right = other.put_right.over(std::mem::take(&mut self.put_right));
+        if !other.corrections.is_empty() {
+            self.corrections = other.corrections.over(std::mem::take(&mut self.corrections));
         }
         if other.gcp_instead {
             self.gcp.clear();

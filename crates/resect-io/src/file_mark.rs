@@ -1,4 +1,4 @@
-//! Which files a deployment was read from, and what was in them: size and SHA-256.
+//! Size and SHA-256 of the files that a deployment was read from.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use resect_core::deployment::Deployment;
 
-/// What a file was when it was read; `sha256sum` gives the same.
+/// Path, size and SHA-256 (as of `sha256sum`) of a file when it was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileMark {
@@ -26,7 +26,7 @@ impl FileMark {
     }
 }
 
-/// The SHA-256 of a file, as long as `go_on` says so.
+/// Returns the SHA-256 of a file; an error once `go_on` returns false.
 pub fn sha256(path: &Path, go_on: impl Fn() -> bool) -> std::io::Result<String> {
     let mut file = File::open(path)?;
     let mut hasher = Sha256::new();
@@ -43,13 +43,13 @@ pub fn sha256(path: &Path, go_on: impl Fn() -> bool) -> std::io::Result<String> 
     Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// The marks of the files that a deployment was read from, those of further drives among them; what cannot be read any
-/// more is left out.
+/// Returns the marks of the files that a deployment was read from, with those of further drives. Files that can no longer be
+/// read are left out.
 pub fn marks_of(deployment: &Deployment) -> Vec<FileMark> {
     used_files(deployment).filter_map(|path| FileMark::of(path).ok()).collect()
 }
 
-/// The files that a deployment was read from, those of further drives among them; none of a sample.
+/// Returns the files that a deployment was read from, with those of further drives; none for a sample.
 pub fn used_files(deployment: &Deployment) -> impl Iterator<Item = &Path> {
     let used = deployment.ingredients.iter().filter(|ingredient| ingredient.used);
     used.filter_map(|ingredient| ingredient.path.as_deref())

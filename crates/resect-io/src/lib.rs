@@ -1,27 +1,26 @@
-//! Files of robotic total stations: formats, folders that make a deployment, and files that are written whole or not at all.
+//! Files of robotic total stations: formats, folders that make a deployment, and atomic writing.
 //!
-//! [`Source::open`] is the one way from a path to a [`Deployment`](resect_core::deployment::Deployment), and [`open()`] its
-//! short form.
+//! [`Source::open`] reads a [`Deployment`](resect_core::deployment::Deployment) from a path; [`open()`] is its short form.
 //!
 //! # Modules, from the ground up
-//! A module imports only from those above it in this table (`tests/structure.rs`).
+//! A module imports only from those above it in this table (`tests/structure`).
 //!
 //! | module | content | next change |
 //! |---|---|---|
-//! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `atomic/error.rs` |
+//! | [`atomic`] | atomic writing: a crash leaves the old file or the new one | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `finding_kind.rs` of resect-core |
-//! | [`reading_sense`] | whether numbers can be radians, metres and seconds | |
-//! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
+//! | [`reading_sense`] | plausibility of numbers as radians, metres and seconds | |
+//! | [`recording`] | conversion of records into tracks: impossible readings are counted and left out | |
 //! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
-//! | [`open`](mod@open) | a folder becomes a deployment: which file plays which part | |
-//! | [`sample`], [`source`] | the built-in deployments; where a deployment comes from | |
-//! | [`growing`] | a deployment of messages that still arrive | |
-//! | [`what_is`] | what a dropped path is | |
+//! | [`open`](mod@open) | opening of a folder as a deployment: the role of each file | |
+//! | [`sample`], [`source`] | the built-in deployments; the source of a deployment | |
+//! | [`growing`] | a deployment whose messages are still arriving | |
+//! | [`what_is`] | recognition of a dropped path | |
 //! | [`override_changes`] | changed overrides in words | |
 //! | [`file_mark`] | hashes by which a session recognises its files | |
-//! | [`estimate_file`], [`plan_file`], [`way_file`], [`settings_file`] | trajectories of other systems, plans, ways, settings | |
+//! | [`estimate_file`], [`plan_file`], [`way_file`], [`settings_file`] | trajectories of other systems, plans, driven paths, settings | |
 //! | [`simulation_files`] | a simulated deployment as the files of a real one | |
 
 pub mod atomic;

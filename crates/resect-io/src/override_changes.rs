@@ -24,7 +24,7 @@ impl std::fmt::Display for OverrideChange {
 /// Returns the values that differ; `as_read` has those of the folder.
 pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> Vec<OverrideChange> {
     let whole = |extras: &Extras| Extras {
-        put_right: extras.put_right.clone().over(as_read.clone()),
+        corrections: extras.corrections.clone().over(as_read.clone()),
         ..extras.clone()
     };
     named_values(&whole(before))
@@ -37,17 +37,18 @@ pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> V
 
 /// Returns the keys of `deployment.toml` whose values differ.
 pub fn override_changes(before: &Overrides, after: &Overrides) -> Vec<OverrideChange> {
-    let only = |put_right: &Overrides| Extras { put_right: put_right.clone(), ..Extras::default() };
+    let only =
+        |corrections: &Overrides| Extras { corrections: corrections.clone(), ..Extras::default() };
     extras_changes(&only(before), &only(after), &Overrides::default())
 }
 
-/// Words for a value that nobody gave.
+/// Text for a value without an override.
 const AS_READ: &str = "as read";
 
-/// Returns all values by their names in the window. Files that are given beside the folder take the place of its own.
+/// Returns all values by their names in the window. Extra files replace those of the folder.
 fn named_values(extras: &Extras) -> Vec<(&'static str, String)> {
-    let Extras { rig, gcp, gcp_instead, gnss, drives, put_right } = extras;
-    let mut values: Vec<(&'static str, String)> = put_right
+    let Extras { rig, gcp, gcp_instead, gnss, drives, corrections } = extras;
+    let mut values: Vec<(&'static str, String)> = corrections
         .in_words()
         .into_iter()
         .map(|OverrideInWords { key, name, value }| {
@@ -83,19 +84,19 @@ mod tests {
     fn a_change_is_told_from_what_the_folder_says() {
         let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
         let mut after = Extras::default();
-        after.put_right.stations = Some(AS_NUMBERED);
+        after.corrections.stations = Some(AS_NUMBERED);
         let told = extras_changes(&Extras::default(), &after, &as_read);
         assert_eq!(told[0].to_string(), "station numbers 1 3 2 → 1 2 3");
     }
 
     #[test]
     fn changes_are_told_in_words() {
-        let put_right = Overrides {
+        let corrections = Overrides {
             stations: Some([1, 3, 2]),
             prism_constant_m: Some(PrismConstants::All(-0.0345)),
             ..Overrides::default()
         };
-        let told: Vec<String> = override_changes(&Overrides::default(), &put_right)
+        let told: Vec<String> = override_changes(&Overrides::default(), &corrections)
             .iter()
             .map(ToString::to_string)
             .collect();

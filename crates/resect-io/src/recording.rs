@@ -1,4 +1,4 @@
-//! The way from the records of files to the tracks of stations: what cannot be a measurement is counted and left out.
+//! Conversion of the records of files into tracks of stations: impossible measurements are counted and left out.
 
 use super::reading_sense::{self, Impossible, StationSense};
 use crate::error::OpenError;
@@ -9,44 +9,44 @@ use resect_core::deployment::{
     AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
 
-/// Reasons that the error about a recording without a reading names.
+/// Number of reasons named in the error about a recording without a reading.
 const REASONS_IN_AN_ERROR: usize = 3;
 
-/// What the readers of tracks fill, file by file: usable readings, and why the others are not.
+/// Collects the readings of tracks, file by file: usable ones, and counts of the others by reason.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     file: String,
     place_word: &'static str,
-    /// Station numbers of the files that count as 1, 2, 3.
+    /// Numbers that the files give to stations 1, 2, 3.
     numbers: Option<[i64; 3]>,
     counter_clockwise: bool,
     tracks: [Track; 3],
     late: [usize; 3],
-    /// Whether a track holds readings that came late, and is to be sorted.
+    /// True if a track contains late readings and is not sorted yet.
     unsorted: [bool; 3],
-    /// Count of duplicates, and the first place where one stood.
+    /// Number of repeated stamps, and the place of the first.
     duplicates: [(usize, Option<String>); 3],
-    dropped: Dropped,
+    dropped: DropCounts,
     sense: [StationSense; 3],
     pub time_corrections: [Vec<TimeCorrection>; 3],
-    /// Whether the ranges contain the prism constant already, as coordinates do.
+    /// True if the ranges contain the prism constant already, as coordinates do.
     pub ranges_include_prism_constant: bool,
-    /// What the readers have to say.
+    /// Findings about the readings.
     pub findings: Vec<Finding>,
 }
 
 impl Recording {
-    /// An empty one that counts `numbers` as stations 1, 2, 3, and azimuths in the given sense.
+    /// Returns an empty recording; `numbers` are the files' numbers of stations 1, 2, 3, and the sense applies to azimuths.
     pub fn new(numbers: Option<[i64; 3]>, counter_clockwise: bool) -> Self {
         Self { numbers, counter_clockwise, ..Self::default() }
     }
 
-    /// What is pushed from now on comes from this file; a place in it is called `place_word` ("line", "message").
+    /// Begins a file, to which the next records belong; a place in it is called `place_word` ("line", "message").
     pub fn begin_file(&mut self, file: &str, place_word: &'static str) {
         (self.file, self.place_word) = (file.to_owned(), place_word);
     }
 
-    /// Takes a record in, or counts why it cannot be a reading.
+    /// Adds a record, or counts the reason why it cannot be a reading.
     pub fn push(&mut self, record: &RawRecord) {
         let mut m = record.measurement;
         let Some(station) = self.station_of(record.station) else {
@@ -71,8 +71,8 @@ impl Recording {
         }
     }
 
-    /// Counts other numbers as stations 1, 2, 3, and azimuths in another sense, of what came already too. Gives which station each
-    /// was before; readings of numbers that counted as none are gone, and stay counted as such.
+    /// Changes the numbers of stations 1, 2, 3 and the sense of azimuths, also for the readings so far. Returns the former index of
+    /// each station. Readings of numbers that had no station are lost, and remain counted as dropped.
     pub fn count_as(
         &mut self,
         numbers: Option<[i64; 3]>,
@@ -95,7 +95,7 @@ impl Recording {
         from
     }
 
-    /// Index of the station that has this number in the files; `None` for a number that none has.
+    /// Returns the index of the station with this number in the files; `None` for an unknown number.
     pub fn station_of(&self, number: i64) -> Option<usize> {
         match self.numbers {
             Some(numbers) => numbers.iter().position(|own| *own == number),
@@ -122,7 +122,7 @@ impl Recording {
             _ => {}
         }
         if let Some(own_clock_s) = record.own_clock_s {
-            // Files without it, before this one, leave a hole.
+            // Earlier readings without the station's clock get NaN.
             track.own_clock_s.resize(track.measurements.len(), f64::NAN);
             track.own_clock_s.push(own_clock_s);
         }
@@ -134,19 +134,19 @@ impl Recording {
         self.dropped.add((station, why), || format!("first at {word} {} of {file}", record.place));
     }
 
-    /// Takes in what a station's clock was corrected by; `number` as the files count stations.
+    /// Adds a correction of a station's clock; `number` is the station's number in the files.
     pub fn push_correction(&mut self, number: i64, correction: TimeCorrection) {
         if let Some(station) = self.station_of(number) {
             self.time_corrections[station].push(correction);
         }
     }
 
-    /// What units, clocks and the share of impossible readings say; an error where a column cannot be in its unit.
+    /// Returns findings about units, clocks and the share of impossible readings; an error if a column cannot be in its unit.
     pub fn check_sense(&self, files: &str) -> Result<Vec<Finding>, OpenError> {
         reading_sense::check(&self.sense, files, self.place_word == "line")
     }
 
-    /// Puts what came so far in order of time, and takes out what has the stamp of another reading: the first to come stays.
+    /// Sorts the readings so far by time, and removes repeated stamps; the first reading of each stays.
     pub fn settle(&mut self) {
         for (station, track) in self.tracks.iter_mut().enumerate() {
             if !track.own_clock_s.is_empty() {
@@ -158,24 +158,24 @@ impl Recording {
         }
     }
 
-    /// The tracks so far; in order of time once they are settled.
+    /// Tracks so far; in order of time after [`Self::settle`].
     pub fn tracks(&self) -> &[Track; 3] {
         &self.tracks
     }
 
-    /// How many readings of each station came late, and how many were repeated.
+    /// Number of late and of repeated readings, for each station.
     pub fn late_and_repeated(&self) -> [[usize; 2]; 3] {
         [0, 1, 2].map(|station| [self.late[station], self.duplicates[station].0])
     }
 
-    /// How many records cannot be readings.
+    /// Number of records that cannot be readings.
     pub fn dropped(&self) -> usize {
         self.dropped.0.iter().map(|(_, count, _)| count).sum()
     }
 
-    /// The tracks in order of time, and everything that was noticed; `files` names where they come from.
+    /// Returns the tracks in order of time, and all findings; `files` names the source in errors.
     ///
-    /// An error where there is no usable reading at all: it says what was wrong with those there are.
+    /// Without any usable reading, an error with the reasons why the records were dropped.
     pub fn finish(mut self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
         self.settle();
         let Self { tracks, late, duplicates, dropped, mut findings, .. } = self;
@@ -207,7 +207,7 @@ impl Recording {
     }
 }
 
-/// Puts a track in order and takes out what has the stamp of another reading; gives how many those are.
+/// Sorts a track by time and removes repeated stamps; returns the number removed.
 fn sort_by_time(track: &mut Track) -> usize {
     let readings = &track.measurements;
     let mut order: Vec<usize> = (0..readings.len()).collect();
@@ -222,7 +222,7 @@ fn sort_by_time(track: &mut Track) -> usize {
     before - order.len()
 }
 
-/// 0, 1 or 2 for the station numbers 1, 2, 3 of the files.
+/// Returns 0, 1 or 2 for the station numbers 1, 2, 3; `None` for other numbers.
 pub fn station_index(number: i64) -> Option<usize> {
     match number {
         1..=3 => Some(number as usize - 1),
@@ -230,15 +230,15 @@ pub fn station_index(number: i64) -> Option<usize> {
     }
 }
 
-/// Gives each station what another had, or nothing.
+/// Moves each value to its new index; stations without a former index get the default.
 fn moved<T: Default>(all: &mut [T; 3], from: &[Option<usize>; 3]) {
     let mut before = std::mem::take(all);
     *all = from.map(|from| from.map(|own| std::mem::take(&mut before[own])).unwrap_or_default());
 }
 
-/// Counts of left-out records by station (of those that have one) and reason, each with the first place it happened.
+/// Counts of left-out records by station (if known) and reason, each with its first place.
 #[derive(Clone, Debug, Default)]
-struct Dropped(Vec<(Reason, usize, String)>);
+struct DropCounts(Vec<(Reason, usize, String)>);
 
 type Reason = (Option<usize>, String);
 
@@ -249,7 +249,7 @@ fn reason_in_words((station, why): &Reason) -> String {
     }
 }
 
-impl Dropped {
+impl DropCounts {
     fn add(&mut self, reason: Reason, place: impl FnOnce() -> String) {
         match self.0.iter_mut().find(|(known, _, _)| *known == reason) {
             Some((_, count, _)) => *count += 1,
@@ -257,14 +257,14 @@ impl Dropped {
         }
     }
 
-    /// Stations have the places of others, as [`Recording::count_as`] gives them; what is none any more is named by no number.
+    /// Renumbers the stations of the reasons; `from[i]` is the former index of station i. Stations without a new index become `None`.
     fn renumber(&mut self, from: &[Option<usize>; 3]) {
         for ((station, _), _, _) in &mut self.0 {
             *station = station.and_then(|own| from.iter().position(|before| *before == Some(own)));
         }
     }
 
-    /// ": " and the reasons, the most frequent first; nothing where nothing was dropped.
+    /// Returns ": " and the reasons, the most frequent first; empty if nothing was dropped.
     fn in_words(&self) -> String {
         let mut reasons: Vec<_> = self.0.iter().collect();
         reasons.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
@@ -340,7 +340,7 @@ mod tests {
         assert_eq!(recording.count_as(Some([1, 3, 2]), true), [Some(0), Some(2), Some(1)]);
         assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]]);
         assert_eq!(recording.tracks()[1].measurements[0].time_s, 2.0);
-        // Number 4 was none so far; what number 2 read is gone.
+        // Number 4 had no station so far; the readings of number 2 are lost.
         assert_eq!(recording.count_as(Some([1, 3, 4]), true), [Some(0), Some(1), None]);
         recording.push(&record(4, 10, 9.0));
         let (tracks, findings) = recording.finish("x.csv").expect("readings");

@@ -6,7 +6,7 @@ use crate::error::OpenError;
 use crate::open::open_files;
 use resect_core::deployment::Deployment;
 
-/// A deployment that is part of the program. Regenerate with `crates/resect-io/assets/samples/regenerate`.
+/// A built-in deployment. Regenerate with `crates/resect-io/assets/samples/regenerate`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sample {

@@ -7,7 +7,7 @@ use resect_core::analysis::Settings;
 use crate::error::OpenError;
 use crate::format::deployment_toml::parse_toml;
 
-/// Reads settings; each one that the file does not name has its default.
+/// Reads settings; fields that the file does not name have their defaults.
 ///
 /// # Errors
 /// [`OpenError::Io`] for a file that cannot be read, [`OpenError::Line`] for a wrong value or key.

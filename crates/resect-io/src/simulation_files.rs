@@ -1,4 +1,4 @@
-//! A simulated deployment as files: what a real one has, and the truth beside it.
+//! Files of a simulated deployment: those of a real one, and the ground truth.
 
 use std::path::{Path, PathBuf};
 
@@ -13,25 +13,25 @@ use resect_core::deployment::{Deployment, pairwise_distances};
 use resect_core::geometry::Polar;
 use resect_core::simulation::{Simulated, SystematicErrors};
 
-/// What was simulated, by which a folder is known that may be written to again.
+/// Ground truth of a simulation. A folder that contains this file may be overwritten.
 const TRUTH: &str = "truth.toml";
 
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("{}: cannot be looked into: {error}; choose a folder that you may read", folder.display())]
+    #[error("{}: cannot be read: {error}; choose a folder with read permission", folder.display())]
     Read { folder: PathBuf, error: std::io::Error },
-    #[error("{}: holds {what}; choose an empty folder", folder.display())]
+    #[error("{}: contains {what}; choose an empty folder", folder.display())]
     Taken { folder: PathBuf, what: String },
 }
 
-/// Writes the deployment into a folder, which is made if it is not there. Nothing but an earlier simulation is replaced.
+/// Writes the deployment into a folder, creating it if necessary. Only an earlier simulation is replaced.
 pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), FolderError> {
     atomic::make_folder(folder)?;
     let mut files = files(simulated);
     spare_what_is_there(folder, &files)?;
-    // The truth takes its place first: where a run is killed before the last file does, the next may write here.
+    // The ground truth is placed first, so that a later run may overwrite the folder if this one is killed in between.
     files.sort_by_key(|(name, _)| name != TRUTH);
     let ready = files.iter().map(|(name, text)| atomic::ready(&folder.join(name), text));
     atomic::place_all(ready.collect::<Result<_, _>>()?)?;
@@ -45,22 +45,22 @@ fn spare_what_is_there(folder: &Path, files: &[(String, String)]) -> Result<(), 
     let mut is_empty = true;
     for entry in std::fs::read_dir(folder).map_err(cannot)? {
         let path = entry.map_err(cannot)?.path();
-        // What a run that was killed left half-written is removed by the next.
+        // The next run removes temporary files of one that was killed.
         let path = atomic::target_of_part(&path).unwrap_or(path);
         is_empty &= !path.exists();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        // A leftover of another deployment would be read together with this one.
+        // A file left from another deployment would be read together with this one.
         if !files.iter().any(|(own, _)| *own == name) {
             return taken(format!("`{name}`, which is not part of this deployment"));
         }
     }
     match is_empty || folder.join(TRUTH).is_file() {
         true => Ok(()),
-        false => taken(format!("files, and no {TRUTH} that says they are simulated")),
+        false => taken(format!("files but no {TRUTH}, so they may not be simulated")),
     }
 }
 
-/// Name and text of every file.
+/// Returns name and text of every file.
 pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     let prism_constant_m = simulated.scenario.prism_constant_m;
     let measured = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
@@ -108,7 +108,7 @@ struct TruthFile<'a> {
     outliers: usize,
     lost_readings: usize,
     inter_prism_m: [f64; 3],
-    /// When nothing was recorded; left out, as the errors are, where there is nothing to say.
+    /// Intervals without recording (s); left out if empty, like the errors.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pauses_s: &'a [[f64; 2]],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -151,7 +151,7 @@ fn truth_text(simulated: &Simulated) -> String {
     toml::to_string(&file).expect("plain data")
 }
 
-/// Opens the written files of a simulated deployment from memory, as the readers do from disk.
+/// Opens the files of a simulated deployment from memory, with the same readers as from disk.
 pub fn open(simulated: &Simulated) -> Result<Deployment, OpenError> {
     let files = files(simulated);
     let files: Vec<_> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use resect_core::simulation::{ClockStep, Preset, Scenario, simulate_scenario};
 
-    /// A minute without a prism constant.
+    /// Scenario of one minute without a prism constant.
     fn short() -> Scenario {
         Scenario { duration_s: 60.0, prism_constant_m: 0.0, ..Preset::Warthog.scenario() }
     }

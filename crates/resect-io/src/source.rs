@@ -1,4 +1,4 @@
-//! Where a deployment comes from: all that is needed to open it again.
+//! The source of a deployment: everything needed to open it again.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::sample::Sample;
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 
-/// A deployment's place, and the files that the user named beside it. Plain data: sessions keep it.
+/// Place of a deployment, and the files that the user named in addition. Plain data, stored in sessions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Source {
     #[serde(flatten)]
@@ -41,7 +41,7 @@ impl Source {
         Self { extras, ..self }
     }
 
-    /// The file or folder of the tracks; none of a sample.
+    /// Returns the file or folder of the tracks; `None` for a sample.
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
             Place::Path(path) => Some(path),
@@ -49,7 +49,7 @@ impl Source {
         }
     }
 
-    /// What to call it before it is open.
+    /// Title before the deployment is open.
     pub fn title(&self) -> String {
         match &self.place {
             Place::Path(path) => path.file_name().map_or_else(
@@ -60,7 +60,7 @@ impl Source {
         }
     }
 
-    /// Reads everything. `progress` counts bytes of files, and stops it with [`OpenError::Cancelled`].
+    /// Reads everything. `progress` counts bytes of files; cancelling it returns [`OpenError::Cancelled`].
     pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut found = match &self.place {
             Place::Path(path) => open::find(path, progress)?,
@@ -72,16 +72,16 @@ impl Source {
             ingredient.path = self.place_of(&ingredient.file);
         }
         let of_drive = |path: &PathBuf| {
-            let put_right = self.extras.put_right.of_any_drive();
+            let corrections = self.extras.corrections.of_any_drive();
             let rig = self.extras.rig.clone();
-            Self::at(path).with(Extras { rig, put_right, ..Extras::default() }).open(progress)
+            Self::at(path).with(Extras { rig, corrections, ..Extras::default() }).open(progress)
         };
         let drives: Result<Vec<_>, _> = self.extras.drives.iter().map(of_drive).collect();
         deployment.take_in(drives?)?;
         Ok(deployment)
     }
 
-    /// Where a file lies that was found under this name.
+    /// Returns the path of a file by its name in the deployment.
     fn place_of(&self, file: &str) -> Option<PathBuf> {
         let path = self.path()?;
         let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
@@ -89,7 +89,7 @@ impl Source {
         if own.is_file() {
             return Some(own);
         }
-        // What the user named is told as it was named, or from the named folder on.
+        // A file that the user named is listed under the path given, or relative to the folder given.
         let Extras { rig, gcp, gnss, .. } = &self.extras;
         let named = rig.iter().chain(gcp).chain(gnss);
         let places = named.map(|named| match named.is_dir() {

@@ -1,4 +1,4 @@
-//! Ways from the files of other programs: CSV with x and y, PLY, GeoJSON.
+//! Driven paths from the files of other programs: CSV with x and y, PLY, GeoJSON.
 
 use std::path::Path;
 
@@ -12,22 +12,22 @@ use resect_core::planning::Plan;
 use resect_core::planning::way::{Piece, waypoints_along};
 use resect_core::simulation::Waypoint;
 
-/// Points with times are taken this far apart (m).
+/// Distance of the waypoints made from points with times (m).
 const APART_M: f64 = 2.0;
-/// Longer files are no way that somebody drives.
+/// Largest size of a file with a path.
 const MOST_BYTES: u64 = 64 << 20;
 const FORMATS: &str = "give CSV with the columns x and y (m), an ASCII PLY, or GeoJSON with a line and three points, the stations";
 
-/// What a file says of a way, and perhaps of the stations.
+/// Contents of a file: a path, and possibly the stations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WayFile {
     pub waypoints: Vec<Waypoint>,
-    /// East, north and up of stations 1, 2, 3 (m); where a height is not given, the plan's stays.
+    /// East and north of stations 1, 2, 3, and their heights (m); without a height, the plan's is kept.
     pub stations_m: Option<[(Vector2<f64>, Option<f64>); 3]>,
 }
 
 impl WayFile {
-    /// Puts the way, and the stations where there are any, into a plan.
+    /// Replaces the path of a plan, and its stations if the file has them.
     pub fn lay(self, plan: &mut Plan) {
         plan.way = vec![Piece::Waypoints(self.waypoints)];
         for (own, (place_m, height_m)) in
@@ -38,22 +38,22 @@ impl WayFile {
     }
 }
 
-/// Reads a way; what its file is is told from its content.
+/// Reads a path; the format is recognised from the content.
 pub fn read(path: &Path) -> Result<WayFile, OpenError> {
     let file = path.display().to_string();
     let io = |error| OpenError::Io { path: path.to_owned(), error };
     let about = path.metadata().map_err(io)?;
-    // To read a pipe would wait for whoever writes to it.
+    // Reading a pipe would block.
     if !about.is_file() || about.len() > MOST_BYTES {
-        return Err(OpenError::file(&file, "no file of a way", FORMATS));
+        return Err(OpenError::file(&file, "not a regular file", FORMATS));
     }
     let bytes = std::fs::read(path).map_err(io)?;
     let text =
-        String::from_utf8(bytes).map_err(|_| OpenError::file(&file, "it is no text", FORMATS))?;
+        String::from_utf8(bytes).map_err(|_| OpenError::file(&file, "not a text file", FORMATS))?;
     parse(&file, text.trim_start_matches(BYTE_ORDER_MARK))
 }
 
-/// The way of a text, which is called `file` in errors.
+/// Parses a text; `file` is its name in errors.
 pub fn parse(file: &str, text: &str) -> Result<WayFile, OpenError> {
     let found = match text.trim_start().as_bytes() {
         [b'{', ..] => geojson(file, text)?,
@@ -61,16 +61,16 @@ pub fn parse(file: &str, text: &str) -> Result<WayFile, OpenError> {
         _ => along(file, table(file, text)?)?,
     };
     match found.waypoints.len() {
-        0 | 1 => Err(OpenError::file(file, "there is no way of two places in it", FORMATS)),
+        0 | 1 => Err(OpenError::file(file, "no path of at least two points", FORMATS)),
         _ => Ok(found),
     }
 }
 
-/// Points in the order in which they are driven to.
+/// Points in the order of the drive.
 #[derive(Default)]
 struct Points {
     places_m: Vec<Vector2<f64>>,
-    /// Of each of them, or none at all (s, m/s).
+    /// Times (s) and speeds (m/s) of all points, or empty.
     time_s: Vec<f64>,
     speed_m_per_s: Vec<f64>,
 }
@@ -79,7 +79,7 @@ fn along(file: &str, points: Points) -> Result<WayFile, OpenError> {
     let Points { places_m, time_s, speed_m_per_s } = points;
     let waypoints = if !time_s.is_empty() {
         if !time_s.is_sorted_by(|a, b| a < b) {
-            return Err(OpenError::file(file, "its times go back", "sort it by time"));
+            return Err(OpenError::file(file, "the times are not in order", "sort it by time"));
         }
         waypoints_along(&time_s, &places_m, APART_M)
     } else if !speed_m_per_s.is_empty() {
@@ -92,15 +92,15 @@ fn along(file: &str, points: Points) -> Result<WayFile, OpenError> {
     Ok(WayFile { waypoints, stations_m: None })
 }
 
-/// Which columns hold what.
-struct Columns {
+/// Indices of the columns.
+struct WayColumns {
     x: usize,
     y: usize,
     time: Option<usize>,
     speed: Option<usize>,
 }
 
-impl Columns {
+impl WayColumns {
     fn named<'a>(names: impl Iterator<Item = &'a str>) -> Option<Self> {
         let names: Vec<String> = names.map(|name| name.trim().to_lowercase()).collect();
         let find = |known: &[&str]| names.iter().position(|name| known.contains(&&**name));
@@ -112,7 +112,7 @@ impl Columns {
         })
     }
 
-    /// Adds the point of a row; `None` where a field is missing or no number.
+    /// Adds the point of a row; `None` if a field is missing or not a number.
     fn add(&self, row: &[&str], to: &mut Points) -> Option<()> {
         let number = |column: usize| -> Option<f64> {
             row.get(column)?.trim().parse().ok().filter(|value: &f64| value.is_finite())
@@ -129,7 +129,7 @@ fn table(file: &str, text: &str) -> Result<Points, OpenError> {
     let split = |line: &'_ str| -> Vec<String> {
         line.split([',', ';', '\t']).map(ToOwned::to_owned).collect()
     };
-    let mut columns: Option<Columns> = None;
+    let mut columns: Option<WayColumns> = None;
     let mut points = Points::default();
     for (index, line) in text.lines().enumerate() {
         if line.trim().is_empty() || line.starts_with('#') {
@@ -137,7 +137,7 @@ fn table(file: &str, text: &str) -> Result<Points, OpenError> {
         }
         let fields = split(line);
         let Some(columns) = &columns else {
-            columns = Columns::named(fields.iter().map(|name| &**name));
+            columns = WayColumns::named(fields.iter().map(|name| &**name));
             if columns.is_none() {
                 let what = format!("the header `{line}` has no x and y");
                 return Err(OpenError::line(file, index + 1, what, FORMATS));
@@ -146,13 +146,18 @@ fn table(file: &str, text: &str) -> Result<Points, OpenError> {
         };
         let row: Vec<&str> = fields.iter().map(|field| &**field).collect();
         columns.add(&row, &mut points).ok_or_else(|| {
-            OpenError::line(file, index + 1, "a field is no number", "correct or delete the line")
+            OpenError::line(
+                file,
+                index + 1,
+                "a field is not a number",
+                "correct or delete the line",
+            )
         })?;
     }
     Ok(points)
 }
 
-/// The vertices of an ASCII PLY, as this program and CloudCompare write them.
+/// Reads the vertices of an ASCII PLY, as written by this program and by CloudCompare.
 fn ply(file: &str, text: &str) -> Result<Points, OpenError> {
     let mut lines = text.lines().enumerate();
     let (mut names, mut vertices, mut of_vertex): (Vec<String>, usize, bool) =
@@ -168,11 +173,16 @@ fn ply(file: &str, text: &str) -> Result<Points, OpenError> {
             ["element", "vertex", count] => {
                 of_vertex = true;
                 vertices = count.parse().map_err(|_| {
-                    OpenError::line(file, index + 1, "no number of vertices", "correct the line")
+                    OpenError::line(
+                        file,
+                        index + 1,
+                        "the number of vertices is missing",
+                        "correct the line",
+                    )
                 })?;
             }
             ["element", ..] if vertices == 0 => {
-                let what = "its vertices do not come first";
+                let what = "the vertices are not the first element";
                 return Err(OpenError::line(file, index + 1, what, FORMATS));
             }
             ["element", ..] => of_vertex = false,
@@ -181,24 +191,29 @@ fn ply(file: &str, text: &str) -> Result<Points, OpenError> {
             _ => {}
         }
     }
-    let columns = Columns::named(names.iter().map(|name| &**name))
-        .ok_or_else(|| OpenError::file(file, "its vertices have no x and y", FORMATS))?;
+    let columns = WayColumns::named(names.iter().map(|name| &**name))
+        .ok_or_else(|| OpenError::file(file, "the vertices have no x and y", FORMATS))?;
     let mut points = Points::default();
     for (index, line) in lines.take(vertices) {
         let row: Vec<&str> = line.split_whitespace().collect();
         columns.add(&row, &mut points).ok_or_else(|| {
-            OpenError::line(file, index + 1, "a field is no number", "correct or delete the line")
+            OpenError::line(
+                file,
+                index + 1,
+                "a field is not a number",
+                "correct or delete the line",
+            )
         })?;
     }
     if points.places_m.len() < vertices {
-        let what = format!("{} of {vertices} vertices are there", points.places_m.len());
+        let what = format!("only {} of {vertices} vertices are present", points.places_m.len());
         return Err(OpenError::file(file, what, "write it again"));
     }
     Ok(points)
 }
 
-/// The first line and, where there are three points, the stations. Coordinates are degrees, as RFC 7946 has them; where any is
-/// too large for that, metres.
+/// Returns the first line and, if there are three points, the stations. Coordinates are degrees (RFC 7946), or metres if any is
+/// too large for degrees.
 fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
         OpenError::line(file, error.line(), "not valid JSON".to_owned(), "correct the line")
@@ -206,7 +221,7 @@ fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
     let (mut line, mut points) = (Vec::new(), Vec::new());
     gather(&value, &mut line, &mut points);
     if line.is_empty() {
-        return Err(OpenError::file(file, "there is no LineString in it", FORMATS));
+        return Err(OpenError::file(file, "no LineString in this file", FORMATS));
     }
     let is_degrees = |at: &[f64; 3]| at[0].abs() <= 180.0 && at[1].abs() <= 90.0;
     let stations: Option<[[f64; 3]; 3]> = points.clone().try_into().ok();
@@ -220,11 +235,10 @@ fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
     }
     let Some(stations) = stations else {
         let what = format!(
-            "it is in degrees and has {} points, which does not say where the stations stand",
+            "the stations are missing: coordinates are in degrees, and the file has {} Points instead of 3",
             points.len()
         );
-        let remedy =
-            "add stations 1, 2, 3 as three Points, or give metres in the frame of the plan";
+        let remedy = "add stations 1, 2, 3 as three Points, or give metres in the plan's frame";
         return Err(OpenError::file(file, what, remedy));
     };
     let local = |at: &[f64; 3]| local_m(&stations[0], at);
@@ -238,7 +252,7 @@ fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
     Ok(WayFile { stations_m: Some(stations_m), ..found })
 }
 
-/// East, north and up of a place (degrees, height or none) from another (m).
+/// Returns the position of a place relative to an origin, east, north, up (m). Places are (longitude, latitude, height); degrees, m.
 fn local_m(origin: &[f64; 3], place: &[f64; 3]) -> Vector3<f64> {
     let geodetic = |[longitude, latitude, height_m]: &[f64; 3]| Geodetic {
         latitude_rad: latitude.to_radians(),
@@ -253,7 +267,7 @@ fn local_m(origin: &[f64; 3], place: &[f64; 3]) -> Vector3<f64> {
     Vector3::new(east.dot(&away_m), up.cross(&east).dot(&away_m), up.dot(&away_m))
 }
 
-/// Takes the first line and all points out of a document, whatever they are wrapped in; a height that is not given is no number.
+/// Collects the first line and all points of a document at any depth; a missing height is NaN.
 fn gather(value: &Value, line: &mut Vec<[f64; 3]>, points: &mut Vec<[f64; 3]>) {
     let place = |value: &Value| -> Option<[f64; 3]> {
         let at = value.as_array()?;
@@ -324,7 +338,7 @@ mod tests {
         };
         let stations = ["-71.2,46.8", "-71.1999,46.8", "-71.2,46.79995"].map(point).concat();
         let found = parse("site.geojson", &text(&stations)).expect("a way");
-        // A degree of latitude is 111.17 km there.
+        // At this latitude, 0.001 degrees of latitude are 111.17 m.
         let north = found.waypoints[1].place_m();
         assert!((north - Vector2::new(0.0, 111.17)).norm() < 0.05, "{north}");
         let [first, second, _] = found.stations_m.expect("three points");
@@ -340,8 +354,8 @@ mod tests {
     fn what_is_no_way_is_told_with_its_line() {
         for (text, said) in [
             ("a,b\n1,2\n", "way:1: the header `a,b` has no x and y"),
-            ("x,y\n1,2\n3,four\n", "way:3: a field is no number"),
-            ("x,y\n1,2\n", "no way of two places"),
+            ("x,y\n1,2\n3,four\n", "way:3: a field is not a number"),
+            ("x,y\n1,2\n", "no path of at least two points"),
             ("ply\nformat binary_little_endian 1.0\nend_header\n", "way:2: a binary PLY"),
             (
                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nend_header\n1 2\n",

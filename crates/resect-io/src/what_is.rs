@@ -1,4 +1,4 @@
-//! What a path is that the user dropped on the window, or chose in a dialog: judged by content.
+//! Recognition, by content, of a path that the user dropped on the window or chose in a dialog.
 
 use std::path::{Path, PathBuf};
 
@@ -7,37 +7,37 @@ use crate::format::{Format, SESSION_KEY, deployment_toml::parse_toml};
 use crate::open::{FoundFile, list_folder};
 use resect_core::progress::Progress;
 
-/// Tables of a file of settings, as `--config` reads it.
+/// Tables of a settings file (`--config`).
 const SETTINGS_KEYS: [&str; 2] = ["pipeline", "calibration"];
-/// No TOML file of the program comes near this.
+/// Largest size of a TOML file of the program.
 const LARGEST_TOML_BYTES: u64 = 4 << 20;
 
-/// What the program can do with a path.
+/// Use of a path by the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Dropped {
-    /// A folder, a file of tracks, or a `deployment.toml`, which stands for its folder.
+    /// A folder, a file of tracks, or a `deployment.toml`, which represents its folder.
     Deployment,
     /// Readings, pillars or coordinates.
     ControlPoints,
     /// A file that describes the rig, or a folder of such files without tracks.
     Rig,
-    /// A folder that holds nothing but a rig or control points: its rig, and the files of its control points.
+    /// A folder that contains only a rig or control points: true for a rig, and the files of control points.
     FolderOfExtras {
         rig: bool,
         gcp: Vec<PathBuf>,
     },
-    /// A solution of one antenna.
+    /// A GNSS solution of one antenna.
     Gnss,
     Session,
     Settings,
     /// A trajectory that another system estimated.
     Estimate,
-    /// Something else, and why nothing can be done with it.
+    /// An unusable path, and the reason.
     Unknown(String),
 }
 
 impl Dropped {
-    /// The kind of thing in a word or two.
+    /// Short name of the kind.
     pub fn label(&self) -> &'static str {
         match self {
             Self::Deployment => "deployment",
@@ -55,7 +55,7 @@ impl Dropped {
     }
 }
 
-/// Looks at a file, or at all that is in a folder.
+/// Recognises a file, or a folder by all files in it.
 pub fn what_is(path: &Path) -> Dropped {
     if path.is_dir() {
         return what_folder_is(path);
@@ -81,10 +81,10 @@ pub fn what_is(path: &Path) -> Dropped {
         | Format::Pillars
         | Format::SurveyedPoints => Dropped::ControlPoints,
         Format::RigReading | Format::SensorPositions | Format::RigDistances => Dropped::Rig,
-        // KITTI's poses are written as these are, and have their times beside them.
+        // Poses of KITTI have the same columns, and a file of times in the same folder.
         Format::AppliedTransforms if has_times_beside(path) => Dropped::Estimate,
         Format::AppliedTransforms => Dropped::Unknown(format!(
-            "{}: {}; open the folder with the tracks that they were applied to",
+            "{}: {}; open the folder with the transformed tracks",
             file.file,
             file.format.describe()
         )),
@@ -97,7 +97,7 @@ pub fn what_is(path: &Path) -> Dropped {
             let is_toml = path.extension().is_some_and(|extension| extension == "toml");
             match what_toml_is(&file) {
                 _ if file.file == "truth.toml" => Dropped::Unknown(format!("{}: {why}", file.file)),
-                // A session may have been saved under any name.
+                // A session can have any file name.
                 found @ (Dropped::Session | Dropped::Settings) => found,
                 other if is_toml => other,
                 _ => Dropped::Unknown(format!("{}: {why}", file.file)),
@@ -106,7 +106,7 @@ pub fn what_is(path: &Path) -> Dropped {
     }
 }
 
-/// Whether KITTI's file of times lies beside a file of poses.
+/// Returns true if a file of times for KITTI poses is in the same folder.
 fn has_times_beside(path: &Path) -> bool {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let names = [format!("{stem}_times.txt"), "times.txt".to_owned()];
@@ -114,7 +114,7 @@ fn has_times_beside(path: &Path) -> bool {
 }
 
 fn what_folder_is(path: &Path) -> Dropped {
-    // What is wrong with a folder is said when it is opened; one with many deployments is not walked.
+    // Opening the folder reports its errors; a folder with many deployments is not searched.
     if crate::open::holds_many(path) {
         return Dropped::Deployment;
     }
@@ -158,20 +158,20 @@ fn what_toml_is(file: &FoundFile) -> Dropped {
     }
 }
 
-/// Several paths at once, by what is done with them.
+/// Several paths, sorted by their use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sorted {
-    /// Deployments to be opened, each with the extras.
+    /// Deployments to open, each with the extras.
     pub deployments: Vec<PathBuf>,
-    /// Extras of the deployments; without a deployment beside them they are for the one that is open.
+    /// Extras of the deployments; without a deployment, they are added to the one that is open.
     pub extras: Extras,
-    /// Folders that hold nothing but some of these extras: they could be meant as deployments of their own.
+    /// Folders that contain only some of these extras, and might be meant as deployments.
     pub folders: Vec<PathBuf>,
     pub sessions: Vec<PathBuf>,
     pub settings: Vec<PathBuf>,
-    /// Trajectories of other systems, to be judged by the deployment.
+    /// Trajectories of other systems, to be compared with the deployment.
     pub estimates: Vec<PathBuf>,
-    /// Lines that say what cannot be used, and why.
+    /// Messages about unusable paths.
     pub unknown: Vec<String>,
 }
 
@@ -197,7 +197,7 @@ pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
             Dropped::Unknown(why) => sorted.unknown.push(why),
         }
     }
-    // The window system gives them in no particular order; antennas are numbered by their names.
+    // The window system passes the paths in arbitrary order; antennas are numbered by their names.
     sorted.extras.gnss.sort();
     sorted.estimates.sort();
     sorted

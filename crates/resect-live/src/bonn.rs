@@ -1,10 +1,11 @@
-//! The stream of the robotic total station network of Bonn: JSON, the latest reading of each instrument again and again.
+//! The stream of the robotic total station network of Bonn: JSON with the latest reading of each instrument, sent repeatedly.
 //!
-//! From `rts-api/rtsapi/routers/measurement.py` and `dtos.py` of Engineering-Geodesy-Bonn/rts-network: `/ws/measurements/stream` sends a list of
-//! `{controller_timestamp, sensor_timestamp, geocom_return_code, rpc_return_code, distance, horizontal_angle, vertical_angle, rts_job_id, rts_id, …}`
-//! about every millisecond. `controller_timestamp` is when the answer had arrived at the instrument's computer (Unix s), `sensor_timestamp` the
-//! instrument's own clock (s since it was switched on, or brought to the computer's already); angles are radians, and the range
-//! contains the prism constant that was set on the instrument. Written from that source: no real stream was at hand.
+//! From `rts-api/rtsapi/routers/measurement.py` and `dtos.py` of Engineering-Geodesy-Bonn/rts-network:
+//! `/ws/measurements/stream` sends a list of `{controller_timestamp, sensor_timestamp, geocom_return_code, rpc_return_code,
+//! distance, horizontal_angle, vertical_angle, rts_job_id, rts_id, …}` about every millisecond. `controller_timestamp` is
+//! the arrival of the answer at the instrument's computer (Unix s). `sensor_timestamp` is the instrument's own clock (s
+//! since it was switched on, or already converted to the computer's clock). Angles are in radians; the range contains the
+//! prism constant that is set on the instrument. This module follows that source code; it was not tested with a real stream.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -19,11 +20,11 @@ use resect_io::format::bag::messages::{
 /// End of the path of such a stream.
 pub const PATH: &str = "/ws/measurements/stream";
 const CHANNEL: u64 = 1;
-/// Own clock and arrival that are closer than this (s) are of one clock.
+/// Difference between own clock and arrival (s) below which the two clocks are the same.
 const NEAR_S: f64 = 60.0;
-/// Readings from which it is told how far the instrument's clock is behind.
+/// Number of readings from which the offset of the instrument's clock is estimated.
 const COMPARED: usize = 200;
-/// More instruments than this are not told apart.
+/// Largest number of instruments; further ones are ignored.
 const MOST_INSTRUMENTS: usize = 64;
 
 #[derive(Deserialize)]
@@ -39,31 +40,31 @@ struct Reading {
     rts_id: Option<String>,
 }
 
-/// One connection: what each instrument said last.
+/// State of one connection: the last reading of each instrument.
 #[derive(Debug)]
-pub struct Protocol {
-    /// The instruments that are stations 1, 2, 3.
+pub struct BonnProtocol {
+    /// Instruments of stations 1, 2, 3.
     stations: Option<[String; 3]>,
-    /// What whoever reads a message adds to the ranges of each station (m).
+    /// Corrections that the reader of a message adds to the ranges of each station (m).
     added_m: [f64; 3],
     instruments: BTreeMap<String, Instrument>,
-    /// Repeats that were not told yet.
+    /// Number of repeats that were not reported yet.
     repeats: u64,
 }
 
 #[derive(Debug, Default)]
 struct Instrument {
     last: Option<[f64; 2]>,
-    /// Arrival minus own clock (s) of the last readings.
+    /// Arrival minus own clock of the last readings (s).
     behind_s: VecDeque<f64>,
 }
 
-impl Protocol {
+impl BonnProtocol {
     pub fn new(stations: Option<[String; 3]>, added_m: [f64; 3]) -> Self {
         Self { stations, added_m, instruments: BTreeMap::new(), repeats: 0 }
     }
 
-    /// The one channel that the readings are sent on.
+    /// Returns the channel of all readings.
     pub fn channel() -> Channel {
         Channel {
             id: CHANNEL,
@@ -75,17 +76,17 @@ impl Protocol {
         }
     }
 
-    /// Whether a text is of such a stream.
+    /// Returns true if a text comes from such a stream.
     pub fn is_list(text: &str) -> bool {
         text.trim_start().starts_with('[')
     }
 
-    /// What a text of the server says.
+    /// Returns the events in a text of the server.
     pub fn text(&mut self, text: &str, received_s: f64) -> Vec<Event> {
         let readings: Vec<Reading> = match serde_json::from_str(text) {
             Ok(readings) => readings,
             Err(error) => {
-                let first = format!("a text that is no list of measurements ({error})");
+                let first = format!("a text that is not a list of measurements ({error})");
                 return vec![Event::LeftOut { what: LeftOut::Frame, count: 1, first }];
             }
         };
@@ -116,7 +117,8 @@ impl Protocol {
         let Some(station) = stations.and_then(|all| all.iter().position(|own| own == id)) else {
             let ids: Vec<&str> = self.instruments.keys().map(String::as_str).collect();
             let first = format!(
-                "instrument {id} is none of the stations; say which are stations 1, 2, 3 (seen so far: {})",
+                "instrument {id} is not assigned to a station; give the instruments of stations 1, 2, 3 (seen so far: \
+                 {})",
                 ids.join(",")
             );
             return Some(Event::LeftOut { what: LeftOut::NoStation, count: 1, first });
@@ -126,11 +128,11 @@ impl Protocol {
             stamp_s: Some(stamp_s),
             own_clock_s: Some(reading.sensor_timestamp).filter(|own_s| *own_s > 0.0),
             station: station as u8 + 1,
-            // Return codes have more values than a status, and all but 0 mean that there is no reading.
+            // Return codes have more values than a status; any code but 0 means that there is no reading.
             status: codes.iter().any(|code| *code != 0).into(),
             azimuth_rad: reading.horizontal_angle,
             zenith_rad: reading.vertical_angle,
-            // It has the constant already that will be added.
+            // The distance already contains the constant that the reader will add.
             range_m: reading.distance - self.added_m[station],
         });
         let sent_ns = (reading.controller_timestamp.max(0.0) * 1e9) as u64;
@@ -139,8 +141,8 @@ impl Protocol {
 }
 
 impl Instrument {
-    /// A reading's time by the computer's clock (s): the instrument's own, by how far that was behind the last answers in the middle. An
-    /// answer by itself is late by an unknown and changing delay.
+    /// Returns the time of a reading by the computer's clock (s): the instrument's clock plus its median offset over
+    /// the last answers. A single arrival has an unknown, varying delay.
     fn stamp_s(&mut self, [arrived_s, own_s]: [f64; 2]) -> f64 {
         let behind_s = arrived_s - own_s;
         if behind_s.abs() < NEAR_S {
@@ -182,7 +184,7 @@ mod tests {
 
     #[test]
     fn what_is_repeated_is_taken_once_and_counted() {
-        let mut protocol = Protocol::new(stations(), [0.0, 0.25, 0.0]);
+        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0]);
         let first = protocol.text(&json("b", 1.7e9, 1.7e9 - 0.01, 0), 1.0);
         let told = coords(&first[0]);
         assert_eq!((told.station, told.status, told.range_m), (2, 0, 20.0));
@@ -198,7 +200,7 @@ mod tests {
 
     #[test]
     fn answers_that_are_late_by_turns_do_not_shake_the_stamps() {
-        let mut protocol = Protocol::new(stations(), [0.0, 0.25, 0.0]);
+        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0]);
         let mut off_s = Vec::new();
         for k in 0..400 {
             let time_s = 1.7e9 + f64::from(k) * 0.1;
@@ -207,14 +209,14 @@ mod tests {
             let told = coords(&protocol.text(&text, time_s)[0]);
             off_s.push(told.stamp_s.expect("a stamp") - time_s);
         }
-        // Their mean delay stays in.
+        // The mean delay remains.
         let last = &off_s[200..];
         assert!(last.iter().all(|off_s| (off_s - 0.004).abs() < 0.001), "{last:?}");
     }
 
     #[test]
     fn an_instrument_that_is_no_station_is_named() {
-        let mut protocol = Protocol::new(None, [0.0; 3]);
+        let mut protocol = BonnProtocol::new(None, [0.0; 3]);
         let said = protocol.text(&json("x", 1.7e9, 1.7e9, 0), 1.0);
         let Event::LeftOut { what: LeftOut::NoStation, first, .. } = &said[0] else {
             panic!("{said:?}")

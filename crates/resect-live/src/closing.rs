@@ -1,5 +1,4 @@
-//! The last words about a live deployment: its answers are a few seconds old when the source ends, and the one to all
-//! readings comes after that.
+//! Final state of a live deployment. When the source ends, its answers are a few seconds old; the answer to all readings follows.
 
 use super::coach::Coach;
 use super::judged::judge;
@@ -19,7 +18,7 @@ impl Closing {
         Self { coach }
     }
 
-    /// The last view with the answer of the settings to all readings in the place of the last one before them.
+    /// Returns the last view, with the answer to all readings (chosen settings) in place of the last live answer.
     pub fn judged(mut self, last: &View, deployment: &Deployment, analysis: &Analysis) -> View {
         let outcome = judge(deployment, analysis, false, None);
         let is_amiss = last.warnings.iter().any(|one| speaks_against_readings(one.finding.kind));

@@ -1,20 +1,20 @@
-//! Whether it is enough, and if not what to drive: σ at the far end of the track over time, against a target.
+//! Decides if the drive is long enough, and advises what to drive: compares σ at the far end of the track with a target.
 //!
-//! "Enough" is said late rather than early: the answer has to be good, with every direction held, its σ at the target or below, for
-//! several answers and seconds of the drive in a row, and nothing may be amiss in the field meanwhile.
+//! "Enough" is decided late rather than early. Several consecutive answers over several seconds of the drive must be
+//! good, with every direction constrained and σ at most the target. No warning may contradict the readings meanwhile.
 
 use super::judged::{Judged, NoAnswer, Outcome};
 use super::next;
 use resect_core::calibration::Verdict;
 use resect_core::planning::NextMove;
 
-/// Answers in a row that must agree before it is enough, and how much of the drive they must lie apart (s).
+/// Number of consecutive answers that must meet the target, and the span of the drive that they must cover (s).
 const IN_A_ROW: usize = 3;
 const APART_S: f64 = 10.0;
-/// Points of the curve that are kept; of a longer one every other.
+/// Largest number of points of the curve; at this number every other point is dropped.
 const MOST_POINTS: usize = 2048;
 
-/// σ at the far end of the track, of one answer.
+/// σ at the far end of the track, from one answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
     /// Stamp of the newest reading of the answer (s).
@@ -22,11 +22,11 @@ pub struct CurvePoint {
     pub sigma_m: f64,
 }
 
-/// σ over the drive; one answer of many where it is long.
+/// σ over the drive, thinned out if the drive is long.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     pub points: Vec<CurvePoint>,
-    /// Points are at least so far apart (s).
+    /// Smallest interval between points (s).
     apart_s: f64,
 }
 
@@ -41,7 +41,7 @@ impl Curve {
         if let [.., before, last] = &mut self.points[..]
             && last.time_s - before.time_s < self.apart_s
         {
-            // The last one is always there, however near the one before it.
+            // The newest point is always kept, however close to the one before.
             *last = point;
             return;
         }
@@ -58,14 +58,14 @@ impl Curve {
     }
 }
 
-/// Follows the answers.
+/// Decides from the answers if the drive is long enough.
 #[derive(Clone, Debug)]
 pub struct Coach {
-    /// What σ has to come down to (m, at the far end of the track).
+    /// Target for σ at the far end of the track (m).
     pub target_m: f64,
-    /// By the paper's answer, and by that of the settings.
+    /// Curves by the paper's method and with the chosen settings.
     pub curves: [Curve; 2],
-    /// Since when the answers that are enough go without a break (stamp of the first, s), and how many they are.
+    /// Stamp of the first of the consecutive answers that meet the target (s), and their number.
     met: Option<(f64, usize)>,
     enough: bool,
     newest_s: Option<f64>,
@@ -76,7 +76,7 @@ impl Coach {
         Self { target_m, curves: Default::default(), met: None, enough: false, newest_s: None }
     }
 
-    /// Takes an outcome in; `amiss` is whether something in the field speaks against the readings.
+    /// Adds an outcome; `amiss` is true if a warning contradicts the readings.
     pub fn take(&mut self, outcome: &Outcome, amiss: bool) {
         if let Ok(judged) = &outcome.judged
             && let Some(far_end) = judged.far_end
@@ -84,7 +84,7 @@ impl Coach {
             let point = CurvePoint { time_s: judged.up_to_s, sigma_m: far_end.sigma_m };
             self.curves[usize::from(!outcome.is_first)].push(point);
         }
-        // The paper's answer knows nothing of instruments: it does not decide.
+        // The paper's method does not model instrument errors, so its answer does not decide.
         if outcome.is_first {
             return;
         }
@@ -92,7 +92,7 @@ impl Coach {
         let up_to_s = outcome.judged.as_ref().ok().map(|judged| judged.up_to_s);
         match up_to_s.filter(|_| meets) {
             None => self.met = None,
-            // The same readings once more say nothing new.
+            // Another answer to the same readings does not count.
             Some(up_to_s) if self.newest_s == Some(up_to_s) => {}
             Some(up_to_s) => {
                 let (_, count) = self.met.get_or_insert((up_to_s, 0));
@@ -105,12 +105,12 @@ impl Coach {
         });
     }
 
-    /// Something in the field speaks against the readings: whatever was enough has to show it again.
+    /// Starts the count again, because a warning contradicts the readings.
     pub fn doubt(&mut self) {
         (self.met, self.enough) = (None, false);
     }
 
-    /// Sets the target; what was enough for another has to show it again.
+    /// Sets the target (m); a new target starts the count again.
     pub fn aim(&mut self, target_m: f64) {
         if target_m != self.target_m {
             self.target_m = target_m;
@@ -129,7 +129,7 @@ impl Coach {
         self.enough
     }
 
-    /// What whoever drives has to know, in one sentence.
+    /// Returns one sentence for the driver.
     pub fn sentence(&self, latest: Option<&Outcome>, moves: &[NextMove]) -> String {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
@@ -166,9 +166,10 @@ impl Coach {
             return format!("the answer is {}; {at}{next}", judged.verdict_and_reason());
         }
         match far_end.sigma_m <= self.target_m {
-            true => format!("drive on a little, to see that it stays: {at}"),
+            true => format!("target reached, drive a little further to confirm it: {at}"),
             false if next::gain_little(moves) => format!(
-                "not yet: {at}; no manoeuvre from here gains {:.0} %: nearer stations or a larger target would help",
+                "not yet: {at}; no manoeuvre from here gains {:.0} %: set stations nearer if the place allows, or \
+                 accept a larger target",
                 1e2 * next::LITTLE
             ),
             false => format!("not yet: {at}{next}"),
@@ -177,7 +178,7 @@ impl Coach {
 }
 
 fn open_in_words(open: &str) -> String {
-    format!("not held yet: {open}")
+    format!("not determined yet: {open}")
 }
 
 #[cfg(test)]
@@ -227,7 +228,7 @@ mod tests {
         }
         let said = coach.sentence(Some(&outcome(12.0, 1.5, |_| ())), &[]);
         assert!(said.starts_with("enough: 1.5 mm"), "{said}");
-        // The same readings again, however often, are one answer.
+        // Repeated answers to the same readings count as one.
         let mut again = Coach::new(2e-3);
         (0..9).for_each(|_| again.take(&outcome(20.0, 1.5, |_| ()), false));
         assert!(!again.is_enough());
@@ -258,7 +259,7 @@ mod tests {
             coach.take(&outcome(25.0, 1.5, |_| ()), false);
             assert!(!coach.is_enough(), "{what}");
         }
-        // So does what is amiss in the field; the paper's answer does not count at all.
+        // A warning in the field also starts the count again; the paper's answer does not count at all.
         let mut coach = Coach::new(2e-3);
         (0..5).for_each(|k| coach.take(&outcome(f64::from(k) * 5.0, 1.5, |_| ()), true));
         assert!(!coach.is_enough());
@@ -278,12 +279,12 @@ mod tests {
         });
         assert_eq!(
             said(&open),
-            "not held yet: station 2 can slide along the track (weak); turn more"
+            "not determined yet: station 2 can slide along the track (weak); turn more"
         );
         let large = said(&outcome(1.0, 9.0, |_| ()));
         assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
         assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
-        // Where it only began, what to drive is worth more than why there is no answer.
+        // At the beginning of a drive the advice replaces the reason for the missing answer.
         let none = |drive| Outcome {
             judged: Err(NoAnswer { why: "no triplets".to_owned(), drive }),
             ..outcome(1.0, 9.0, |_| ())
@@ -308,7 +309,7 @@ mod tests {
         assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("no manoeuvre from here gains 5 %"));
         let worth_it = [one(Some(5e-3), 4.9e-3), one(Some(5e-3), 3e-3)];
         assert!(said(&worth_it).ends_with("drive a circle: 3.0 mm foreseen"));
-        // Advice for an earlier answer that has been reached meanwhile is not given.
+        // Advice for an earlier answer is omitted if its σ has been reached meanwhile.
         assert!(said(&[one(Some(11e-3), 4.9e-3)]).ends_with("turn more"));
         assert!(said(&[one(None, 4e-3)]).ends_with("drive a circle: 4.0 mm foreseen"));
     }

@@ -1,4 +1,4 @@
-//! The way to a source over the network: by its address, with whatever protocol answers there, and again when it breaks off.
+//! Connection to a source over the network: by its address, with the protocol that answers there; reconnects after a break.
 
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -16,26 +16,26 @@ use super::event::{Event, LeftOut};
 use super::{bonn, foxglove};
 use resect_core::deployment::printable::printable;
 
-/// Where `foxglove_bridge` listens unless told otherwise.
+/// Default port of `foxglove_bridge`.
 const USUAL_PORT: u16 = 8765;
-/// A list of all channels of a robot with their definitions is not as large.
+/// Largest frame; a list of all channels of a robot with their definitions is smaller.
 const LARGEST_FRAME_BYTES: usize = 16 << 20;
-/// How long it is waited for an answer to a connection, and for any sign of life later.
+/// Timeouts of the answer to a connection, and of later silence.
 const ANSWER: Duration = Duration::from_secs(5);
 const SILENCE: Duration = Duration::from_secs(15);
 const PING_EVERY: Duration = Duration::from_secs(5);
-/// How often it is looked whether anyone still wants more.
+/// Poll interval of the stop flag.
 const NAP: Duration = Duration::from_millis(100);
-/// Waits between attempts: from the first on twice as long each time.
+/// First and longest wait between attempts (s); each wait is twice the one before.
 const FIRST_WAIT_S: f64 = 0.25;
 const LONGEST_WAIT_S: f64 = 8.0;
 
-/// An address that cannot be one of a source.
+/// An address that is invalid for a source.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}: {1}")]
 pub struct AddressError(String, &'static str);
 
-/// The address that is meant: `host`, `host:port`, or a whole `ws://…`.
+/// Parses an address: `host`, `host:port`, or a complete `ws://…`.
 pub fn address(text: &str) -> Result<Uri, AddressError> {
     let wrong = |why| AddressError(printable(text), why);
     let text_trimmed = text.trim();
@@ -44,12 +44,12 @@ pub fn address(text: &str) -> Result<Uri, AddressError> {
         Some(("ws", _)) => text_trimmed.to_owned(),
         Some(("wss", _)) => {
             return Err(wrong(
-                "encrypted streams are not read; give the ws:// address, over a tunnel if need be",
+                "encrypted streams are not supported; give the ws:// address, through a tunnel if necessary",
             ));
         }
         Some(_) => {
             return Err(wrong(
-                "not the address of a stream; it begins with ws://, as ws://robot:8765",
+                "not the address of a stream; it begins with ws://, for example ws://robot:8765",
             ));
         }
     };
@@ -61,31 +61,31 @@ pub fn address(text: &str) -> Result<Uri, AddressError> {
     }
 }
 
-/// What is said over a connection.
+/// Protocol of a connection.
 enum Protocol {
-    Foxglove(foxglove::Protocol),
-    Bonn(bonn::Protocol),
-    /// Not known before the first text.
+    Foxglove(foxglove::FoxgloveProtocol),
+    Bonn(bonn::BonnProtocol),
+    /// Not recognised before the first text.
     Unknown,
 }
 
-/// What is known of a source beforehand.
+/// Properties of a source that are known before the connection.
 pub struct Expected {
     pub address: Uri,
-    /// The instruments that are stations 1, 2, 3, where messages name instruments.
+    /// Instruments of stations 1, 2, 3, if messages name instruments.
     pub stations: Option<[String; 3]>,
-    /// What is added to the ranges of each station by whoever reads them (m).
+    /// Corrections that the reader of a message adds to the ranges of each station (m).
     pub added_m: [f64; 3],
 }
 
-/// Connects, and again whenever it breaks off, until nobody wants more.
+/// Connects, and reconnects after each break, until it is stopped.
 pub fn run(expected: &Expected, stop: &AtomicBool, into: &SyncSender<Event>) {
     let mut wait_s = FIRST_WAIT_S;
     let mut without_subprotocol = expected.address.path().ends_with(bonn::PATH);
     while !stop.load(Relaxed) {
         let mut heard = false;
         let why = match listen(expected, without_subprotocol, stop, into, &mut heard) {
-            // Nobody listens any more.
+            // The receiver has gone.
             Ok(()) => return,
             Err(Broken::NoSubprotocol) => {
                 without_subprotocol = true;
@@ -107,7 +107,7 @@ pub fn run(expected: &Expected, stop: &AtomicBool, into: &SyncSender<Event>) {
     }
 }
 
-/// Why a connection came to its end.
+/// Reason for the end of a connection.
 enum Broken {
     NoSubprotocol,
     Because(String),
@@ -119,7 +119,7 @@ impl From<String> for Broken {
     }
 }
 
-/// Listens until the connection breaks off; `Ok` where nobody wants more.
+/// Listens until the connection breaks; `Ok` if it was stopped.
 fn listen(
     expected: &Expected,
     without_subprotocol: bool,
@@ -133,7 +133,7 @@ fn listen(
         return Ok(());
     };
     let mut protocol = match without_subprotocol {
-        false => Protocol::Foxglove(foxglove::Protocol::default()),
+        false => Protocol::Foxglove(foxglove::FoxgloveProtocol::default()),
         true => Protocol::Unknown,
     };
     let (mut alive, mut pinged) = (Instant::now(), Instant::now());
@@ -142,7 +142,7 @@ fn listen(
             Ok(message) => message,
             Err(Error::Io(error)) if is_nothing_yet(&error) => {
                 if alive.elapsed() > SILENCE {
-                    return Err(format!("{} s without a sign of life", SILENCE.as_secs()).into());
+                    return Err(format!("no sign of life for {} s", SILENCE.as_secs()).into());
                 }
                 if pinged.elapsed() > PING_EVERY {
                     pinged = Instant::now();
@@ -168,13 +168,13 @@ fn listen(
             }
         }
     }
-    // Whether the other side hears it or not, this is the end of it.
+    // Errors are ignored, because the connection ends anyway.
     _ = socket.close(None);
     _ = socket.flush();
     Ok(())
 }
 
-/// Gathers the events of a message, and returns the answer to it.
+/// Adds the events of a message, and returns the reply.
 fn take_message(
     protocol: &mut Protocol,
     expected: &Expected,
@@ -210,27 +210,26 @@ fn take_message(
         Message::Close(frame) => {
             let reason = frame.map_or(String::new(), |frame| frame.reason.to_string());
             let reason = if reason.is_empty() { reason } else { format!(" ({reason})") };
-            return Err(format!("the server ended it{reason}").into());
+            return Err(format!("the server closed the connection{reason}").into());
         }
         Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => {}
     }
     Ok(None)
 }
 
-/// What speaks without a subprotocol, by the first thing that it says.
+/// Recognises the protocol of a server without a subprotocol, by its first text.
 fn recognise(expected: &Expected, text: &str, events: &mut Vec<Event>) -> Result<Protocol, Broken> {
-    if bonn::Protocol::is_list(text) {
+    if bonn::BonnProtocol::is_list(text) {
         let host = expected.address.host().unwrap_or_default();
         events.push(Event::Connected(format!("total station network at {host}")));
-        events.push(Event::Channel(bonn::Protocol::channel()));
+        events.push(Event::Channel(bonn::BonnProtocol::channel()));
         let stations = expected.stations.clone();
-        return Ok(Protocol::Bonn(bonn::Protocol::new(stations, expected.added_m)));
+        return Ok(Protocol::Bonn(bonn::BonnProtocol::new(stations, expected.added_m)));
     }
     if text.contains("\"serverInfo\"") {
-        return Ok(Protocol::Foxglove(foxglove::Protocol::default()));
+        return Ok(Protocol::Foxglove(foxglove::FoxgloveProtocol::default()));
     }
-    Err("a WebSocket is there, but it speaks neither Foxglove's protocol nor that of rts-network; give the address of \
-         foxglove_bridge"
+    Err("the server uses neither Foxglove's protocol nor that of rts-network; give the address of foxglove_bridge"
         .to_owned()
         .into())
 }
@@ -240,9 +239,9 @@ fn open(address: &Uri) -> Result<TcpStream, String> {
     let port = address.port_u16().unwrap_or(USUAL_PORT);
     let bare = host.trim_start_matches('[').trim_end_matches(']');
     let places = (bare, port).to_socket_addrs().map_err(|error| {
-        format!("no computer is called {host} ({error}); look at its name, and at the network")
+        format!("host {host} is not found ({error}); check its name and the network")
     })?;
-    let mut why = "no address of it is known".to_owned();
+    let mut why = "no known address".to_owned();
     for place in places {
         match TcpStream::connect_timeout(&place, ANSWER) {
             Ok(stream) => {
@@ -255,11 +254,11 @@ fn open(address: &Uri) -> Result<TcpStream, String> {
         }
     }
     Err(format!(
-        "nobody answers at {host}:{port} ({why}); start the server there, or give another address"
+        "no server answers at {host}:{port} ({why}); start the server, or give another address"
     ))
 }
 
-/// `None` where nobody wants more.
+/// Performs the handshake; `None` if it was stopped.
 fn shake_hands(
     address: &Uri,
     stream: TcpStream,
@@ -268,7 +267,7 @@ fn shake_hands(
 ) -> Result<Option<WebSocket<TcpStream>>, Broken> {
     let mut request = ClientRequestBuilder::new(address.clone());
     if !without_subprotocol {
-        // In one header: servers read the first.
+        // One header has all of them, because servers read the first header only.
         request = request.with_sub_protocol(foxglove::SUBPROTOCOLS.join(", "));
     }
     let request = request.into_client_request().map_err(|error| in_words(&error))?;
@@ -285,7 +284,7 @@ fn shake_hands(
                 shaken = middle.handshake();
             }
             Err(HandshakeError::Interrupted(_)) => {
-                let why = "somebody is there, but does not answer as a WebSocket; look at the port";
+                let why = "the server does not answer as a WebSocket; check the port";
                 return Err(why.to_owned().into());
             }
             Err(HandshakeError::Failure(Error::Protocol(
@@ -306,12 +305,14 @@ fn is_nothing_yet(error: &std::io::Error) -> bool {
 
 fn in_words(error: &Error) -> String {
     match error {
-        Error::ConnectionClosed | Error::AlreadyClosed => "the server ended it".to_owned(),
+        Error::ConnectionClosed | Error::AlreadyClosed => {
+            "the server closed the connection".to_owned()
+        }
         Error::Protocol(ProtocolError::ResetWithoutClosingHandshake) => {
-            "the connection broke off".to_owned()
+            "the connection was lost".to_owned()
         }
         Error::Http(response) => format!(
-            "a web server is there, but no stream (HTTP {}); give the address of foxglove_bridge",
+            "the web server has no stream (HTTP {}); give the address of foxglove_bridge",
             response.status()
         ),
         Error::Capacity(error) => {
@@ -321,7 +322,7 @@ fn in_words(error: &Error) -> String {
             )
         }
         Error::Protocol(error) => {
-            format!("what is there does not speak as a WebSocket ({error}); look at the address")
+            format!("the server does not speak the WebSocket protocol ({error}); check the address")
         }
         error => error.to_string(),
     }

@@ -1,4 +1,4 @@
-//! What a live deployment is, without threads and without a clock: events and outcomes go in, snapshots and views come out.
+//! State of a live deployment, without threads and without a clock: takes events and outcomes, returns snapshots and views.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -19,53 +19,53 @@ use resect_io::format::bag::stream::{Heard, Subscription};
 use resect_io::format::bag::wire::Encoding;
 use resect_io::growing::Growing;
 
-/// Readings are held against an answer to earlier ones for so long at most (s).
+/// Longest time for which an answer remains the reference of later readings (s).
 const LONGEST_KNOWN_S: f64 = 60.0;
 
-/// The newest readings, for whoever is free to answer from them.
+/// The newest readings, for the free calculators.
 pub struct Due {
     pub deployment: Deployment,
-    /// Whether the paper's answer is wanted, and that of the settings.
+    /// True if the answer by the paper's method (`first`), and that with the chosen settings (`second`), is due.
     pub first: bool,
     pub second: bool,
 }
 
-/// Takes everything in that happens.
+/// Processes the events of a source and the outcomes of calculations.
 pub struct Engine {
     growing: Growing,
-    /// How much faster than the drive the source sends.
+    /// Speed of the source, in multiples of the drive's speed.
     speed: f64,
     is_live: bool,
     subscriptions: HashMap<u64, Subscription>,
     recorder: Option<Recorder>,
-    /// Why nothing is recorded any more, and what was recorded by then.
+    /// Reason why the recording stopped, with its content until then.
     not_recorded: Option<(String, Recorded)>,
     link: Link,
     connections: u64,
     messages: u64,
     watches: [Watch; 3],
     left_out: BTreeMap<LeftOut, (u64, String)>,
-    /// When the newest message was sent, by the source's clock, and how long ago that was noticed, by ours (s).
+    /// Time at which the newest message was sent (s, the source's clock), and of its arrival (s, our clock).
     newest_sent_s: Option<(f64, f64)>,
     coach: Coach,
-    /// What to drive next, the best first.
+    /// Next manoeuvres, the best first.
     moves: Vec<NextMove>,
     told: Told,
     warnings: Vec<Warning>,
     first: Option<Arc<Judged>>,
     answer: Option<Arc<Judged>>,
-    /// The answer that later readings are held against.
+    /// Reference answer for later readings.
     known: Option<Arc<Judged>>,
     latest: [Option<Outcome>; 2],
-    /// Who calculates the paper's answer, and that of the settings; and who looks for what to drive next.
+    /// Paces of the answers by the paper's method and with the chosen settings, and of the search for manoeuvres.
     paces: [Pace; 2],
     advising: Pace,
-    /// Readings and messages that the newest snapshot knows of.
+    /// Number of messages in the newest snapshot.
     snapshot_of: u64,
 }
 
 impl Engine {
-    /// `speed` is how much faster than the drive a replay goes; `None` of what happens now.
+    /// `replay_speed` is in multiples of the drive's speed; `None` for a live source.
     pub fn new(
         growing: Growing,
         replay_speed: Option<f64>,
@@ -99,7 +99,7 @@ impl Engine {
         }
     }
 
-    /// Takes in what the source says, at an instant of our own clock (s, from any start).
+    /// Processes an event at an instant of our own clock (s, from any start).
     pub fn take(&mut self, event: Event, clock_s: f64) {
         match event {
             Event::Connected(to) => {
@@ -134,7 +134,7 @@ impl Engine {
         self.record(|recorder| recorder.channel(channel));
     }
 
-    /// Records something; where that fails it is the last, and nothing else stops.
+    /// Records something. A failure ends the recording, and nothing else.
     fn record(&mut self, what: impl FnOnce(&mut Recorder) -> Result<(), RecordError>) {
         let Some(recorder) = &mut self.recorder else { return };
         if let Err(error) = what(recorder) {
@@ -165,7 +165,7 @@ impl Engine {
         }
     }
 
-    /// Takes in what came of an analysis of a snapshot, at an instant of our own clock (s).
+    /// Adds the outcome of an analysis of a snapshot, at an instant of our own clock (s).
     pub fn judged(&mut self, outcome: Outcome, clock_s: f64) {
         self.paces[usize::from(!outcome.is_first)].end(clock_s);
         let is_amiss = self.warnings.iter().any(|one| speaks_against_readings(one.finding.kind));
@@ -173,8 +173,8 @@ impl Engine {
         if let Ok(judged) = &outcome.judged {
             let kept = if outcome.is_first { &mut self.first } else { &mut self.answer };
             *kept = Some(Arc::clone(judged));
-            // An answer from readings of a wrong prism is not what these are held against; unless it goes on for so long that
-            // the earlier one may be the wrong one.
+            // An answer from readings of a wrong prism does not become the reference. If that lasts long, the earlier
+            // reference may be the wrong one.
             let is_right = !outcome.wrong_pairs().contains(&true);
             let is_old = |known: &Arc<Judged>| judged.up_to_s - known.up_to_s > LONGEST_KNOWN_S;
             if judged.is_sure() && (is_right || self.known.as_ref().is_none_or(is_old)) {
@@ -185,12 +185,12 @@ impl Engine {
         self.latest[place] = Some(outcome);
     }
 
-    /// Whether what to drive next is looked for now; whoever asks does it.
+    /// Begins a search for manoeuvres, if one is due; returns true if the caller has to run it.
     pub fn begins_to_advise(&mut self, clock_s: f64) -> bool {
         self.advising.begin(clock_s)
     }
 
-    /// Takes in what to drive next, the best first.
+    /// Sets the next manoeuvres, the best first.
     pub fn advised(&mut self, moves: Vec<NextMove>, clock_s: f64) {
         self.advising.end(clock_s);
         self.moves = moves;
@@ -204,7 +204,7 @@ impl Engine {
         self.coach.target_m
     }
 
-    /// Reads what came, and what will come, with what another knows beforehand. Earlier answers are none any more.
+    /// Replaces everything but the readings, and re-reads all of them with it. Earlier answers become invalid.
     pub fn read_with(&mut self, around: Growing) {
         let from = self.growing.read_with(around);
         let mut before = std::mem::take(&mut self.watches);
@@ -213,16 +213,16 @@ impl Engine {
         self.coach.doubt();
         (self.first, self.answer, self.known) = (None, None, None);
         (self.latest, self.moves) = ([None, None], Vec::new());
-        // There is something new to answer from.
+        // Forces a new snapshot, even without new messages.
         self.snapshot_of = u64::MAX;
     }
 
-    /// The answer that later readings are held against.
+    /// Returns the reference answer for later readings.
     pub fn known(&self) -> Option<Arc<Judged>> {
         self.known.clone()
     }
 
-    /// The deployment so far; `None` where nothing came since the last one.
+    /// Returns the deployment so far; `None` if nothing came since the last snapshot.
     pub fn snapshot(&mut self) -> Option<Result<Deployment, OpenError>> {
         if self.snapshot_of == self.messages {
             return None;
@@ -231,26 +231,26 @@ impl Engine {
         Some(self.growing.deployment())
     }
 
-    /// The deployment so far for whoever is free to answer from it, and is busy with that from now on; `None` where nobody is, or
-    /// nothing new came. The paper's answer is wanted beside a joint estimate only.
+    /// Returns the deployment so far for the free calculators, and marks them as busy. `None` if none is free, or
+    /// nothing new came. The answer by the paper's method is due only beside a joint estimate.
     pub fn due(&mut self, is_joint: bool, clock_s: f64) -> Option<Due> {
         let wanted = [is_joint, true];
         let is_free = |of: usize| wanted[of] && self.paces[of].is_free(clock_s);
         if !is_free(0) && !is_free(1) {
             return None;
         }
-        // What has no deployment yet is told in the view: there are no readings, or they cannot be any.
+        // An error means that there are no readings, or only invalid ones; the view reports it.
         let deployment = self.snapshot()?.ok()?;
         let [first, second] = [0, 1].map(|of| wanted[of] && self.paces[of].begin(clock_s));
         Some(Due { deployment, first, second })
     }
 
-    /// Makes sure that what was recorded outlives this process.
+    /// Flushes the recording, so that it outlives this process.
     pub fn flush(&mut self) {
         self.record(Recorder::flush);
     }
 
-    /// Sets another target (m).
+    /// Sets the target (m).
     pub fn aim(&mut self, target_m: f64) {
         self.coach.aim(target_m);
     }
@@ -260,12 +260,12 @@ impl Engine {
         self.recorder.take().map(Recorder::finish)
     }
 
-    /// The deployment as it ended up; an error where there is nothing to answer from.
+    /// Returns the final deployment; an error without usable readings.
     pub fn deployment(&mut self) -> Result<Deployment, OpenError> {
         self.growing.deployment()
     }
 
-    /// All that is to be told, at an instant of our own clock (s).
+    /// Returns the state at an instant of our own clock (s).
     pub fn view(&mut self, clock_s: f64) -> View {
         let now_s = self.newest_sent_s.map(|(sent_s, at_s)| match self.link {
             Link::Ended => sent_s,
@@ -287,7 +287,7 @@ impl Engine {
         let sum = |which: usize| late_and_repeated.iter().map(|counts| counts[which]).sum();
         let deciding = self.latest[1].as_ref().or(self.latest[0].as_ref());
         let sentence = match deciding {
-            None if is_read_by_all => "the first answer is on its way".to_owned(),
+            None if is_read_by_all => "calculating the first answer".to_owned(),
             _ => self.coach.sentence(deciding, &self.moves),
         };
         View {
@@ -335,7 +335,7 @@ impl Engine {
             Some((_, first)) => Some(first.clone()),
             None if topics.is_empty() => None,
             None => Some(format!(
-                "positions of {} are not read, because nobody says of which station they are; name those of stations 1, 2, 3",
+                "positions of {} are not read: their stations are unknown; give the topics of stations 1, 2, 3",
                 topics.join(", ")
             )),
         };
@@ -352,7 +352,7 @@ impl Engine {
         };
         let mut amiss = amiss(&seen);
         if self.link == Link::Ended {
-            // Nothing can be done any more about what has ended.
+            // A lost lock cannot be corrected after the end.
             amiss.retain(|finding| finding.kind != FindingKind::LiveLostLock);
         }
         self.warnings = self.told.update(now_s, amiss);

@@ -1,74 +1,74 @@
-//! What sources say, whatever they are: channels, messages of ROS, and how the connection is.
+//! Events of any source: channels, ROS messages, and the state of the connection.
 
 /// A channel that a source offers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
-    /// By which its messages name it, until the source connects again.
+    /// Identifier of the channel in messages, until the source connects again.
     pub id: u64,
     pub topic: String,
     pub message_type: String,
-    /// "cdr", "ros1".
+    /// `"cdr"` or `"ros1"`.
     pub encoding: String,
-    /// The definition of its messages, and in which language it is.
+    /// Definition of its messages, and the language of that definition.
     pub schema: Vec<u8>,
     pub schema_encoding: String,
 }
 
-/// Something that a source says.
+/// An event of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// The source answered, with this name; channels of before are no longer.
+    /// The source answered, with this name; earlier channels are invalid.
     Connected(String),
-    /// There is no connection, and why not; it is tried again after so many seconds.
+    /// The connection failed, with the reason; the next attempt follows after `again_in_s` (s).
     Lost {
         why: String,
         again_in_s: f64,
     },
     Channel(Channel),
     Message(Sent),
-    /// So many things that cannot be taken in.
+    /// A number of items that cannot be processed, with a description of the first.
     LeftOut {
         what: LeftOut,
         count: u64,
         first: String,
     },
-    /// All was said, and nothing more will come.
+    /// The source has ended; no event follows.
     Ended,
 }
 
-/// A message as it was sent.
+/// A message with its times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sent {
     /// The channel's [`Channel::id`].
     pub channel: u64,
-    /// When the source sent it (ns since 1970, its clock).
+    /// Time of sending (ns since 1970, the source's clock).
     pub sent_ns: u64,
-    /// When it was received here (s since 1970, this computer's clock).
+    /// Time of reception (s since 1970, this computer's clock).
     pub received_s: f64,
     pub payload: Vec<u8>,
 }
 
-/// Why something of a stream is left out.
+/// Reason why an item of a stream is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
-    /// The same reading once more, from a source that repeats them.
+    /// The same reading again, from a source that repeats readings.
     Repeat,
-    /// A frame that makes no sense.
+    /// An unreadable frame.
     Frame,
-    /// A channel in an encoding that is not read.
+    /// A channel in an unsupported encoding.
     Encoding,
-    /// A message that is longer than any can be.
+    /// A message longer than the limit.
     TooLong,
-    /// A message that is not what its type says.
+    /// A message that does not match its type.
     Malformed,
-    /// A reading of an instrument that nobody says the station of.
+    /// A reading of an instrument that is assigned to no station.
     NoStation,
-    /// What the server warned of.
+    /// A warning of the server.
     Warned,
 }
 
 impl LeftOut {
-    /// The name that scripts read.
+    /// Returns the name for scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Repeat => "repeats",

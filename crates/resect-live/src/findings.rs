@@ -12,7 +12,8 @@ pub fn lost_lock(station: usize, age_s: f64) -> Finding {
     Finding::new(
         FindingKind::LiveLostLock,
         format!(
-            "station {} has had no reading for {age_s:.0} s; stand where it sees its prism, and lock it on again",
+            "station {} lost its prism: no reading for {age_s:.0} s; drive where it sees its prism, and lock it on \
+             again",
             station + 1
         ),
     )
@@ -24,7 +25,7 @@ pub fn clock_jumped(station: usize, by_s: f64) -> Finding {
     Finding::new(
         FindingKind::LiveClockJumped,
         format!(
-            "station {}'s clock jumped by {by_s:+.3} s; look at its synchronisation, and begin the drive again",
+            "station {}'s clock jumped by {by_s:+.3} s; check its synchronisation, and begin the drive again",
             station + 1
         ),
     )
@@ -42,7 +43,7 @@ pub fn station_stepped(
     stepped(
         station,
         &format!(
-            "station {} moved {when}: by {:.0} ± {:.0} mm, turned by {:+.2} ± {:.2} mrad",
+            "station {} moved {when} by {:.0} ± {:.0} mm and turned by {:+.2} ± {:.2} mrad",
             station + 1,
             moved_m.value * 1e3,
             moved_m.sigma * 1e3,
@@ -69,20 +70,20 @@ pub fn clock_stepped(station: usize, by_s: &Estimate, when: &str) -> Finding {
 }
 
 fn stepped(station: usize, event: &str) -> Finding {
-    let message = format!("{event}; look at its tripod and its clock, and begin the drive again");
+    let message = format!("{event}; check its tripod and its clock, and begin the drive again");
     Finding::new(FindingKind::LiveStepped, message).about(Subject::Station(station))
 }
 
-/// `station` follows another prism, where it can be determined; the distance of `pair` is off by `off_m`.
+/// `station` follows a wrong prism, `None` if not determined; the distance of `pair` deviates by `off_m` (m).
 pub fn wrong_prism(station: Option<usize>, pair: usize, off_m: f64) -> Finding {
     let who = match station {
-        Some(station) => format!("station {} may follow another's prism", station + 1),
-        None => "a station may follow another's prism".to_owned(),
+        Some(station) => format!("station {} may track the wrong prism", station + 1),
+        None => "a station may track the wrong prism".to_owned(),
     };
     let finding = Finding::new(
         FindingKind::LiveWrongPrism,
         format!(
-            "{who}: the distance {} is off by {:.0} mm; look at which prism each station points at",
+            "{who}: the distance {} is off by {:.0} mm; check the prism that each station points at",
             pair_label(pair),
             off_m * 1e3
         ),
@@ -98,8 +99,8 @@ pub fn straight_line(length_m: f64) -> Finding {
     Finding::new(
         FindingKind::LiveStraightLine,
         format!(
-            "the drive is a straight line of {length_m:.0} m so far, which leaves directions free; leave the line: drive a \
-             figure-eight with turns to both sides"
+            "some directions are unobservable: the drive so far is a straight line of {length_m:.0} m; leave the line \
+             with turns to both sides, as a figure-eight if the place allows"
         ),
     )
     .quantity("length", length_m, Unit::Metre)
@@ -108,7 +109,7 @@ pub fn straight_line(length_m: f64) -> Finding {
 pub fn no_rig() -> Finding {
     Finding::new(
         FindingKind::LiveNoRig,
-        "the inter-prism distances are not known, and without them there is no answer; name a file of the rig",
+        "no answer is possible: the inter-prism distances are unknown; give a file of the rig",
     )
 }
 
@@ -135,7 +136,7 @@ pub fn examples() -> Vec<Finding> {
         wrong_prism(None, 0, 0.4),
         straight_line(42.0),
         no_rig(),
-        no_station("say which station `/rts4` is"),
+        no_station("give the station of `/rts4`"),
         not_recorded("disk full"),
     ]
 }

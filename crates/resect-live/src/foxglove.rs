@@ -1,7 +1,7 @@
-//! The WebSocket protocol of Foxglove (`foxglove.websocket.v1`, `foxglove.sdk.v1`), as far as a listener needs it.
+//! The WebSocket protocol of Foxglove (`foxglove.websocket.v1`, `foxglove.sdk.v1`), reduced to the needs of a listener.
 //!
-//! From the specification in foxglove/ws-protocol (docs/spec.md): the server names itself and its channels as JSON; who subscribes gets
-//! binary messages, which begin with 1, the subscription (u32), the time when it was sent (u64, ns) and then hold the payload.
+//! From the specification in foxglove/ws-protocol (docs/spec.md): the server describes itself and its channels as JSON. A
+//! subscriber receives binary messages: the byte 1, the subscription (u32), the time of sending (u64, ns), and the payload.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use super::event::{Channel, Event, LeftOut, Sent};
 use resect_io::format::bag::messages::Kind;
 use resect_io::format::bag::stream::LARGEST_MESSAGE_BYTES;
 
-/// What a client may ask for; the later protocol differs in nothing that is read here.
+/// Subprotocols that the client requests; they do not differ in anything that is read here.
 pub const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
-/// First byte of a binary message that holds a message of a channel.
+/// First byte of a binary message with the data of a channel.
 const MESSAGE_DATA: u8 = 1;
-/// Level of a server's status from which on it is told.
+/// Lowest level of a server's status that is reported.
 const WARNING_LEVEL: u8 = 1;
 
 #[derive(Deserialize)]
@@ -52,16 +52,16 @@ struct Advertised {
     schema_encoding: Option<String>,
 }
 
-/// One connection: what it is subscribed to.
+/// State of one connection: its subscriptions.
 #[derive(Debug, Default)]
-pub struct Protocol {
+pub struct FoxgloveProtocol {
     /// Channels by subscription.
     channels: BTreeMap<u32, u64>,
     next: u32,
 }
 
-impl Protocol {
-    /// What a text of the server says, and what is answered.
+impl FoxgloveProtocol {
+    /// Returns the events in a text of the server, and the reply.
     pub fn text(&mut self, text: &str) -> (Vec<Event>, Option<String>) {
         let nothing = |event| (vec![event], None);
         match serde_json::from_str(text) {
@@ -117,7 +117,7 @@ impl Protocol {
         (events, (!asked.is_empty()).then(|| ask.to_string()))
     }
 
-    /// What a binary frame says; `None` where it is not for a listener.
+    /// Returns the event in a binary frame; `None` if a listener ignores it.
     pub fn binary(&self, frame: &[u8], received_s: f64) -> Option<Event> {
         let left_out = |what, first: String| Some(Event::LeftOut { what, count: 1, first });
         let Some((&op, rest)) = frame.split_first() else {
@@ -134,7 +134,7 @@ impl Protocol {
             let first = format!("a message of {} bytes, which is cut off", frame.len());
             return left_out(LeftOut::Frame, first);
         };
-        // What was unsubscribed may still be on its way.
+        // Messages of a cancelled subscription may still arrive.
         let channel = *self.channels.get(&subscription)?;
         if payload.len() > LARGEST_MESSAGE_BYTES {
             let bytes = payload.len();
@@ -142,7 +142,7 @@ impl Protocol {
                 format!("a message of {bytes} bytes (the limit is {LARGEST_MESSAGE_BYTES})");
             return left_out(LeftOut::TooLong, first);
         }
-        // A server that does not say when is taken to send at once.
+        // Without a time of sending, the time of reception replaces it.
         let sent_ns = if sent_ns == 0 { (received_s * 1e9) as u64 } else { sent_ns };
         Some(Event::Message(Sent { channel, sent_ns, received_s, payload: payload.to_vec() }))
     }
@@ -164,20 +164,20 @@ mod tests {
 
     #[test]
     fn it_subscribes_to_what_is_read_and_to_nothing_else() {
-        let mut protocol = Protocol::default();
+        let mut protocol = FoxgloveProtocol::default();
         let (events, ask) = protocol.text(&advertised("cdr", THEODOLITE));
         let [Event::Channel(channel)] = &events[..] else { panic!("{events:?}") };
         assert_eq!((channel.id, channel.topic.as_str()), (7, "/t"));
         assert_eq!(channel.schema_encoding, "ros2msg");
         let ask = ask.expect("it asks");
         assert_eq!(ask, r#"{"op":"subscribe","subscriptions":[{"channelId":7,"id":1}]}"#);
-        // Said once more, nothing is asked twice.
+        // A repeated advertisement makes no second subscription.
         assert_eq!(protocol.text(&advertised("cdr", THEODOLITE)), (Vec::new(), None));
     }
 
     #[test]
     fn messages_come_with_their_channel_and_time() {
-        let mut protocol = Protocol::default();
+        let mut protocol = FoxgloveProtocol::default();
         protocol.text(&advertised("cdr", THEODOLITE));
         let frame = |payload: &[u8]| {
             [&[1, 1, 0, 0, 0][..], &5_000_000_000_u64.to_le_bytes(), payload].concat()
@@ -186,7 +186,7 @@ mod tests {
         let expected =
             Sent { channel: 7, sent_ns: 5_000_000_000, received_s: 6.0, payload: vec![9, 9] };
         assert_eq!(sent, Some(Event::Message(expected)));
-        // The clock of the server, and a subscription that nobody made.
+        // The server's clock, and an unknown subscription.
         assert_eq!(protocol.binary(&[2, 0, 0, 0, 0, 0, 0, 0, 0], 6.0), None);
         assert_eq!(protocol.binary(&[&[1, 9, 0, 0, 0][..], &[0; 9]].concat(), 6.0), None);
         let left_out = |frame: &[u8]| match protocol.binary(frame, 6.0) {
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_is_said_in_one_line() {
-        let mut protocol = Protocol::default();
+        let mut protocol = FoxgloveProtocol::default();
         let mut said = |text: &str| match &protocol.text(text).0[..] {
             [Event::LeftOut { what, first, .. }] => (*what, first.clone()),
             other => panic!("{other:?}"),

@@ -1,12 +1,12 @@
-//! What an answer means to whoever is driving: its σ where it matters, its verdict, what it leaves open.
+//! Evaluation of an answer for the driver: σ at the far end of the track, verdict, unconstrained directions.
 
 use std::sync::Arc;
 
 use super::findings::{clock_stepped, station_stepped};
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::inter_prism::drive_shape::Plan;
+use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability};
-use resect_core::calibration::joint::Stepped;
+use resect_core::calibration::joint::StepSize;
 use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distance_errors_m};
 use resect_core::deployment::{Deployment, Finding, PAIRS, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
@@ -14,89 +14,89 @@ use resect_core::geometry::RigidTransform;
 use resect_core::planning::OPENING;
 use resect_core::statistics::median;
 
-/// Readings that tell nothing for so long (s) need another remedy than more of them.
+/// Duration of a drive (s) below which a missing answer only needs more readings; a longer drive needs another remedy.
 const BEGINNING_S: f64 = 30.0;
-/// The last readings that tell whether the right prisms are followed (s).
+/// Span of the last readings (s) that are tested for a wrong prism.
 const LATEST_S: f64 = 4.0;
-/// Fewer triplets than this tell nothing of them.
+/// Smallest number of triplets for the test of the prisms.
 const FEWEST: usize = 10;
-/// An answer that leaves more than this open (m) tells nothing of them.
+/// Largest σ at the far end (m) of an answer that can test the prisms of later readings.
 const SURE_M: f64 = 0.01;
-/// Distances of triplets that are off the rig's by more (m) for seconds are those of a wrong prism.
+/// Median distance error of the last triplets (m) above which a station follows a wrong prism.
 const WRONG_PRISM_M: f64 = 0.05;
-/// A station that moved by less (m), or turned by less (rad), is left to the answer's findings.
+/// Displacement (m) and rotation (rad) of a station below which a step remains a finding of the answer only.
 const MOVED_M: f64 = 0.003;
 const TURNED_RAD: f64 = 2e-4;
 
-/// An answer to the readings up to an instant.
+/// An answer to the readings up to an instant, evaluated.
 #[derive(Clone, Debug)]
 pub struct Judged {
     pub method: Method,
-    /// Stamp of the newest reading that it knows of (s).
+    /// Stamp of the newest reading of the deployment (s).
     pub up_to_s: f64,
-    /// How many readings it is of.
+    /// Number of raw readings of the deployment.
     pub readings: usize,
-    /// How long it took (ms).
+    /// Duration of the analysis (ms).
     pub took_ms: f64,
     pub verdict: Verdict,
     pub verdict_in_words: String,
-    /// What speaks against it most, if anything does.
+    /// The most severe doubt, if there is one.
     pub reason: Option<String>,
-    /// Where on the track it leaves the most open; `None` where a direction is free.
+    /// Point of the track with the largest σ; `None` if a direction is unobservable.
     pub far_end: Option<FarEnd>,
-    /// What the drive does not hold, in words, the least held first.
+    /// Directions that the drive does not constrain, in words, the least constrained first.
     pub open: Vec<String>,
-    /// What to drive next, by what it holds least.
+    /// Manoeuvre that constrains the weakest direction.
     pub advice: Option<&'static str>,
-    pub plan: Option<Plan>,
-    /// How late the stamps of stations 2 and 3 are, with σ (s).
+    pub plan: Option<PlanView>,
+    /// Clock offsets of stations 2 and 3 with σ (s), positive if their stamps are late.
     pub late_s: Option<[[f64; 2]; 2]>,
-    /// Stations and clocks that stepped.
+    /// Detected steps of stations and clocks.
     pub stepped: Vec<Finding>,
     pub station1_from_station: [RigidTransform; 3],
     pub sigma: Option<[TransformSigma; 2]>,
-    /// The median distance error of the answer (mm).
+    /// Median distance error of the answer (mm).
     pub inter_prism_mm: Option<f64>,
 }
 
 impl Judged {
-    /// Tells the verdict and what speaks most against the answer: "weak: station 2's clock seems late".
+    /// Returns the verdict and the most severe doubt: "weak: station 2's clock seems late".
     pub fn verdict_and_reason(&self) -> String {
         let why = self.reason.as_ref().map_or(String::new(), |why| format!(": {why}"));
         format!("{}{why}", self.verdict_in_words)
     }
 
-    /// Whether later readings can be held against it.
+    /// Returns true if the answer is precise enough to test later readings.
     pub fn is_sure(&self) -> bool {
         self.far_end.is_some_and(|far_end| far_end.sigma_m < SURE_M)
     }
 }
 
-/// Why an analysis has no answer, and what to drive where it only began too early.
+/// Reason why an analysis has no answer, with a manoeuvre if the drive has only begun.
 #[derive(Clone, Debug)]
 pub struct NoAnswer {
     pub why: String,
     pub drive: Option<&'static str>,
 }
 
-/// What came of one analysis: an answer, or in one line why there is none.
+/// Result of one analysis: an answer, or the reason for its absence in one line.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Whether it was the paper's answer, which is there first, and not that of the settings.
+    /// True for the answer by the paper's method, which comes first; false for that with the chosen settings.
     pub is_first: bool,
     pub judged: Result<Arc<Judged>, NoAnswer>,
-    /// How far the distances of the last triplets are off (m), by pair.
+    /// Median absolute distance errors of the last triplets, by pair (m).
     pub lately_off_m: Option<[f64; 3]>,
 }
 
 impl Outcome {
-    /// Which pairs of prisms were lately off by more than any noise.
+    /// Returns true for each pair of prisms whose last distance errors exceed any noise.
     pub fn wrong_pairs(&self) -> [bool; 3] {
         self.lately_off_m.map_or([false; 3], |off_m| off_m.map(|off_m| off_m > WRONG_PRISM_M))
     }
 }
 
-/// Judges an analysis of a deployment; `known` is an earlier answer, which holds the last readings against what it knew.
+/// Judges an analysis of a deployment. The transforms of `known`, an earlier answer, test the last readings.
 pub fn judge(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -116,7 +116,7 @@ pub fn judge(
     Outcome { is_first, judged, lately_off_m }
 }
 
-/// What to drive first; `None` where that is past, or all stations follow one prism, which turns to no use.
+/// Returns the first manoeuvre; `None` late in the drive, or if all stations follow one prism, for which rotations are useless.
 fn opening(deployment: &Deployment, analysis: &Analysis) -> Option<&'static str> {
     let read_s = deployment.end_s()? - deployment.start_s()?;
     (read_s < BEGINNING_S && analysis.offer.targets != Targets::OnePrism).then_some(OPENING)
@@ -135,15 +135,15 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
     });
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
-        let told = joint.stepped.iter().filter_map(|step| {
-            let (station, when) = (step.station, joint.when(step));
-            match &step.what {
-                Stepped::Station { turned_rad, .. } => {
+        let told = joint.steps.iter().filter_map(|step| {
+            let (station, when) = (step.station, joint.describe_time(step));
+            match &step.size {
+                StepSize::Station { turned_rad, .. } => {
                     let moved_m = step.moved_m()?;
                     let is_small = moved_m.value < MOVED_M && turned_rad.value.abs() < TURNED_RAD;
                     (!is_small).then(|| station_stepped(station, &moved_m, turned_rad, &when))
                 }
-                Stepped::Clock(by_s) => Some(clock_stepped(station, by_s, &when)),
+                StepSize::Clock(by_s) => Some(clock_stepped(station, by_s, &when)),
             }
         });
         told.collect()
@@ -170,7 +170,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
     }
 }
 
-/// How far the distances of the last triplets are off the rig's, by pair: their median (m).
+/// Returns the median absolute distance errors of the last triplets against the rig, by pair (m).
 fn lately_off_m(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -181,7 +181,7 @@ fn lately_off_m(
     let last_s = triplets.time_s.last()?;
     let from = triplets.time_s.partition_point(|time_s| *time_s < last_s - LATEST_S);
     let latest: Vec<usize> = (from..triplets.len()).collect();
-    // What is long past says nothing of now.
+    // Old triplets give no information about the present.
     let is_now = deployment.end_s()? - last_s < LATEST_S;
     if latest.len() < FEWEST || !is_now {
         return None;
@@ -191,7 +191,7 @@ fn lately_off_m(
     Some(off_m)
 }
 
-/// The station, 0 to 2, that the pairs which are off have in common; `None` where all are, or none.
+/// Returns the station, 0 to 2, that the deviating pairs have in common; `None` if all pairs deviate, or none.
 pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
     (0..3).find(|station| {
         (0..3).all(|pair| is_off[pair] == (PAIRS[pair].0 == *station || PAIRS[pair].1 == *station))
@@ -204,7 +204,7 @@ mod tests {
     use resect_core::analysis::{Analyst, Settings};
     use resect_core::simulation::{EPOCH_S, Preset, simulate_scenario};
 
-    /// What is to be driven where so much of a drive (s) has no answer.
+    /// Returns the advised manoeuvre after the first `until_s` seconds of a drive that has no answer yet.
     fn to_drive(
         until_s: f64,
         change: impl FnOnce(&mut Deployment, &mut Settings),
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn the_opening_is_said_where_a_drive_only_began() {
         assert_eq!(to_drive(5.0, |_, _| ()), Some(OPENING));
-        // Who read for long wants another remedy, one prism turns to no use, and no drive makes up for a rig.
+        // A long drive needs another remedy, rotations are useless with one prism, and no drive replaces a rig.
         let no_interval = |_: &mut Deployment, settings: &mut Settings| {
             settings.pipeline.thresholds.tau_l_seconds = 1e3;
         };

@@ -1,28 +1,28 @@
-//! A deployment while it is driven: readings from the network, answers while they come in, and whether it is enough.
+//! A deployment while it is driven: readings from the network, live answers, and the decision if the drive is long enough.
 //!
 //! # Modules, from the ground up
-//! A module imports only from those above it in this table (`tests/structure.rs`).
+//! A module imports only from those above it in this table (`tests/structure`).
 //!
 //! | module | content | next change |
 //! |---|---|---|
 //! | [`event`] | events of any source: channels and messages of ROS | |
 //! | [`foxglove`], [`bonn`], [`replay`] | the sources | another stream: a file that makes [`event::Event`]s, and its choice in `connect.rs` |
-//! | [`connect`] | the connection to a source over the network, made again when it breaks | |
+//! | [`connect`] | the connection to a source over the network, with reconnection | |
 //! | [`recorder`] | the recording of all events as MCAP | |
 //! | [`findings`] | the warnings of a live drive, one constructor for each kind | |
 //! | [`status`] | the state of each station | |
 //! | [`judged`] | the verdict of an answer in the field | |
 //! | [`next`] | the advised next manoeuvre | |
-//! | [`coach`] | whether the drive is long enough, and the advice | |
+//! | [`coach`] | the decision if the drive is long enough, and the advice | |
 //! | [`warnings`] | warnings in the field | a warning: its kind in `finding_kind.rs` of resect-core, its constructor in `findings.rs`, its condition here |
 //! | [`pace`] | the rate of answers | |
 //! | [`view`] | the state of a live deployment at an instant, as plain data | |
 //! | [`closing`] | the answer to all readings, at the end | |
-//! | [`engine`] | all of it without threads: events go in, snapshots and views come out | |
+//! | [`engine`] | the state without threads: takes events, returns snapshots and views | |
 //! | [`session`] | the threads, behind one handle | |
 //!
-//! The tracks grow in [`resect_io::growing::Growing`], which makes the same deployment of the messages as a bag of them makes: answers are
-//! those of [`resect_core::analysis::Analyst`], as of any other deployment.
+//! The tracks grow in [`resect_io::growing::Growing`], which makes the same deployment from messages as from a bag of
+//! them. Answers are those of [`resect_core::analysis::Analyst`], as for any other deployment.
 
 pub mod bonn;
 mod closing;

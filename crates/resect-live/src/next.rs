@@ -1,4 +1,4 @@
-//! What to drive next: manoeuvres from where the vehicle is, looked for beside everything else.
+//! Next manoeuvres from the vehicle's position, searched in a thread of their own.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::judged::Judged;
 use resect_core::analysis::Analysis;
-use resect_core::calibration::joint::Expected;
+use resect_core::calibration::joint::ExpectedNoise;
 use resect_core::calibration::{ErrorSizes, Targets};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::vehicle::prisms_in_vehicle;
@@ -15,15 +15,15 @@ use resect_core::geometry::LevelTransform;
 use resect_core::planning::{NextMove, SoFar, what_next};
 use resect_core::progress::Progress;
 
-/// How a vehicle drives that nobody described: as fast, and around bends as tight as this.
+/// Default speed and turning radius of a vehicle.
 const SPEED_M_PER_S: f64 = 0.8;
 const TURN_RADIUS_M: f64 = 3.5;
-/// A manoeuvre that makes σ smaller by less than this share is hardly worth its time.
+/// Relative decrease of σ below which a manoeuvre is hardly worth its time.
 pub const LITTLE: f64 = 0.05;
-/// Readings a second, where no estimate says.
+/// Default rate of readings without a joint estimate (Hz).
 const RATE_HZ: f64 = 2.5;
 
-/// A thread that looks for what to drive next, after one answer at a time.
+/// A thread that searches for manoeuvres, one answer at a time.
 pub struct Advising {
     jobs: Sender<(Arc<Deployment>, Arc<Analysis>, f64)>,
     found: Receiver<Vec<NextMove>>,
@@ -45,19 +45,19 @@ impl Advising {
         Self { jobs, found }
     }
 
-    /// Gives it an answer to think about.
+    /// Passes an answer to the thread.
     pub fn think(&self, deployment: &Arc<Deployment>, analysis: &Arc<Analysis>, target_m: f64) {
-        // A thread that was cancelled has nothing to say any more.
+        // A thread that was cancelled accepts nothing.
         _ = self.jobs.send((Arc::clone(deployment), Arc::clone(analysis), target_m));
     }
 
-    /// What it found, if that is new: what to drive next, the best first.
+    /// Returns the manoeuvres of a search that has finished since the last call, the best first.
     pub fn found(&self) -> Option<Vec<NextMove>> {
         self.found.try_recv().ok()
     }
 }
 
-/// Manoeuvres that would make an answer better; none where the rig is not known, or nothing moves yet.
+/// Returns manoeuvres that would improve an answer; none without an answer, a rig or a moving vehicle.
 fn moves(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -79,7 +79,7 @@ fn moves(
         .map(|at| LevelTransform::new(at.translation_m, at.yaw_rad()));
     let settings = &analysis.settings;
     let joint = calibration.joint();
-    let expected = joint.map_or_else(Expected::default, |joint| Expected {
+    let expected = joint.map_or_else(ExpectedNoise::default, |joint| ExpectedNoise {
         levels: joint.levels,
         wander: joint.wander,
     });
@@ -103,7 +103,7 @@ fn moves(
     found.ok().flatten().map_or_else(Vec::new, |advice| advice.moves)
 }
 
-/// Tells whether manoeuvres are known, and none makes σ at the far end smaller by [`LITTLE`].
+/// Returns true if manoeuvres are known, and none decreases σ at the far end by [`LITTLE`].
 pub fn gain_little(moves: &[NextMove]) -> bool {
     let gains = |one: &NextMove| {
         one.before_m.is_none_or(|before_m| one.after_m < (1.0 - LITTLE) * before_m)
@@ -111,9 +111,9 @@ pub fn gain_little(moves: &[NextMove]) -> bool {
     !moves.is_empty() && !moves.iter().any(gains)
 }
 
-/// What would help an answer most, in one sentence; `None` where nothing is known to.
+/// Returns the most useful advice in one sentence; `None` without any.
 pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
-    // Advice takes longer than answers: what an answer has reached meanwhile is no advice any more.
+    // Advice takes longer than answers, so a manoeuvre is omitted if a newer answer has already reached its σ.
     let is_worth_it = |one: &&NextMove| {
         judged.far_end.is_none_or(|far| one.after_m < (1.0 - LITTLE) * far.sigma_m)
     };

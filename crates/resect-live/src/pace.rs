@@ -1,9 +1,9 @@
-//! How often answers are begun: whoever calculates rests for as long as it took, so that a drive of a day keeps no laptop busy.
+//! Limits the load of calculations: each is followed by a rest as long as it took. A drive of a day thus keeps no laptop busy.
 
-/// Who calculates rests for this many times as long as it took.
+/// Duration of a rest, in multiples of the calculation before it.
 const REST: f64 = 1.0;
 
-/// One that calculates: busy, at rest, or free. Times are of a clock that only goes forward, from 0 (s).
+/// State of one calculator: busy, resting or free. Times are of a monotonic clock that starts at 0 (s).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
     busy_since_s: Option<f64>,
@@ -15,7 +15,7 @@ impl Pace {
         self.busy_since_s.is_none() && now_s >= self.rests_until_s
     }
 
-    /// It begins, where it is free.
+    /// Begins a calculation if free; returns true if it began.
     pub fn begin(&mut self, now_s: f64) -> bool {
         let is_free = self.is_free(now_s);
         if is_free {
@@ -24,7 +24,7 @@ impl Pace {
         is_free
     }
 
-    /// It has done what it began, if anything.
+    /// Ends the calculation, if there is one, and begins the rest.
     pub fn end(&mut self, now_s: f64) {
         if let Some(since_s) = self.busy_since_s.take() {
             self.rests_until_s = now_s + REST * (now_s - since_s);
@@ -43,7 +43,7 @@ mod tests {
         assert!(!pace.begin(4.0), "one at a time");
         pace.end(5.0);
         assert!(!pace.is_free(6.9) && pace.is_free(7.0), "two seconds of work, two of rest");
-        // What ends again has begun nothing, and rests no longer.
+        // An end without a beginning does not extend the rest.
         pace.end(7.5);
         assert!(pace.begin(7.5));
     }

@@ -1,6 +1,6 @@
-//! What comes in, as MCAP, while it comes in: original channels, definitions and payloads, for our own reader and for others.
+//! Recording of all events as MCAP while they arrive: original channels, definitions and payloads, for this reader and for others.
 //!
-//! A chunk is written as a whole when it is flushed, so that a file that nobody ended holds all up to the last flush.
+//! Each flush writes a complete chunk, so a file without an end has everything up to the last flush.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -13,40 +13,40 @@ use mcap::{McapError, WriteOptions, Writer};
 use super::event::{Channel, Sent};
 use resect_io::atomic::WriteError;
 
-/// A chunk that grows to so many bytes is written before it is flushed.
+/// Size at which a chunk is written before the next flush (bytes).
 const CHUNK_BYTES: u64 = 1 << 18;
-/// More channels than a robot has are not recorded.
+/// Largest number of channels; further ones are not recorded.
 const MOST_CHANNELS: usize = 1000;
 
-/// A recording that is being written.
+/// A recording in progress.
 pub struct Recorder {
     path: PathBuf,
     writer: Writer<BufWriter<File>>,
-    /// Channels of the file by those of the source.
+    /// Channel numbers in the file, by those of the source.
     channels: HashMap<u64, u16>,
     messages: u64,
 }
 
-/// What was recorded so far.
+/// File and number of messages of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recorded {
     pub path: PathBuf,
     pub messages: u64,
 }
 
-/// Why a recording cannot be begun, or goes no further.
+/// Reason why a recording cannot begin or continue.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    #[error("{0}: it is there already, and is not written over; name another file")]
+    #[error("{0}: already exists and is not overwritten; choose another file")]
     Exists(String),
     #[error(transparent)]
     Write(WriteError),
-    #[error("{0}: cannot be recorded ({1}); look at the disk, and name another file")]
+    #[error("{0}: cannot be recorded ({1}); check the disk, and choose another file")]
     Mcap(String, McapError),
 }
 
 impl Recorder {
-    /// Begins a file that is not there yet.
+    /// Creates a new file; an error if it exists.
     pub fn create(path: &Path) -> Result<Self, RecordError> {
         let file = File::create_new(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => RecordError::Exists(path.display().to_string()),
@@ -57,7 +57,7 @@ impl Recorder {
             .profile("ros2")
             .library("resect")
             .chunk_size(Some(CHUNK_BYTES))
-            // What is flushed is whole: nothing of it is put right later.
+            // Flushed data is final, so nothing seeks back to correct it.
             .disable_seeking(true);
         let writer = options
             .create(BufWriter::new(file))
@@ -68,18 +68,18 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// A source that connects again numbers its channels anew.
+    /// Forgets all channels, because a source that reconnects numbers them anew.
     pub fn forget_channels(&mut self) {
         self.channels.clear();
     }
 
-    /// Describes a channel whose messages may follow.
+    /// Adds a channel, of which messages may follow.
     pub fn channel(&mut self, channel: &Channel) -> Result<(), RecordError> {
         if self.channels.len() >= MOST_CHANNELS {
             return Ok(());
         }
         let Channel { topic, message_type, encoding, schema, schema_encoding, .. } = channel;
-        // The crate gives the same channel and definition the same number again.
+        // The crate returns the same number for the same channel and definition.
         let added = self.writer.add_schema(message_type, schema_encoding, schema);
         let number = added
             .and_then(|schema| self.writer.add_channel(schema, topic, encoding, &BTreeMap::new()));
@@ -103,7 +103,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Makes sure that what came so far outlives this process.
+    /// Flushes the messages so far, so that they outlive this process.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         self.writer.flush().map_err(|error| self.failed(error))
     }
@@ -112,7 +112,7 @@ impl Recorder {
         Recorded { path: self.path.clone(), messages: self.messages }
     }
 
-    /// Ends the file as its format asks, and makes sure that the disk has it.
+    /// Finishes the file as its format requires, and syncs it to the disk.
     pub fn finish(mut self) -> Result<Recorded, RecordError> {
         self.writer.finish().map_err(|error| self.failed(error))?;
         let recorded = self.recorded();

@@ -1,4 +1,4 @@
-//! A deployment as if its readings came in now, as fast as they were measured or faster: for training, and for tests.
+//! Replays a deployment as a live source, at the speed of the drive or faster: for training, and for tests.
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::SyncSender;
@@ -9,19 +9,19 @@ use super::event::{Event, Sent};
 use resect_core::deployment::{Deployment, Measurement, Track};
 use resect_io::format::bag::messages::{Coords, encode_coords};
 
-/// ROS takes a stamp of zero for none: deployments whose clocks begin at zero are replayed so much later (s).
+/// Shift of the stamps of deployments whose clocks begin at zero (s), because ROS treats a stamp of zero as missing.
 const LATER_S: f64 = 1_000_000.0;
-/// How long a pause lasts before it is looked whether anyone still wants more (s).
+/// Poll interval of the stop flag (s).
 const NAP_S: f64 = 0.1;
 
-/// One reading of a station, on its way.
+/// A reading of a station that waits to be sent.
 struct Queued<'a> {
     station: usize,
     measurement: &'a Measurement,
     own_clock_s: Option<f64>,
 }
 
-/// What `track` has of readings that count.
+/// Returns the readings of `track` that are not left out.
 fn readings(station: usize, track: &Track) -> impl Iterator<Item = Queued<'_>> {
     let used = track.measurements.iter().enumerate().filter(|(k, _)| !track.is_left_out(*k));
     used.map(move |(k, measurement)| {
@@ -30,7 +30,7 @@ fn readings(station: usize, track: &Track) -> impl Iterator<Item = Queued<'_>> {
     })
 }
 
-/// The messages of a deployment in the order of their stamps. Whoever reads them adds `added_m` to the ranges of each station.
+/// Returns the messages of a deployment in the order of their stamps; readers add `added_m` to the ranges of each station (m).
 pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Item = Sent> {
     let later_s =
         if deployment.start_s().is_some_and(|start_s| start_s < 1.0) { LATER_S } else { 0.0 };
@@ -51,12 +51,12 @@ pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Ite
             zenith_rad: measurement.zenith_rad,
             range_m: measurement.range_m + (track.prism_constant_m - added_m[station]),
         });
-        let channel = bonn::Protocol::channel().id;
+        let channel = bonn::BonnProtocol::channel().id;
         Sent { channel, sent_ns: (stamp_s * 1e9) as u64, received_s: stamp_s, payload }
     })
 }
 
-/// Sends everything at so many times the speed of the drive, until it is over or nobody wants more.
+/// Sends all messages at `speed` times the speed of the drive, until the end or until it is stopped.
 pub fn run(
     deployment: &Deployment,
     added_m: [f64; 3],
@@ -66,7 +66,7 @@ pub fn run(
 ) {
     let begin = [
         Event::Connected(format!("replay of {}", deployment.name)),
-        Event::Channel(bonn::Protocol::channel()),
+        Event::Channel(bonn::BonnProtocol::channel()),
     ];
     if begin.into_iter().any(|event| into.send(event).is_err()) {
         return;
@@ -89,6 +89,6 @@ pub fn run(
             return;
         }
     }
-    // Whoever listens may have gone, and does not have to know.
+    // The receiver may have gone, which is no error.
     _ = into.send(Event::Ended);
 }

@@ -1,4 +1,5 @@
-//! A live deployment with its threads: one that listens, one that takes in, two that calculate; behind one small handle.
+//! A live deployment and its threads, behind one handle: one listens, one processes events, two calculate answers, one
+//! searches for manoeuvres.
 //!
 //! ```text
 //! source ──events──▶ intake (engine) ──snapshot──▶ the paper's answer ─┐
@@ -6,8 +7,8 @@
 //!                      │  └─▶ view, newest deployment                    │
 //!                      └────────────────outcomes────────────────────────┘
 //! ```
-//! Queues are short: who is faster than the next waits. A snapshot is made when somebody is free to take it, so that the newest
-//! readings are the next that are answered from.
+//! Queues are short: a fast producer waits for its consumer. A snapshot is made only when a calculator is free, so
+//! every answer uses the newest readings.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -33,42 +34,42 @@ use resect_io::error::OpenError;
 use resect_io::growing::Growing;
 use resect_io::source::{Extras, Source};
 
-/// Events that wait to be taken in, at most.
+/// Capacity of the queue of events.
 const QUEUE: usize = 1024;
-/// How often a view is made, what was recorded is flushed, and the paper's answer is asked for.
+/// Interval of views, flushes of the recording, and snapshots (s).
 const TICK_S: f64 = 1.0;
-/// How often it is looked whether it is to end.
+/// Poll interval of the stop flag.
 const NAP: Duration = Duration::from_millis(100);
-/// When it is to end, the source is waited for so long: one that looks up a name or waits for a computer to answer notices late.
+/// Time that a source has to stop. Sources notice late while they look up a name or wait for a computer to answer.
 const LEAVES_WITHIN: Duration = Duration::from_millis(300);
 
-/// Where readings come from.
+/// Source of readings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Feed {
-    /// The address of a stream.
+    /// Address of a stream.
     Url(String),
-    /// A deployment, at so many times the speed of the drive.
+    /// A deployment, replayed at `speed` times the speed of the drive.
     Replay { source: Box<Source>, speed: f64 },
 }
 
-/// What is wanted of a live deployment.
+/// Configuration of a live deployment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     pub feed: Feed,
-    /// Folder with what is known beforehand: rig, control points, `deployment.toml`.
+    /// Folder with the rig, control points and `deployment.toml`.
     pub deployment: Option<PathBuf>,
     pub extras: Extras,
-    /// The instruments that are stations 1, 2, 3, where messages name instruments.
+    /// Instruments of stations 1, 2, 3, if messages name instruments.
     pub instruments: Option<[String; 3]>,
     pub settings: Settings,
     pub record: Option<PathBuf>,
-    /// Whether answers are calculated here; otherwise whoever holds the session hands them in ([`Session::answered`]).
+    /// True if the session calculates answers itself; otherwise its owner hands them in ([`Session::answered`]).
     pub calculates: bool,
-    /// What σ at the far end of the track has to come down to (m).
+    /// Target for σ at the far end of the track (m).
     pub target_m: f64,
 }
 
-/// Why nothing can be begun.
+/// Reason why a session cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
     #[error(transparent)]
@@ -77,37 +78,37 @@ pub enum LiveError {
     Open(#[from] OpenError),
     #[error(transparent)]
     Record(#[from] RecordError),
-    #[error("{0} is no speed; give a number above 0, where 1 is as fast as it was driven")]
+    #[error("{0} is not a speed; give a number above 0 (1 is real time)")]
     Speed(f64),
-    #[error("{0} mm is no target; give a number above 0")]
+    #[error("{0} mm is not a target; give a number above 0")]
     Target(f64),
 }
 
-/// What is left when a live deployment has ended.
+/// Result of a live deployment that has ended.
 pub struct Finished {
     pub deployment: Result<Deployment, OpenError>,
     pub view: View,
     pub recorded: Option<Result<Recorded, RecordError>>,
-    /// What the answer to all readings is told by.
+    /// State that is needed to describe the answer to all readings.
     pub closing: Closing,
 }
 
-/// What others see of it while it runs.
+/// Data shared by the session's owner and its threads.
 #[derive(Default)]
 struct Shown {
     view: Arc<View>,
     deployment: Option<Arc<Deployment>>,
     target_m: Option<f64>,
     settings: Settings,
-    /// All but the readings, where it is to be another.
+    /// Replacement for everything but the readings.
     around: Option<Box<Growing>>,
-    /// Whether the newest deployment was taken, and the next is wanted.
+    /// True if the newest deployment was taken, so the next is wanted.
     is_taken: bool,
     /// Answers that were handed in.
     answered: Vec<Answered>,
 }
 
-/// An answer from elsewhere, of a deployment that was taken.
+/// An answer, with the deployment that it belongs to.
 struct Answered {
     deployment: Arc<Deployment>,
     analysis: Arc<Analysis>,
@@ -123,7 +124,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins to listen.
+    /// Starts to listen.
     pub fn start(wanted: &Wanted) -> Result<Self, LiveError> {
         if !(wanted.target_m > 0.0 && wanted.target_m.is_finite()) {
             return Err(LiveError::Target(wanted.target_m * 1e3));
@@ -131,7 +132,7 @@ impl Session {
         let stop = Arc::new(AtomicBool::new(false));
         let (send, events) = sync_channel(QUEUE);
         let (growing, speed, source) = prepare(wanted, Arc::clone(&stop), send)?;
-        // Everything else is known to be right before a file is begun.
+        // The recording is created last, when everything else is valid.
         let recorder = wanted.record.as_deref().map(Recorder::create).transpose()?;
         std::thread::spawn(source);
         let engine = Engine::new(growing, speed, recorder, wanted.target_m);
@@ -162,12 +163,12 @@ impl Session {
         Self { shown, stop, progress, intake: Some(intake) }
     }
 
-    /// All that is told now.
+    /// Returns the current view.
     pub fn view(&self) -> Arc<View> {
         Arc::clone(&lock(&self.shown).view)
     }
 
-    /// The newest deployment that was made of the readings, once; the next is made when this one was taken.
+    /// Returns the newest deployment, once; the next is made after this one was taken.
     pub fn take_deployment(&self) -> Option<Arc<Deployment>> {
         let mut shown = lock(&self.shown);
         let taken = shown.deployment.take();
@@ -175,32 +176,32 @@ impl Session {
         taken
     }
 
-    /// Hands in an answer to a deployment that was taken; `is_first` is the paper's, ahead of the one of the settings.
+    /// Hands in an answer to a deployment that was taken; `is_first` is true for the paper's method.
     pub fn answered(&self, deployment: Arc<Deployment>, analysis: Arc<Analysis>, is_first: bool) {
         lock(&self.shown).answered.push(Answered { deployment, analysis, is_first });
     }
 
-    /// Sets another target (m).
+    /// Sets the target (m).
     pub fn aim(&self, target_m: f64) {
         lock(&self.shown).target_m = Some(target_m);
     }
 
-    /// Sets what is calculated with from now on.
+    /// Sets the settings of the next calculations.
     pub fn set(&self, settings: &Settings) {
         lock(&self.shown).settings = *settings;
     }
 
-    /// Has all readings, those that came already too, read with what [`around`] found.
+    /// Re-reads all readings, past and future, with the result of [`around`].
     pub fn read_with(&self, around: Growing) {
         lock(&self.shown).around = Some(Box::new(around));
     }
 
-    /// Whether the source has said everything, and all of it was taken in.
+    /// Returns true if the source has ended and all of it was processed.
     pub fn has_ended(&self) -> bool {
         self.intake.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Ends it: what has arrived is taken in, and the recording is ended as it should be.
+    /// Stops the session: processes the events that have arrived, and finishes the recording.
     pub fn stop(mut self) -> Option<Finished> {
         self.leave();
         self.intake.take().and_then(|intake| intake.join().ok())
@@ -213,11 +214,11 @@ impl Session {
 }
 
 impl Drop for Session {
-    /// Whoever drops it loses nothing: the recording is ended first.
+    /// Finishes the recording first, so that nothing is lost.
     fn drop(&mut self) {
         self.leave();
         if let Some(intake) = self.intake.take() {
-            // A thread that panicked has nothing more to end.
+            // A thread that panicked has nothing to finish.
             _ = intake.join();
         }
     }
@@ -229,7 +230,7 @@ fn lock(shown: &Mutex<Shown>) -> std::sync::MutexGuard<'_, Shown> {
 
 type Work = Box<dyn FnOnce() + Send>;
 
-/// What is known beforehand, how fast a replay goes, and what the listening thread does.
+/// Returns the deployment without readings, the speed of a replay, and the work of the listening thread.
 fn prepare(
     wanted: &Wanted,
     stop: Arc<AtomicBool>,
@@ -257,7 +258,7 @@ fn prepare(
     }
 }
 
-/// Reads all but the readings of what is wanted, with other extras: what the user puts right while it is driven.
+/// Reads everything but the readings, with other extras: the user's corrections during the drive.
 pub fn around(wanted: &Wanted, extras: &Extras) -> Result<Growing, LiveError> {
     let progress = Progress::default();
     let folder = wanted.deployment.as_deref();
@@ -265,25 +266,25 @@ pub fn around(wanted: &Wanted, extras: &Extras) -> Result<Growing, LiveError> {
         Feed::Url(url) => connect::address(url)?.host().unwrap_or("live").to_owned(),
         Feed::Replay { source, .. } if folder.is_none() => {
             let deployment = beside_readings(source, extras)?;
-            return Ok(Growing::of_readings_again(deployment, &extras.put_right));
+            return Ok(Growing::of_readings_again(deployment, &extras.corrections));
         }
         Feed::Replay { source, .. } => source.open(&progress)?.name,
     };
     Ok(Growing::around(&name, folder, extras, &progress)?)
 }
 
-/// A deployment that is replayed, with what is put right beside its readings, which come again.
+/// Opens a replayed deployment with the corrections that do not concern its readings; the readings come again from the replay.
 fn beside_readings(source: &Source, extras: &Extras) -> Result<Deployment, OpenError> {
     let progress = Progress::default();
-    let mut put_right = extras.put_right.beside_readings();
-    if let Some(numbers) = extras.put_right.stations {
-        // Replayed stations are numbered as they were read; control points are as their files number them.
+    let mut corrections = extras.corrections.beside_readings();
+    if let Some(numbers) = extras.corrections.stations {
+        // Stations of a replay have the numbers with which they were read; control points have those of their files.
         let own = source.open(&progress)?.overrides.stations.unwrap_or(AS_NUMBERED);
         let number = |read: i64| usize::try_from(read - 1).ok().and_then(|at| own.get(at)).copied();
-        put_right.stations = Some(numbers.map(|read| number(read).unwrap_or(read)));
+        corrections.stations = Some(numbers.map(|read| number(read).unwrap_or(read)));
     }
     let mut all = source.extras.clone();
-    all.add(Extras { put_right, ..extras.clone() });
+    all.add(Extras { corrections, ..extras.clone() });
     source.clone().with(all).open(&progress)
 }
 
@@ -298,7 +299,7 @@ struct Intake {
 }
 
 impl Intake {
-    /// Takes in all that comes, until the source has ended, or nobody wants more.
+    /// Processes all events, until the source ends or the session stops.
     fn run(mut self) -> Finished {
         let (outcomes, judged) = channel();
         let first = calculating(true, &outcomes, &self.progress);
@@ -310,7 +311,7 @@ impl Intake {
             let tick_in = Duration::from_secs_f64(TICK_S).saturating_sub(ticked.elapsed());
             let ended = match self.events.recv_timeout(tick_in.min(NAP)) {
                 Ok(event) => {
-                    // How the connection is is told at once.
+                    // Changes of the connection are shown at once.
                     let is_news = matches!(event, Event::Connected(_) | Event::Lost { .. });
                     self.engine.take(event, self.clock_s());
                     if is_news {
@@ -383,7 +384,7 @@ impl Intake {
         }
         if let Some(around) = around {
             self.engine.read_with(*around);
-            // What waits to be taken was read otherwise.
+            // The waiting deployment was read with the former overrides.
             let mut shown = lock(&self.shown);
             (shown.deployment, shown.is_taken) = (None, true);
         }
@@ -398,15 +399,15 @@ impl Intake {
         self.show();
     }
 
-    /// Gives the newest readings to whoever is free.
+    /// Passes the newest readings to the free calculators.
     fn calculate(&mut self, settings: &Settings, first: &Sender<Job>, second: &Sender<Job>) {
-        // One that has no paper's answer beside it comes by the second alone.
+        // Only a joint estimate has the paper's answer beside it.
         let is_joint = settings.calibration.method.unwrap_or_default() == Method::Joint;
         let Some(due) = self.engine.due(is_joint, self.clock_s()) else { return };
         let deployment = Arc::new(due.deployment);
         for (_, jobs) in [(due.first, first), (due.second, second)].iter().filter(|(is, _)| *is) {
             let known = self.engine.known();
-            // A thread that is gone takes nothing, and is never free again.
+            // A thread that has ended accepts no job and never becomes free.
             _ = jobs.send(Job { deployment: Arc::clone(&deployment), settings: *settings, known });
         }
     }
@@ -417,14 +418,14 @@ impl Intake {
     }
 }
 
-/// What is to be calculated.
+/// Task of a calculating thread.
 struct Job {
     deployment: Arc<Deployment>,
     settings: Settings,
     known: Option<Arc<Judged>>,
 }
 
-/// Starts a thread that calculates one snapshot after the other.
+/// Starts a thread that analyses one snapshot after the other.
 fn calculating(
     is_first: bool,
     outcomes: &Sender<(Outcome, Answered)>,
@@ -439,7 +440,7 @@ fn calculating(
                 true => analyst.run_published_while(&settings, &progress),
                 false => analyst.run_while(&settings, &progress).map(Some),
             };
-            // Cancelled: nobody waits for it.
+            // The session was cancelled.
             let Ok(Some(analysis)) = analysis else { return };
             let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
             let analysis = Arc::new(analysis);
@@ -455,7 +456,7 @@ fn calculating(
 mod tests {
     use super::*;
 
-    /// As one that looks up a name, or waits for a computer that does not answer.
+    /// Simulates a source that looks up a name, or waits for a computer that does not answer.
     #[test]
     fn who_stops_does_not_wait_for_a_source_that_does_not_notice() {
         let growing = Growing::around("live", None, &Extras::default(), &Progress::default());
@@ -466,7 +467,7 @@ mod tests {
         let left = Arc::clone(&has_left);
         let source = std::thread::spawn(move || {
             send.send(Event::Connected("robot".to_owned())).expect("somebody listens");
-            // What holds it up for so long notices nothing.
+            // The blocked source does not notice the stop.
             _ = released.recv_timeout(Duration::from_secs(60));
             left.store(true, Relaxed);
             send.send(Event::Ended).is_err()

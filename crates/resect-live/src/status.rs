@@ -1,4 +1,4 @@
-//! How each station is doing: locked or not, how often it reads, how long ago, how late its readings arrive.
+//! State of each station: lock, rate of readings, age of the last one, latency.
 
 use std::collections::VecDeque;
 
@@ -8,39 +8,39 @@ use resect_core::deployment::station_clocks::ClockJump;
 use resect_core::deployment::{Measurement, RawRecord, Track};
 use resect_core::statistics::median;
 
-/// A station without a reading for longer than this (s) has lost its prism.
+/// Time without a reading after which a station has lost its prism (s).
 pub const LOCKED_S: f64 = 2.0;
-/// Readings that are kept to tell rate, latency and jumps of clocks.
+/// Number of readings kept for the rate, the latency and clock jumps.
 const KEPT: usize = 200;
-/// The rate is that of the last readings within this (s).
+/// Span of the last readings that define the rate (s).
 const RATE_OVER_S: f64 = 10.0;
-/// Readings that tell the latency.
+/// Number of readings that define the latency.
 const LATENCY_OVER: usize = 50;
-/// A stamp that is further from this computer's clock (s) is of another day, and tells no latency.
+/// Difference between a stamp and this computer's clock (s) above which the stamp is of another day, and gives no latency.
 const LATEST_S: f64 = 300.0;
-/// A clock that jumps by less (s) is left to the joint estimate: networks are late by as much.
+/// Smallest clock jump that is reported (s). Networks delay by as much, so smaller ones are left to the joint estimate.
 const LEAST_JUMP_S: f64 = 0.05;
-/// Readings after a jump that must be there before it is told: what a network held up catches up.
+/// Number of readings required after a jump before it is reported: delayed readings catch up by then.
 const AFTER_JUMP: usize = 20;
 
-/// What is told of one station.
+/// State of one station, for display.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StationStatus {
     pub locked: bool,
-    /// Different readings so far.
+    /// Number of different readings so far.
     pub readings: u64,
-    /// Records of the station that said that it has no reading.
+    /// Number of the station's records without a reading.
     pub without_reading: u64,
     pub rate_hz: Option<f64>,
-    /// Since the last reading was sent (s, the source's clock).
+    /// Time since the last reading was sent (s, the source's clock).
     pub age_s: Option<f64>,
-    /// From a reading's stamp to its arrival here (s): the median of the last ones. `None` of a replay.
+    /// Median time from the stamp of a reading to its arrival here (s), over the last ones. `None` for a replay.
     pub latency_s: Option<f64>,
-    /// How often it lost its prism.
+    /// Number of losses of lock.
     pub lock_losses: u64,
-    /// What its clock was last said to be corrected by (s).
+    /// Last reported correction of its clock (s).
     pub correction_s: Option<f64>,
-    /// How late its stamps are against station 1's, with σ (s), by the joint estimate.
+    /// Clock offset against station 1 with σ (s), by the joint estimate; positive if its stamps are late.
     pub late_s: Option<[f64; 2]>,
 }
 
@@ -64,7 +64,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Takes note of a record of the station.
+    /// Adds a record of the station.
     pub fn take(&mut self, record: &RawRecord, sent: &Sent) {
         if record.status != 0 {
             self.without_reading += 1;
@@ -87,21 +87,21 @@ impl Watch {
         }
     }
 
-    /// Takes note of what the station's clock was said to be off by.
+    /// Stores the reported offset of the station's clock.
     pub fn correct(&mut self, offset_s: f64) {
         self.correction_s = Some(offset_s);
     }
 
-    /// When the newest reading was sent (s, the source's clock).
+    /// Returns the time at which the newest reading was sent (s, the source's clock).
     pub fn newest_sent_s(&self) -> Option<f64> {
         self.newest_sent_s
     }
 
-    /// How the station is doing at an instant of the source's clock.
+    /// Returns the state of the station at an instant of the source's clock (s).
     pub fn status(&self, now_s: f64, is_live: bool) -> StationStatus {
         let age_s = self.newest_sent_s.map(|sent_s| (now_s - sent_s).max(0.0));
         let locked = age_s.is_some_and(|age_s| age_s <= LOCKED_S);
-        // A loss that has not ended yet counts.
+        // A loss that has not ended yet counts too.
         let losing = u64::from(age_s.is_some() && !locked);
         StationStatus {
             locked,
@@ -130,11 +130,11 @@ impl Watch {
         (late_s.abs() < LATEST_S).then_some(late_s)
     }
 
-    /// A jump of the station's clock against the source's, among the last readings, that has lasted since.
+    /// Returns a jump of the station's clock against the source's among the last readings; `None` if it did not last.
     pub fn clock_jump(&self) -> Option<ClockJump> {
         let mut last: Vec<&Arrived> = self.last.iter().collect();
         last.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
-        // Where both ends are alike there is nothing to look for.
+        // Equal offsets at both ends exclude a jump.
         let level_s =
             |of: &[&Arrived]| median(of.iter().map(|one| one.sent_s - one.measurement.time_s));
         let (first, rest) = last.split_at_checked(AFTER_JUMP)?;
@@ -142,7 +142,7 @@ impl Watch {
         if (level_s(end)? - level_s(first)?).abs() < LEAST_JUMP_S {
             return None;
         }
-        // The stamps are held against when they were sent, as they are against the stations' own clocks elsewhere.
+        // Compares the stamps with the times of sending, as elsewhere with the stations' own clocks.
         let track = Track {
             measurements: last.iter().map(|one| one.measurement).collect(),
             own_clock_s: last.iter().map(|one| one.sent_s).collect(),
@@ -153,7 +153,7 @@ impl Watch {
         let jump = jumps.into_iter().max_by(|a, b| a.by_s.abs().total_cmp(&b.by_s.abs()))?;
         let after = track.measurements.iter().filter(|m| m.time_s >= jump.time_s).count();
         let lasts = net_s.abs() > LEAST_JUMP_S && after >= AFTER_JUMP;
-        // Sent later after its stamp means that the stamps went back.
+        // An increase of the time from stamp to sending means that the stamps jumped back.
         lasts.then_some(ClockJump { by_s: -net_s, ..jump })
     }
 }
@@ -181,7 +181,7 @@ mod tests {
         for k in 0..100 {
             let stamp_s = START_S + f64::from(k) * 0.4;
             take(&mut watch, stamp_s, stamp_s + 0.01, 0);
-            // Once more, and without a reading.
+            // The same reading again, and a record without a reading.
             take(&mut watch, stamp_s, stamp_s + 0.02, 0);
             take(&mut watch, stamp_s, stamp_s + 0.02, 3);
         }
@@ -219,7 +219,7 @@ mod tests {
         let told = jump(&|_| 0.0, &|t| if t < 30.0 { 0.0 } else { 0.2 }).expect("it jumped");
         assert!((told.by_s - 0.2).abs() < 0.005, "{told:?}");
         assert!((told.time_s - START_S - 30.2).abs() < 0.5, "{told:?}");
-        // Three seconds of readings that come all at once, 3 s to 0 s late.
+        // Readings of three seconds arrive all at once, 3 s to 0 s late.
         let held_up = |t: f64| if (30.0..33.0).contains(&t) { 33.0 - t } else { 0.0 };
         assert_eq!(jump(&held_up, &|_| 0.0), None);
     }

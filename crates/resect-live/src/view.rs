@@ -1,4 +1,4 @@
-//! All that is told of a live deployment at an instant, as plain data: what the window draws and the command prints.
+//! State of a live deployment at an instant, as plain data for the window and the command.
 
 use std::sync::Arc;
 
@@ -9,22 +9,22 @@ use super::status::StationStatus;
 use super::warnings::Warning;
 use resect_core::planning::NextMove;
 
-/// How the connection is.
+/// State of the connection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Link {
     #[default]
     Connecting,
-    /// To a source of this name.
+    /// Connected to a source of this name.
     Connected(String),
     Lost {
         why: String,
         again_in_s: f64,
     },
-    /// Everything was said.
+    /// The source has ended.
     Ended,
 }
 
-/// What was left out, by kind, with the first of it in words.
+/// Items left out for one reason, with a description of the first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Left {
     pub what: &'static str,
@@ -35,38 +35,38 @@ pub struct Left {
 /// A live deployment at an instant.
 #[derive(Clone, Debug, Default)]
 pub struct View {
-    /// By the source's clock (s since 1970); `None` before the first message.
+    /// Time by the source's clock (s since 1970); `None` before the first message.
     pub now_s: Option<f64>,
-    /// Since the first reading, by the stamps (s).
+    /// Duration since the first reading, by the stamps (s).
     pub driven_s: f64,
     pub link: Link,
     pub connections: u64,
     pub messages: u64,
     pub stations: [StationStatus; 3],
-    /// Readings with the stamp of another that was there before; those that came late were put in their place.
+    /// Readings with the stamp of an earlier one, and late readings, which were sorted in by their stamps.
     pub repeated: usize,
     pub late: usize,
-    /// Records that cannot be readings.
+    /// Records that are no valid readings.
     pub dropped: usize,
     pub left_out: Vec<Left>,
     pub warnings: Vec<Warning>,
-    /// The newest paper's answer, and the newest answer of the settings.
+    /// Newest answers by the paper's method and with the chosen settings.
     pub first: Option<Arc<Judged>>,
     pub answer: Option<Arc<Judged>>,
-    /// How long ago by the stamps the newest reading was measured that the answer of the settings knows of (s).
+    /// Age of the newest reading in `answer`, by the stamps (s).
     pub answer_age_s: Option<f64>,
     pub target_m: f64,
     pub enough: bool,
     pub sentence: String,
-    /// What to drive next, what gains most in a second first.
+    /// Next manoeuvres, the largest gain per second first.
     pub moves: Vec<NextMove>,
-    /// σ at the far end of the track over the drive, by the paper's answer and by that of the settings.
+    /// σ at the far end of the track over the drive, by the paper's method and with the chosen settings.
     pub curves: [Curve; 2],
     pub recorded: Option<Recorded>,
 }
 
 impl View {
-    /// The answer that is shown: that of the settings, or before there is one the paper's.
+    /// Returns the answer to show: that with the chosen settings, or the paper's until there is one.
     pub fn shown(&self) -> Option<&Arc<Judged>> {
         self.answer.as_ref().or(self.first.as_ref())
     }

@@ -1,4 +1,4 @@
-//! What has to be known in the field at once, as data: what it is, since when, and what helps.
+//! Urgent warnings in the field, as data: finding, time of onset, remedy.
 
 use super::findings::{
     clock_jumped, lost_lock, no_connection, no_rig, no_station, not_recorded, straight_line,
@@ -6,16 +6,16 @@ use super::findings::{
 };
 use super::judged::{Judged, Outcome, station_in_common};
 use super::status::StationStatus;
-use resect_core::calibration::inter_prism::drive_shape::Plan;
+use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::deployment::station_clocks::ClockJump;
 use resect_core::deployment::{Finding, FindingKind};
 
-/// A station that has had no reading for so long (s) is told.
+/// Time without a reading after which a station gets a warning (s).
 const LOST_S: f64 = 10.0;
-/// What has happened is told for so long (s of the drive), whatever comes after.
+/// Time for which an event remains on display, whatever follows (s of the drive).
 const TOLD_S: f64 = 60.0;
 
-/// True if a warning speaks against the readings, so that no answer is enough meanwhile.
+/// Returns true if a warning contradicts the readings, so that no answer is enough meanwhile.
 pub fn speaks_against_readings(kind: FindingKind) -> bool {
     matches!(
         kind,
@@ -23,34 +23,34 @@ pub fn speaks_against_readings(kind: FindingKind) -> bool {
     )
 }
 
-/// True if a warning is shown for a while after it has happened.
+/// Returns true if a warning is shown for a while after it has happened.
 fn is_event(kind: FindingKind) -> bool {
     matches!(kind, FindingKind::LiveClockJumped | FindingKind::LiveWrongPrism)
 }
 
-/// A finding of the live drive, and since when it holds (s, the source's clock).
+/// A finding of the live drive, with its onset (s, the source's clock).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
     pub since_s: f64,
     pub finding: Finding,
 }
 
-/// What the warnings are read off.
+/// Input of the warnings.
 pub struct Seen<'a> {
-    /// Why there is no connection.
+    /// Reason for a lost connection.
     pub lost: Option<&'a str>,
     pub stations: &'a [StationStatus; 3],
     pub clock_jumps: [Option<ClockJump>; 3],
     pub deciding: Option<&'a Judged>,
     pub latest: Option<&'a Outcome>,
     pub has_rig: bool,
-    /// What has no station, in one line.
+    /// Topics or instruments without a station, in one line.
     pub no_station: Option<&'a str>,
-    /// Why nothing is recorded any more.
+    /// Reason why the recording stopped.
     pub not_recorded: Option<&'a str>,
 }
 
-/// Everything that is amiss now.
+/// Returns all present findings.
 pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
     let mut all = Vec::new();
     if let Some(why) = seen.lost {
@@ -78,7 +78,7 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
         }
     }
     let judged = seen.deciding.or_else(|| seen.latest?.judged.as_ref().ok().map(AsRef::as_ref));
-    if let Some(Plan::StraightLine { length_m, .. }) = judged.and_then(|judged| judged.plan) {
+    if let Some(PlanView::StraightLine { length_m, .. }) = judged.and_then(|judged| judged.plan) {
         all.push(straight_line(length_m));
     }
     if !seen.has_rig {
@@ -89,14 +89,14 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
     all
 }
 
-/// The warnings that are shown, each with the last time at which it held.
+/// The warnings on display, each with the last time at which its condition was met.
 #[derive(Clone, Debug, Default)]
 pub struct Told {
     warnings: Vec<(Warning, f64)>,
 }
 
 impl Told {
-    /// Returns the warnings to be shown at an instant (s, the source's clock), from what is amiss then.
+    /// Returns the warnings on display at an instant (s, the source's clock), given the findings present then.
     pub fn update(&mut self, now_s: f64, amiss: Vec<Finding>) -> Vec<Warning> {
         for finding in amiss {
             let is_same = |known: &Warning| known.finding.identity() == finding.identity();
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(names(&seen(&stations)), []);
         stations[1].age_s = Some(10.1);
         assert_eq!(names(&seen(&stations)), [("lost-lock", Some(1))]);
-        // Without a connection nobody knows what the stations see.
+        // Without a connection the state of the stations is unknown.
         let lost = Seen { lost: Some("refused"), ..seen(&stations) };
         assert_eq!(names(&lost), [("no-connection", None)]);
     }

@@ -1,6 +1,6 @@
-//! The value axis of a chart: its range, its round ticks, and numbers as people write them.
+//! Value axis of a chart: its range, round ticks, and readable numbers.
 
-/// The way from values to pixels: from `bottom` to `top`, which for an axis across are its left and right end.
+/// Maps values to pixels: from `bottom` to `top`, or from left to right if horizontal.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     log: bool,
@@ -12,8 +12,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis for the values, the largest of them `headroom` pixels below its top. A linear one begins at
-    /// zero, or at the lowest value below; a logarithmic one takes no notice of values that are not positive.
+    /// Creates an axis with `headroom` pixels above the largest value. A linear axis begins at zero, or below the
+    /// lowest negative value; a logarithmic one ignores values that are not positive.
     pub fn of(
         values: impl Iterator<Item = f64>,
         log: bool,
@@ -46,33 +46,33 @@ impl Axis {
         Self { log, low, high, bottom, top }
     }
 
-    /// A linear axis from `low` to `high` exactly, in any direction.
+    /// Creates a linear axis from `low` to `high` exactly, in either direction.
     pub fn between([low, high]: [f64; 2], [from, to]: [f32; 2]) -> Self {
         Self { log: false, low, high, bottom: from, top: to }
     }
 
-    /// Where a value is; what lies beyond an end is at the end.
+    /// Returns the position of a value (pixels); values beyond an end are placed at the end.
     pub fn place(&self, value: f64) -> f32 {
         let value = if self.log { value.max(f64::MIN_POSITIVE).log10() } else { value };
         let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
         self.bottom + (self.top - self.bottom) * share as f32
     }
 
-    /// The length of the axis in pixels.
+    /// Length of the axis (pixels).
     pub fn length(&self) -> f32 {
         (self.bottom - self.top).abs()
     }
 
-    /// Whether the axis begins above this value.
+    /// Returns true if the axis begins above this value.
     pub fn cuts(&self, value: f64) -> bool {
         self.log && value <= 0.0
     }
 
-    /// Round values along the axis, and how they are written.
+    /// Returns round values along the axis, with their labels.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let length = f64::from(self.length());
         let per_pixel = (self.high - self.low) / length;
-        // On a short axis ticks are closer, down to what keeps their labels apart.
+        // Ticks of a short axis are closer, as far as their labels allow.
         if self.log {
             self.log_ticks((length / 11.0).clamp(14.0, 20.0) * per_pixel)
         } else {
@@ -89,7 +89,7 @@ impl Axis {
         (first..=last).map(|index| (value(index), written(value(index), decimals))).collect()
     }
 
-    /// Tens; with room their twos and fives too, without it only each second ten, or third, …
+    /// Powers of ten: with twos and fives if there is room, otherwise only every second, third, … power.
     fn log_ticks(&self, gap: f64) -> Vec<(f64, String)> {
         let digits: &[f64] = if gap < 2f64.log10() { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let every = gap.ceil().max(1.0) as i32;
@@ -122,7 +122,7 @@ fn round_up(value: f64) -> f64 {
     if down >= value { down } else { round_down(2.6 * down) }
 }
 
-/// A number with so many digits, for reading off a chart.
+/// Formats a number with this many significant digits, for a chart.
 pub fn number(value: f64, digits: usize) -> String {
     let tens = value.abs().max(1e-300).log10().floor();
     let decimals = (digits as f64 - 1.0 - tens).clamp(0.0, 6.0) as usize;

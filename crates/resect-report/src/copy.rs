@@ -1,8 +1,7 @@
-//! The transforms of an answer in the forms that other programs take from the clipboard.
+//! The transforms of an answer in the formats that other programs read from the clipboard.
 //!
-//! All map the frame of station 2 or 3 into station 1's: p₁ = R p₂ + t, lengths in m, angles in rad. Numbers have
-//! enough digits to lose nothing (1 nm, 1 nrad). An answer whose verdict is not `good` says so in the copy, in a
-//! comment where the form has comments.
+//! All map the frame of station 2 or 3 to station 1's: p₁ = R p₂ + t, lengths in m, angles in rad. Numbers have the
+//! digits for 1 nm and 1 nrad. A copy states a verdict other than `good`, in a comment if the format has comments.
 
 use std::fmt::Write;
 
@@ -13,23 +12,23 @@ use super::json::{SCHEMA, transform_of};
 use super::summary::{ResultSummary, StationSummary};
 use resect_core::calibration::Verdict;
 
-/// What can be copied.
+/// Format of a copy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CopyFormat {
     Toml,
-    /// The transforms' part of what `calibrate --json` prints, under the same names.
+    /// The transforms as in the output of `calibrate --json`.
     Json,
     /// Homogeneous matrices of four rows.
     Matrix,
-    /// x y z qx qy qz qw: one line each.
+    /// One line `x y z qx qy qz qw` for each transform.
     Quaternion,
-    /// Homogeneous matrices as Python writes them.
+    /// Homogeneous matrices in Python's syntax.
     Numpy,
-    /// A line for the shell: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
+    /// A shell command: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
     Ros2,
-    /// A line for the shell: `rosrun tf2_ros static_transform_publisher`, with arguments in order.
+    /// A shell command: `rosrun tf2_ros static_transform_publisher`, with arguments in order.
     Ros1,
-    /// Fixed joints of a robot's description (XML).
+    /// Fixed joints of a robot description (XML).
     Urdf,
 }
 
@@ -45,7 +44,7 @@ impl CopyFormat {
         Self::Urdf,
     ];
 
-    /// The format's name in a menu.
+    /// Returns the name of the format in a menu.
     pub fn title(self) -> &'static str {
         match self {
             Self::Toml => "TOML",
@@ -60,7 +59,7 @@ impl CopyFormat {
     }
 }
 
-/// Which of the two transforms is copied, or both.
+/// Transforms to copy: one of the two, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Part {
     T12,
@@ -89,10 +88,10 @@ impl Part {
     }
 }
 
-/// What tf calls the parent is the frame that points are mapped to.
+/// The parent of tf is the frame to which points are mapped.
 const PARENT: &str = "Parent station1, lengths in m";
 
-/// The text for the clipboard.
+/// Returns the text for the clipboard.
 pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
     let stations = part.of(summary);
     match format {
@@ -142,13 +141,12 @@ pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
     }
 }
 
-/// Joints whose origin places the child's frame in the parent's; `rpy` are rotations about the parent's fixed x, y and z
-/// axes in that order (URDF specification, element `origin`).
+/// Writes joints whose origin is the pose of the child's frame in the parent's. `rpy` are rotations about the parent's
+/// fixed x, y and z axes in that order (URDF specification, element `origin`).
 fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
     let mut text = String::new();
     for line in origin(summary).lines() {
-        // Two hyphens would end the comment.
-        // Spaces keep any two of them apart, also where a word begins or ends with one.
+        // Two hyphens would end the comment. A space after each separates them, also at the ends of words.
         let said = line.trim_start_matches(['#', ' ']).replace('-', "- ");
         _ = writeln!(text, "<!-- {said} -->");
     }
@@ -167,7 +165,7 @@ fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
     text
 }
 
-/// Comments that hold for all, then each transform.
+/// Writes the common comments, then each transform.
 fn commented(
     summary: &ResultSummary,
     what: &str,
@@ -180,7 +178,7 @@ fn commented(
     text
 }
 
-/// Where the numbers come from, and what speaks against using them, as comments.
+/// Returns comments with the origin of the numbers and the doubts about them.
 fn origin(summary: &ResultSummary) -> String {
     let ResultSummary { deployment, method, verdict, doubts, .. } = summary;
     let mut text = format!(
@@ -198,7 +196,7 @@ fn origin(summary: &ResultSummary) -> String {
     text
 }
 
-/// Copies are pasted into shells: nothing of a name may begin a line of its own.
+/// Replaces control characters: copies are pasted into shells, where a name must not begin a line of its own.
 fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
@@ -207,7 +205,7 @@ fn maps(station: &StationSummary) -> String {
     format!("{}: station {} into station 1", station.name(), station.station)
 }
 
-/// The value in digits to 1e-9, without negative zeros.
+/// Formats a value to 1e-9, without negative zeros.
 fn digits(value: f64) -> String {
     let text = format!("{value:.9}");
     if text == "-0.000000000" { "0.000000000".to_owned() } else { text }
@@ -218,7 +216,7 @@ fn matrix(station: &StationSummary) -> [[String; 4]; 4] {
     std::array::from_fn(|row| std::array::from_fn(|column| digits(matrix[(row, column)])))
 }
 
-/// The transform's numbers x, y, z, qx, qy, qz, qw.
+/// Returns the numbers x, y, z, qx, qy, qz, qw of a transform.
 fn pose(station: &StationSummary) -> [String; 7] {
     let ([x, y, z], [qx, qy, qz, qw]) = (station.translation_m, station.quaternion_xyzw);
     [x, y, z, qx, qy, qz, qw].map(digits)
@@ -237,7 +235,7 @@ fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {
         "diagnosis": {
             "verdict": summary.verdict,
             "independently_checked": summary.independently_checked,
-            // A summary keeps the messages only.
+            // A summary has only the messages of its findings.
             "findings": summary.doubts.iter().map(|doubt| json!({ "message": doubt })).collect::<Vec<_>>(),
         },
     });
@@ -289,7 +287,7 @@ fn toml(summary: &ResultSummary, stations: &[StationSummary]) -> String {
             })
             .collect(),
     };
-    // Strings and numbers in plain structures: there is nothing in it that TOML cannot hold.
+    // TOML can represent plain strings and numbers, so this does not fail.
     let body = toml::to_string(&copy).unwrap_or_else(|error| format!("# {error}\n"));
     format!("{}# Lengths in m, angles in rad; p1 = R p + t\n{body}", origin(summary))
 }

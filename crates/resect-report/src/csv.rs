@@ -1,7 +1,7 @@
-//! Everything that was computed, as tables for other programs: readings with their fates, triplets, distance errors,
-//! transforms, clocks, and every number of the answer.
+//! All results as tables for other programs: readings with their fates, triplets, distance errors, transforms, clocks,
+//! and every number of the answer.
 //!
-//! A file each, names of columns with units, full precision: what is read back is bit for bit what was solved.
+//! Each table is a file with units in its column names, at full precision: reading it back gives the same values bit for bit.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,12 @@ use resect_io::atomic::{Ready, WriteError};
 
 type Table<'a> = ::csv::Writer<&'a mut dyn Write>;
 
-/// The tables of a folder.
+/// Files of the tables in a folder.
 pub const TABLES: [&str; 6] =
     ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv", "answer.csv"];
 
-/// Writes all [`TABLES`] into a folder, which is made if it is not there; gives their paths. Without an answer there are
-/// readings and triplets only.
+/// Writes all [`TABLES`] into a folder, which is created if missing, and returns their paths. Without an answer it
+/// writes readings and triplets only.
 pub fn write_folder(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -61,7 +61,7 @@ fn ready_table(
     })
 }
 
-/// Every raw reading of every station: as measured, where that is in the station's frame, and what became of it.
+/// Writes every raw reading of every station: as measured, its position in the station's frame, and its fate.
 fn readings(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -90,7 +90,7 @@ fn readings(
     Ok(())
 }
 
-/// Time, interval, and the three positions each in its station's frame (m).
+/// Writes time, interval, and the three positions, each in its station's frame (m).
 fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> {
     let triplets = analysis.triplets();
     let mut header = vec!["time_s", "interval", "x1_m", "y1_m", "z1_m", "x2_m", "y2_m", "z2_m"];
@@ -106,7 +106,7 @@ fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> 
     Ok(())
 }
 
-/// The three distance errors of every triplet (mm): apparent minus known.
+/// Writes the three distance errors of every triplet (mm): apparent minus known.
 fn residuals(analysis: &Analysis, answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let errors = &answer.evaluation.distance_errors_mm;
     table.write_record(["time_s", "interval", "error_12_mm", "error_13_mm", "error_23_mm"])?;
@@ -118,13 +118,13 @@ fn residuals(analysis: &Analysis, answer: &Answer, table: &mut Table) -> Result<
     Ok(())
 }
 
-/// Time and interval of a triplet: what its rows begin with.
+/// Returns the first cells of a triplet's row: time and interval.
 fn at(analysis: &Analysis, index: usize) -> Vec<String> {
     let triplets = analysis.triplets();
     vec![triplets.time_s[index].to_string(), triplets.interval[index].to_string()]
 }
 
-/// The transforms of stations 2 and 3 into station 1's frame, with one σ of each number where there is one.
+/// Writes the transforms from stations 2 and 3 to station 1, with σ of each number if known.
 fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["from", "to", "x_m", "y_m", "z_m", "yaw_rad", "qx", "qy", "qz", "qw"];
     header.extend(["sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_yaw_rad", "verdict"]);
@@ -147,7 +147,7 @@ fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     Ok(())
 }
 
-/// How late the stamps of stations 2 and 3 are against station 1's, where the calibration estimated it.
+/// Writes clock offsets and drifts of stations 2 and 3 against station 1, if the calibration estimated them.
 fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["station", "offset_s", "sigma_offset_s"];
     header.extend(["drift_s_per_s", "sigma_drift_s_per_s"]);
@@ -162,7 +162,7 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     Ok(())
 }
 
-/// Every number of the answer, in SI units; a number without a reference is compared with zero.
+/// Writes every number of the answer, in SI units; a number without a reference is compared with zero.
 fn rows(rows: &[AnswerRow], table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["group", "subject", "name", "symbol", "unit", "value", "sigma"];
     header.extend(["prior_sigma", "reference", "reference_value", "significant"]);
@@ -186,7 +186,7 @@ fn rows(rows: &[AnswerRow], table: &mut Table) -> Result<(), ::csv::Error> {
     Ok(())
 }
 
-/// What the disk said, which a table of ours cannot go wrong without; made into another kind its remedy would be lost.
+/// Returns the disk's error, the only kind that these tables can cause; any other kind would lose the remedy.
 pub fn io_error(error: ::csv::Error) -> std::io::Error {
     match error.into_kind() {
         ::csv::ErrorKind::Io(error) => error,
@@ -194,7 +194,7 @@ pub fn io_error(error: ::csv::Error) -> std::io::Error {
     }
 }
 
-/// An absent number is an empty cell.
+/// Formats an optional number; an absent one is an empty cell.
 fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -1,11 +1,10 @@
-//! Two answers against each other: what a pinned result is compared with, and the joint estimate with the paper's answer.
+//! Differences of two answers: of a pinned result and the current one, and of the joint estimate and the paper's answer.
 //!
-//! **In σ of what.** Two answers to the *same readings* under other settings share most of their errors, so the σ of
-//! their difference is smaller than either's own, by an amount that nobody knows. What a user asks is another
-//! question: do these settings move the answer by more than it claims to be uncertain? So the difference is counted
-//! in σ of the current answer. Below 1 the choice does not matter; above 2 or 3 one of the settings lets something
-//! wrong in, or the σ is too small. Two answers to *different readings* are independent, and the difference is counted
-//! in the root of the sum of their variances.
+//! **Unit σ.** Two answers from the *same readings* under other settings share most of their errors, so the σ of their
+//! difference is smaller than either's own. The amount is unknown. The relevant question is another: do these settings
+//! change the answer by more than its stated uncertainty? Therefore the difference is given in σ of the current answer.
+//! Below 1 the choice does not matter. Above 2 or 3 one of the settings admits errors, or σ is too small. Two answers
+//! from *different readings* are independent, and the difference is given in the root of the sum of their variances.
 
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
@@ -16,37 +15,37 @@ use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::wrap_to_pi;
 
-/// A quantity of the pinned answer and of the current one.
+/// A quantity in the pinned answer and in the current one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared<T> {
     pub pinned: T,
     pub now: T,
 }
 
-/// Current minus pinned, and in σ where there is one.
+/// Current minus pinned, also in units of σ if there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     pub value: f64,
-    /// Never negative; see the module's documentation for which σ.
+    /// Never negative; the module's documentation defines the σ.
     pub sigmas: Option<f64>,
 }
 
-/// How `station1_from_station` of one station differs.
+/// Difference of `station1_from_station` of one station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationDifference {
     /// The station, 2 or 3.
     pub station: usize,
-    /// The translation's difference along the axes of station 1 (m).
+    /// Difference of the translations along the axes of station 1 (m).
     pub translation_m: [Deviation; 3],
-    /// Length of the translation's difference (m), in σ along its own direction.
+    /// Length of the translations' difference (m), in σ along its own direction.
     pub distance_m: Deviation,
     pub yaw_rad: Deviation,
-    /// Angle of the rotation from one frame to the other, roll and pitch included (rad). Their σ is not known.
+    /// Angle of the relative rotation, including roll and pitch, whose σ is unknown (rad).
     pub angle_rad: f64,
 }
 
 impl StationDifference {
-    /// "T12 4.20 mm (3.1 σ; x +3.10, y -2.70, z +0.80), yaw +0.0210 mrad (1.9 σ)".
+    /// Formats the difference: "T12 4.20 mm (3.1 σ; x +3.10, y -2.70, z +0.80), yaw +0.0210 mrad (1.9 σ)".
     pub fn in_words(&self) -> String {
         let [x, y, z] = self.translation_m.map(|along| along.value * 1e3);
         let sigmas = |deviation: Deviation| match deviation.sigmas {
@@ -64,25 +63,25 @@ impl StationDifference {
     }
 }
 
-/// How two answers differ.
+/// Difference of two answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultDifference {
-    /// Whether both come from the same readings. Otherwise the stations may not even stand in the same places.
+    /// True if both use the same readings; otherwise the stations may even have other set-ups.
     pub same_data: bool,
     pub stations: [StationDifference; 2],
     pub verdict: Compared<Verdict>,
     pub method: Compared<Method>,
     pub triplets: Compared<usize>,
-    /// |distance error| pooled over the pairs (mm).
+    /// Absolute distance errors pooled over the pairs (mm).
     pub inter_prism_mm: Compared<Option<Spread>>,
-    /// The control-point metric by file (mm), first the files of the current answer.
+    /// Control-point metric by file (mm), the files of the current answer first.
     pub control_points_mm: Vec<(String, Compared<Option<Spread>>)>,
-    /// Estimates beside the transforms that both have, of which one at least is significant.
+    /// Estimates besides the transforms that both answers have, if at least one is significant.
     pub estimates: Vec<EstimateDifference>,
     pub settings: Vec<SettingChange>,
 }
 
-/// An estimate beside the transforms in both answers.
+/// An estimate besides the transforms, in both answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EstimateDifference {
     pub rows: Compared<AnswerRow>,
@@ -172,8 +171,8 @@ fn station_difference(
     moved(before, after, sigma, covariance)
 }
 
-/// What the joint estimate moved stations 2 and 3 by from where the paper's method has them, in σ of the joint estimate:
-/// both come from the same readings. `None` of an answer with no other beside it.
+/// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of the joint estimate, because both
+/// use the same readings. `None` for an answer without another beside it.
 pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
     let published = joint.published.as_deref()?;
     Some(std::array::from_fn(|k| {
@@ -190,7 +189,7 @@ fn of_translation(covariance: &SMatrix<f64, 8, 8>, k: usize) -> Matrix3<f64> {
     covariance.fixed_view::<3, 3>(4 * k, 4 * k).into_owned()
 }
 
-/// `after` minus `before`, counted in these σ of (x, y, z, yaw) and this covariance of the translation.
+/// Returns `after` minus `before`, in units of these σ of (x, y, z, yaw) and of this covariance of the translation.
 fn moved(
     before: &StationSummary,
     after: &StationSummary,
@@ -203,7 +202,7 @@ fn moved(
     };
     let off = Vector3::from(after.translation_m) - Vector3::from(before.translation_m);
     let distance_sigmas = covariance.and_then(|covariance| {
-        // Where nothing moved, any direction will do.
+        // Without a displacement any direction will do.
         let along = off.try_normalize(0.0).unwrap_or_else(Vector3::x);
         in_sigmas(off.norm(), along.dot(&(covariance * along)).max(0.0).sqrt())
     });
@@ -220,7 +219,7 @@ fn in_sigmas(value: f64, sigma: f64) -> Option<f64> {
     (sigma > 0.0).then(|| value.abs() / sigma)
 }
 
-/// The angle between two rotations in [0, π]; good to the last digit near zero, where an arc cosine is not.
+/// Returns the angle between two rotations in [0, π] (rad), accurate to the last digit near zero, unlike an arc cosine.
 fn angle_between_rad(a: &StationSummary, b: &StationSummary) -> f64 {
     let rotation = |station: &StationSummary| {
         UnitQuaternion::from_rotation_matrix(&station.station1_from_station().rotation)
@@ -271,7 +270,7 @@ mod tests {
         }
     }
 
-    /// The summary with all σ twice as large.
+    /// Doubles all σ of a summary.
     fn less_certain(mut summary: ResultSummary) -> ResultSummary {
         for station in &mut summary.stations {
             station.sigma = station.sigma.map(|sigma| sigma.map(|s| 2.0 * s));
@@ -292,7 +291,7 @@ mod tests {
             assert_relative_eq!(x.value, 0.003, epsilon = 1e-12);
             assert_relative_eq!(x.sigmas.expect("σ"), 3.0, epsilon = 1e-9);
             assert_eq!((y.value, y.sigmas), (0.0, Some(0.0)));
-            // All of it is along x.
+            // The whole displacement is along x.
             assert_relative_eq!(station.distance_m.sigmas.expect("σ"), 3.0, epsilon = 1e-9);
             assert_relative_eq!(station.yaw_rad.value, 2e-5, epsilon = 1e-12);
             assert_relative_eq!(station.yaw_rad.sigmas.expect("σ"), 2.0, epsilon = 1e-6);

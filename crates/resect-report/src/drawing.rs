@@ -1,13 +1,13 @@
-//! A picture as plain data, for a file of SVG and for the window alike. It lies on a ground of [`Ink::Paper`].
+//! A picture as plain data, for SVG files and for the window. The background is [`Ink::Paper`].
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     pub size: [f32; 2],
-    /// The marks from back to front. x to the right, y down, in the units of `size`.
+    /// Marks from back to front; x to the right, y down, in the units of `size`.
     pub marks: Vec<Mark>,
 }
 
-/// A colour, or the role of one that light and dark pictures fill differently.
+/// A colour, or a role that light and dark pictures colour differently.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ink {
     Text,
@@ -32,7 +32,7 @@ pub enum Mark {
         width: f32,
         dashed: bool,
     },
-    /// `opacity` is the filling's, `outline` the width of a border of full opacity.
+    /// `opacity` applies to the fill; `outline` is the width of an opaque border.
     Rect {
         min: [f32; 2],
         max: [f32; 2],
@@ -40,8 +40,8 @@ pub enum Mark {
         opacity: f32,
         outline: Option<f32>,
     },
-    /// One line of text. `anchor` says which part of it is at `at`, along its direction; across, its middle
-    /// is. `upwards` reads from bottom to top.
+    /// One line of text. `anchor` selects the end or the middle that is at `at`, along the text's direction; across,
+    /// the text is centred. `upwards` reads from bottom to top.
     Text {
         at: [f32; 2],
         text: String,
@@ -117,7 +117,7 @@ impl Mark {
 }
 
 impl Drawing {
-    /// This picture, enlarged with its texts and lines.
+    /// Scales the picture with its texts and lines.
     pub fn scaled(mut self, scale: f32) -> Self {
         self.size = self.size.map(|side| side * scale);
         self.marks.iter_mut().for_each(|mark| mark.scale(scale));
@@ -125,7 +125,7 @@ impl Drawing {
     }
 }
 
-/// Advances of Inter's characters from the space to the tilde, in thousandths of the size.
+/// Advance widths of Inter's characters from the space to the tilde, in thousandths of the size.
 #[rustfmt::skip]
 const ADVANCES: [u16; 95] = [
     281, 278, 403, 631, 638, 813, 639, 222, 362, 362, 500, 659, 280, 460, 276, 357, 625, 464, 605,
@@ -135,7 +135,7 @@ const ADVANCES: [u16; 95] = [
     237, 869, 585, 597, 609, 609, 372, 523, 364, 581, 557, 813, 540, 557, 541, 362, 327, 362, 659,
 ];
 
-/// Estimated width of a text in Inter, for layout: without kerning, and all that is not ASCII a digit wide.
+/// Estimates the width of a text in Inter, for layout: without kerning, and with the width of a digit for characters beyond ASCII.
 pub fn text_width(text: &str, size: f32) -> f32 {
     let advance = |c: char| {
         let known = (c as usize).checked_sub(32).and_then(|index| ADVANCES.get(index));
@@ -144,12 +144,12 @@ pub fn text_width(text: &str, size: f32) -> f32 {
     text.chars().map(advance).sum::<f32>() * size / 1000.0
 }
 
-/// Breaks a text into at most `most` lines no wider than `width`, between words; what is wider still is shortened.
+/// Breaks a text between words into at most `most` lines, and shortens lines wider than `width`.
 pub fn wrap(text: &str, size: f32, width: f32, most: usize) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match words.last_mut() {
-            // A unit stays with its number.
+            // A unit remains with its number.
             Some(last)
                 if word.chars().count() <= 2 && last.starts_with(|c: char| c.is_numeric()) =>
             {
@@ -171,7 +171,7 @@ pub fn wrap(text: &str, size: f32, width: f32, most: usize) -> Vec<String> {
     lines.iter().map(|line| shortened(line, size, width)).collect()
 }
 
-/// The text, or its two ends with an ellipsis where it is wider: names differ at either.
+/// Returns the text, or its two ends with an ellipsis if it is wider, because names may differ at either end.
 pub fn shortened(text: &str, size: f32, width: f32) -> String {
     if text_width(text, size) <= width {
         return text.to_owned();

@@ -1,4 +1,4 @@
-//! The frame of a chart with two axes: its grid, the numbers along it, and where values go.
+//! Frame of a chart with two axes: grid, numbers along the axes, and positions of values.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Ink, Mark};
@@ -16,7 +16,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The values at the ends of both axes, and the corners.
+    /// Creates a frame from the values at the ends of both axes, and from its corners.
     pub fn new(x: [f64; 2], y: [f64; 2], min: [f32; 2], max: [f32; 2]) -> Self {
         let (x, y) = (Axis::between(x, [min[0], max[0]]), Axis::between(y, [max[1], min[1]]));
         Self { x, y, min, max }
@@ -26,7 +26,7 @@ impl Frame {
         [self.x.place(x), self.y.place(y)]
     }
 
-    /// Lines across at the round values of the vertical axis, with their numbers if wanted.
+    /// Draws horizontal lines at round values of the vertical axis, with their numbers if wanted.
     pub fn draw_rows(&self, numbers: bool, marks: &mut Vec<Mark>) {
         for (value, label) in self.y.ticks() {
             let y = self.y.place(value);
@@ -38,7 +38,7 @@ impl Frame {
         }
     }
 
-    /// Lines up at the round values of the horizontal axis, with their numbers if wanted.
+    /// Draws vertical lines at round values of the horizontal axis, with their numbers if wanted.
     pub fn draw_columns(&self, numbers: bool, marks: &mut Vec<Mark>) {
         for (value, label) in self.x.ticks() {
             let x = self.x.place(value);

@@ -1,4 +1,4 @@
-//! The JSON of `calibrate`: a contract with scripts, version 2. Lengths m, angles rad, metrics mm.
+//! The JSON of `calibrate`, version 2: a contract with scripts. Lengths in m, angles in rad, metrics in mm.
 
 mod earlier;
 mod finding;
@@ -18,14 +18,14 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
 use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
 use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch};
-use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
+use resect_core::calibration::joint::{DriveClocks, JointEstimate, StepSize};
 use resect_core::calibration::two_point::PairResection;
 use resect_core::calibration::{Basin, Calibration, Details, JointTargets, TransformSigma};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
 
-/// One object for one method. `load_ms` is how long opening took.
+/// Returns one object for one method. `load_ms` is the duration of opening.
 pub fn calibration(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -33,16 +33,16 @@ pub fn calibration(
     load_ms: f64,
 ) -> Value {
     let Answer { calibration, evaluation, .. } = answer;
-    // Doubts stand among the answer's own.
+    // Doubts about the data are also among the answer's own findings.
     let of_data = deployment.findings.iter().filter(|finding| !finding.kind.is_doubt());
     let doubts = calibration.findings.iter().filter(|finding| finding.severity > Severity::Note);
     json!({
         "schema": SCHEMA,
         "deployment": deployment.name,
         "method": calibration.method.name(),
-        // Of the tracks: each in its station's "own", or all turned into a "common" one.
+        // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
-        // Of prisms 12, 13, 23 as measured on the vehicle.
+        // Distances of prisms 12, 13, 23 as measured on the vehicle.
         "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
@@ -52,7 +52,7 @@ pub fn calibration(
             "triplets": analysis.pipeline.triplets.len(),
         },
         "transforms": [transform(calibration, 1), transform(calibration, 2)],
-        // Of x, y, z, yaw of station 2, then of station 3: m and rad.
+        // Order: x, y, z, yaw of station 2, then of station 3 (m, rad).
         "covariance": calibration.covariance.map(|covariance| rows(&covariance)),
         "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
         "metrics": {
@@ -65,7 +65,7 @@ pub fn calibration(
             "independently_checked": calibration.is_independently_checked(),
             "checked_by": calibration.checked_by,
             "findings": findings(of_data.chain(&calibration.findings)),
-            // The findings that limit the answer.
+            // Findings that limit the answer.
             "doubts": findings(doubts),
             "observability": calibration
                 .inter_prism()
@@ -79,12 +79,12 @@ pub fn calibration(
                 details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()
             }),
         },
-        // The numbers of the answer, each described once; values in the SI unit.
+        // All numbers of the answer with their descriptions, in SI units.
         "rows": analysis.rows(deployment).iter().map(row).collect::<Vec<_>>(),
         "details": details(calibration),
-        // Of a joint estimate: the paper's answer to the same data.
+        // The paper's answer to the same data, beside a joint estimate.
         "published": published(calibration),
-        // Null where outputs are compared.
+        // Null if outputs are compared.
         "time_ms": of_run::tells_durations().then(|| json!({
             "load": load_ms,
             "pipeline": analysis.pipeline_ms,
@@ -104,7 +104,7 @@ fn row(row: &AnswerRow) -> Value {
         "unit": row.quantity.si_unit(),
         "value": row.value,
         "sigma": row.sigma,
-        // One standard deviation before this drive.
+        // Standard deviation before this drive.
         "prior_sigma": row.prior,
         "reference": row.reference.as_ref().map(|reference| json!({
             "name": reference.name,
@@ -114,7 +114,7 @@ fn row(row: &AnswerRow) -> Value {
     })
 }
 
-/// The paper's answer beside a joint estimate, and what the joint estimate moved it by; null beside any other.
+/// Returns the paper's answer beside a joint estimate, with the difference of the two; `None` without it.
 fn published(joint: &Calibration) -> Option<Value> {
     let published = joint.published.as_deref()?;
     let moved = moved_from_published(joint)?.map(|station| {
@@ -135,12 +135,12 @@ fn published(joint: &Calibration) -> Option<Value> {
         "findings": findings(&published.findings),
         "transforms": [transform(published, 1), transform(published, 2)],
         "covariance": published.covariance.map(|covariance| rows(&covariance)),
-        // The joint estimate minus this, in m, rad and σ of the joint estimate.
+        // Joint estimate minus the paper's answer, in m, rad and σ of the joint estimate.
         "moved": moved,
     }))
 }
 
-/// One of the minima of the cost.
+/// Returns a local minimum of the cost.
 fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
     json!({
         "is": details.role(basin),
@@ -150,7 +150,7 @@ fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
     })
 }
 
-/// A minimum's transforms, without σ.
+/// Returns the transforms of a minimum, without σ.
 fn level_transforms(basin: &Basin) -> Vec<Value> {
     (1..3)
         .map(|station| {
@@ -165,7 +165,7 @@ fn level_transforms(basin: &Basin) -> Vec<Value> {
         .collect()
 }
 
-/// `station1_from_station` of station 2 or 3 (1 or 2 in the array).
+/// Returns `station1_from_station` of station 2 or 3, given as index 1 or 2.
 pub fn transform(calibration: &Calibration, station: usize) -> Value {
     transform_of(
         station + 1,
@@ -174,7 +174,7 @@ pub fn transform(calibration: &Calibration, station: usize) -> Value {
     )
 }
 
-/// A transform of the station with this number into station 1, with its σ if there is one.
+/// Returns the transform from the station with this number to station 1, with its σ if known.
 pub fn transform_of(
     number: usize,
     station1_from_station: &RigidTransform,
@@ -194,12 +194,12 @@ pub fn transform_of(
     })
 }
 
-/// A matrix, row by row.
+/// Returns the rows of a matrix.
 pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
     (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 
-/// The details of the answer's method.
+/// Returns the details of the answer's method.
 fn details(calibration: &Calibration) -> Value {
     let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
     match &calibration.details {
@@ -253,7 +253,7 @@ fn inter_prism(details: &InterPrismDetails) -> Value {
     json!({ "prior_search": details.prior_search.as_ref().map(prior_search) })
 }
 
-/// The details of a joint estimate: instruments by station 1 to 3, clocks of stations 2 and 3.
+/// Returns the details of a joint estimate: instruments of stations 1 to 3, clocks of stations 2 and 3.
 fn joint(found: &JointEstimate) -> Value {
     let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
     let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
@@ -265,13 +265,13 @@ fn joint(found: &JointEstimate) -> Value {
         })
         .collect();
     let steps: Vec<Value> = found
-        .stepped
+        .steps
         .iter()
-        .map(|step| match &step.what {
-            Stepped::Clock(by_s) => json!({
+        .map(|step| match &step.size {
+            StepSize::Clock(by_s) => json!({
                 "station": step.station + 1, "after_s": step.after_s, "clock_s": estimate(by_s),
             }),
-            Stepped::Station { turned_rad, moved_m } => json!({
+            StepSize::Station { turned_rad, moved_m } => json!({
                 "station": step.station + 1,
                 "after_s": step.after_s,
                 "slowly": step.slowly,
@@ -284,7 +284,7 @@ fn joint(found: &JointEstimate) -> Value {
         json!({
             "from_s": drive.span_s[0],
             "to_s": drive.span_s[1],
-            "clock_offsets_s": estimates(&drive.late_s),
+            "clock_offsets_s": estimates(&drive.offsets_s),
         })
     };
     json!({
@@ -307,7 +307,7 @@ fn joint(found: &JointEstimate) -> Value {
             "range_wander_correlation_s": found.wander.correlation_s,
         },
         "steps": steps,
-        // x, y, z (m) and yaw (rad) of station 2, then of station 3.
+        // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3.
         "sigma_by_source": sigma_by_source,
         "converged": found.converged,
     })

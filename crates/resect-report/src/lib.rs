@@ -1,7 +1,7 @@
 //! Calibrations and trajectories for people and for other programs: text, JSON, CSV, HTML, pictures, bags, Rerun.
 //!
 //! # Modules, from the ground up
-//! A module imports only from those above it in this table (`tests/structure.rs`).
+//! A module imports only from those above it in this table (`tests/structure`).
 //!
 //! | module | content | next change |
 //! |---|---|---|
@@ -17,7 +17,7 @@
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
 //! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`] | the output of the commands `evaluate`, `live`, `plan`, of the studies (`compare`, `ablate`, `sweep`), of `validate` | |
 //! | [`report`] | the HTML report | a section: a file here |
-//! | [`rerun`] | recordings for the Rerun viewer | |
+//! | [`rerun_error`], [`rerun`] | recordings for the Rerun viewer | |
 
 mod axis;
 pub mod box_chart;
@@ -37,6 +37,7 @@ pub mod planning;
 pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
+pub mod rerun_error;
 pub mod residual_chart;
 pub mod rows;
 pub mod study;

@@ -1,4 +1,4 @@
-//! A live deployment at an instant: a line of JSON for a robot, a line of text for people.
+//! State of a live deployment at an instant: a line of JSON for a robot, a line of text for people.
 
 use std::fmt::Write;
 
@@ -9,19 +9,19 @@ use resect_live::judged::Judged;
 use resect_live::status::StationStatus;
 use resect_live::{Link, View};
 
-/// One object a second: a contract with scripts. Times s, lengths m, angles rad, unless the name says otherwise; what is not known is
-/// null.
+/// Returns one object, printed once a second: a contract with scripts. Times in s, lengths in m, angles in rad, unless
+/// the name says otherwise; unknown values are null.
 ///
-/// | field | what |
+/// | field | content |
 /// |---|---|
-/// | `time_s` | now, by the source's clock (s since 1970) |
-/// | `driven_s` | since the first reading, by the stamps |
-/// | `link` | `connecting`, `connected`, `lost`, `ended`; `why` of one that is lost |
-/// | `stations` | of each: `locked`, `readings`, `rate_hz`, `age_s` of the last reading, `latency_ms`, `lock_losses`, `correction_ms`, `late_ms` of its stamps against station 1 (`value`, `sigma`) |
-/// | `verdict`, `method`, `far_end_mm`, `transforms` | of the newest answer: `far_end_mm` is σ where it leaves the most open on the track |
-/// | `answer_age_s` | how much has been driven since the newest reading that the answer knows |
-/// | `target_mm`, `enough`, `advice` | whether it is enough for the target, and what to drive, in one sentence |
-/// | `moves` | manoeuvres from where the vehicle is, what gains most in a second first: `text`, `after_mm` at the far end, `takes_s`, `waypoints_m` in the frame of station 1 |
+/// | `time_s` | present time by the source's clock (s since 1970) |
+/// | `driven_s` | time since the first reading, by the stamps |
+/// | `link` | `connecting`, `connected`, `lost`, `ended`; `why` if it is lost |
+/// | `stations` | for each: `locked`, `readings`, `rate_hz`, `age_s` of the last reading, `latency_ms`, `lock_losses`, `correction_ms`, `late_ms` (clock offset against station 1: `value`, `sigma`) |
+/// | `verdict`, `method`, `far_end_mm`, `transforms` | of the newest answer: `far_end_mm` is the largest σ on the track |
+/// | `answer_age_s` | driven time since the newest reading in the answer |
+/// | `target_mm`, `enough`, `advice` | target, true if the drive is long enough for it, and the advice in one sentence |
+/// | `moves` | manoeuvres from the vehicle's position, the largest gain per second first: `text`, `after_mm` at the far end, `takes_s`, `waypoints_m` in the frame of station 1 |
 /// | `warnings` | `name`, `station` (1 to 3, or null), `since_s`, `text` |
 /// | `messages`, `readings`, `repeated`, `late`, `dropped`, `left_out` | counts; `left_out` by kind, with the first of each |
 /// | `recorded` | `file` and `messages` of the recording |
@@ -123,7 +123,7 @@ fn transform(judged: &Judged, station: usize) -> Value {
     })
 }
 
-/// One line of text: how far the drive is, the stations, the verdict and what to do.
+/// Returns one line of text: duration of the drive, stations, verdict and advice.
 pub fn line(view: &View) -> String {
     let mut line = format!("{:>5.0} s ", view.driven_s);
     for status in &view.stations {
@@ -137,18 +137,18 @@ pub fn line(view: &View) -> String {
     let verdict = view.shown().map_or("–", |judged| judged.verdict.name());
     _ = write!(line, " | {verdict:>10} | {}", view.sentence);
     if let Some(age_s) = view.answer_age_s.filter(|age_s| *age_s >= 10.0) {
-        _ = write!(line, " (an answer to the readings of {age_s:.0} s ago)");
+        _ = write!(line, " (answer {age_s:.0} s old)");
     }
     line
 }
 
-/// What the connection is, in words.
+/// Returns the state of the connection in words.
 pub fn link(view: &View) -> String {
     match &view.link {
         Link::Connecting => "connecting".to_owned(),
         Link::Connected(name) => format!("connected to {name}"),
         Link::Lost { why, again_in_s } => {
-            format!("no connection: {why}; it is tried again in {again_in_s:.2} s")
+            format!("no connection: {why}; next attempt in {again_in_s:.2} s")
         }
         Link::Ended => "the replay has ended".to_owned(),
     }

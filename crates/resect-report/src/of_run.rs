@@ -1,16 +1,16 @@
-//! What of an output is the run's and not the input's: its date, and how long it took.
+//! Properties of a run, not of the input, in an output: the date, and durations.
 //!
-//! `SOURCE_DATE_EPOCH` asks for outputs that are compared byte by byte: it gives the date, and nothing says how long
-//! anything took. <https://reproducible-builds.org/specs/source-date-epoch/>
+//! `SOURCE_DATE_EPOCH` requests outputs that can be compared byte by byte: it sets the date, and no output has
+//! durations. <https://reproducible-builds.org/specs/source-date-epoch/>
 
 use jiff::Timestamp;
 
-/// The date of this run: now, or what `SOURCE_DATE_EPOCH` says.
+/// Returns the date of this run: the present, or that of `SOURCE_DATE_EPOCH`.
 pub fn date() -> Timestamp {
     given_date().unwrap_or_else(Timestamp::now)
 }
 
-/// Whether outputs say how long things took.
+/// Returns true if outputs have durations.
 pub fn tells_durations() -> bool {
     given_date().is_none()
 }

@@ -1,4 +1,4 @@
-//! Stations, tracks and control points from above, in the frame of station 1: equal axes, in metres.
+//! Plan view of stations, tracks and control points in the frame of station 1: equal axes, in metres.
 
 use std::collections::BTreeSet;
 
@@ -13,28 +13,29 @@ use resect_core::palette;
 use resect_core::pipeline::Triplets;
 
 const LABEL: f32 = 11.0;
-/// Least and greatest height of the plot: a drive along a tunnel is not a stripe, one across the view not a tower.
+/// Smallest and largest height of the plot, for drives along and across the view.
 const HEIGHTS: [f32; 2] = [150.0, 460.0];
 /// Margins to the left, top, right and bottom of the plot, for numbers, legend and label.
 const LEFT: f32 = 58.0;
 const TOP: f32 = 26.0;
 const RIGHT: f32 = 12.0;
 const BOTTOM: f32 = 38.0;
-/// Share of the range that is left free on each side.
+/// Margin on each side, as a share of the range.
 const FREE: f64 = 0.06;
-/// Distance from the middle of a station's triangle to its corners.
+/// Distance from the centre of a station's triangle to its corners.
 const CORNER: f32 = 8.0;
-/// Points of a track closer than this on the picture say nothing more.
+/// Smallest distance between points of a track in the picture.
 const STEP: f32 = 1.0;
 
-/// Where the prisms were.
+/// Positions of the prisms.
 pub struct Tracks<'a> {
     pub triplets: &'a Triplets,
-    /// Each station's readings that are not used, in its own frame (m).
+    /// Unused readings of each station, in its own frame (m).
     pub unused_m: &'a [Vec<Vector3<f64>>; 3],
 }
 
-/// Tracks and control points are those that the transforms hold for. As wide as asked, as high as the scene asks.
+/// Draws the plan view in a given width; its height follows from the scene. The transforms must be valid for the
+/// tracks and control points.
 pub fn draw(
     control_points: &[ControlPointSet],
     Tracks { triplets, unused_m }: &Tracks<'_>,
@@ -44,7 +45,7 @@ pub fn draw(
     let stations = station1_from_station.each_ref().map(|transform| transform.translation_m);
     let control_points = control_points_m(control_points, station1_from_station);
     let tracks = tracks_m(triplets, station1_from_station);
-    // Control points may stand far off; they must not press the rest into a corner.
+    // Control points may be far away, so they do not extend the range.
     let all = || stations.iter().chain(tracks.iter().flatten().flatten());
     let (x, y) = (range(all().map(|point| point.x)), range(all().map(|point| point.y)));
     let plot_width = width - LEFT - RIGHT;
@@ -90,7 +91,7 @@ pub fn draw(
     Drawing { size: [width, height], marks }
 }
 
-/// The prisms' positions in station 1's frame, interval by interval.
+/// Returns the prisms' positions by station and interval (m, station 1's frame).
 fn tracks_m(
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
@@ -107,7 +108,8 @@ fn tracks_m(
     })
 }
 
-/// Each control point where the first station that read it puts it. Pillars may stand kilometres away: left out.
+/// Returns each control point, from the first station that read it (m, station 1's frame). Pillars may be kilometres
+/// away, so they are left out.
 fn control_points_m(
     control_points: &[ControlPointSet],
     station1_from_station: &[RigidTransform; 3],
@@ -128,7 +130,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))
     });
-    // Stations in one place, or nearly, still get a plot.
+    // Stations at one place, or nearly so, still need a plot.
     let free = FREE * (high - low).max(5.0);
     [low - free, high + free]
 }
@@ -137,13 +139,13 @@ fn length([low, high]: [f64; 2]) -> f64 {
     high - low
 }
 
-/// A range of this length with the same middle.
+/// Returns a range of this length with the same middle.
 fn about_middle([low, high]: [f64; 2], length: f64) -> [f64; 2] {
     let middle = 0.5 * (low + high);
     [middle - 0.5 * length, middle + 0.5 * length]
 }
 
-/// The points without those that are closer to the last one than the eye can tell; both ends stay.
+/// Drops points that are closer than [`STEP`] to the last one; keeps both ends.
 fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
     let mut kept: Vec<[f32; 2]> = Vec::new();
     let mut skipped = None;
@@ -159,7 +161,7 @@ fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
     kept
 }
 
-/// Triangles, as surveyors draw stations, with names that cover neither each other nor a triangle.
+/// Draws stations as triangles, as surveyors do, with names that cover neither each other nor a triangle.
 fn draw_stations(places: &[[f32; 2]; 3], plot: &Area, marks: &mut Vec<Mark>) {
     let mut taken: Vec<Area> = places.iter().map(|&at| Area::about(at, [CORNER; 2])).collect();
     for (station, &[x, y]) in places.iter().enumerate() {
@@ -167,7 +169,7 @@ fn draw_stations(places: &[[f32; 2]; 3], plot: &Area, marks: &mut Vec<Mark>) {
         let top = [x, y - CORNER];
         let right = [x + half, y + foot];
         marks.push(Mark::Line {
-            // The first side twice closes the corner.
+            // Drawing the first side twice closes the corner.
             points: vec![top, right, [x - half, y + foot], top, right],
             ink: Ink::Rgb(palette::STATIONS[station]),
             width: 2.2,
@@ -177,7 +179,7 @@ fn draw_stations(places: &[[f32; 2]; 3], plot: &Area, marks: &mut Vec<Mark>) {
         let half = [0.5 * text_width(&name, LABEL) + 1.0, 0.55 * LABEL];
         let aside = CORNER + 3.0 + half[0];
         let beside = [[x + aside, y], [x - aside, y]].into_iter();
-        // Above and below, further and further away.
+        // Then above and below, at increasing distances.
         let steps = (0..6).map(|step| CORNER + 3.0 + half[1] + 2.0 * half[1] * step as f32);
         let spots = beside.chain(steps.flat_map(|step| [[x, y - step], [x, y + step]]));
         let free = |area: &Area| plot.holds(area) && !taken.iter().any(|other| area.covers(other));
@@ -209,7 +211,7 @@ impl Area {
     }
 }
 
-/// A bar of a round length, at most a quarter of the plot.
+/// Draws a bar of a round length, at most a quarter of the plot.
 fn draw_scale_bar(plot_width: f32, per_metre: f64, [x, y]: [f32; 2], marks: &mut Vec<Mark>) {
     let metres = round_down(0.25 * f64::from(plot_width) / per_metre);
     let end = x + (metres * per_metre) as f32;
@@ -227,7 +229,7 @@ fn draw_scale_bar(plot_width: f32, per_metre: f64, [x, y]: [f32; 2], marks: &mut
     marks.push(Mark::text(at, text, NUMBER, Ink::Text, Anchor::Middle));
 }
 
-/// The control points that are seen, and all of them.
+/// Draws the legend; `seen` of `all` control points are within the plot.
 fn draw_legend(unused: bool, [seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
     let (mut x, y) = (LEFT, 11.0);
     for (station, rgb) in palette::STATIONS.into_iter().enumerate() {
@@ -254,7 +256,7 @@ fn draw_legend(unused: bool, [seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
     }
 }
 
-/// Small slanted crosses; of those in one place one is drawn, so that a whole drive left out is no larger picture.
+/// Draws small slanted crosses, one for each place, so that a drive left out completely does not enlarge the picture.
 fn draw_unused(places: impl Iterator<Item = [f32; 2]>, rgb: palette::Rgb, marks: &mut Vec<Mark>) {
     const HALF: f32 = 2.2;
     let mut taken = BTreeSet::new();
@@ -353,7 +355,7 @@ mod tests {
         };
         let (size, none) = with(&[]);
         assert_eq!(none, 0);
-        // One of them far off; two in one place.
+        // One of them is far away; two are at one place.
         assert_eq!(with(&[3.0, 7.0, 7.0001, 5000.0]), (size, 4));
     }
 

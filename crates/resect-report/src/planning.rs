@@ -1,4 +1,4 @@
-//! What is said of a plan, as plain text and as JSON.
+//! A plan and its prediction, as plain text and as JSON.
 
 use std::fmt::Write;
 
@@ -12,14 +12,14 @@ use resect_core::planning::locks::{Lock, WhyNotRead};
 use resect_core::planning::{Held, Improvement, Plan, Prediction};
 use resect_core::statistics::median;
 
-/// Verdict and reasons, the way, each σ with what most of it comes from, and what improves it most.
+/// Formats verdict and reasons, the route, each σ with its largest source, and the best improvements.
 pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     let name = if plan.name.is_empty() { "plan" } else { &plan.name };
     let mut text = format!("{name} · plan · verdict: {}\n\n", found.verdict.name().to_uppercase());
     let of_station = |s: usize| format!("{}/{}", found.kept[s], found.readings[s]);
     _ = writeln!(
         text,
-        "way           {:.0} m in {:.0} s; readings that count (stations 1–3): {}, {}, {}",
+        "route         {:.0} m in {:.0} s; usable readings (stations 1–3): {}, {}, {}",
         found.length_m,
         found.duration_s,
         of_station(0),
@@ -27,14 +27,14 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
         of_station(2),
     );
     if let Some(held) = &found.held {
-        text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     most of it comes from\n";
+        text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     main sources\n";
         for slot in 0..2 {
             text += &sigma_row(held, slot);
         }
         let (far, at) = (&held.far_end, &held.far_end.position_m);
         _ = writeln!(
             text,
-            "\nfar end       {:.1} mm where {:.1} mm are wanted: station {}'s prism at ({:.1}, {:.1}, {:.1})",
+            "\nfar end       σ {:.1} mm, target {:.1} mm: station {}'s prism at ({:.1}, {:.1}, {:.1})",
             far.sigma_m * 1e3,
             plan.target_mm,
             far.station + 1,
@@ -45,14 +45,14 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     }
     text += &vehicle(found);
     if let Some(ratio) = found.mirror_cost_ratio {
-        _ = writeln!(text, "mirror twin   costs {ratio:.2} times the answer");
+        _ = writeln!(text, "mirror        cost ratio of the mirrored solution {ratio:.2}");
     }
     text.push('\n');
     for finding in &found.findings {
         _ = writeln!(text, "  {} {finding}", finding.severity.mark());
     }
     if !better.is_empty() {
-        text += "\nwhat improves the far end most\n";
+        text += "\nlargest improvements at the far end\n";
     }
     for one in better {
         _ = writeln!(text, "  {}", one.sentence);
@@ -69,14 +69,14 @@ fn sigma_row(held: &Held, slot: usize) -> String {
     _ = write!(row, "{:>9}         ", sigma_text(Some(sigma.yaw_rad), 3));
     let mut parts: Vec<&str> = Vec::new();
     for place in 4 * slot..4 * slot + 4 {
-        if !parts.contains(&held.dominant[place].what) {
-            parts.push(held.dominant[place].what);
+        if !parts.contains(&held.dominant[place].name) {
+            parts.push(held.dominant[place].name);
         }
     }
     row + &parts.join(", ") + "\n"
 }
 
-/// What the vehicle's poses are worth along the way; empty where no motion is known.
+/// Formats the standard deviations of the vehicle's poses along the route; empty if no motion is known.
 fn vehicle(found: &Prediction) -> String {
     let positions_m = || found.way.iter().filter_map(|at| at.position_sigma_m);
     let Some(middle_m) = median(positions_m()) else { return String::new() };
@@ -91,16 +91,18 @@ fn vehicle(found: &Prediction) -> String {
     text + "\n"
 }
 
-/// One object for one plan. Lengths m, angles rad, times s of the drive; what cannot be said is null.
+/// Returns one object for one plan. Lengths in m, angles in rad, times in s of the drive; undetermined values are null.
 ///
-/// `plan` is what was asked, with the fields of its file. `verdict` and `findings` are for people; `held` has the predicted
-/// `covariance` of (x, y, z, yaw) of stations 2 and 3 along the axes of the plan, `sigma` by station, `dominant` (what most of
-/// each of the eight σ comes from, with that part's σ), and `far_end`: the `station` whose prism is known worst, where, and how
-/// well. `observability` has the eight directions with `hold` free, weak or held and how each station moves along them;
-/// `mirror_cost_ratio` is what the twin in height costs over the answer. `way` has the vehicle about once a second with the σ of
-/// its position and rotation; `locks` what each station meets, with the spans in which its readings do not count and `why`.
-/// `improvements` are ranked, each with its `kind`, `sentence`, what is open at the far end `before_m` and `after_m`, what it
-/// costs (`more_s`), and the `plan` that it makes.
+/// `plan` is the input, with the fields of its file. `verdict` and `findings` are for people. `held` has the predicted
+/// `covariance` of (x, y, z, yaw) of stations 2 and 3 along the axes of the plan, and `sigma` by station. In it,
+/// `dominant` is the largest source of each of the eight σ, with that source's σ. `far_end` has the `station` whose prism
+/// has the largest σ, with that position and σ. `observability` has the eight directions with `hold` free, weak or held,
+/// and the motion of each station along them. `mirror_cost_ratio` is the cost of the mirror twin over that of the answer.
+/// `way` has length and duration of the route, and `vehicle`: its position about once a second, with σ of position and
+/// rotation. `readings` has the number of readings of each station, and `kept` the number that the pipeline keeps.
+/// `locks` has ranges, rates and failures of each station's tracking: the spans without usable readings, and `why`.
+/// `improvements` are ranked, each with its `kind`, `sentence`, σ at the far end `before_m` and `after_m`, additional
+/// time `more_s`, and the resulting `plan`.
 pub fn json(plan: &Plan, found: &Prediction, better: &[Improvement]) -> Value {
     json!({
         "schema": SCHEMA,
@@ -145,7 +147,7 @@ fn held(held: &Held) -> Value {
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
         })),
-        "dominant": held.dominant.map(|one| json!({ "what": one.what, "sigma": one.part })),
+        "dominant": held.dominant.map(|one| json!({ "what": one.name, "sigma": one.sigma })),
         "far_end": {
             "station": held.far_end.station + 1,
             "position_m": place(&held.far_end.position_m),
@@ -161,7 +163,7 @@ fn observability(found: &Observability) -> Value {
             "words": one.words,
             "relative": one.relative,
             "sigma_m": one.sigma_m,
-            // How stations 2 and 3 move along it, by one metre.
+            // Motion of stations 2 and 3 along the direction, for one metre.
             "motion": one.motion.map(|moved| json!({
                 "translation_m": moved.translation_m.as_slice(),
                 "yaw_rad": moved.yaw_rad,

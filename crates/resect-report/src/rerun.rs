@@ -27,6 +27,7 @@ use sha2::{Digest, Sha256};
 
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
 use self::chunks::Chunks;
+use super::rerun_error::RerunError;
 use super::text;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::{Deployment, PAIRS, Track};
@@ -36,17 +37,6 @@ use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
 use resect_core::pipeline::outlier_filter::{Rates, rates};
 use resect_io::atomic;
-use resect_io::atomic::WriteError;
-
-#[derive(Debug, thiserror::Error)]
-pub enum RerunError {
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    #[error("the Rerun SDK failed: {0}; report it, with the data")]
-    Sdk(String),
-    #[error("the Rerun viewer did not start: {0}; install it with `pip install rerun-sdk=={1}`")]
-    NoViewer(String, &'static str),
-}
 
 /// Version of the SDK, and of the viewer that reads its recordings.
 const SDK_VERSION: &str = "0.36.3";

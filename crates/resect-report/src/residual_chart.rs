@@ -1,4 +1,4 @@
-//! Distance errors of each pair over time, and beside them how they are distributed.
+//! Distance errors of each pair over time, with their distributions.
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use super::frame::Frame;
@@ -10,18 +10,18 @@ const LEFT: f32 = 58.0;
 const TOP: f32 = 6.0;
 const BOTTOM: f32 = 38.0;
 const ROW: f32 = 104.0;
-/// Space between rows, for the pair's name; between the two columns.
+/// Space between rows, with the pair's name, and between the two columns.
 const ROW_GAP: f32 = 22.0;
 const COLUMN_GAP: f32 = 14.0;
 const HISTOGRAM: f32 = 110.0;
-/// Width of the span of time that one stroke sums up.
+/// Width of the time span that one stroke summarises.
 const STROKE: f32 = 2.5;
-/// The range shows this share of the errors: outliers must not squeeze the rest into a line.
+/// Share of the errors within the range: outliers must not compress the rest.
 const SHOWN: f64 = 0.985;
 const BINS: usize = 40;
 
-/// Errors (mm) of pairs 12, 13, 23 at times in s since the first measurement. `each` is what the pairs are of:
-/// prisms, or stations.
+/// Draws the errors (mm) of pairs 12, 13, 23 over time (s since the first measurement). `each` names the members of
+/// pairs: prisms or stations.
 pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -> Drawing {
     let range = range_mm(errors_mm);
     let counts = errors_mm.each_ref().map(|errors| histogram(errors, range, BINS));
@@ -66,7 +66,7 @@ pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -
     ));
     for (left, right, text) in [
         (LEFT, plot_right, "time since the first measurement (s)"),
-        (plot_right + COLUMN_GAP, right, "how many"),
+        (plot_right + COLUMN_GAP, right, "count"),
     ] {
         let at = [0.5 * (left + right), height - 9.0];
         marks.push(Mark::text(at, text, LABEL, Ink::Text, Anchor::Middle));
@@ -96,7 +96,7 @@ pub fn draw_strokes(
                 continue;
             };
             let ([x, bottom], [_, top]) = (plot.place(middle_s, low), plot.place(middle_s, high));
-            // A single error is a dot.
+            // A single error becomes a dot.
             strokes.push([[x, bottom.max(top + 0.8)], [x, top.min(bottom - 0.8)]]);
         }
     }
@@ -115,7 +115,7 @@ fn draw_bars(counts: &[usize], range: [f64; 2], frame: &Frame, ink: Ink, marks: 
     }
 }
 
-/// The range that shows nearly all errors (mm): about zero, or from zero up where no error is negative.
+/// Returns the range of nearly all errors (mm): about zero, or from zero up if no error is negative.
 pub fn range_mm(errors_mm: &[Vec<f64>; 3]) -> [f64; 2] {
     let sizes = errors_mm.iter().flatten().map(|error| error.abs());
     let Some([shown]) = quantiles(sizes, [SHOWN]) else { return [-1.0, 1.0] };
@@ -123,7 +123,7 @@ pub fn range_mm(errors_mm: &[Vec<f64>; 3]) -> [f64; 2] {
     if errors_mm.iter().flatten().any(|error| *error < 0.0) { [-high, high] } else { [0.0, high] }
 }
 
-/// Counts in equal bins over the range; what lies beyond is not counted.
+/// Counts errors in equal bins over the range; errors beyond it are not counted.
 pub fn histogram(errors_mm: &[f64], [low, high]: [f64; 2], bins: usize) -> Vec<usize> {
     let mut counts = vec![0; bins];
     for error in errors_mm {
@@ -135,7 +135,7 @@ pub fn histogram(errors_mm: &[f64], [low, high]: [f64; 2], bins: usize) -> Vec<u
     counts
 }
 
-/// How many errors the range does not show.
+/// Returns the number of errors outside the range.
 pub fn beyond(errors_mm: &[Vec<f64>; 3], [low, high]: [f64; 2]) -> usize {
     errors_mm.iter().flatten().filter(|error| **error < low || **error > high).count()
 }

@@ -9,7 +9,7 @@ pub struct Pivot<'a> {
     pub lines: Vec<PivotLine<'a>>,
 }
 
-/// The same number of each subject; `None` of those without it.
+/// The same number for each subject; `None` for subjects without it.
 pub struct PivotLine<'a> {
     pub name: &'a str,
     pub quantity: Quantity,
@@ -43,7 +43,7 @@ pub fn pivot<'a>(rows: impl IntoIterator<Item = &'a AnswerRow>) -> Pivot<'a> {
     Pivot { subjects, lines }
 }
 
-/// The deviation from the reference with σ, in the unit of small errors: "+0.12 ± 0.34".
+/// Formats the deviation from the reference with σ, in the unit of small errors: "+0.12 ± 0.34".
 pub fn deviation(row: &AnswerRow) -> String {
     let (scale, _) = row.quantity.told();
     let value = row.deviation() * scale;
@@ -52,7 +52,7 @@ pub fn deviation(row: &AnswerRow) -> String {
     format!("{} ± {sigma:.decimals$}", signed(value, decimals))
 }
 
-/// The standard deviation before the drive, in the same unit; a dash without one.
+/// Formats the standard deviation before the drive, in the same unit; a dash without one.
 pub fn prior(row: &AnswerRow) -> String {
     let (scale, _) = row.quantity.told();
     row.prior
@@ -60,19 +60,19 @@ pub fn prior(row: &AnswerRow) -> String {
         .map_or("–".to_owned(), |prior| format!("{prior:.*}", decimals_of(prior).unwrap_or(1)))
 }
 
-/// A number with its sign; zero has none.
+/// Formats a number with its sign; zero has none.
 pub fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:+.decimals$}");
     if text.bytes().all(|byte| !matches!(byte, b'1'..=b'9')) { text[1..].to_owned() } else { text }
 }
 
-/// Number of decimals that show two significant digits of a σ; `None` of a σ that is zero or not finite.
+/// Returns the number of decimals that show two significant digits of a σ; `None` if it is zero or not finite.
 pub fn decimals_of(sigma: f64) -> Option<usize> {
     if !(sigma.is_finite() && sigma > 0.0) {
         return None;
     }
     let decimals = 1 - sigma.log10().floor() as i32;
-    // 0.0996 is 0.10.
+    // 0.0996 is written 0.10.
     let rounds_up = (sigma * 10_f64.powi(decimals)).round() >= 100.0;
     Some((decimals - i32::from(rounds_up)).clamp(0, 9) as usize)
 }

@@ -14,7 +14,7 @@ use resect_core::experiment::{Comparison, Quantiles, Study};
 use resect_io::atomic;
 use resect_io::atomic::WriteError;
 
-/// Size of the pictures in the units of SVG; the PNG has twice as many pixels each way.
+/// Size of the pictures in units of SVG; the PNG has twice as many pixels along each side.
 const PICTURE_SIZE: [f32; 2] = [1000.0, 600.0];
 const PIXELS_PER_UNIT: f32 = 2.0;
 
@@ -26,7 +26,7 @@ pub enum StudyFileError {
     Picture(#[from] PictureError),
 }
 
-/// Groups as rows, series as columns: median and interquartile range in mm.
+/// Formats groups as rows and series as columns: median and interquartile range in mm.
 pub fn table(study: &Study) -> String {
     let mut text = format!("{}\n{}\n\n", study.title, study.subtitle);
     let label_width = study.groups.iter().map(|g| g.label.chars().count()).max().unwrap_or(0);
@@ -68,13 +68,13 @@ pub fn table(study: &Study) -> String {
     text
 }
 
-/// The axis title fits a table's corner only where it is short.
+/// The axis title fits into a table's corner only if it is short.
 fn group_label_or_empty(study: &Study) -> &str {
     let widest = study.groups.iter().map(|g| g.label.chars().count()).max().unwrap_or(0);
     if study.group_label.chars().count() <= widest { &study.group_label } else { "" }
 }
 
-/// The transforms of every method and deployment, and who disagrees with whom.
+/// Formats the transforms of every method and deployment, with the disagreements between methods.
 pub fn transforms_table(comparison: &Comparison, finding_line: FindingLine) -> String {
     let mut text = String::new();
     for compared in &comparison.deployments {
@@ -151,7 +151,7 @@ pub fn json(study: &Study) -> Value {
     })
 }
 
-/// The study's JSON with every deployment's answers beside it.
+/// Returns the study's JSON with every deployment's answers.
 pub fn comparison_json(comparison: &Comparison) -> Value {
     let deployments: Vec<Value> = comparison
         .deployments
@@ -201,7 +201,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
     object
 }
 
-/// Writes NAME.csv, NAME.svg and NAME.png into a folder, which is made if it is not there; gives their paths.
+/// Writes NAME.csv, NAME.svg and NAME.png into a folder, which is created if missing, and returns their paths.
 pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileError> {
     atomic::make_folder(folder)?;
     let svg = to_svg(&box_chart::draw(study, PICTURE_SIZE), Colours::Light);
@@ -213,7 +213,7 @@ pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileErro
     Ok(atomic::place_all(ready.collect::<Result<_, _>>()?)?)
 }
 
-/// One line a box; a box that is not there has empty numbers and says why.
+/// Formats one line a box; a missing box has empty numbers and a reason.
 pub fn csv(study: &Study) -> String {
     let mut text =
         String::from("group,note,series,median_mm,q25_mm,q75_mm,iqr_mm,q05_mm,q95_mm,n,why_none\n");

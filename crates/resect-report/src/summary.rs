@@ -1,4 +1,4 @@
-//! One answer as plain data: what a pin and the history of runs remember of it, and what a session file keeps.
+//! One answer as plain data, for pins, the history of runs and session files.
 
 use nalgebra::{Quaternion, Rotation3, SMatrix, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -10,31 +10,31 @@ use resect_core::evaluation::answer_rows::{AnswerRow, estimate_rows};
 use resect_core::evaluation::{ControlPointMetric, Spread};
 use resect_core::geometry::RigidTransform;
 
-/// An answer without its triplets and residuals: small, and the same after a round through TOML.
+/// An answer without its triplets and residuals: small, and unchanged by a round trip through TOML.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResultSummary {
     pub deployment: String,
-    /// Raw readings of stations 1, 2, 3; with the name, what tells one deployment's data from another's.
+    /// Numbers of raw readings of stations 1, 2, 3; with the name they identify the data.
     pub readings: [usize; 3],
     pub method: Method,
     pub verdict: Verdict,
-    /// Whether something that the answer does not rest on agrees with it; not in sessions of older versions.
+    /// True if data that the answer does not use confirms it; missing in sessions of older versions.
     #[serde(default)]
     pub independently_checked: bool,
-    /// What limits the answer, in words: its findings above a note.
+    /// Findings above a note, in words, which limit the answer.
     pub doubts: Vec<String>,
     pub triplets: usize,
-    /// All stations followed one prism: the inter-prism metric compares its versions.
+    /// True if all stations followed one prism: the inter-prism metric then compares the stations' positions of it.
     pub one_prism: bool,
-    /// What was found of stations 2 and 3.
+    /// Transforms of stations 2 and 3.
     pub stations: [StationSummary; 2],
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<[[f64; 8]; 8]>,
-    /// |distance error| pooled over the pairs (mm).
+    /// Absolute distance errors pooled over the pairs (mm).
     pub inter_prism_mm: Option<Spread>,
-    /// The control-point metric of each file of control points (mm).
+    /// Control-point metric by file (mm).
     pub control_points_mm: Vec<ControlPointMetric>,
-    /// The estimates beside the transforms; not in sessions of older versions.
+    /// Estimates besides the transforms; missing in sessions of older versions.
     #[serde(default)]
     pub estimates: Vec<AnswerRow>,
     pub settings: Settings,
@@ -46,9 +46,9 @@ pub struct StationSummary {
     /// The station, 2 or 3.
     pub station: usize,
     pub translation_m: [f64; 3],
-    /// The whole rotation (x, y, z, w); its yaw is [`StationSummary::yaw_rad`].
+    /// Complete rotation (x, y, z, w); its yaw is [`StationSummary::yaw_rad`].
     pub quaternion_xyzw: [f64; 4],
-    /// One σ of x, y, z (m) and yaw (rad); `None` when the data leaves a direction free.
+    /// σ of x, y, z (m) and yaw (rad); `None` if a direction is unobservable.
     pub sigma: Option<[f64; 4]>,
 }
 
@@ -80,28 +80,28 @@ impl ResultSummary {
         }
     }
 
-    /// "good", "good, not independently checked", "weak" …
+    /// Returns "good", "good, not independently checked", "weak" …
     pub fn verdict_in_words(&self) -> String {
         self.verdict.in_words(self.independently_checked)
     }
 
-    /// The file of control points whose median is the largest.
+    /// Returns the file of control points with the largest median.
     pub fn worst_control_points(&self) -> Option<&ControlPointMetric> {
         ControlPointMetric::worst(&self.control_points_mm)
     }
 
-    /// Whether two answers come from the same measurements, as far as their names and counts tell.
+    /// Returns true if two answers use the same readings, judged by their names and counts.
     pub fn has_same_data(&self, other: &Self) -> bool {
         self.deployment == other.deployment && self.readings == other.readings
     }
 
-    /// Whether it comes from this deployment's measurements, as far as name and counts tell.
+    /// Returns true if the answer uses this deployment's readings, judged by name and counts.
     pub fn is_of(&self, deployment: &Deployment) -> bool {
         let readings = deployment.tracks.each_ref().map(|track| track.measurements.len());
         self.deployment == deployment.name && self.readings == readings
     }
 
-    /// [`ResultSummary::covariance`] as a matrix.
+    /// Returns [`ResultSummary::covariance`] as a matrix.
     pub fn covariance_matrix(&self) -> Option<SMatrix<f64, 8, 8>> {
         let rows = self.covariance?;
         Some(SMatrix::from_fn(|row, column| rows[row][column]))
@@ -109,7 +109,7 @@ impl ResultSummary {
 }
 
 impl StationSummary {
-    /// The summary of station 2 or 3, by its number.
+    /// Summarises the transform of station 2 or 3, by its number.
     pub fn new(
         station: usize,
         station1_from_station: &RigidTransform,
@@ -117,19 +117,19 @@ impl StationSummary {
     ) -> Self {
         let rotation =
             UnitQuaternion::from_rotation_matrix(&station1_from_station.rotation).into_inner();
-        // Of the two quaternions of a rotation, the one with w ≥ 0, so that equal rotations look equal.
+        // A rotation has two quaternions; the one with w ≥ 0 makes equal rotations look equal.
         let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
         Self {
             station,
             translation_m: station1_from_station.translation_m.into(),
-            // No negative zeros either.
+            // Adding zero removes negative zeros.
             quaternion_xyzw: rotation.coords.map(|part| part + 0.0).into(),
             sigma: sigma
                 .map(|TransformSigma { translation_m: t, yaw_rad }| [t.x, t.y, t.z, yaw_rad]),
         }
     }
 
-    /// Maps this station's frame into station 1's.
+    /// Returns the transform from this station's frame to station 1's.
     pub fn station1_from_station(&self) -> RigidTransform {
         let rotation =
             UnitQuaternion::from_quaternion(Quaternion::from_vector(self.quaternion_xyzw.into()));
@@ -139,12 +139,12 @@ impl StationSummary {
         }
     }
 
-    /// Rotation about z, the last of roll, pitch and yaw; in [−π, π].
+    /// Rotation about z, the last of roll, pitch and yaw (rad); in [−π, π].
     pub fn yaw_rad(&self) -> f64 {
         self.station1_from_station().yaw_rad()
     }
 
-    /// One σ of the transform; `None` when the data leaves a direction free.
+    /// Returns σ of the transform; `None` if a direction is unobservable.
     pub fn transform_sigma(&self) -> Option<TransformSigma> {
         let [x, y, z, yaw_rad] = self.sigma?;
         Some(TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad })
@@ -189,7 +189,7 @@ mod tests {
             assert!(whole.tilt_rad() > 1e-7, "the sample's control points are noisy");
             let off = kept.station1_from_station().matrix() - whole.matrix();
             assert!(off.norm() < 1e-12, "{off}");
-            // Of its two quaternions the one that everybody writes, also where the yaw is beyond 90 degrees.
+            // The quaternion has w ≥ 0, also if the yaw is beyond 90 degrees.
             assert!(kept.quaternion_xyzw[3] >= 0.0, "{:?}", kept.quaternion_xyzw);
         }
     }

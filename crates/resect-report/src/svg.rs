@@ -10,20 +10,20 @@ use resect_core::palette::Rgb;
 
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    #[error("the picture is not an SVG that can be read")]
+    #[error("the picture is not a valid SVG")]
     Svg(#[from] usvg::Error),
     #[error("a picture of {0} × {1} pixels cannot be drawn")]
     Size(f32, f32),
-    #[error("the pixels cannot be written as PNG")]
+    #[error("the picture could not be encoded as PNG")]
     Png(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Where the colours of a picture's roles come from.
+/// Source of the colours of a picture's roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
     Light,
     Dark,
-    /// The page that the picture stands in: its CSS sets --text, --weak, --grid and --paper.
+    /// CSS of the page around the picture, which sets --text, --weak, --grid and --paper.
     Page,
 }
 
@@ -76,13 +76,13 @@ fn element(mark: &Mark, colours: Colours) -> String {
                 Anchor::Right => "end",
             };
             let turn = if *upwards { " rotate(-90)" } else { "" };
-            // The program has one weight of its font; a line around the letters makes them strong anywhere.
+            // The program has one weight of its font; an outline makes letters bold in any viewer.
             let border = if *strong {
                 format!(" stroke=\"{colour}\" stroke-width=\"{:.2}\"", 0.035 * size)
             } else {
                 String::new()
             };
-            // Not every reader of SVG centres text on a line; half of Inter's capitals below it does the same.
+            // Not every SVG viewer centres text vertically; a shift by half the height of Inter's capitals does.
             format!(
                 "<text transform=\"translate({x:.2} {y:.2}){turn}\" y=\"{:.2}\" font-size=\"{size:.2}\" \
                  text-anchor=\"{anchor}\" fill=\"{colour}\"{border}>{}</text>\n",
@@ -107,7 +107,7 @@ fn colour(ink: Ink, colours: Colours) -> String {
     }
 }
 
-/// A colour as CSS and SVG write it.
+/// Formats a colour for CSS and SVG.
 pub fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
@@ -119,7 +119,7 @@ fn escaped(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
-            // XML cannot hold these, not even escaped.
+            // XML cannot represent these characters, not even escaped.
             '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => escaped.push(' '),
             c => escaped.push(c),
         }
@@ -127,7 +127,7 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// `scale` pixels for each unit of the SVG. Texts in Inter, whatever fonts the machine has.
+/// Renders an SVG as PNG, with `scale` pixels for each unit. Texts are in Inter, whatever fonts the machine has.
 pub fn to_png(svg: &str, scale: f32) -> Result<Vec<u8>, PictureError> {
     let mut options = usvg::Options { font_family: "Inter".into(), ..Default::default() };
     let font = usvg::fontdb::Source::Binary(Arc::new(INTER));

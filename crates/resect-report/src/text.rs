@@ -12,10 +12,10 @@ use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
 
-/// Renders a finding as one line: its message, on the command line with the flags of its remedies.
+/// Formats a finding as one line: its message, on the command line with the flags of its remedies.
 pub type FindingLine = fn(&Finding) -> String;
 
-/// Verdict, transforms with their σ, metrics and findings.
+/// Formats verdict, transforms with their σ, metrics and findings.
 pub fn calibration(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -52,9 +52,9 @@ pub fn calibration(
     if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
         for station in 1..3 {
             let transform = &twin.station1_from_station[station];
-            _ = write!(text, "twin T1{}", station + 1);
+            _ = write!(text, "mirror T1{}", station + 1);
             for axis in 0..3 {
-                let width = if axis == 0 { 13 } else { 20 };
+                let width = if axis == 0 { 11 } else { 20 };
                 _ = write!(text, "{:>width$.4}", transform.translation_m[axis]);
             }
             _ = writeln!(text, "{:>20.5}", transform.yaw_rad);
@@ -74,7 +74,7 @@ pub fn calibration(
     if let Some(spread) = &evaluation.against_measured_mm {
         _ = writeln!(
             text,
-            "as measured   {}   distances as measured, not as estimated",
+            "as measured   {}   with the measured distances, not the estimated ones",
             spread_text(spread)
         );
     }
@@ -82,7 +82,7 @@ pub fn calibration(
         _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
     }
     text.push('\n');
-    // What speaks against every answer from this data stands among the answer's own as well.
+    // Doubts about the data are also among the answer's own findings.
     let of_data = deployment.findings.iter().filter(|finding| !finding.kind.is_doubt());
     for finding in of_data.chain(&calibration.findings) {
         _ = writeln!(text, "  {} {}", finding.severity.mark(), finding_line(finding));
@@ -90,7 +90,7 @@ pub fn calibration(
     text
 }
 
-/// How long the answer took, as a line below it; nothing where outputs are compared.
+/// Formats the durations of an answer as a line; empty if outputs are compared.
 pub fn durations(analysis: &Analysis, answer: &Answer) -> String {
     if !of_run::tells_durations() {
         return String::new();
@@ -105,13 +105,13 @@ pub fn durations(analysis: &Analysis, answer: &Answer) -> String {
     )
 }
 
-/// The paper's answer beside a joint estimate: what it was moved by; empty beside any other.
+/// Formats the difference of a joint estimate and the paper's answer; empty for any other method.
 fn published(joint: &Calibration) -> String {
     let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
         return String::new();
     };
     let mut text = format!(
-        "the paper's {} (method {}, verdict {}): moved by\n",
+        "difference from the paper's {} (method {}, verdict {}):\n",
         published.method.short_name(),
         published.method.name(),
         published.verdict_in_words()
@@ -123,12 +123,12 @@ fn published(joint: &Calibration) -> String {
     text
 }
 
-/// What only the method knows; empty where the rest says it all.
+/// Formats the details of the method; empty if it has none.
 fn details(calibration: &Calibration) -> String {
     let mut text = String::new();
     match &calibration.details {
         Details::TwoPoint(details) => {
-            text += "pairs of known points     apart (m)   baseline errors of stations 1–3 (mm)   left out, largest (mm)   from known (mm)\n";
+            text += "pairs of known points    length (m)   baseline errors of stations 1–3 (mm)   other points, max (mm)   from known (mm)\n";
             for (index, pair) in details.pairs.iter().enumerate() {
                 let [first, second] = pair.markers;
                 let chosen = if index == details.chosen { "*" } else { " " };
@@ -169,14 +169,14 @@ fn details(calibration: &Calibration) -> String {
         }
         let next = details.basins.iter().find(|basin| **basin != details.basin);
         let next = next.map_or(String::new(), |basin| {
-            format!("; the next best costs {:.2} times the answer", details.cost_ratio(basin))
+            format!("; cost ratio of the next best {:.2}", details.cost_ratio(basin))
         });
         _ = writeln!(text, "minima        {} found{next}", details.basins.len());
     }
     text
 }
 
-/// Both steps of the search of the prior, a line for each speed limit.
+/// Formats both steps of the search of the prior, a line for each speed limit.
 fn search_table(search: &PriorSearch) -> String {
     let mut text = String::from(
         "search of the prior   τ_v (m/s)   triplets   cost rms (mm)   median of all (mm)   runs that agree\n",
@@ -200,7 +200,7 @@ fn search_table(search: &PriorSearch) -> String {
     text
 }
 
-/// The two transforms as a table; a missing σ is a dash.
+/// Formats the two transforms as a table; a missing σ is a dash.
 pub fn transforms(calibration: &Calibration) -> String {
     let mut text = String::from(
         "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
@@ -224,7 +224,7 @@ pub fn transforms(calibration: &Calibration) -> String {
     text
 }
 
-/// The estimates beside the transforms, a column for each station and pair; empty without any.
+/// Formats the estimates besides the transforms, a column for each station and pair; empty without any.
 fn estimates(rows: &[AnswerRow]) -> String {
     let mut text = String::new();
     let of = |groups: &[RowGroup]| {
@@ -234,9 +234,9 @@ fn estimates(rows: &[AnswerRow]) -> String {
         if table.lines.is_empty() {
             continue;
         }
-        _ = write!(text, "{:<24}", "estimated beside");
+        _ = write!(text, "{:<24}", "other estimates");
         table.subjects.iter().for_each(|subject| _ = write!(text, "{subject:>22}"));
-        text += "     known before\n";
+        text += "            prior\n";
         for line in &table.lines {
             _ = write!(text, "  {:<22}", format!("{} ({})", line.name, line.quantity.told().1));
             for row in &line.cells {
@@ -252,14 +252,14 @@ fn estimates(rows: &[AnswerRow]) -> String {
     }
     if !text.is_empty() {
         if rows.iter().any(|row| row.group.is_beside_transforms() && row.is_significant) {
-            _ = write!(text, "* more than {SUPPORTED_SIGMAS} σ from zero; ");
+            _ = write!(text, "* significant: more than {SUPPORTED_SIGMAS} σ; ");
         }
-        text += "distances: difference from the measured ones\n\n";
+        text += "distances: difference from the measured distances\n\n";
     }
     text
 }
 
-/// A σ in thousandths (mm or mrad) with `digits` decimals, more where those would show nothing but zeros.
+/// Formats σ in thousandths (mm or mrad) with `digits` decimals, one more if those would all be zero.
 pub fn sigma_text(sigma: Option<f64>, digits: usize) -> String {
     sigma.map_or("–".to_owned(), |sigma| {
         let thousandths = sigma * 1e3;
@@ -269,7 +269,7 @@ pub fn sigma_text(sigma: Option<f64>, digits: usize) -> String {
     })
 }
 
-/// The homogeneous matrix of a station's frame into station 1's, four rows.
+/// Formats the homogeneous matrix from a station's frame to station 1's, in four rows.
 pub fn matrix(calibration: &Calibration, station: usize) -> String {
     let matrix = calibration.station1_from_station[station].matrix();
     (0..4)
@@ -281,7 +281,7 @@ pub fn matrix(calibration: &Calibration, station: usize) -> String {
         .collect()
 }
 
-/// "1.31 mm median, 2.54 mm IQR, n 6096".
+/// Formats a spread: "1.31 mm median, 2.54 mm IQR, n 6096".
 pub fn spread_text(spread: &Spread) -> String {
     format!("{:.2} mm median, {:.2} mm IQR, n {}", spread.median, spread.iqr, spread.n)
 }

@@ -10,7 +10,7 @@ use resect_core::calibration::Estimate;
 use resect_core::validation::in_words::chance;
 use resect_core::validation::{Cause, LEVEL, Outcome, StationMove, Validation};
 
-/// Verdict and reason, the difference, a test for each station, the metric.
+/// Formats verdict and reason, the difference, a test for each station, and the metric.
 pub fn text(found: &Validation) -> String {
     let mut text = format!(
         "{} · {} · {}\n\n{}\n",
@@ -29,7 +29,7 @@ pub fn text(found: &Validation) -> String {
             });
             _ = writeln!(text, "T1{}        {}", slot + 2, four(&parts).trim_end());
         }
-        _ = writeln!(text, "all together: {}", chance(difference.p_value));
+        _ = writeln!(text, "all eight: {}", chance(difference.p_value));
         text += "\nif it alone moved    x (mm)            y (mm)            z (mm)          yaw (mrad)         not moved     moved alone\n";
         for (station, moved) in difference.stations.iter().enumerate() {
             let parts = [0, 1, 2, 3].map(|part| moved.part(part));
@@ -49,7 +49,7 @@ pub fn text(found: &Validation) -> String {
         _ = writeln!(text, "inter-prism, own       {}", spread_text(&metric.own_mm));
         _ = writeln!(
             text,
-            "distances apart        {:.2} mm rms, where σ allows {:.2}",
+            "distances differ by    {:.2} mm rms; σ allows {:.2} mm",
             metric.apart_m * 1e3,
             metric.allowed_m * 1e3
         );
@@ -63,29 +63,33 @@ pub fn text(found: &Validation) -> String {
     text
 }
 
-/// Four numbers in words: x, y, z in mm and yaw in mrad, each with its σ.
+/// Formats four numbers with σ: x, y, z in mm and yaw in mrad.
 fn four(parts: &[Estimate; 4]) -> String {
     let [x, y, z, yaw] = parts.map(|part| (part.value * 1e3, part.sigma * 1e3));
     let mm = |(value, sigma): (f64, f64)| format!("{value:>+9.1} ± {sigma:<6.1}");
     format!("{}{}{}{:>+9.3} ± {:<6.3}", mm(x), mm(y), mm(z), yaw.0, yaw.1)
 }
 
-/// One object for one run. Lengths m, angles rad, metrics mm; what could not be asked is null.
+/// Returns one object for one run. Lengths in m, angles in rad, metrics in mm; undetermined values are null.
 pub fn json(found: &Validation) -> Value {
     json!({
         "schema": SCHEMA,
         "earlier": found.earlier,
         "deployment": found.deployment,
-        "verdict": found.outcome.name().replace(' ', "-"),
+        "verdict": match &found.outcome {
+            Outcome::Holds => "holds",
+            Outcome::DoesNotHold(_) => "does-not-hold",
+            Outcome::CannotBeTold(_) => "cannot-be-told",
+        },
         "why": found.why(),
         "cause": match &found.outcome {
             Outcome::DoesNotHold(cause) => Some(of_cause(cause)),
             _ => None,
         },
         "own_verdict": found.own_verdict,
-        // How often a calibration that holds is said not to, in all.
+        // Overall probability that a valid calibration is rejected.
         "level": LEVEL,
-        // Own minus earlier: x, y, z, yaw of station 2, then of station 3, with its covariance.
+        // Own minus earlier: x, y, z, yaw of station 2, then of station 3, with the covariance.
         "difference": found.difference.as_ref().map(|difference| json!({
             "values": difference.values.as_slice(),
             "covariance": rows(&difference.covariance),
@@ -116,7 +120,7 @@ fn of_cause(cause: &Cause) -> Value {
     json!({ "is": is, "stations": stations })
 }
 
-/// What a station did, were it the only one that moved.
+/// Movement of a station, if it alone moved.
 fn station(index: usize, moved: &StationMove) -> Value {
     let sigma = [0, 1, 2].map(|axis| moved.part(axis).sigma);
     json!({

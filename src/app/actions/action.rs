@@ -1,4 +1,4 @@
-//! An entry of a menu: its name, its key, and its command.
+//! An entry of a menu with its name, shortcut and command.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -31,22 +31,22 @@ impl Menu {
     }
 }
 
-/// Something that can be done.
+/// An action of the user.
 #[derive(Clone, Debug)]
 pub struct Action {
     pub menu: Menu,
-    /// Heading in the menu; actions of a section follow each other.
+    /// Heading in the menu; the actions of a section are adjacent.
     pub section: &'static str,
     pub name: String,
-    /// What its key does whatever is open, for the sheet of shortcuts; empty where the name says it.
+    /// General meaning of the shortcut, for the shortcut sheet; empty if the name contains it.
     pub in_general: &'static str,
     pub hint: &'static str,
     pub shortcut: Option<KeyboardShortcut>,
-    /// Whether the action's choice or switch is on; `None` where it is neither.
+    /// State of a choice or switch; `None` for other actions.
     pub on: Option<bool>,
-    /// Whether the actions of its section stand in one row of the menu, each by its last word.
+    /// True if the actions of its section share one row of the menu, each labelled by its last word.
     pub in_a_row: bool,
-    /// `None` while it cannot be done.
+    /// `None` while the action is not available.
     pub command: Option<Command>,
 }
 
@@ -78,7 +78,7 @@ impl Action {
         Self { in_general, ..self }
     }
 
-    /// The key that comes with Ctrl (⌘ on a Mac).
+    /// Adds a shortcut with Ctrl (⌘ on a Mac).
     pub(super) fn ctrl(self, key: Key) -> Self {
         self.keys(Modifiers::COMMAND, key)
     }
@@ -95,7 +95,7 @@ impl Action {
         Self { on: Some(on), ..self }
     }
 
-    /// Makes it one of a few actions that exclude each other.
+    /// Makes it one of a few mutually exclusive actions.
     pub(super) fn one_of(self, on: bool) -> Self {
         Self { on: Some(on), in_a_row: true, ..self }
     }

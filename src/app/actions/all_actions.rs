@@ -1,9 +1,9 @@
-//! The table of all actions, and the search in it.
+//! The table of all actions, and its search.
 
 use super::{Action, edit, file, help, remedies, time, view};
 use crate::app::state::State;
 
-/// All there is to do in this state, in the order of the menus.
+/// Returns all actions of a state, in menu order.
 pub fn all(state: &State) -> Vec<Action> {
     let mut actions = file::actions(state);
     actions.extend(edit::actions(state));
@@ -15,7 +15,8 @@ pub fn all(state: &State) -> Vec<Action> {
     actions
 }
 
-/// Actions that a query finds, the best first: every word of it is in the menu's title, the name or the hint.
+/// Returns the available actions that match a query, the best first. Every word of it is in the menu's title, the section, the name or
+/// the hint.
 pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut found: Vec<(usize, &Action)> = actions
@@ -29,7 +30,7 @@ pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
                 action.section.to_lowercase(),
                 action.hint.to_lowercase()
             );
-            // A word at the start of the name, at the start of a word of it, anywhere in it, elsewhere.
+            // Cost by the word's position: start of the name, start of a word in it, anywhere in it, elsewhere.
             let cost = |word: &String| match name.find(word.as_str()) {
                 Some(0) => Some(0),
                 Some(_) if name.contains(&format!(" {word}")) => Some(1),
@@ -96,7 +97,7 @@ mod tests {
             let found = matching(&actions, &words.to_uppercase());
             assert!(found.iter().any(|found| found.name == action.name), "{words}");
         }
-        // What cannot be done now is not offered.
+        // An unavailable action is not found.
         assert!(matching(&actions, "undo").is_empty());
         assert_eq!(
             matching(&actions, "").len(),

@@ -1,11 +1,11 @@
-//! Undo, and the switches of the settings.
+//! Actions of the menu Edit: undo, settings, results and corrections.
 
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::undo::Step;
+use crate::app::model::undo::UndoStep;
 use crate::app::model::{DeploymentCommand, ResultsCommand};
-use crate::app::state::{State, put_right};
+use crate::app::state::{State, corrections};
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
 use resect_core::pipeline::Interpolation;
@@ -39,7 +39,7 @@ fn steps(state: &State) -> [Action; 2] {
     ]
 }
 
-/// Pins, the calibration under way, and the validation.
+/// Pins, cancelling of the calibration, and the validation.
 fn results(state: &State) -> Vec<Action> {
     let result =
         |name: &str, command: ResultsCommand| Action::new(Menu::Edit, "Result", name, command);
@@ -49,11 +49,11 @@ fn results(state: &State) -> Vec<Action> {
     let stop = DeploymentCommand::CancelAnalysis(calibrated.map_or(0, |open| open.id));
     let mut actions = vec![
         result("Pin the result", ResultsCommand::Pin)
-            .hint("Later results are seen against it")
+            .hint("Later results are compared with it")
             .key(Key::P)
             .possible(answered),
         Action::new(Menu::Edit, "Result", "Stop the calibration", stop)
-            .hint("Back to the settings of the answer that is shown")
+            .hint("Restores the settings of the shown result")
             .possible(calibrated.is_some()),
     ];
     let open = state.active().is_some();
@@ -65,13 +65,13 @@ fn results(state: &State) -> Vec<Action> {
     }));
     actions.push(
         result("Apply the calibration to the others", ResultsCommand::ValidateOthers)
-            .hint("Whether it holds for the other deployments that are open")
+            .hint("Tests the calibration on the other open deployments")
             .possible(state.can_validate()),
     );
     actions
 }
 
-/// A change of the active deployment's settings.
+/// Returns an action that changes the settings of the active deployment.
 fn setting(
     state: &State,
     section: &'static str,
@@ -122,14 +122,14 @@ fn methods(state: &State) -> Vec<Action> {
     Method::ALL.into_iter().map(action).collect()
 }
 
-/// The defaults, and the same settings for all open deployments.
+/// Resetting to the defaults, and copying the settings to all open deployments.
 fn of_all_settings(state: &State) -> [Action; 2] {
     let now = state.settings();
     let defaults = setting(state, "All", "Reset to the defaults", false, |settings| {
         *settings = Settings::default();
     });
     let tuned = state.active().is_some() && *now != Settings::default();
-    let name = "Give all the active one's settings";
+    let name = "Copy these settings to all runs";
     [
         Action { on: None, ..defaults }.possible(tuned),
         Action::new(Menu::Edit, "All", name, DeploymentCommand::SetAll)
@@ -137,8 +137,8 @@ fn of_all_settings(state: &State) -> [Action; 2] {
     ]
 }
 
-/// "Undo τ_r 2 → 1.5 m/s", and where several are open of which; what it acts on is shown.
-fn of_which(state: &State, name: String, step: Option<&Step>) -> String {
+/// Returns "Undo τ_r 2 → 1.5 m/s", with the affected deployment's name if several are open.
+fn of_which(state: &State, name: String, step: Option<&UndoStep>) -> String {
     match step.map(|step| &step.changes[..]) {
         Some([one]) if state.deployments.open.len() > 1 => {
             format!("{name} in {}", state.name_of(one.id).unwrap_or_default())
@@ -148,35 +148,36 @@ fn of_which(state: &State, name: String, step: Option<&Step>) -> String {
     }
 }
 
-/// What is put right in the data.
+/// Corrections of the data.
 fn data(state: &State) -> Vec<Action> {
     let extras = state.active().zip(state.extras());
     let data = |name: &str, extras: Option<Extras>| {
         let possible = extras.is_some();
-        let command = DeploymentCommand::PutRight(extras.unwrap_or_default());
+        let command = DeploymentCommand::Correct(extras.unwrap_or_default());
         Action::new(Menu::Edit, "Data", name, command).possible(possible)
     };
     let of_picked = |leave_out: bool| {
         let (open, extras) = extras?;
         let picked = open.timeline.picked?;
-        let out = put_right::is_masked(extras, &open.deployment, picked);
-        (out != leave_out).then(|| put_right::masked(extras, &open.deployment, [picked], leave_out))
+        let out = corrections::is_masked(extras, &open.deployment, picked);
+        (out != leave_out)
+            .then(|| corrections::masked(extras, &open.deployment, [picked], leave_out))
     };
     let again = of_picked(false);
     let name = if again.is_some() { "Use this reading again" } else { "Leave this reading out" };
     let of_selection = extras.and_then(|(open, extras)| {
         let span_s = open.timeline.selection_s?;
-        Some(put_right::with_span(extras, open, Some(span_s)))
+        Some(corrections::with_span(extras, open, Some(span_s)))
     });
     let all = extras.and_then(|(open, extras)| {
-        let span_s = extras.put_right.span_s.or(open.deployment.as_read.span_s);
-        span_s.map(|_| put_right::with_span(extras, open, None))
+        let span_s = extras.corrections.span_s.or(open.deployment.as_read.span_s);
+        span_s.map(|_| corrections::with_span(extras, open, None))
     });
     let can_write = state.active().and_then(|open| open.source.as_ref()?.path()).is_some()
         && extras.is_some_and(|(_, extras)| !extras.is_empty());
     vec![
         data(name, again.or_else(|| of_picked(true)))
-            .hint("The picked one; the pane Deployment lists all that is put right")
+            .hint("The picked reading; the Deployment pane lists all corrections")
             .key(Key::X),
         data("Use only the selected times", of_selection)
             .hint("Readings at other times do not count"),
@@ -187,7 +188,7 @@ fn data(state: &State) -> Vec<Action> {
             "Write to deployment.toml…",
             DeploymentCommand::WriteDeploymentToml,
         )
-        .hint("What is put right, into the folder")
+        .hint("Saves the corrections in the deployment's folder")
         .possible(can_write),
     ]
 }

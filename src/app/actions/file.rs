@@ -1,4 +1,4 @@
-//! Opening, sessions, and what is written for other programs.
+//! Actions for opening, sessions, and export.
 
 use egui::{Key, Modifiers};
 
@@ -22,29 +22,31 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("A deployment's folder: tracks, control points, rig, GNSS")
             .ctrl(Key::O),
         file("", "Open bag or CSV…", DeploymentCommand::OpenFileDialog)
-            .hint("A file of tracks, with what lies beside it")
+            .hint("A file of tracks, with the files beside it")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
     ];
     let (live, running) = (LiveCommand::Show, state.live.is_running());
     actions.push(
         file("", "Connect…", live)
-            .hint("To a stream of the network or a replay: answers while it is driven"),
+            .hint("To a network stream or a replay: results during the drive"),
     );
     if running {
         let stop = LiveCommand::Stop;
-        actions.push(file("", "Stop the live deployment", stop).hint("What it recorded is kept"));
+        actions.push(file("", "Stop the live deployment", stop).hint("The recording is kept"));
     }
     if state.active().is_some() {
-        actions.push(file("", "Judge a trajectory…", JudgingCommand::AddDialog).hint(
-            "SLAM's or odometry's (TUM, EuRoC, KITTI, CSV), by the deployment that is shown",
-        ));
+        actions.push(
+            file("", "Evaluate a trajectory…", JudgingCommand::AddDialog).hint(
+                "SLAM or odometry (TUM, EuRoC, KITTI, CSV), compared with the shown deployment",
+            ),
+        );
     }
     actions.extend([
         file("Plan", "Open a plan…", PlanCommand::OpenDialog)
-            .hint("Stations, way, rig and instruments of a drive to come (TOML)"),
+            .hint("Stations, path, rig and instruments of a future drive (TOML)"),
         file("Plan", "Save the plan…", PlanCommand::SaveDialog),
-        file("Plan", "Plan from what was driven", PlanCommand::FromDeployment)
-            .hint("Stations, way, rig and noise of the deployment that is shown")
+        file("Plan", "Plan from this drive", PlanCommand::FromDeployment)
+            .hint("Stations, path, rig and noise of the shown deployment")
             .possible(state.analysed().is_some()),
     ]);
     actions.extend(sessions(state));
@@ -71,25 +73,25 @@ fn sessions(state: &State) -> Vec<Action> {
         file("Session", "Open session…", SessionCommand::OpenDialog)
             .hint("Deployments with their settings, view and pinned results"),
         file("Session", "Save session", SessionCommand::Save)
-            .hint("All that is open, with settings, view and pinned results")
+            .hint("All open deployments, with settings, view and pinned results")
             .ctrl(Key::S),
         file("Session", "Save session as…", SessionCommand::SaveAs)
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
     ];
     if state.session.last.as_ref().is_some_and(|last| last.path().is_some()) {
-        actions.push(
-            file("Session", "Reopen what was open last", SessionCommand::ReopenLast)
-                .hint("Before another session took its place, or the last window was closed"),
-        );
+        actions
+            .push(file("Session", "Reopen the last session", SessionCommand::ReopenLast).hint(
+                "The session that another one replaced, or that closed with the last window",
+            ));
     }
     if state.session.recovered {
         actions.push(
-            file("Session", "Discard what was restored", SessionCommand::DiscardRecovered)
-                .hint("What was open when resect stopped; it can be opened again"),
+            file("Session", "Discard the restored session", SessionCommand::DiscardRecovered)
+                .hint("The session from before the crash; it can be reopened"),
         );
     }
     if !state.session.missing.is_empty() {
-        let hint = "Those of the session that could not be opened";
+        let hint = "Deployments of the session that could not be opened";
         actions.push(
             file("Session", "Try missing deployments again", SessionCommand::RetryMissing)
                 .hint(hint),
@@ -98,7 +100,7 @@ fn sessions(state: &State) -> Vec<Action> {
     actions
 }
 
-/// Solving the active deployment together with another, and closing it.
+/// Joint solution of the active deployment with another, and closing.
 fn deployments(state: &State) -> Vec<Action> {
     let mut actions: Vec<Action> = Vec::new();
     if let Some((active, source)) =
@@ -111,7 +113,8 @@ fn deployments(state: &State) -> Vec<Action> {
                 let mut together = source.clone();
                 together.extras.add(Extras { drives, ..Extras::default() });
                 let name = format!("Solve together with {other_name}");
-                let hint = "As drives of one set-up: stations that nobody moved, and clocks of each drive's own";
+                let hint =
+                    "As drives of one set-up: unmoved stations, separate clocks for each drive";
                 actions.push(
                     file("Deployment", &name, DeploymentCommand::OpenSource(together)).hint(hint),
                 );
@@ -128,7 +131,7 @@ fn deployments(state: &State) -> Vec<Action> {
 
 pub fn exports(state: &State) -> Vec<Action> {
     let there = state.analysed().is_some();
-    // What leaves the program is the joint estimate, and not what is shown ahead of it.
+    // Only the joint estimate is exported, not the preliminary result.
     let last = state.active().is_some_and(|open| !open.joint_follows());
     let answered = last && state.active().is_some_and(|open| open.summary.is_some());
     let copies = CopyFormat::ALL.into_iter().map(|format| {
@@ -149,9 +152,9 @@ pub fn exports(state: &State) -> Vec<Action> {
         export("Files", "Report (HTML)…", ResultsCommand::SaveReportDialog.into())
             .hint("Verdict, transforms, residuals and data as one page"),
         export("Files", "Trajectory…", ResultsCommand::SaveTrajectoryDialog.into())
-            .hint("The vehicle's poses in six degrees of freedom: TUM, or CSV, PLY, MCAP or a bag of ROS 1 by the file's ending"),
+            .hint("The vehicle's poses in six degrees of freedom: TUM, or CSV, PLY, MCAP or ROS 1 bag by file extension"),
         export("Files", "Plotted channels (CSV)…", TimeCommand::SaveChannelsDialog.into())
-            .hint("Every value of what the pane Channels shows"),
+            .hint("All values of the channels in the Channels pane"),
         export("Rerun", "Open in Rerun", ResultsCommand::OpenInRerun.into()),
         export("Rerun", "Recording for Rerun (.rrd)…", ResultsCommand::SaveRecordingDialog.into()),
     ];

@@ -13,15 +13,15 @@ pub fn actions() -> [Action; 4] {
         Action::new(
             Menu::Help,
             "",
-            "Guide: from your data to an answer",
+            "Guide: from your data to a result",
             WorkspaceCommand::ShowPane(Pane::Guide),
         )
-        .hint("What to do, step by step, with what does it"),
-        Action::new(Menu::Help, "", "Words, explained", DialogCommand::Explain)
-            .hint("F1 explains the word under the pointer, or the one that has the focus")
+        .hint("All steps, each with its command"),
+        Action::new(Menu::Help, "", "Glossary", DialogCommand::Explain)
+            .hint("F1 explains the term under the pointer or in focus")
             .key(Key::F1),
         Action::new(Menu::Help, "", "Keyboard and mouse", DialogCommand::ShowShortcuts)
-            .hint("All keys, and what the mouse does in the scene and in the plots")
+            .hint("All keys, and mouse actions in the scene and the plots")
             .key(Key::Questionmark),
     ]
 }

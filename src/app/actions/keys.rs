@@ -6,13 +6,12 @@ use super::all;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 
-/// Keys as they stand on a keyboard: Ctrl+P, ?.
+/// Formats a shortcut with the keyboard's labels: Ctrl+P, ?.
 pub fn keys_in_words(ctx: &egui::Context, keys: &KeyboardShortcut) -> String {
     ctx.format_shortcut(keys).replace("Questionmark", "?")
 }
 
-/// What the keys of this frame ask for. Keys without Ctrl are left to a widget that has the focus, and Escape to
-/// a menu that is open.
+/// Adds the commands of the keys pressed in this frame. A focused widget receives keys without Ctrl, and an open menu receives Escape.
 pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let pressed = |event: &egui::Event| matches!(event, egui::Event::Key { pressed: true, .. });
     if !ctx.input(|input| input.events.iter().any(pressed)) {
@@ -25,16 +24,16 @@ pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         .into_iter()
         .filter_map(|action| Some((action.shortcut?, action.command?)))
         .collect();
-    // Ctrl+Z would take Ctrl+Shift+Z's keys.
+    // Ctrl+Z would also match Ctrl+Shift+Z.
     keyed.sort_by_key(|(keys, _)| std::cmp::Reverse(keys.modifiers.shift));
     for (keys, command) in keyed {
         let plain = keys.modifiers.is_none() || keys.modifiers == Modifiers::SHIFT;
-        // The arrows and the space bar work the widget that has the focus; letters only a text field; F1 neither.
+        // A focused widget receives arrows and the space bar, a text field also letters; F1 always explains.
         let typing = typing && keys.logical_key != Key::F1;
         let taken = plain && (typing || (focused && works_widgets(keys.logical_key)))
             || menu_is_open && keys.logical_key == Key::Escape;
         if !taken && ctx.input_mut(|input| input.consume_shortcut(&keys)) {
-            // What the keys open must not stand behind a menu.
+            // The menu would cover what the key opens.
             egui::Popup::close_all(ctx);
             commands.push(command);
         }

@@ -1,5 +1,5 @@
-//! Everything that can be done by menu, palette or key, in one table: the menus, the command palette and the sheet
-//! of shortcuts are all drawn from it, so that none of them can forget one.
+//! Table of all actions of menus and keys. The menus, the command palette and the shortcut sheet are all drawn from it, so
+//! that none is incomplete.
 
 mod action;
 mod all_actions;

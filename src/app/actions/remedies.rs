@@ -1,10 +1,10 @@
-//! What findings advise, as commands with names.
+//! Remedies of findings as named commands.
 
 use super::{Action, Menu};
 use crate::app::model::{
     Command, DeploymentCommand, Pane, SceneCommand, TimeCommand, WorkspaceCommand,
 };
-use crate::app::state::{State, put_right};
+use crate::app::state::{State, corrections};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::deployment::{AS_NUMBERED, Finding, Overrides, Remedy};
@@ -14,11 +14,11 @@ use resect_io::source::Extras;
 /// A remedy as the window offers it.
 pub struct Offer {
     pub name: String,
-    /// What does it, or why nothing can.
+    /// The command, or the reason why it is not available.
     pub command: Result<Command, String>,
 }
 
-/// What a remedy comes to in this state.
+/// Returns the offer for a remedy in this state.
 pub fn offer(remedy: &Remedy, state: &State) -> Offer {
     let (name, command) = match remedy {
         Remedy::JointEstimate => ("Use the joint estimate", method(state, Method::Joint)),
@@ -29,11 +29,11 @@ pub fn offer(remedy: &Remedy, state: &State) -> Offer {
             return Offer { name, command: method(state, chosen) };
         }
         Remedy::ClosedFormPrior => (
-            "Start from the closed form",
+            "Use the closed-form prior",
             set(state, |settings| settings.calibration.prior = PriorMethod::ClosedForm),
         ),
         Remedy::LevelAlignment => (
-            "Turn about the vertical only",
+            "Rotate about the vertical only",
             set(state, |settings| settings.calibration.alignment = Alignment::Level),
         ),
         Remedy::RelaxFilters => {
@@ -45,8 +45,8 @@ pub fn offer(remedy: &Remedy, state: &State) -> Offer {
         Remedy::GiveControlPoints => {
             ("Add control points…", of_files(state, DeploymentCommand::AddControlPointsDialog))
         }
-        Remedy::PutRight => {
-            ("Show what can be put right", of_files(state, DeploymentCommand::ShowPutRight))
+        Remedy::Corrections => {
+            ("Show the corrections", of_files(state, DeploymentCommand::ShowCorrections))
         }
         Remedy::ReadWith(overrides) => return read_with(state, overrides),
         Remedy::ShowTimes(span_s) => {
@@ -64,7 +64,7 @@ fn set(state: &State, change: impl FnOnce(&mut Settings)) -> Result<Command, Str
     let mut settings = *state.settings();
     change(&mut settings);
     if settings == *state.settings() {
-        return Err("It is so already".to_owned());
+        return Err("Already set".to_owned());
     }
     Ok(DeploymentCommand::Set(settings).into())
 }
@@ -72,48 +72,48 @@ fn set(state: &State, change: impl FnOnce(&mut Settings)) -> Result<Command, Str
 fn method(state: &State, method: Method) -> Result<Command, String> {
     let lack = state.analysed().and_then(|(_, analysis)| analysis.offer.lack(method));
     match lack {
-        Some(lack) => Err(format!("It needs {lack}")),
+        Some(lack) => Err(format!("Needs {lack}")),
         None => set(state, |settings| {
             settings.calibration.method = (method != Method::default()).then_some(method);
         }),
     }
 }
 
-/// What only data from files can be given.
+/// Returns the command if the data is from files, otherwise an error.
 fn of_files(state: &State, command: impl Into<Command>) -> Result<Command, String> {
     state
         .extras()
         .map(|_| command.into())
-        .ok_or_else(|| "What is open came from no file".to_owned())
+        .ok_or_else(|| "Not available: the data is not from a file".to_owned())
 }
 
-/// Reading the active deployment again with this said over its files.
+/// Offers to read the active deployment again with these overrides over its files.
 fn read_with(state: &State, overrides: &Overrides) -> Offer {
     let Some((open, extras)) = state.active().zip(state.extras()) else {
-        let command = of_files(state, DeploymentCommand::ShowPutRight);
-        return Offer { name: "Put right".to_owned(), command };
+        let command = of_files(state, DeploymentCommand::ShowCorrections);
+        return Offer { name: "Correct".to_owned(), command };
     };
     let mut changed: Extras = extras.clone();
-    let now = put_right::effective(extras, &open.deployment);
-    changed.put_right = overrides.clone().over(changed.put_right);
+    let now = corrections::effective(extras, &open.deployment);
+    changed.corrections = overrides.clone().over(changed.corrections);
     if let Some(stations) = overrides.stations {
-        // The readings that are left out stay the same ones.
-        changed.put_right.masked = now.masked;
-        changed.put_right.renumber(now.stations.unwrap_or(AS_NUMBERED), stations);
+        // Masks still exclude the same readings.
+        changed.corrections.masked = now.masked;
+        changed.corrections.renumber(now.stations.unwrap_or(AS_NUMBERED), stations);
     }
     let changes = extras_changes(extras, &changed, &open.deployment.as_read);
     let words: Vec<String> = changes.iter().map(ToString::to_string).collect();
     if words.is_empty() {
-        let command = Err("It is so already".to_owned());
-        return Offer { name: "Put right".to_owned(), command };
+        let command = Err("Already set".to_owned());
+        return Offer { name: "Correct".to_owned(), command };
     }
     Offer {
-        name: format!("Put right: {}", words.join(", ")),
-        command: Ok(DeploymentCommand::PutRight(changed).into()),
+        name: format!("Correct: {}", words.join(", ")),
+        command: Ok(DeploymentCommand::Correct(changed).into()),
     }
 }
 
-/// What the reading of the active deployment and its answer say, or why there is none.
+/// Returns the findings of the active deployment's readers and result, or the reason why there is no result.
 pub fn findings(state: &State) -> Vec<Finding> {
     let Some(open) = state.active() else { return Vec::new() };
     let mut findings = open.deployment.findings.clone();
@@ -125,7 +125,7 @@ pub fn findings(state: &State) -> Vec<Finding> {
     findings
 }
 
-/// Everything that is advised now.
+/// Returns all actions that are advised now.
 pub fn actions(state: &State) -> Vec<Action> {
     let mut actions: Vec<Action> = Vec::new();
     for remedy in findings(state).iter().flat_map(|finding| &finding.remedies) {
@@ -134,7 +134,7 @@ pub fn actions(state: &State) -> Vec<Action> {
             let possible = command.is_ok();
             let command = command.unwrap_or(WorkspaceCommand::ShowPane(Pane::Findings).into());
             let action = Action::new(Menu::Edit, "Advice", name, command);
-            actions.push(action.hint("What a finding advises").possible(possible));
+            actions.push(action.hint("Advised by a finding").possible(possible));
         }
     }
     actions

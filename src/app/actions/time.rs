@@ -1,4 +1,4 @@
-//! Moving through time.
+//! Actions for moving through time.
 
 use egui::{Key, Modifiers};
 
@@ -6,7 +6,7 @@ use super::{Action, Menu};
 use crate::app::model::TimeCommand;
 use crate::app::state::State;
 
-/// What Shift makes of a step.
+/// Length of a step with Shift.
 const LONG_STEP: i32 = 10;
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -19,7 +19,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     let selected = timeline.is_some_and(|timeline| timeline.selection_s.is_some());
     vec![
         time("", play, TimeCommand::TogglePlay)
-            .hint("Move the cursor through what is selected or shown")
+            .hint("Moves the cursor through the selection or the shown times")
             .key(Key::Space),
         time("Cursor", "Step forwards", TimeCommand::StepCursor(1))
             .hint("To the next triplet")
@@ -37,7 +37,7 @@ pub fn actions(state: &State) -> Vec<Action> {
         time("Window", "Zoom to the selection", TimeCommand::ZoomToSelection)
             .key(Key::Z)
             .possible(selected),
-        time("Window", "Select nothing", TimeCommand::Select(None))
+        time("Window", "Clear the selection", TimeCommand::Select(None))
             .key(Key::Escape)
             .possible(selected),
     ]

@@ -1,4 +1,4 @@
-//! What is shown, and how.
+//! Actions for display.
 
 use egui::Key;
 
@@ -43,24 +43,26 @@ fn camera(state: &State) -> Vec<Action> {
     let following = SceneOptions { follow: !state.scene.options.follow, ..state.scene.options };
     let mut actions = vec![
         view("Scene", "Fit", SceneCommand::Look(ViewPreset::Fit))
-            .hint("Show all of the scene that is not hidden; the way back when it was lost")
+            .hint("Shows everything that is not hidden; brings back a lost view")
             .key(Key::F),
         view("Scene", "3D", SceneCommand::Look(ViewPreset::Slanted))
-            .hint("From above at a slant")
+            .hint("Oblique view from above")
             .key(Key::D),
         view("Scene", "Top", SceneCommand::Look(ViewPreset::Top)).key(Key::T),
         view("Scene", "Front", SceneCommand::Look(ViewPreset::Front)).key(Key::R),
         view("Scene", "Side", SceneCommand::Look(ViewPreset::Side)).key(Key::S),
         view(
             "Scene",
-            "Come to the picked reading",
+            "Go to the picked reading",
             picked.map_or(TimeCommand::Unpick, TimeCommand::PickInPlot),
         )
-        .hint("The camera glides to it, as after a double-click")
+        .hint("Moves the camera to it, as a double-click does")
         .key(Key::G)
         .possible(picked.is_some()),
         view("Scene", "Follow the rig", SceneCommand::SetOptions(following))
-            .hint("The camera goes with the prisms at the time cursor; moving it or Fit ends that")
+            .hint(
+                "The camera follows the prisms at the time cursor until it is moved or Fit is used",
+            )
             .key(Key::C)
             .on(state.scene.options.follow),
         view("Scene", "Ruler", SceneCommand::Measure(ruler))
@@ -86,7 +88,7 @@ fn layouts() -> Vec<Action> {
     let mut actions: Vec<Action> = LayoutPreset::ALL.into_iter().zip(keys).map(layout).collect();
     actions.push(
         view("Layout", "Reset layout", WorkspaceCommand::ResetLayout)
-            .hint("All panes back to where they were at first")
+            .hint("All panes back to their initial places")
             .ctrl(Key::Num0),
     );
     actions
@@ -131,16 +133,16 @@ fn units(state: &State) -> Vec<Action> {
         let action = action("Times", name, Units { time, ..now });
         match time {
             TimeUnit::Utc if !tells => {
-                action.hint("This deployment's stamps do not tell the time of day").possible(false)
+                action.hint("The stamps of this deployment contain no time of day").possible(false)
             }
-            TimeUnit::Utc => action.hint("The time of day, by the stations' stamps"),
+            TimeUnit::Utc => action.hint("Time of day from the stations' stamps"),
             _ => action.hint("Since the first measurement"),
         }
     }));
     actions
 }
 
-/// The channels that are plotted, and what they are plotted against.
+/// The plotted channels, and the channel on the horizontal axis.
 fn channels(state: &State) -> Vec<Action> {
     let plots = state.time.plots;
     let action = |section, name: String, to: ChannelPlots| {
@@ -165,7 +167,7 @@ fn channels(state: &State) -> Vec<Action> {
     actions
 }
 
-/// What of the scene is shown, the legend that says so, and how large errors are drawn.
+/// Visibility in the scene, the legend, and the scale of errors.
 fn hiding(state: &State) -> Vec<Action> {
     let shown = |name: &str, on: bool, visibility: Visibility| {
         Action::new(Menu::View, "Shown in the scene", name, SceneCommand::Show(visibility)).on(on)
@@ -173,7 +175,7 @@ fn hiding(state: &State) -> Vec<Action> {
     let (now, scene) = (&state.scene.visibility, state.scene.options);
     let mut actions = vec![
         shown("Everything in the scene", false, now.with_the_whole_scene())
-            .hint("Show again what the legend or a switch has hidden")
+            .hint("Shows everything that the legend or a switch has hidden")
             .possible(*now != now.with_the_whole_scene()),
     ];
     for one in 0..3 {
@@ -217,10 +219,10 @@ fn hiding(state: &State) -> Vec<Action> {
     }));
     actions.extend(SceneOptions::TRAILS_S.into_iter().map(|trail_s| {
         let options = SceneOptions { trail_s, ..scene };
-        // The row of the menu has the last word: number and unit are one.
+        // The row of the menu shows the last word, so number and unit must be one.
         let length = SceneOptions::trail_in_words(trail_s).replace(' ', "\u{a0}");
         set("Trail", &format!("Trail: {length}"), options)
-            .hint("How much of its way is drawn behind each prism at the time cursor")
+            .hint("Length of the trail behind each prism at the time cursor")
             .one_of(scene.trail_s == trail_s)
     }));
     actions

@@ -1,23 +1,23 @@
-//! What is in a folder, for the prompt.
+//! Content of a folder, for the path dialog.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use resect_io::what_is::what_is;
 
-/// Looking into files ends after this long; those left are shown without a word on what they are.
+/// Time limit for identifying files; the remaining ones are listed without a description.
 const LONGEST_LOOK: Duration = Duration::from_secs(2);
 
-/// One line of the listing.
+/// A line of the listing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub name: String,
     pub is_folder: bool,
-    /// What a reader knows it as; empty if none does.
+    /// Description by the reader that recognises it; empty if none does.
     pub what: &'static str,
 }
 
-/// A folder's entries, folders first, each sorted by name; or why they cannot be shown.
+/// Entries of a folder, folders first, each sorted by name; or the reason why they cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listing {
     pub folder: PathBuf,

@@ -1,5 +1,5 @@
-//! Asking for a path: by the system's dialog where there is one ([`system`]), inside the window otherwise ([`PathPrompt`],
-//! drawn by `panels/path_prompt.rs`). Both answer the same [`Question`].
+//! Asks for a path: by the system's dialog if there is one ([`system`]), otherwise inside the window ([`PathPrompt`], drawn by
+//! `panels/path_prompt.rs`). Both answer the same [`Question`].
 
 mod answer;
 mod listing;

@@ -1,65 +1,65 @@
-//! The state of the dialog inside the window: plain data, changed by commands.
+//! State of the path dialog inside the window: plain data, changed by commands.
 
 use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 
 use super::{Entry, Listing, Question, Wanted};
 
-/// A path being chosen.
+/// A path that the user is choosing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathPrompt {
     pub question: Question,
-    /// The path as it is typed: the folder that is shown, then what its entries are filtered by, or a new file's name.
+    /// The typed path: the folder shown, then a filter for its entries or a new file's name.
     pub text: String,
     folder: PathBuf,
-    /// Where a path begins that is typed without a root: the folder that was shown when its typing began.
+    /// Base of a relative typed path: the folder shown when its typing began.
     starts_at: PathBuf,
     /// `None` until the folder has been read.
     listing: Option<Listing>,
-    /// Line among those shown.
+    /// Index of the selected line among those shown.
     pub chosen: Option<usize>,
-    /// A file that is there already, while it is asked whether to replace it.
+    /// Existing file for which the dialog asks permission to replace it.
     pub overwrite: Option<PathBuf>,
-    /// The name of a folder that is to be made, while it is typed.
+    /// Name of a folder to create, while it is typed.
     pub new_folder: Option<String>,
-    /// Why what was typed cannot be taken.
+    /// Reason why the typed path was rejected.
     pub complaint: Option<String>,
-    /// Folders to go to at once, with their names.
+    /// Shortcut folders with their names.
     pub places: Vec<(String, PathBuf)>,
 }
 
-/// What the user does to it.
+/// An action of the user in the dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PromptCommand {
     Type(String),
     GoTo(PathBuf),
     GoUp,
-    /// The line among those shown; none of them.
+    /// Selects a line among those shown; `None` clears the selection.
     Choose(Option<usize>),
-    /// Enter, or the button: the chosen line, else what is typed.
+    /// Enter, or the button: accepts the selected line, or else the typed path.
     Accept,
-    /// The folder that is shown, whatever line is chosen in it.
+    /// Accepts the folder shown, ignoring the selected line.
     AcceptFolder,
     Replace,
     KeepFile,
-    /// A folder is to be made in the one that is shown, under this name so far.
+    /// Starts or edits the name of a new folder inside the folder shown.
     NameFolder(String),
     MakeFolder,
     MakeNoFolder,
     Cancel,
 }
 
-/// What becomes of it.
+/// Result of an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PromptStep {
     Stay,
-    /// This folder is to be read, and handed back by [`PathPrompt::take`].
+    /// The caller must read this folder and return it by [`PathPrompt::take`].
     Read(PathBuf),
     Chosen(PathBuf),
     Cancelled,
 }
 
 impl PathPrompt {
-    /// Starts in a folder, which is to be read. `recent`: places opened before, with their names.
+    /// Starts in a folder, which the caller must read. `recent`: places opened before, with their names.
     pub fn new(
         question: Question,
         folder: PathBuf,
@@ -84,14 +84,14 @@ impl PathPrompt {
         (prompt, step)
     }
 
-    /// What a folder holds, once it has been read.
+    /// Takes the listing of a folder; ignores it if the dialog shows another folder by now.
     pub fn take(&mut self, listing: Listing) {
         if listing.folder == self.folder {
             self.listing = Some(listing);
         }
     }
 
-    /// Whether the folder is still being read.
+    /// True while the folder is being read.
     pub fn is_reading(&self) -> bool {
         self.listing.is_none()
     }
@@ -100,19 +100,19 @@ impl PathPrompt {
         &self.folder
     }
 
-    /// Why the folder cannot be shown.
+    /// Reason why the typed path was rejected, or why the folder cannot be shown.
     pub fn trouble(&self) -> Option<&str> {
         let listing = self.listing.as_ref()?;
         self.complaint.as_deref().or(listing.entries.as_ref().err().map(String::as_str))
     }
 
-    /// The lines: what is in the folder and has what is typed in its name.
+    /// Lines shown: entries of the folder whose names contain the typed text.
     pub fn shown(&self) -> Vec<&Entry> {
         let typed = self.typed_name().to_lowercase();
         let new = matches!(self.question.wanted, Wanted::NewFile { .. });
         let entries = self.listing.as_ref().and_then(|listing| listing.entries.as_ref().ok());
         let hidden = typed.starts_with('.');
-        // In a folder that is not there, nothing is.
+        // A folder that does not exist has no entries.
         let here = new || self.typed_folder() == self.folder;
         entries
             .into_iter()
@@ -124,7 +124,7 @@ impl PathPrompt {
             .collect()
     }
 
-    /// Does what the user asks.
+    /// Carries out an action of the user.
     pub fn handle(&mut self, command: PromptCommand) -> PromptStep {
         self.complaint = None;
         match command {
@@ -140,7 +140,7 @@ impl PathPrompt {
             }
             PromptCommand::Accept => self.accept(),
             PromptCommand::AcceptFolder => {
-                // A folder that is typed without the last separator is meant itself.
+                // A typed folder is accepted without the final separator as well.
                 let typed = self.typed_path();
                 PromptStep::Chosen(if typed.is_dir() { typed } else { self.folder.clone() })
             }
@@ -164,12 +164,12 @@ impl PathPrompt {
         }
     }
 
-    /// Whether something is to be written, perhaps into a folder that is not there yet.
+    /// Returns true if the path is for writing, and its folder may not exist yet.
     pub fn saves(&self) -> bool {
         !matches!(self.question.wanted, Wanted::ToOpen { .. } | Wanted::Saved)
     }
 
-    /// Makes the folder that was named and goes into it, or says in one line why not.
+    /// Creates the named folder and enters it, or shows a one-line reason for the failure.
     fn make_folder(&mut self) -> PromptStep {
         let name = self.new_folder.clone().unwrap_or_default();
         let path = self.folder.join(name.trim());
@@ -178,7 +178,7 @@ impl PathPrompt {
                 format!("{}: {error}; choose another name or place", path.display())
             }),
             [] => Err("Type a name for the folder.".to_owned()),
-            _ => Err(format!("{}: a name of one folder is wanted", name.trim())),
+            _ => Err(format!("{}: enter the name of one folder", name.trim())),
         };
         if let Err(complaint) = made {
             self.complaint = Some(complaint);
@@ -236,14 +236,14 @@ impl PathPrompt {
         }
         if let Wanted::NewFile { extension, .. } = &self.question.wanted {
             let mut typed = self.typed_path();
-            // Other programs know a file by its ending; a folder that is there is gone into.
+            // Adds the extension if there is none, because other programs identify files by it. An existing folder is entered instead.
             if typed.extension().is_none() && !self.typed_name().is_empty() && !typed.is_dir() {
                 typed.set_extension(extension);
             }
             return self.take_file(typed);
         }
         let typed = self.typed_path();
-        // "…/folder/" is the folder itself; without the separator one looks into it first.
+        // "…/folder/" selects the folder itself; without the separator, the dialog enters it first.
         if typed == self.folder && self.typed_name().is_empty() {
             return match self.question.wanted {
                 Wanted::Saved => PromptStep::Stay,
@@ -295,7 +295,7 @@ impl PathPrompt {
         }
     }
 
-    /// What is typed up to the last separator.
+    /// The typed path up to the last separator.
     fn typed_folder(&self) -> PathBuf {
         let typed = self.typed_path();
         match typed.parent() {
@@ -304,12 +304,12 @@ impl PathPrompt {
         }
     }
 
-    /// What is typed behind the last separator.
+    /// The typed text behind the last separator.
     pub fn typed_name(&self) -> &str {
         self.text.rsplit(std::path::is_separator).next().unwrap_or_default()
     }
 
-    /// What is typed as a path: from the folder where its typing began, unless it starts at the root or at home (`~`).
+    /// The typed path, relative to the folder in which its typing began unless it starts at the root or at home (`~`).
     fn typed_path(&self) -> PathBuf {
         let from_home = self
             .text
@@ -319,7 +319,7 @@ impl PathPrompt {
             (Some(rest), Some(home)) => home.join(rest.trim_start_matches(std::path::is_separator)),
             _ => self.starts_at.join(&self.text),
         };
-        // Without a separator at its end, so that it compares.
+        // Collecting the components removes a final separator, so that paths compare equal.
         path.components().collect()
     }
 }
@@ -336,12 +336,12 @@ fn home() -> Option<PathBuf> {
     directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned())
 }
 
-/// Whether a typed path starts at the root or at home.
+/// Returns true if a typed path starts at the root or at home.
 fn has_start(text: &str) -> bool {
     text.starts_with('~') || Path::new(text).has_root()
 }
 
-/// A path typed behind the one that stands there begins anew at its own `/` or `~/`.
+/// Keeps the text from the last `/` or `~/` that starts a new path typed behind an existing one.
 fn from_the_last_start(text: String) -> String {
     let starts = text.match_indices("//").map(|(at, _)| at + 1);
     let homes = text.match_indices("/~/").map(|(at, _)| at + 1);

@@ -24,7 +24,7 @@ impl Desk {
         self.folder.path().join(name)
     }
 
-    /// Reads what is to be read.
+    /// Reads the folder that a step requests.
     fn follow(&mut self, step: PromptStep) -> PromptStep {
         if let PromptStep::Read(folder) = &step {
             assert!(self.prompt.is_reading());
@@ -55,7 +55,7 @@ fn folders_come_first_and_files_say_what_they_are() {
     let text = desk.prompt.text.clone();
     desk.handle(PromptCommand::Type(format!("{text}TRACK")));
     assert_eq!(desk.names(), [("tracks.csv", "deployment")]);
-    // What is left is what is meant.
+    // Accepts the only remaining entry.
     let tracks = desk.path("field/tracks.csv");
     assert_eq!(desk.handle(PromptCommand::Accept), PromptStep::Chosen(tracks));
     desk.handle(PromptCommand::Type(format!("{text}.h")));
@@ -72,7 +72,7 @@ fn a_folder_is_entered_and_then_taken() {
     desk.handle(PromptCommand::GoUp);
     desk.handle(PromptCommand::GoUp);
     assert_eq!(desk.prompt.folder(), desk.folder.path());
-    // Typed from here, as in a shell.
+    // Relative to the folder shown, as in a shell.
     let field = desk.path("field");
     assert_eq!(desk.enter("field"), PromptStep::Read(field));
     assert_eq!(desk.enter("nowhere/x"), PromptStep::Stay);
@@ -89,7 +89,7 @@ fn a_path_without_a_root_is_followed_as_it_is_typed() {
     desk.handle(PromptCommand::Type("field/tr".to_owned()));
     assert_eq!(desk.names(), [("tracks.csv", "deployment")]);
     assert_eq!(desk.enter("field/day 1/"), PromptStep::Chosen(desk.path("field/day 1")));
-    // Once it is taken away, one is still there, and the next begins there.
+    // After deletion of the text, the folder remains, and the next path is relative to it.
     desk.handle(PromptCommand::Type(String::new()));
     assert_eq!(desk.prompt.folder(), desk.path("field/day 1"));
     assert_eq!(desk.enter("../tr"), PromptStep::Chosen(desk.path("field/day 1/../tracks.csv")));
@@ -130,7 +130,7 @@ fn a_folder_is_made_where_something_is_saved() {
     desk.handle(PromptCommand::NameFolder(" day 2 ".to_owned()));
     assert_eq!(desk.handle(PromptCommand::MakeFolder), PromptStep::Read(made.clone()));
     assert!(made.is_dir());
-    // The name that was typed for the file stays.
+    // The file name typed before remains.
     let chosen = PromptStep::Chosen(made.join("other.html"));
     assert_eq!(desk.handle(PromptCommand::Accept), chosen);
 }
@@ -145,7 +145,7 @@ fn what_was_read_too_late_is_dropped() {
     assert!(desk.prompt.is_reading());
 }
 
-/// A report that is to be written.
+/// A report to write.
 fn new_file() -> Wanted {
     Wanted::NewFile { name: "run.html".to_owned(), extension: "html".to_owned() }
 }
@@ -157,7 +157,7 @@ fn a_name_without_an_ending_gets_one_and_another_ending_stays() {
         let typed = desk.path(typed).display().to_string();
         assert_eq!(desk.enter(&typed), PromptStep::Chosen(desk.path(file)));
     }
-    // What is there under that name is not replaced unasked either.
+    // An existing file of the completed name is not replaced without asking either.
     std::fs::write(desk.path("field/day.html"), "old").expect("written");
     let typed = desk.path("field/day").display().to_string();
     assert_eq!(desk.enter(&typed), PromptStep::Stay);

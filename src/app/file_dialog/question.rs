@@ -1,22 +1,22 @@
-//! A question for a path.
+//! A request for a path.
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     pub title: String,
     pub wanted: Wanted,
-    /// Kinds of file that the system's dialog offers to show alone: name and extensions.
+    /// Kinds of files by which the system's dialog can filter: name and extensions.
     pub kinds: &'static [(&'static str, &'static [&'static str])],
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// Something that is there. In the window it may be either; the system's dialog must know whether it is a folder.
+    /// An existing file or folder. The window's dialog accepts both; the system's dialog needs to know if it is a folder.
     ToOpen { folder: bool },
-    /// A file that was saved from here, as sessions and plans are: it is looked for where files were saved last.
+    /// A file saved by this program, such as a session or plan; the dialog starts in the folder of the last save.
     Saved,
     /// A folder to write into.
     Folder,
-    /// A file to write, with the name that is proposed, and what is put behind a name that is typed without any ending.
+    /// A file to write, with a proposed name, and the extension added to a name without one.
     NewFile { name: String, extension: String },
 }
 
@@ -29,7 +29,7 @@ impl Question {
         Self { kinds, ..self }
     }
 
-    /// A file to write, named after a deployment, which may be called anything.
+    /// A file to write, named after a deployment; characters invalid in file names are replaced.
     pub fn new_file(title: impl Into<String>, name: &str, extension: &str) -> Self {
         let name = name.replace(['/', '\\', ':'], "_");
         let name = format!("{name}.{extension}");

@@ -1,7 +1,7 @@
-//! The system's own dialog, and whether it has one.
+//! The system's file dialog, and the test for its existence.
 //!
-//! On Linux `rfd` asks the desktop portal over D-Bus and, failing that, runs `zenity`; with neither it answers as if the
-//! user had cancelled. So what it needs is looked for beforehand, where the portal's and D-Bus's specifications put it.
+//! On Linux, `rfd` asks the desktop portal over D-Bus and, failing that, runs `zenity`; with neither, it answers as if the user had
+//! cancelled. This module therefore looks for both beforehand, at the places that the specifications of the portal and of D-Bus define.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use std::pin::Pin;
 
 use super::{Question, Wanted};
 
-/// What the user chose; `None` when the user cancelled.
-pub type Asked = Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>>;
+/// The chosen path; `None` if the user cancels.
+pub type DialogAnswer = Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>>;
 
-/// Asks with the system's dialog. Some systems want this called on the window's thread; the answer is awaited on another.
-pub fn ask(question: &Question) -> Asked {
+/// Opens the system's dialog. Some systems require a call on the window's thread; the answer is awaited on another.
+pub fn ask(question: &Question) -> DialogAnswer {
     let mut dialog = rfd::AsyncFileDialog::new().set_title(&question.title);
     for (name, extensions) in question.kinds {
         dialog = dialog.add_filter(*name, extensions);
@@ -28,15 +28,15 @@ pub fn ask(question: &Question) -> Asked {
     }
 }
 
-/// Whether [`ask`] can show anything.
+/// Returns true if [`ask`] can show a dialog.
 pub fn is_there() -> bool {
     !cfg!(target_os = "linux") || is_there_on_linux(|name| std::env::var_os(name), Path::new("/"))
 }
 
-/// Whether Linux has a dialog, by these environment variables and this root of the file system.
+/// Returns true if Linux has a dialog, by these environment variables and this root of the file system.
 fn is_there_on_linux(variable: impl Fn(&str) -> Option<OsString>, root: &Path) -> bool {
     let set = |name: &str| variable(name).filter(|value| !value.is_empty());
-    // Over ssh the portal, if any, would answer on the other machine's own screen.
+    // Over ssh, a portal would open its dialog on the remote machine's own screen.
     let remote = ["SSH_CONNECTION", "SSH_TTY"].iter().any(|name| set(name).is_some());
     let on_path = set("PATH").is_some_and(|path| {
         std::env::split_paths(&path).any(|folder| folder.join("zenity").is_file())
@@ -46,12 +46,12 @@ fn is_there_on_linux(variable: impl Fn(&str) -> Option<OsString>, root: &Path) -
     }
     let bus = set("DBUS_SESSION_BUS_ADDRESS").is_some()
         || set("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).join("bus").exists());
-    // A sandbox sees the portal and not its files.
+    // A sandbox can use the portal but does not see its files.
     let sandboxed = root.join(".flatpak-info").exists() || set("SNAP").is_some();
     bus && (sandboxed || has_portal(&data_folders(set, root)))
 }
 
-/// Where programs keep what they share (XDG base directories).
+/// Data folders of programs (XDG base directories).
 fn data_folders(set: impl Fn(&str) -> Option<OsString>, root: &Path) -> Vec<PathBuf> {
     let mut folders = Vec::new();
     let home = set("HOME").map(|home| PathBuf::from(home).join(".local/share"));
@@ -63,7 +63,7 @@ fn data_folders(set: impl Fn(&str) -> Option<OsString>, root: &Path) -> Vec<Path
     folders
 }
 
-/// Whether D-Bus can start the portal, and a desktop lends it a file chooser.
+/// Returns true if D-Bus can start the portal, and a desktop provides a file chooser for it.
 fn has_portal(data_folders: &[PathBuf]) -> bool {
     let service = "dbus-1/services/org.freedesktop.portal.Desktop.service";
     let chooses_files = |folder: &PathBuf| {

@@ -1,4 +1,4 @@
-//! How tabs look and what can be done to them.
+//! Appearance and interaction of tabs.
 
 use egui::style::ScrollAnimation;
 use egui::{Align2, Rect, Sense, Stroke, TextStyle, WidgetInfo, vec2};
@@ -14,23 +14,23 @@ use resect_report::glossary;
 /// Side of the cross that closes a tab, and its distance from the title (points).
 const CROSS_POINTS: f32 = 12.0;
 const CROSS_GAP_POINTS: f32 = 4.0;
-/// Below this nothing of a pane can be read, and what its margins leave is less than nothing (points).
+/// Smallest size of a pane (points); below it nothing is legible, and margins would leave a negative size.
 const LEAST_PANE: egui::Vec2 = vec2(64.0, 32.0);
 
-/// What the user did to the layout in a frame.
+/// Changes of the layout by the user in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Edits {
     /// A border or a tab was dragged.
     pub moved: bool,
 }
 
-/// Draws panes by `draw`, and notes what the user does.
+/// Draws panes with `draw`, and records the changes by the user.
 pub struct PaneBehaviour<'a> {
     pub draw: &'a mut dyn FnMut(Pane, &mut egui::Ui),
     pub edits: &'a mut Edits,
 }
 
-/// What keeps the tree in the shape that descriptions have.
+/// Keeps the tree in the shape of the descriptions.
 pub const SIMPLIFICATION: SimplificationOptions = SimplificationOptions {
     prune_empty_tabs: true,
     prune_empty_containers: true,
@@ -58,12 +58,12 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
         pane.title().into()
     }
 
-    /// A row or column that was dropped among tabs is named after what it holds.
+    /// A row or column that was dropped among tabs is named after its content.
     fn tab_title_for_tile(&mut self, tiles: &Tiles<Pane>, tile: TileId) -> egui::WidgetText {
         title(tiles, tile).into()
     }
 
-    /// All but the last pane of the window.
+    /// All panes but the last of the window can be closed.
     fn is_tab_closable(&self, tiles: &Tiles<Pane>, _tile: TileId) -> bool {
         tiles.tiles().filter(|tile| tile.is_pane()).count() > 1
     }
@@ -77,7 +77,7 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
         state: &TabState,
     ) -> egui::Response {
         let title = title(tiles, tile);
-        // A cross on the tab in front only: the others need their width for their titles.
+        // Only the active tab has a cross; the others need their width for their titles.
         let closable = state.closable && state.active;
         let font = TextStyle::Button.resolve(ui.style());
         let text = egui::WidgetText::from(title.as_str());
@@ -109,7 +109,7 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
             // The bar may be scrolled to other tabs.
             ui.scroll_to_rect_animation(rect, None, ScrollAnimation::none());
         }
-        // While it is dragged, the gap shows where it came from.
+        // During a drag, the gap marks the tab's origin.
         if ui.is_rect_visible(rect) && !state.is_being_dragged {
             let ground = self.tab_bg_color(ui.visuals(), tiles, tile, state);
             let outline = self.tab_outline_stroke(ui.visuals(), tiles, tile, state);
@@ -117,7 +117,7 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
             let inside = egui::StrokeKind::Inside;
             ui.painter().rect(rect.shrink(0.5), 0.0, ground, outline, inside);
             if state.active {
-                // The tab and its content are one.
+                // Joins the tab to its content.
                 let line = Stroke::new(outline.width + 1.0, ground);
                 ui.painter().hline(rect.x_range(), rect.bottom(), line);
             }
@@ -152,7 +152,7 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
     }
 }
 
-/// Whether a tab that is in front now was not in the pass before.
+/// Returns true if an active tab was not active in the previous pass.
 fn comes_to_front(ui: &egui::Ui, id: egui::Id) -> bool {
     let (id, now) = (id.with("in front"), ui.ctx().cumulative_pass_nr());
     let last: Option<u64> = ui.data(|data| data.get_temp(id));
@@ -160,7 +160,7 @@ fn comes_to_front(ui: &egui::Ui, id: egui::Id) -> bool {
     last.is_none_or(|last| last + 1 < now)
 }
 
-/// A cross with a name.
+/// Draws a cross with a name; returns true if it was clicked.
 fn close_button(ui: &egui::Ui, id: egui::Id, place: Rect, name: &str) -> bool {
     let response = ui.interact(place, id, Sense::click()).on_hover_text(name);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), name));

@@ -1,4 +1,4 @@
-//! Sizes that follow the window: lists get the points that their numbers need, the scene and the plots the rest.
+//! Sizes that follow the window: lists get the width of their numbers, the scene and the plots the rest.
 
 use std::collections::HashMap;
 
@@ -7,17 +7,17 @@ use egui_tiles::{Container, LinearDir, Tile, TileId, Tiles};
 
 use crate::app::model::pane::Pane;
 
-/// Widths that lists need for their numbers (points).
+/// Widths of lists, sufficient for their numbers (points).
 const LEFT_POINTS: f32 = 286.0;
 const RIGHT_POINTS: f32 = 372.0;
 /// Height of the list of stations (points).
 const DEPLOYMENT_POINTS: f32 = 300.0;
 
-/// What a tile asks for along one direction.
+/// Size that a tile needs along one direction.
 #[derive(Clone, Copy)]
 struct Need {
     points: f32,
-    /// Whether more is of use.
+    /// True if more is useful.
     grows: bool,
 }
 
@@ -38,18 +38,18 @@ impl Need {
         }
     }
 
-    /// The need of both, one at a time or one across the other.
+    /// Returns the need of both, shown in turn or across the direction.
     fn larger(self, other: Self) -> Self {
         Self { points: self.points.max(other.points), grows: self.grows || other.grows }
     }
 
-    /// The need of both, one after the other.
+    /// Returns the need of both, one after the other.
     fn sum(self, other: Self) -> Self {
         Self { points: self.points + other.points, grows: self.grows || other.grows }
     }
 }
 
-/// The smallest and the largest part that a list gets.
+/// Smallest and largest share of a list.
 fn limits(direction: LinearDir) -> (f32, f32) {
     match direction {
         LinearDir::Horizontal => (0.1, 0.32),
@@ -57,7 +57,7 @@ fn limits(direction: LinearDir) -> (f32, f32) {
     }
 }
 
-/// Sets all shares below a tile of this size; `base` has those of the description, by child.
+/// Sets all shares below a tile of this size; `base` has the shares in the description, by child.
 pub fn fit(tiles: &mut Tiles<Pane>, base: &HashMap<TileId, f32>, tile: TileId, size: Vec2) {
     let Some(Tile::Container(container)) = tiles.get(tile) else { return };
     let children = container.children_vec();
@@ -102,7 +102,7 @@ fn need(tiles: &Tiles<Pane>, tile: TileId, direction: LinearDir) -> Need {
     needs.reduce(if along { Need::sum } else { Need::larger }).unwrap_or(Need::ANY)
 }
 
-/// Parts of `size` (points) that sum to one, from each child's need and its part in the description.
+/// Returns shares of `size` (points) that sum to one, from each child's need and its share in the description.
 fn shares(asked: &[(Need, f32)], size: f32, (least, most): (f32, f32)) -> Vec<f32> {
     let wanted = |need: Need| need.points / size.max(1.0);
     let grows = |(need, _): &&(Need, f32)| need.grows;
@@ -114,7 +114,7 @@ fn shares(asked: &[(Need, f32)], size: f32, (least, most): (f32, f32)) -> Vec<f3
     let taken: f32 = asked.iter().filter(|(n, _)| !n.grows).map(|(n, _)| fixed(*n)).sum();
     let base: f32 = asked.iter().filter(grows).map(|(_, base)| base).sum();
     let rest = (1.0 - taken).max(0.1);
-    // Those that would get less than they need get it from those that would get more.
+    // Children below their need get the difference from those above it.
     let part = |need: Need, base_share: f32| base_share / base * rest - wanted(need).min(most);
     let growing = || asked.iter().filter(grows);
     let lacking: f32 = growing().map(|(need, share)| (-part(*need, *share)).max(0.0)).sum();
@@ -151,7 +151,7 @@ mod tests {
     fn lists_get_their_points_and_the_rest_is_shared() {
         let asked = [(LIST, 0.5), (Need::ANY, 0.25), (Need::ANY, 0.75)];
         assert_close(&shares(&asked, 1500.0, (0.1, 0.32)), &[0.2, 0.2, 0.6]);
-        // On a small window not more than a third, on a large one not less than a tenth.
+        // At most a third of a small window, at least a tenth of a large one.
         assert_close(&shares(&asked, 600.0, (0.1, 0.32)), &[0.32, 0.17, 0.51]);
         assert_close(&shares(&asked, 6000.0, (0.1, 0.32)), &[0.1, 0.225, 0.675]);
     }

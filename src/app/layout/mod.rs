@@ -1,7 +1,8 @@
-//! Where the panes are: docked, split, tabbed and closed by the user, sized by the window until then.
+//! Layout of the panes: docked, split, tabbed and closed by the user, sized by the window until then.
 //!
-//! [`description`] is a layout as plain data, [`presets`] the ready-made ones; [`tree`] goes between descriptions and
-//! the docking library, [`fit`] lets sizes follow the window, [`reopen`] brings closed panes back.
+//! Layouts are plain data in [`layout_description`](super::model::layout_description), the presets in
+//! [`layout_presets`](super::model::layout_presets). [`tree`] converts between descriptions and the docking library, [`fit`]
+//! adapts sizes to the window, and [`reopen`] restores closed panes.
 
 mod behaviour;
 mod fit;

@@ -1,4 +1,4 @@
-//! The layout: a tree of panes, made from a description and described again.
+//! The layout: a tree of panes, created from a description and convertible to one.
 
 use std::collections::HashMap;
 
@@ -13,16 +13,16 @@ use resect_core::deployment::Finding;
 /// The tree of panes.
 pub struct Layout {
     tree: Tree<Pane>,
-    /// Shares of rows and columns as described, by child; what the window's size makes of them is in the tree.
+    /// Shares of rows and columns in the description, by child; the tree has those adapted to the window's size.
     shares: HashMap<TileId, f32>,
-    /// Whether sizes follow the window: until the user moves something.
+    /// True if sizes follow the window, which ends once the user moves something.
     follows_window: bool,
-    /// The ready-made layout that it came from; closed panes come back to where that has them.
+    /// The preset of the layout, which determines the position of reopened panes.
     preset: Option<LayoutPreset>,
 }
 
 impl Default for Layout {
-    /// What the first window shows.
+    /// The layout of the first window.
     fn default() -> Self {
         Self::of_root(&layout_presets::first(), true)
     }
@@ -35,7 +35,7 @@ impl From<LayoutPreset> for Layout {
 }
 
 impl Layout {
-    /// A layout without any pane: what is left while the panes are drawn.
+    /// A layout without any pane, a substitute while the panes are drawn.
     pub fn empty() -> Self {
         let tree = Tree::empty(egui::Id::unique("panes"));
         Self { tree, shares: HashMap::new(), follows_window: true, preset: None }
@@ -46,7 +46,7 @@ impl Layout {
         Self { tree, shares, follows_window, preset: None }
     }
 
-    /// The layout as described, with what is wrong put right; the first window's where no pane is left.
+    /// Creates the layout of a description, corrected, with the findings about it; that of the first window if no pane is left.
     pub fn of_description(description: &LayoutDescription) -> (Self, Vec<Finding>) {
         let (root, findings) = description.arrangement();
         let layout = root
@@ -54,7 +54,7 @@ impl Layout {
         (layout, findings)
     }
 
-    /// The layout as plain data, to be kept.
+    /// Returns the layout as plain data, for saving.
     pub fn describe(&self) -> LayoutDescription {
         let none = HashMap::new();
         let shares = if self.follows_window { &self.shares } else { &none };
@@ -62,7 +62,7 @@ impl Layout {
         LayoutDescription::new(&root, self.follows_window)
     }
 
-    /// Draws the panes where they are.
+    /// Draws the panes.
     pub fn ui(&mut self, ui: &mut egui::Ui, draw: &mut dyn FnMut(Pane, &mut egui::Ui)) {
         if let (true, Some(root)) = (self.follows_window, self.tree.root) {
             fit::fit(&mut self.tree.tiles, &self.shares, root, ui.available_size());
@@ -72,29 +72,29 @@ impl Layout {
         self.follows_window &= !edits.moved;
     }
 
-    /// Brings a pane to the front of its tabs; back into the window where it was closed.
+    /// Activates a pane; reopens it if it was closed.
     pub fn show(&mut self, pane: Pane) {
         if !self.holds(pane) {
             let mut layouts: Vec<Node> = self.preset.map(LayoutPreset::root).into_iter().collect();
             layouts.push(layout_presets::first());
-            // Panes before and during a drive are not in the first layout.
+            // Panes of planning and live deployments are not in the first layout.
             layouts.extend([LayoutPreset::Plan, LayoutPreset::Live].map(LayoutPreset::root));
             reopen::reopen(&mut self.tree, &mut self.shares, pane, &layouts);
         }
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));
     }
 
-    /// Where a pane was drawn in the last frame, in the window (points).
+    /// Returns the rectangle of a pane in the last frame (points, in the window); `None` if it was not drawn.
     pub fn place(&self, pane: Pane) -> Option<egui::Rect> {
         self.tree.tiles.find_pane(&pane).and_then(|tile| self.tree.tiles.rect(tile))
     }
 
-    /// Whether the user moved nothing since the layout was chosen.
+    /// Returns true if the user moved nothing since the layout was chosen.
     pub fn is_as_chosen(&self) -> bool {
         self.follows_window
     }
 
-    /// Whether a pane is in the window, in front or behind others.
+    /// Returns true if a pane is in the window, active or not.
     pub fn holds(&self, pane: Pane) -> bool {
         self.tree.tiles.find_pane(&pane).is_some()
     }

@@ -1,4 +1,4 @@
-//! Brings a closed pane back to where a ready-made layout has it, as far as that place is still there.
+//! Reopens a closed pane at its place in a layout preset, as far as that place still exists.
 
 use std::collections::HashMap;
 
@@ -7,15 +7,15 @@ use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use crate::app::model::layout_description::Node;
 use crate::app::model::pane::Pane;
 
-/// A place beside panes that the tree still has.
+/// A place relative to panes that the tree still has.
 enum Place {
-    /// A place among the tabs of these panes.
+    /// Among the tabs of these panes.
     With(Vec<Pane>),
-    /// A part of its own, before or after the part that holds these panes.
+    /// In tabs of its own, before or after the smallest container of these panes.
     Beside { panes: Vec<Pane>, direction: LinearDir, before: bool, share: f32 },
 }
 
-/// Puts a pane that the tree lacks where the first of these layouts with a place for it has it.
+/// Inserts a pane that the tree lacks, at its place in the first of these layouts that has one.
 pub fn reopen(
     tree: &mut Tree<Pane>,
     shares: &mut HashMap<TileId, f32>,
@@ -62,7 +62,7 @@ fn place_in(node: &Node, pane: Pane, present: &impl Fn(Vec<Pane>) -> Vec<Pane>) 
     };
     let at = children.iter().position(|child| child.panes().contains(&pane))?;
     place_in(&children[at], pane, present).or_else(|| {
-        // The nearest part that is still there: the one after it, or else the ones before it.
+        // The nearest child that still exists: the one after it, or else those before it.
         let after = children[at + 1..].iter().map(|child| (child, true));
         let before = children[..at].iter().rev().map(|child| (child, false));
         after.chain(before).find_map(|(child, before)| {
@@ -73,7 +73,7 @@ fn place_in(node: &Node, pane: Pane, present: &impl Fn(Vec<Pane>) -> Vec<Pane>) 
     })
 }
 
-/// The smallest container that holds all of these panes.
+/// Returns the smallest container of all these panes.
 fn common_part(tiles: &Tiles<Pane>, panes: &[TileId]) -> Option<TileId> {
     let ancestors = |pane: TileId| std::iter::successors(Some(pane), |tile| tiles.parent_of(*tile));
     let (first, others) = panes.split_first()?;
@@ -82,7 +82,7 @@ fn common_part(tiles: &Tiles<Pane>, panes: &[TileId]) -> Option<TileId> {
         .find(|part| others.iter().all(|pane| ancestors(*pane).any(|tile| tile == *part)))
 }
 
-/// Adds a tab beside a tile: to the tabs that hold it, or to the first ones inside it.
+/// Adds a tab beside a tile: to the tabs that contain it, or to the first ones inside it.
 fn add_tab(tree: &mut Tree<Pane>, beside: TileId, new: TileId) {
     let holder = tree.tiles.parent_of(beside).unwrap_or(beside);
     let mut at = holder;
@@ -103,12 +103,12 @@ fn add_tab(tree: &mut Tree<Pane>, beside: TileId, new: TileId) {
             Some(Tile::Pane(_)) | None => break,
         }
     }
-    // A pane without tabs, which the tree has only before its first frame.
+    // A pane without tabs, which exists only before the first frame.
     let tabs = tree.tiles.insert_container(Tabs::new(vec![at, new]));
     replace(tree, at, tabs);
 }
 
-/// Puts `new` before or after `part`, with this share of both.
+/// Inserts `new` before or after `part`, with this share of both.
 fn split(
     tree: &mut Tree<Pane>,
     part: TileId,
@@ -118,7 +118,7 @@ fn split(
     share: f32,
 ) {
     let parent = tree.tiles.parent_of(part);
-    // Into the row or column that is there: the part's own, or the one that it stands in.
+    // Inserts into an existing row or column: `part` itself, or its parent.
     for (holder, at) in [(Some(part), None), (parent, Some(part))] {
         let Some(holder) = holder else { continue };
         if let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(holder)
@@ -141,7 +141,7 @@ fn split(
     replace(tree, part, both);
 }
 
-/// Lets `by`, which holds `tile`, take the place of `tile`.
+/// Replaces `tile` by `by`, which contains it.
 fn replace(tree: &mut Tree<Pane>, tile: TileId, by: TileId) {
     let parents: Vec<TileId> = tree.tiles.tile_ids().filter(|id| *id != by).collect();
     for parent in parents {

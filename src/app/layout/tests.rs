@@ -19,7 +19,7 @@ fn layouts() -> Vec<(&'static str, Layout)> {
 /// Draws a layout with the titles of its panes in place of their content.
 struct Drawn {
     layout: Layout,
-    /// Places of the panes in front, in the last frame.
+    /// Rectangles of the active panes in the last frame.
     places: HashMap<Pane, egui::Rect>,
 }
 
@@ -42,7 +42,7 @@ fn panes(layout: &Layout) -> Vec<Pane> {
     panes
 }
 
-/// Through a file and back.
+/// Writes a layout to a file's text and reads it back.
 fn reread(layout: &Layout) -> (Layout, Vec<Finding>) {
     let text = toml::to_string(&layout.describe()).expect("it can be written");
     let description: LayoutDescription = toml::from_str(&text).expect("it can be read");
@@ -99,7 +99,7 @@ fn sizes_follow_the_window_until_something_is_moved() {
     harness.set_size(Vec2::new(2000.0, 960.0));
     harness.run_steps(2);
     assert!((width(&harness) - before).abs() < 3.0, "{} for {before}", width(&harness));
-    // The border between the first two columns, by 60 points to the right.
+    // Drags the border between the first two columns by 60 points to the right.
     let border = harness.state().places[&Pane::Pipeline].right_center() + egui::vec2(1.5, 0.0);
     harness.drag_at(border);
     harness.run_steps(2);
@@ -138,7 +138,7 @@ fn a_closed_pane_comes_back_to_where_it_was() {
     }
 }
 
-/// The panes among whose tabs a pane is.
+/// Returns all panes in the same tabs as a pane.
 fn beside(layout: &Layout, pane: Pane) -> Vec<Pane> {
     let tiles = &layout.tree.tiles;
     let tile = tiles.find_pane(&pane).expect("a pane");
@@ -171,12 +171,12 @@ fn tabs_are_closed_by_a_named_button_and_the_last_one_stays() {
 }
 
 #[test]
-fn what_is_wrong_in_a_file_is_put_right_and_said() {
+fn an_error_in_a_file_is_corrected_and_reported() {
     let cases = [
         (
             "version = 1\n[root]\nrow = { shares = [nan, -1.0], children = [{ pane = \"scene\" }, { pane = \"result\" }] }",
             vec![Pane::Scene, Pane::Result],
-            "sizes that are none",
+            "has invalid sizes",
         ),
         (
             "version = 1\n[root]\ntabs = { active = -7, children = [{ pane = \"scene\" }, { pane = \"teapot\" }] }",
@@ -238,7 +238,7 @@ proptest! {
         let (mut layout, _) = Layout::of_description(&description);
         let before = layout.describe();
         prop_assert!(!panes(&layout).is_empty());
-        // Nothing is left for the docking library to put right.
+        // The docking library has nothing left to simplify.
         layout.tree.simplify(&SIMPLIFICATION);
         prop_assert_eq!(&before, &layout.describe());
         let (again, findings) = reread(&layout);
@@ -247,7 +247,7 @@ proptest! {
     }
 }
 
-/// Parts that are too small are widened, once and for all: read again they are not widened further.
+/// Too small shares are enlarged only once: reading them again does not enlarge them further.
 #[test]
 fn parts_too_small_to_be_seen_are_the_same_when_they_are_read_again() {
     let all: Vec<Node<String>> =
@@ -266,7 +266,7 @@ fn parts_too_small_to_be_seen_are_the_same_when_they_are_read_again() {
     assert!(close(&again.describe().root, &layout.describe().root), "{shares:?}");
 }
 
-/// Shares whose digits are cut one by one sum to more than one, and moved whenever they were saved.
+/// Shares rounded one by one sum to more than one, and would change at every save.
 #[test]
 fn shares_stay_the_same_to_the_last_digit_when_they_are_read_and_written_again() {
     for share in (0..400_u16).map(|step| 0.021 + 0.002_395 * f32::from(step)) {
@@ -280,7 +280,7 @@ fn shares_stay_the_same_to_the_last_digit_when_they_are_read_and_written_again()
     }
 }
 
-/// Equal but for rounding of the shares.
+/// Returns true if both are equal but for rounding of the shares.
 fn close(a: &Node<String>, b: &Node<String>) -> bool {
     let all = |a: &[Node<String>], b: &[Node<String>]| {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| close(a, b))
@@ -301,7 +301,7 @@ fn close(a: &Node<String>, b: &Node<String>) -> bool {
     }
 }
 
-/// Moves, closes, reopens and replaces at random, as a user might; what is written is always read back the same.
+/// Moves, closes, reopens and replaces panes at random; the layout must survive writing and reading unchanged.
 #[test]
 fn random_edits_go_through_a_file_unchanged() {
     for seed in 0..40 {
@@ -332,7 +332,7 @@ fn edit(layout: &mut Layout, random: &mut ChaCha8Rng) {
             layout.tree.tiles.remove(tile);
         }
         (1, _) => layout.show(pane),
-        // To other tabs, or into a part of its own.
+        // To other tabs, or into a new container.
         (2, Some(tile)) => {
             layout.tree.move_tile_to_container(tile, container, random.random_range(0..4), false);
         }

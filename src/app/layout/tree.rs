@@ -1,4 +1,4 @@
-//! The way between descriptions and the tree of the docking library.
+//! Conversion between descriptions and the tree of the docking library.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use crate::app::model::layout_description::{Node, normalised};
 use crate::app::model::pane::Pane;
 
-/// The tree of an arrangement, and each child's share of its row or column.
+/// Returns the tree of an arrangement, and each child's share of its row or column.
 pub fn tree_of(root: &Node) -> (Tree<Pane>, HashMap<TileId, f32>) {
     let (mut tiles, mut shares) = (Tiles::default(), HashMap::new());
     let root = insert(&mut tiles, &mut shares, root);
@@ -38,7 +38,7 @@ fn insert(tiles: &mut Tiles<Pane>, all: &mut HashMap<TileId, f32>, node: &Node) 
     }
 }
 
-/// The arrangement of a tree, with the shares of its children that `shares` has in place of the tree's own.
+/// Returns the arrangement of a tree; `shares` has priority over the tree's own. `None` for an empty tree.
 pub fn node_of(tree: &Tree<Pane>, shares: &HashMap<TileId, f32>) -> Option<Node> {
     node_at(&tree.tiles, shares, tree.root?)
 }
@@ -74,15 +74,14 @@ fn node_at(tiles: &Tiles<Pane>, shares: &HashMap<TileId, f32>, tile: TileId) -> 
         Container::Linear(Linear { dir: LinearDir::Vertical, .. }) => {
             Node::Column { shares: rounded(&shares), children }
         }
-        // Nothing here makes grids.
+        // This program creates no grids.
         Container::Linear(_) | Container::Grid(_) => {
             Node::Row { shares: rounded(&shares), children }
         }
     })
 }
 
-/// Parts of one with as many digits as a window has pixels; they still sum to one, so that nothing moves when they are
-/// read and written again.
+/// Rounds shares to the resolution of a window. They still sum to one, so that reading and writing does not change them.
 fn rounded(shares: &[f32]) -> Vec<f32> {
     const PARTS: f32 = 1e4;
     let mut parts: Vec<i32> =

@@ -1,8 +1,8 @@
-//! How long ago something was, in words.
+//! Elapsed time in words.
 
 use std::time::Duration;
 
-/// "5 min", "3 h", "2 days"; `None` of less than a minute.
+/// Returns an elapsed time as "5 min", "3 h" or "2 days"; `None` below one minute.
 pub fn ago(since: Duration) -> Option<String> {
     let (count, unit) = match since.as_secs() {
         0..60 => return None,

@@ -1,5 +1,4 @@
-//! What the user is asked before the window goes on: what only he can tell of the data, what files are for, and whether
-//! a file of his is changed.
+//! Questions to the user: facts about the data that no file contains, the purpose of files, and confirmation before a file is changed.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,7 +8,7 @@ use resect_io::format::mapped_csv;
 use resect_io::format::mapped_csv::Preview;
 use resect_io::source::Extras;
 
-/// What is asked, and what of the answer is chosen so far.
+/// A question, with the choices made so far.
 #[derive(Clone, Debug)]
 pub enum Asked {
     Tracks(AskedTracks),
@@ -19,16 +18,16 @@ pub enum Asked {
     Toml(Box<AskedToml>),
 }
 
-/// How a question is answered.
+/// Answer to a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AskedAnswer {
-    /// The question is answered by what is chosen.
+    /// Accepts the present choices.
     AsChosen,
-    /// The files are not for a deployment that is open: they are one of their own.
+    /// The files belong to no open deployment, but to one of their own.
     OwnDeployment,
 }
 
-/// Which of several files hold the tracks.
+/// Selection of the files that contain tracks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedTracks {
     pub folder: String,
@@ -36,15 +35,15 @@ pub struct AskedTracks {
     pub chosen: Vec<bool>,
 }
 
-/// Which topic, or which file, is which station.
+/// Assignment of topics or files to stations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedStations {
     /// The bag, or the folder.
     pub place: String,
     pub are: StationsAre,
-    /// Names of the topics or files, and what else is known of them.
+    /// Names of the topics or files, with further information.
     pub choices: Vec<(String, String)>,
-    /// Index among the choices for each of stations 1, 2, 3.
+    /// Index of the choice for each of stations 1, 2, 3.
     pub stations: [usize; 3],
 }
 
@@ -54,63 +53,63 @@ pub enum StationsAre {
     Files,
 }
 
-/// Which column of a table is what.
+/// Assignment of the columns of a table.
 #[derive(Clone, Debug)]
 pub struct AskedColumns {
     pub file: String,
     pub path: PathBuf,
-    /// Number of the request that reads the beginning of the file.
+    /// Number of the request that reads the head of the file.
     pub request: u64,
-    /// The beginning of the file, once it is read.
+    /// Head of the file; `None` until it is read.
     pub head: Option<TableHead>,
-    /// Why it is not.
+    /// Reason why it could not be read.
     pub trouble: Option<String>,
     pub mapping: ColumnMapping,
     pub azimuth: AzimuthSense,
     pub ranges_include_prism_constant: bool,
-    /// Files of stations 1, 2, 3, where each has a file of its own: indices among [`TableHead::alike`].
+    /// Files of stations 1, 2, 3 if each has its own: indices in [`TableHead::alike`].
     pub files: Option<[usize; 3]>,
-    /// The first rows by the mapping.
+    /// The first rows, read with the mapping.
     pub preview: Preview,
 }
 
-/// The beginning of a table.
+/// Head of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableHead {
     pub text: Arc<str>,
-    /// Files of its folder with the same header, itself among them.
+    /// Files with the same header in the folder, including this one.
     pub alike: Vec<String>,
 }
 
-/// What a rig or control points are for.
+/// Assignment of a rig or control points to a deployment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedFiles {
     pub extras: Extras,
-    /// Folders that hold nothing but these extras.
+    /// Folders that contain only these extras.
     pub folders: Vec<PathBuf>,
-    /// Ids and names of the deployments that they could be for.
+    /// Ids and names of the deployments to choose from.
     pub targets: Vec<(u64, String)>,
-    /// Index of the chosen deployment among these.
+    /// Index of the chosen deployment in `targets`.
     pub target: usize,
 }
 
-/// Whether this is written to the folder's `deployment.toml`.
+/// Confirmation before the folder's `deployment.toml` is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedToml {
-    /// Number of the deployment.
+    /// Id of the deployment.
     pub id: u64,
     pub path: PathBuf,
-    /// What is in the file, if there is one.
+    /// Present content of the file, if it exists.
     pub before: Option<String>,
     pub after: String,
-    /// What changes, in words.
+    /// Descriptions of the changes.
     pub said: Vec<String>,
-    /// What the deployment is read with beside the file, once it is written.
+    /// Extras of the deployment once the file is written.
     pub stays: Extras,
 }
 
 impl Asked {
-    /// Whether what is chosen is an answer.
+    /// Returns true if the present choices are a valid answer.
     pub fn is_answered(&self) -> bool {
         match self {
             Self::Tracks(asked) => asked.chosen.contains(&true),
@@ -126,7 +125,7 @@ impl Asked {
 }
 
 impl AskedStations {
-    /// The question with a proposal: stations 1, 2, 3 in the order of the numbers in the names.
+    /// Creates the question and proposes stations 1, 2, 3 in the natural order of the names.
     pub fn new(place: String, are: StationsAre, choices: Vec<(String, String)>) -> Self {
         Self { place, are, stations: in_natural_order(&choices), choices }
     }
@@ -146,7 +145,7 @@ impl AskedColumns {
         self.head = Some(head);
     }
 
-    /// Why it cannot be opened like this.
+    /// Returns the reason why the table cannot be opened with these choices.
     pub fn complaint(&self) -> Option<String> {
         if let Some(trouble) = &self.trouble {
             return Some(trouble.clone());
@@ -157,23 +156,23 @@ impl AskedColumns {
         if self.mapping.station.is_none() {
             match self.files {
                 None => {
-                    return Some("Name the column of the station, or a file for each.".to_owned());
+                    return Some("Choose the station column, or one file per station.".to_owned());
                 }
                 Some([a, b, c]) if a == b || a == c || b == c => {
-                    return Some("Each station needs a file of its own.".to_owned());
+                    return Some("Each station needs its own file.".to_owned());
                 }
                 Some(_) => {}
             }
         }
         if self.preview.read.is_empty() {
-            return Some("The file has a header but no row.".to_owned());
+            return Some("The file has a header but no rows.".to_owned());
         }
         let error = self.preview.read.iter().find_map(|row| row.as_ref().err());
-        error.map(|error| format!("The first rows do not read: {error}"))
+        error.map(|error| format!("The first rows cannot be read: {error}"))
     }
 }
 
-/// The first three by the text and the numbers in their names.
+/// Returns the first three choices in natural order: by the text and the numbers in their names.
 fn in_natural_order(choices: &[(String, String)]) -> [usize; 3] {
     let key = |index: &usize| {
         let name = &choices[*index].0;

@@ -1,64 +1,64 @@
-//! An orbit camera: z is up, in metres of station 1's frame.
+//! An orbit camera; z is up, lengths in metres (station 1's frame).
 
 use nalgebra::{Matrix4, Vector3};
 
-/// Ways to look that a button offers.
+/// View presets of the buttons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewPreset {
-    /// Everything, from where the camera is turned now.
+    /// Everything, in the present direction.
     Fit,
-    /// The view from above at a slant, as a deployment is seen at first.
+    /// Oblique view from above, the initial view of a deployment.
     Slanted,
     Top,
-    /// The view along y, x to the right.
+    /// View along y, x to the right.
     Front,
-    /// The view against x, y to the right.
+    /// View against x, y to the right.
     Side,
-    /// The view from where this station (0 to 2) stands, towards the prisms.
+    /// View from this station (0 to 2) towards the prisms.
     Station(usize),
 }
 
-/// Looks at `target` from `distance_m` away.
+/// Camera that looks at `target_m` from `distance_m` away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub target_m: Vector3<f32>,
-    /// Distance from the eye to the target; in parallel projection, the distance from which the target looks as large.
+    /// Distance from the eye to the target (m); in parallel projection, the distance at which a perspective shows the same scale.
     pub distance_m: f32,
     /// Direction from the target to the eye, counter-clockwise from x.
     pub yaw_rad: f32,
-    /// Height of the eye: 0 on the horizon, π/2 straight above.
+    /// Elevation of the eye: 0 at the horizon, π/2 straight above.
     pub pitch_rad: f32,
-    /// Whether lines of sight are parallel: what is equally long looks equally long, near or far.
+    /// True for parallel projection.
     pub parallel: bool,
-    /// How many times higher than true everything is drawn. Places are true ones all the same: the camera alone knows.
+    /// Vertical exaggeration of the drawing. All positions outside the camera are true ones.
     pub vertical: f32,
 }
 
-/// The shape of a picture, and the part of it that nothing covers.
+/// Shape of a picture, and its uncovered area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Width over height.
     pub aspect: f32,
-    /// Where the free part begins and ends, from −1 at the left to 1 at the right.
+    /// Left and right bound of the uncovered area, from −1 at the left to 1 at the right of the picture.
     pub across: [f32; 2],
-    /// Where it begins and ends from −1 at the bottom to 1 at the top.
+    /// Lower and upper bound, from −1 at the bottom to 1 at the top.
     pub upwards: [f32; 2],
 }
 
 impl Frame {
-    /// A picture that is free everywhere.
+    /// Returns the frame of a picture without covered areas.
     pub fn whole(aspect: f32) -> Self {
         Self { aspect, across: [-1.0, 1.0], upwards: [-1.0, 1.0] }
     }
 }
 
 const FIELD_OF_VIEW_RAD: f32 = 0.7;
-/// Part of the free picture that is filled by what is fitted in.
+/// Fraction of the uncovered area that fitted points fill.
 const FILLED: f32 = 0.88;
 const STEEPEST_RAD: f32 = std::f32::consts::FRAC_PI_2;
-/// What is this far before or behind the target is drawn, however near the camera is.
+/// Depth before and behind the target that is drawn, at any distance of the camera.
 const DEEP_M: f32 = 20_000.0;
-/// Between a hand's breadth and the whole in a tenth of the picture.
+/// Limits of the distance: from a hand's breadth to the whole scene in a tenth of the picture.
 const NEAREST_M: f32 = 0.05;
 const FURTHEST_RADII: f32 = 30.0;
 
@@ -80,8 +80,8 @@ impl Camera {
         self.lowered(&(self.raised(&self.target_m) + self.distance_m * self.back()))
     }
 
-    /// Towards the eye, of length 1. By the angles alone: told from eye and target, it would depend in its last digits on
-    /// what was looked at before.
+    /// Returns the unit vector towards the eye, from the angles alone. Computed from eye and target, its last digits would
+    /// depend on the previous view.
     pub fn back(&self) -> Vector3<f32> {
         let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
@@ -96,7 +96,7 @@ impl Camera {
         [right, back.cross(&right), back]
     }
 
-    /// A place or a way as high as it is drawn, and one that is drawn so high as it is.
+    /// Applies the vertical exaggeration to a position or vector; `lowered` is the inverse.
     fn raised(&self, v: &Vector3<f32>) -> Vector3<f32> {
         Vector3::new(v.x, v.y, v.z * self.vertical)
     }
@@ -105,7 +105,7 @@ impl Camera {
         Vector3::new(v.x, v.y, v.z / self.vertical)
     }
 
-    /// Clip coordinates from world, depth from 0 to 1 as wgpu wants it.
+    /// Returns the matrix from world to clip coordinates, with depths from 0 to 1 as wgpu requires.
     pub fn clip_from_world(&self, aspect: f32) -> Matrix4<f32> {
         let [right, up, back] = self.axes();
         let eye = self.raised(&self.target_m) + self.distance_m * back;
@@ -139,25 +139,25 @@ impl Camera {
         )
     }
 
-    /// Turns about the target by a drag in points.
+    /// Rotates about the target by a drag in points.
     pub fn orbit(&mut self, drag: [f32; 2]) {
         self.yaw_rad -= 0.006 * drag[0];
         self.pitch_rad = (self.pitch_rad + 0.006 * drag[1]).clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
 
-    /// Moves the target by a drag in points, so that what is under the pointer stays there.
+    /// Moves the target by a drag in points, so that the point under the pointer stays there.
     pub fn pan(&mut self, drag: [f32; 2], viewport_height: f32) {
         let metres_per_point = self.metres_per_point(viewport_height);
         let [right, up, _] = self.axes();
         self.target_m += self.lowered(&(metres_per_point * (up * drag[1] - right * drag[0])));
     }
 
-    /// Length that a point of the screen covers at the distance of the target (m).
+    /// Returns the length that a point of the screen covers at the distance of the target (m).
     pub fn metres_per_point(&self, viewport_height: f32) -> f32 {
         2.0 * self.distance_m * (FIELD_OF_VIEW_RAD / 2.0).tan() / viewport_height.max(1.0)
     }
 
-    /// Stands at a place and looks at another.
+    /// Moves the eye to a position and looks at another.
     pub fn stand(&mut self, eye_m: &Vector3<f32>, target_m: &Vector3<f32>) {
         let back = self.raised(&(eye_m - target_m));
         let distance_m = back.norm();
@@ -171,12 +171,12 @@ impl Camera {
         self.pitch_rad = (back.z / distance_m).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
 
-    /// Comes closer (factor below 1) or goes away.
+    /// Moves closer (factor below 1) or away.
     pub fn zoom(&mut self, factor: f32) {
         self.distance_m *= factor;
     }
 
-    /// Stays where something of what lies between two corners can be seen, however far it was moved or zoomed.
+    /// Clamps target and distance so that the box between two corners stays visible.
     pub fn stay_near(&mut self, [low_m, high_m]: [Vector3<f32>; 2]) {
         let radius_m = (0.5 * (high_m - low_m).norm()).max(1.0);
         self.distance_m = self.distance_m.clamp(NEAREST_M, FURTHEST_RADII * radius_m);
@@ -184,12 +184,12 @@ impl Camera {
         self.target_m = self.target_m.sup(&(low_m - margin)).inf(&(high_m + margin));
     }
 
-    /// Turns as a preset says, and stays where it looks.
+    /// Rotates as the preset requires; the target does not change.
     pub fn turn(&mut self, preset: ViewPreset) {
         let face = |pitch_rad: f32, yaw_rad: f32, parallel: bool| (pitch_rad, yaw_rad, parallel);
         let ahead_rad = -std::f32::consts::FRAC_PI_2;
         (self.pitch_rad, self.yaw_rad, self.parallel) = match preset {
-            // The view stands at the station before it comes here for what the station cannot look at.
+            // The view places the camera at a station itself; a station comes here only without bounds or a result.
             ViewPreset::Fit | ViewPreset::Station(_) => return,
             ViewPreset::Slanted => {
                 let Self { pitch_rad, yaw_rad, .. } = Self::default();
@@ -201,19 +201,18 @@ impl Camera {
         };
     }
 
-    /// Turns as the preset says and steps back until all points are in the free part of the picture, as large as they can
-    /// be.
+    /// Rotates as the preset requires and moves back until all points are within the uncovered area, as large as possible.
     pub fn look(&mut self, preset: ViewPreset, points_m: &[Vector3<f32>], frame: &Frame) {
         let Some(first) = points_m.first().map(|first| self.raised(first)) else { return };
         self.turn(preset);
         let [right, up, back] = self.axes();
         let half_height = (FIELD_OF_VIEW_RAD / 2.0).tan();
         let points: Vec<Vector3<f32>> = points_m.iter().map(|p| self.raised(p) - first).collect();
-        // What is nearer to the eye looks larger, unless the lines of sight are parallel.
+        // In perspective, nearer points look larger.
         let nearness = if self.parallel { 0.0 } else { 1.0 };
-        // A point is between two sides of the picture while its distance from the line of sight is between `low` and
-        // `high` times its distance before the eye. That is linear in where the eye stands, so the eye nearest to them all
-        // is known for each direction on the picture.
+        // A point is between two sides of the picture if its distance from the line of sight is between `low` and `high`
+        // times its depth. That is linear in the position of the eye, so the nearest eye that sees all points follows for
+        // each picture axis.
         let fit = |axis: &Vector3<f32>, half: f32, [low, high]: [f32; 2]| {
             let (middle, reach) = ((low + high) / 2.0, FILLED * (high - low) / 2.0);
             let (low, high) = (half * (middle - reach), half * (middle + reach));
@@ -229,7 +228,7 @@ impl Camera {
         let (wide_m, across) = fit(&right, half_height * frame.aspect, frame.across);
         let (high_m, above) = fit(&up, half_height, frame.upwards);
         let away_m = wide_m.max(high_m);
-        // The target, about which the camera turns, is amid them.
+        // The target, about which the camera rotates, is in the middle of the points.
         let before = points.iter().map(|p| back.dot(p));
         let (nearest, furthest) =
             before.fold((f32::NEG_INFINITY, f32::INFINITY), |(a, b), p| (a.max(p), b.min(p)));
@@ -259,7 +258,7 @@ mod tests {
                 let mut camera = Camera { vertical: 5.0, ..Camera::default() };
                 camera.look(preset, &points, &frame);
                 let clip = camera.clip_from_world(frame.aspect);
-                // Where in the free part: −1 and 1 are its sides.
+                // Position in the uncovered area; its sides are −1 and 1.
                 let inside =
                     |at: f32, [low, high]: [f32; 2]| (2.0 * at - low - high) / (high - low);
                 let mut widest: f32 = 0.0;
@@ -318,7 +317,7 @@ mod tests {
             camera.look(preset, &points, &Frame::whole(1.0));
             let [near, far] = points.map(|from| length(&camera, from, way));
             assert!((near - far).abs() < 1e-4 * near, "{preset:?}: {near} {far}");
-            // Neither does it lean: along the line of sight there is no length.
+            // A length along the line of sight vanishes.
             assert!(length(&camera, points[0], camera.back()) < 1e-5, "{preset:?}");
             let points_high = 500.0;
             let wanted = 2.0 / (points_high * camera.metres_per_point(points_high));

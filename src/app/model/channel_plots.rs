@@ -1,4 +1,4 @@
-//! The channels that are plotted over time or against another one, and the series of them that are seen.
+//! The channels that are plotted over time or against another channel, and their visible series.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +7,20 @@ use crate::app::prepared::channels::{Channel, Sources, Subject};
 use crate::app::prepared::series::Series;
 use resect_core::deployment::pair_label;
 
-/// The strips of the pane of channels.
+/// Plots of the channels pane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ChannelPlots {
-    /// In the order of [`Channel::ALL`].
+    /// Plotted channels, in the order of [`Channel::ALL`].
     pub shown: [bool; Channel::ALL.len()],
-    /// The channel that all are plotted against; `None` is time.
+    /// Channel on the horizontal axis; `None` for time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Channel>,
-    /// The errors of trajectories that were added.
+    /// True if the errors of the added trajectories are plotted.
     pub errors: bool,
-    /// Errors are plotted over the driven distance instead of over time.
+    /// True if errors are plotted over the driven distance instead of time.
     pub by_distance: bool,
-    /// The errors of all trajectories have one scale: a good one beside a bad one is a line then.
+    /// True if the errors of all trajectories share one scale; a good trajectory beside a bad one then appears as a flat line.
     pub one_scale: bool,
 }
 
@@ -33,15 +33,15 @@ impl Default for ChannelPlots {
 }
 
 /// Reason why two channels cannot be plotted against each other.
-pub const APART: &str = "One is of each station, the other of each pair of prisms";
+pub const APART: &str = "Not possible: one channel is per station, the other per pair of prisms";
 
-/// One of the series that are seen.
+/// A visible series.
 pub struct SeenSeries<'a> {
     pub name: String,
-    /// The subject, and which of three it is, from 0.
+    /// The subject, and its index among three, from 0.
     pub subject: (Subject, usize),
     pub series: Series<'a>,
-    /// The series that it is plotted against.
+    /// The series on the horizontal axis.
     pub against: Option<Series<'a>>,
 }
 
@@ -57,14 +57,14 @@ impl ChannelPlots {
         }
     }
 
-    /// Returns these plots with other channels; against a channel that they cannot have, all are plotted over time.
+    /// Returns these plots with other channels; over time if they cannot be plotted against the chosen channel.
     #[must_use]
     pub fn with_channels(self, channels: &[Channel]) -> Self {
         let all_go = |other: &Channel| channels.iter().all(|channel| channel.goes_with(*other));
         Self { shown: Self::of(channels).shown, against: self.against.filter(all_go), ..self }
     }
 
-    /// Returns these plots with one channel more, or one less.
+    /// Returns these plots with one channel added or removed.
     #[must_use]
     pub fn toggled(self, channel: Channel) -> Self {
         let is_shown = |other: &Channel| self.shows(*other) != (*other == channel);
@@ -72,7 +72,7 @@ impl ChannelPlots {
         self.with_channels(&channels)
     }
 
-    /// Returns the errors alone: whoever adds trajectories looks for them, and a strip each needs the height.
+    /// Returns the errors alone, which need the height of the pane when trajectories are added.
     #[must_use]
     pub fn only_errors(self) -> Self {
         Self { errors: true, ..self.with_channels(&[]) }
@@ -106,8 +106,8 @@ impl ChannelPlots {
         self.channels().map(|channel| self.name_of(channel)).collect::<Vec<_>>().join(", ")
     }
 
-    /// Returns the series of a channel for the stations or pairs that are not hidden. A single series is plotted against
-    /// each one of the other channel.
+    /// Returns the series of a channel for the visible stations or pairs. A single series is plotted against each series of
+    /// the other channel.
     pub fn seen<'a>(
         self,
         channel: Channel,

@@ -1,20 +1,20 @@
-//! What readings and tracks are coloured by.
+//! Colouring of readings and tracks.
 
-/// What readings and tracks are coloured by.
+/// Quantity that colours readings and tracks.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Colouring {
-    /// Readings by what became of them, tracks by their station: what is asked first of a new deployment.
+    /// Readings by fate, tracks by station: the default for a new deployment.
     #[default]
     Fate,
     Station,
-    /// The intervals that were kept.
+    /// The intervals that the pipeline kept.
     Interval,
-    /// How fast prism 1 moves.
+    /// Speed of prism 1.
     Speed,
-    /// The distance error of the worse of the two pairs that a prism is part of.
+    /// Distance error of the worse of a prism's two pairs.
     Residual,
     Time,
 }
@@ -34,15 +34,15 @@ impl Colouring {
         }
     }
 
-    /// One sentence for who chooses.
+    /// Returns a sentence that explains the choice.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::Fate => "Readings by what became of them, tracks by station",
-            Self::Station => "The station that measured it",
-            Self::Interval => "The interval it is in; seven colours that repeat",
-            Self::Speed => "How fast prism 1 moves at that time",
+            Self::Fate => "Readings by fate (accepted, rejected), tracks by station",
+            Self::Station => "Station that measured the reading",
+            Self::Interval => "Interval of the reading; seven colours repeat",
+            Self::Speed => "Speed of prism 1 at that time",
             Self::Residual => {
-                "Distance error at that time, of the worse of the prism's two pairs: grey where there is none"
+                "Distance error at that time of the prism's worse pair; grey: no value"
             }
             Self::Time => "Time since the first measurement",
         }

@@ -1,6 +1,6 @@
-//! Everything that can be asked for. Panes send these; `State::handle` carries them out.
+//! Commands that panes send; `State::handle` executes them.
 //!
-//! Each part of the state has its own commands: those of plans and of live deployments are in `planning.rs` and `live.rs`.
+//! Commands of plans and of live deployments are in `planning.rs` and `live.rs`.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_report::copy::{CopyFormat, Part};
 
-/// A request of a pane, by the part of the state that it changes.
+/// A command of a pane, by the component of the state that it changes.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a frame has a few at most")]
 pub enum Command {
@@ -33,70 +33,70 @@ pub enum Command {
 
 pub type Commands = Vec<Command>;
 
-/// The open deployments, their settings and data, and undo.
+/// Commands of the open deployments: settings, data and undo.
 #[derive(Clone, Debug)]
 pub enum DeploymentCommand {
-    /// Opens all that the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    /// Opens all files that the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
     OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
-    /// Opens a former deployment again.
+    /// Reopens an earlier deployment.
     OpenSource(Source),
-    /// Stops reading a deployment, by its request's number.
+    /// Cancels the reading of a deployment, by the number of its request.
     CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
-    /// Shows another of the open deployments, by its id.
+    /// Activates another open deployment, by its id.
     Activate(u64),
     Close(u64),
 
     /// Sets the settings of the active deployment.
     Set(Settings),
-    /// Gives every open deployment the active one's settings.
+    /// Copies the settings of the active deployment to all open ones.
     SetAll,
-    /// Stops calibrating a deployment, by its id, and returns to the settings of the answer that is shown.
+    /// Cancels the calibration of a deployment, by its id, and restores the settings of the displayed result.
     CancelAnalysis(u64),
     Undo,
     Redo,
 
-    /// Reads the active deployment again with these beside its tracks, as a step that can be undone.
-    PutRight(Extras),
-    /// Unfolds the corrections of the data in their pane.
-    ShowPutRight,
+    /// Reads the active deployment again with these extras beside its tracks; undoable.
+    Correct(Extras),
+    /// Shows the corrections of the data in their pane.
+    ShowCorrections,
     ChooseRigDialog,
     AddControlPointsDialog,
-    /// Asks whether the corrections are written to the folder's `deployment.toml`.
+    /// Asks for confirmation to write the corrections to the folder's `deployment.toml`.
     WriteDeploymentToml,
 }
 
-/// The time cursor, the selection, playback, and values over time.
+/// Commands of the time cursor, the selection, playback, and values over time.
 #[derive(Clone, Debug)]
 pub enum TimeCommand {
-    /// Time under the pointer (s, in the stations' clock); sent in every frame while it is there.
+    /// Time under the pointer (s, the stations' clock), sent in every frame.
     Hover(f64),
     MoveCursor(f64),
-    /// Moves the time cursor by so many triplets.
+    /// Moves the time cursor by this number of triplets.
     StepCursor(i32),
-    /// Span of time that the plots show (s, in the stations' clock).
+    /// Sets the time interval of the plots (s, the stations' clock).
     ShowTimes([f64; 2]),
     ShowAllTimes,
     Select(Option<[f64; 2]>),
     ZoomToSelection,
     TogglePlay,
     SetPlaySpeed(f64),
-    /// A reading was picked in the scene: the plots come to it.
+    /// Picks a reading in the scene: the plots show its time.
     PickInScene(Picked),
-    /// A reading was picked in a plot or a list: the camera flies to it.
+    /// Picks a reading in a plot or a list: the camera flies to it.
     PickInPlot(Picked),
     Unpick,
-    /// Selects a span of time (s, in the stations' clock) and shows it in the plots and the scene.
+    /// Selects a time interval (s, the stations' clock) and shows it in the plots and the scene.
     LookAtTimes([f64; 2]),
-    /// Chooses the plots of the pane of channels, and shows it.
+    /// Selects the plots of the channels pane, and shows the pane.
     Plot(ChannelPlots),
-    /// Saves every value that the pane of channels shows.
+    /// Saves all values in the channels pane.
     SaveChannelsDialog,
 }
 
-/// The camera and the content of the scene.
+/// Commands of the camera and the content of the scene.
 #[derive(Clone, Debug)]
 pub enum SceneCommand {
     Show(Visibility),
@@ -104,9 +104,9 @@ pub enum SceneCommand {
     SetOptions(SceneOptions),
     Measure(Ruler),
     Look(ViewPreset),
-    /// The camera glides to a place (m, in station 1's frame).
+    /// Moves the camera smoothly to a position (m, station 1's frame).
     ComeTo(nalgebra::Vector3<f64>),
-    /// Brings a control point before the camera.
+    /// Points the camera at a control point.
     LookAtPoint {
         file: String,
         marker: i64,
@@ -114,22 +114,22 @@ pub enum SceneCommand {
     Picture(PictureTo),
 }
 
-/// Answers: runs, pins, studies, the validation, and their export.
+/// Commands of results: runs, pins, studies, the validation, and their export.
 #[derive(Clone, Debug)]
 pub enum ResultsCommand {
-    /// Pins the active deployment's result.
+    /// Pins the result of the active deployment.
     Pin,
     /// Pins the result of a run, by its id.
     PinRun(u64),
     Unpin(u64),
     /// Shows or hides the residuals of a pinned result.
     ShowPin(u64, bool),
-    /// Gives the active deployment the settings of a pinned result, by its id.
+    /// Applies the settings of a pinned result, by its id, to the active deployment.
     UsePinned(u64),
-    /// Gives the active deployment the settings of a run, by its id.
+    /// Applies the settings of a run, by its id, to the active deployment.
     RestoreRun(u64),
 
-    /// Validates the active deployment's calibration with the others that are open.
+    /// Validates the calibration of the active deployment on the other open deployments.
     ValidateOthers,
 
     SetStudy(StudyOptions),
@@ -137,7 +137,7 @@ pub enum ResultsCommand {
     CancelStudy,
     SaveStudyDialog,
 
-    /// Copies transforms of the active deployment's answer.
+    /// Copies transforms of the active deployment's result.
     CopyTransforms(CopyFormat, Part),
     OpenInRerun,
     SaveRecordingDialog,
@@ -145,75 +145,75 @@ pub enum ResultsCommand {
     SaveReportDialog,
 }
 
-/// Trajectories of other systems that are judged by the active deployment.
+/// Commands of estimated trajectories, which are evaluated against the active deployment.
 #[derive(Clone, Debug)]
 pub enum JudgingCommand {
-    /// Reads trajectories and adds them to those of the active deployment.
+    /// Reads trajectories and adds them to the active deployment.
     Add(Vec<PathBuf>),
     AddDialog,
-    /// The trajectories of the active deployment, each with its options.
+    /// Sets the trajectories of the active deployment, each with its options.
     Set(Vec<Added>),
 }
 
-/// The session and its file.
+/// Commands of the session and its file.
 #[derive(Clone, Debug)]
 pub enum SessionCommand {
     OpenDialog,
-    /// Closes all that was restored after a crash.
+    /// Closes all deployments restored after a crash.
     DiscardRecovered,
-    /// Opens the deployments that a session replaced, or that the last window had.
+    /// Reopens the deployments that a session replaced, or those of the last window.
     ReopenLast,
-    /// Saves to the session's file, which is asked for the first time.
+    /// Saves to the session's file; asks for a path the first time.
     Save,
     SaveAs,
-    /// Opens again the session's deployments that could not be opened.
+    /// Retries the session's deployments that could not be opened.
     RetryMissing,
-    /// Takes a deployment that could not be opened out of the session, by its place among those.
+    /// Removes a deployment that could not be opened from the session, by its index among those.
     ForgetMissing(usize),
 }
 
-/// Dialogs, questions, and sheets above the panes.
+/// Commands of dialogs, questions, and sheets above the panes.
 #[derive(Clone, Debug)]
 pub enum DialogCommand {
-    /// An input in the prompt for a path.
+    /// User input in the prompt for a path.
     Prompt(PromptCommand),
     /// Files hover over the window.
     HoverPaths(Vec<PathBuf>),
-    /// A choice in a question of the window.
+    /// Changes the choices in an open question.
     EditAsked(Asked),
     AnswerAsked(AskedAnswer),
     CancelAsked,
 
     ShowPalette,
-    /// The text of the command palette and its chosen line.
+    /// Sets the text and the selected line of the command palette.
     EditPalette(Palette),
     ShowShortcuts,
-    /// Explains the word under the pointer or with the focus; all words where there is none.
+    /// Explains the term under the pointer or with the focus; shows all terms if there is none.
     Explain,
-    /// The text that is looked up in the glossary.
+    /// Sets the search text of the glossary.
     LookUp(Lookup),
-    /// Closes the palette, the sheet of shortcuts or the glossary.
+    /// Closes the palette, the shortcut sheet or the glossary.
     CloseOverlay,
 }
 
-/// The panes, units, colours, clipboard and toasts of the window itself.
+/// Commands of the window itself: panes, units, colours, clipboard and toasts.
 #[derive(Clone, Debug)]
 pub enum WorkspaceCommand {
-    /// Brings a pane to the front.
+    /// Activates a pane.
     ShowPane(Pane),
     UseLayout(LayoutPreset),
     ResetLayout,
     SetUnits(Units),
     UseTheme(egui::ThemePreference),
-    /// Large type and full contrast, to be read in the sun.
+    /// Switches large type and full contrast, for reading in sunlight.
     ReadInTheSun(bool),
     Copy(String),
     DismissToast(u64),
-    /// The pointer is on a toast.
+    /// Restarts a toast's lifetime while the pointer is on it.
     HoldToast(u64),
 }
 
-/// Where a picture of the scene goes.
+/// Destination of a picture of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureTo {
     File,

@@ -1,12 +1,12 @@
-//! Numbers with their σ, in one unit and to the same decimals, of which σ has two significant digits.
+//! Numbers with their σ, in one unit and with equal decimals; σ has two significant digits.
 
 use super::units::{AngleUnit, Units, with_sign, without_negative_zero};
 use resect_core::calibration::Quantity;
-use resect_core::deployment::{Finding, ToldAngle, ToldIn};
+use resect_core::deployment::{AngleFormat, Finding, MessageAngle};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_report::rows::decimals_of;
 
-/// A number as it is shown.
+/// A formatted number with its σ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     value: String,
@@ -15,7 +15,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// A number with its σ, both in the unit; `decimals` count where there is no σ.
+    /// Formats a number with its σ, both in the unit; `decimals` apply without σ.
     pub fn new(value: f64, sigma: Option<f64>, unit: &'static str, decimals: usize) -> Self {
         let told = sigma.and_then(|sigma| Some((sigma, decimals_of(sigma)?)));
         let decimals = told.map_or(decimals, |(_, decimals)| decimals);
@@ -26,7 +26,7 @@ impl Shown {
         }
     }
 
-    /// Puts a plus before what is above zero.
+    /// Adds a plus sign to a positive value.
     #[must_use]
     pub fn signed(mut self) -> Self {
         let above = self.value.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
@@ -36,19 +36,18 @@ impl Shown {
         self
     }
 
-    /// "0.011 mrad", the σ alone.
+    /// Returns the σ alone: "0.011 mrad".
     pub fn sigma_in_words(&self) -> String {
         format!("{} {}", self.sigma, self.unit)
     }
 
-    /// "0.412 ± 0.011 mrad", for running text.
+    /// Returns value and σ: "0.412 ± 0.011 mrad".
     pub fn in_words(&self) -> String {
         format!("{} ± {} {}", self.value, self.sigma, self.unit)
     }
 }
 
-/// Numbers of a column as texts of like shape: in a font whose figures are equally wide, point stands below point and unit
-/// below unit.
+/// Formats the numbers of a column with equal width, so that decimal points and units align in a font with tabular figures.
 pub fn column(numbers: &[Shown]) -> Vec<String> {
     let whole = |text: &str| text.split('.').next().unwrap_or(text).chars().count();
     let part = |text: &str| text.chars().count() - whole(text);
@@ -76,7 +75,7 @@ impl Units {
         Shown::new(radians * per, sigma_rad.map(|sigma| sigma * per), unit, decimals)
     }
 
-    /// The value of a row with its σ, lengths and angles in the user's units.
+    /// Formats the value of a row with its σ, lengths and angles in the user's units.
     pub fn value(self, row: &AnswerRow) -> Shown {
         match row.quantity {
             Quantity::Length => self.length_estimate(row.value, row.sigma),
@@ -88,19 +87,19 @@ impl Units {
         }
     }
 
-    /// The deviation of a row from its reference, in the unit in which errors are small numbers.
+    /// Formats the deviation of a row from its reference, in the small unit of the quantity.
     pub fn deviation(self, row: &AnswerRow) -> Shown {
         let (per, unit) = self.of_extra(row.quantity);
         Shown::new(row.deviation() * per, row.sigma.map(|sigma| sigma * per), unit, 1).signed()
     }
 
-    /// The difference of two rows of the same number, with its unit: "+0.12 mm".
+    /// Formats the difference of two rows of the same quantity, with its unit: "+0.12 mm".
     pub fn difference(self, row: &AnswerRow, from: &AnswerRow) -> String {
         let (per, unit) = self.of_extra(row.quantity);
         format!("{} {unit}", with_sign((row.value - from.value) * per, 2))
     }
 
-    /// How well such an error was known beforehand: "1.2 mm".
+    /// Formats the prior standard deviation of an error: "1.2 mm".
     pub fn prior(self, quantity: Quantity, sigma: f64) -> String {
         let (per, unit) = self.of_extra(quantity);
         let decimals = decimals_of(sigma * per).unwrap_or(0);
@@ -114,15 +113,15 @@ impl Units {
         }
     }
 
-    /// A finding's message with its angles in the user's unit.
+    /// Renders a finding's message with its angles in the user's unit.
     pub fn message(self, finding: &Finding) -> String {
         finding.render(|angle| self.told(angle))
     }
 
-    /// An angle that a message tells, in the user's unit.
-    pub fn told(self, angle: &ToldAngle) -> String {
-        let ToldAngle { value_rad, sigma_rad, unit, decimals, signed } = *angle;
-        if unit == ToldIn::Degrees {
+    /// Formats an angle of a message in the user's unit.
+    pub fn told(self, angle: &MessageAngle) -> String {
+        let MessageAngle { value_rad, sigma_rad, unit, decimals, signed } = *angle;
+        if unit == AngleFormat::Degrees {
             return match self.angle {
                 AngleUnit::Gon => {
                     format!("{:.decimals$} gon", value_rad * AngleUnit::Gon.per_radian())
@@ -174,9 +173,9 @@ mod tests {
 
     #[test]
     fn angles_of_a_message_come_in_the_users_unit() {
-        let turned = ToldAngle::signed(0.000_5, ToldIn::Milliradians, 3).sigma(0.000_011);
-        let corner = ToldAngle::size(90_f64.to_radians(), ToldIn::Degrees, 0);
-        let lean = ToldAngle::size(-1_f64.to_radians() / 3600.0, ToldIn::Arcseconds, 1);
+        let turned = MessageAngle::signed(0.000_5, AngleFormat::Milliradians, 3).sigma(0.000_011);
+        let corner = MessageAngle::size(90_f64.to_radians(), AngleFormat::Degrees, 0);
+        let lean = MessageAngle::size(-1_f64.to_radians() / 3600.0, AngleFormat::Arcseconds, 1);
         let message = Message::from("turned by ")
             .angle(turned)
             .text(" at a corner of ")

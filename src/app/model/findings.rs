@@ -11,7 +11,7 @@ fn about(kind: FindingKind, path: &Path, message: impl Display) -> Finding {
 }
 
 pub fn autosave_unavailable(folder: &Path, error: &dyn Display) -> Finding {
-    let message = format!("{error}; what is open will not be restored if resect stops");
+    let message = format!("{error}; the open session will not be restored after a crash");
     about(FindingKind::AutosaveUnavailable, folder, message)
 }
 
@@ -20,53 +20,53 @@ pub fn earlier_session_kept(when: &str) -> Finding {
     Finding::new(
         FindingKind::EarlierSessionKept,
         format!(
-            "resect stopped before, {when}; what was open is kept and comes back when resect is started without a path"
+            "resect stopped unexpectedly {when}; start resect without a path to restore that session"
         ),
     )
 }
 
-/// `part` names the part of the session.
+/// `part` names the component of the session.
 pub fn session_part_unknown(part: &str) -> Finding {
     Finding::new(
         FindingKind::SessionPartUnknown,
-        format!("{part} is in a form that this resect does not know; left out"),
+        format!("{part} has a format that this version of resect does not know; ignored"),
     )
     .about(Subject::Named(part.to_owned()))
 }
 
 pub fn session_plan_invalid(why: &str) -> Finding {
-    Finding::new(FindingKind::SessionPlanInvalid, format!("the plan: {why}; left out"))
+    Finding::new(FindingKind::SessionPlanInvalid, format!("the plan is invalid: {why}; ignored"))
 }
 
-/// `kept` is the new name of the file; `None` where it could not be moved.
+/// `kept` is the new name of the file; `None` if it could not be moved.
 pub fn unusable_file_kept(why: &str, kept: Option<&Path>) -> Finding {
     let message = match kept {
-        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
-        None => format!("{why}; it could not be moved aside and stays as it is"),
+        Some(kept) => format!("{why}; the old file is kept as {}", kept.display()),
+        None => format!("{why}; the file could not be renamed and stays unchanged"),
     };
     Finding::new(FindingKind::UnusableFileKept, message)
 }
 
-/// Sizes of the file when the session was saved, and now (bytes).
+/// Sizes are those of the file when the session was saved, and now (bytes).
 pub fn session_file_changed(path: &Path, bytes_before: u64, bytes_now: u64) -> Finding {
     let sizes = if bytes_before == bytes_now {
-        "the same size, other content".to_owned()
+        "same size, different content".to_owned()
     } else {
         format!("{bytes_before} bytes, {bytes_now} now")
     };
-    let message =
-        format!("changed since the session was saved ({sizes}); the answer may be another");
+    let message = format!("changed since the session was saved ({sizes}); the result may differ");
     about(FindingKind::SessionFileChanged, path, message)
         .quantity("bytes_before", bytes_before as f64, Unit::Count)
         .quantity("bytes_now", bytes_now as f64, Unit::Count)
 }
 
 pub fn session_file_missing(path: &Path, error: &dyn Display) -> Finding {
-    let message = format!("was read when the session was saved, and cannot be now ({error})");
+    let message =
+        format!("cannot be read now ({error}); it was readable when the session was saved");
     about(FindingKind::SessionFileMissing, path, message)
 }
 
-/// `what` is wrong with the layout, and its consequence.
+/// `what` describes the error of the layout, and its consequence.
 pub fn layout_invalid(what: &str) -> Finding {
     Finding::new(FindingKind::LayoutInvalid, what)
 }
@@ -76,6 +76,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+
+    const LONGEST_SENTENCE_WORDS: usize = 25;
 
     fn examples() -> Vec<Finding> {
         let path = Path::new("day/tracks.csv");
@@ -87,7 +89,7 @@ mod tests {
             unusable_file_kept("preferences.toml: not TOML", Some(Path::new("preferences.bak"))),
             session_file_changed(path, 3, 4),
             session_file_missing(path, &"no such file"),
-            layout_invalid("the layout names a pane `maps` that there is not; left out"),
+            layout_invalid("the layout names an unknown pane `maps`; ignored"),
         ]
     }
 
@@ -100,15 +102,22 @@ mod tests {
             examples(),
         ]
         .concat();
-        // The HTML report makes that one from an error.
+        // The HTML report creates this kind from an error.
         let made: BTreeSet<FindingKind> =
             all.iter().map(|finding| finding.kind).chain([FindingKind::NoAnswer]).collect();
         let missing: Vec<&FindingKind> =
             FindingKind::ALL.iter().filter(|kind| !made.contains(kind)).collect();
         assert!(missing.is_empty(), "{missing:?}");
+        let mut long = Vec::new();
         for finding in &all {
             let message = finding.to_string();
             assert!(message.len() > 8 && !message.contains('\n'), "{message}");
+            for sentence in message.split([';', ':']).flat_map(|part| part.split(". ")) {
+                let words = sentence.split_whitespace().count();
+                if words > LONGEST_SENTENCE_WORDS {
+                    long.push(format!("{words} words: {sentence}"));
+                }
+            }
             let mut keys: Vec<String> = finding
                 .quantities
                 .iter()
@@ -119,5 +128,6 @@ mod tests {
             assert_eq!(keys.len(), finding.quantities.len(), "{finding:?}");
             assert!(finding.quantities.iter().all(|one| one.value.is_finite()), "{finding:?}");
         }
+        assert!(long.is_empty(), "{}", long.join("\n"));
     }
 }

@@ -1,20 +1,20 @@
-//! The camera gliding to where something was picked.
+//! Flight of the camera to a picked position.
 
 use nalgebra::Vector3;
 
 use crate::app::model::Camera;
 
-/// How long it takes (s): long enough to see where it goes.
+/// Duration (s), long enough for the eye to follow.
 const LASTS_S: f64 = 0.3;
-/// Distance that a flight ends at if it began further away (m): the rig fills about a tenth of the picture.
+/// Largest final distance (m), at which the rig fills about a tenth of the picture.
 const CLOSE_M: f32 = 15.0;
 
-/// A flight of the camera from what it looks at to something else.
+/// A flight of the camera from its target to another one.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight {
     from: (Vector3<f32>, f32),
     to: (Vector3<f32>, f32),
-    /// Set by its first frame (s of the window's clock).
+    /// Time of the first frame (s, the window's clock).
     started_s: Option<f64>,
 }
 
@@ -27,14 +27,14 @@ impl Flight {
         }
     }
 
-    /// Moves the camera to where it is now; gives whether it has arrived.
+    /// Moves the camera along the flight; returns true on arrival.
     pub fn advance(&mut self, camera: &mut Camera, now_s: f64) -> bool {
         let started_s = *self.started_s.get_or_insert(now_s);
         let share = ((now_s - started_s) / LASTS_S).clamp(0.0, 1.0) as f32;
-        // Starts and ends gently.
+        // Smoothstep.
         let eased = share * share * (3.0 - 2.0 * share);
         camera.target_m = self.from.0.lerp(&self.to.0, eased);
-        // Even steps of the logarithm look like even steps.
+        // Equal steps of the logarithm look equal.
         camera.distance_m = self.from.1 * (self.to.1 / self.from.1).powf(eased);
         share >= 1.0
     }

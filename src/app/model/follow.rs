@@ -1,17 +1,17 @@
-//! The camera going with the rig.
+//! Camera that follows the rig.
 
 use nalgebra::Vector3;
 
 use super::Camera;
 
-/// The camera makes up two thirds of its distance to the rig in this time (s): it neither jerks nor lags far behind.
+/// Time in which the camera makes up two thirds of its distance to the rig (s): a compromise between lag and jerk.
 const CATCHES_UP_S: f64 = 0.2;
-/// Longest step of a frame (s): where nothing was drawn for a while, the camera must not jump.
+/// Longest time step of a frame (s); prevents a jump of the camera after a gap in the drawing.
 const LONGEST_FRAME_S: f64 = 0.05;
-/// Nearer than this part of its distance to what it looks at, the camera is there: less than a pixel.
+/// The camera has arrived at less than this fraction of its distance to its target, less than a pixel.
 const THERE: f32 = 1e-4;
 
-/// The camera going with the rig; it keeps its distance and how it is turned.
+/// A camera that follows the rig; it keeps its distance and its angles.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Follow {
     /// Time of the last frame (s of the window's clock).
@@ -19,8 +19,9 @@ pub struct Follow {
 }
 
 impl Follow {
-    /// Moves the camera nearer to the middle of the rig (m, in station 1's frame), and not at all where nobody knows it;
-    /// gives whether it has nothing left to do.
+    /// Moves the camera towards the middle of the rig (m, station 1's frame); does not move it for `None`.
+    ///
+    /// Returns true once the camera has arrived, and for `None`.
     pub fn advance(
         &mut self,
         camera: &mut Camera,
@@ -84,7 +85,7 @@ mod tests {
             follow.advance(&mut camera, Some(seen_m), FRAME_S * f64::from(frame));
         }
         assert_eq!(camera.target_m, seen_m);
-        // A gap of a minute, in which nothing is to be drawn anew.
+        // A gap of a minute without the rig needs no redrawing.
         assert!(follow.advance(&mut camera, None, 10.0));
         assert!(follow.advance(&mut camera, None, 60.0));
         assert_eq!(camera.target_m, seen_m);

@@ -1,56 +1,56 @@
-//! Trajectories of other systems that are held against an open deployment.
+//! Estimated trajectories of other systems, evaluated against an open deployment.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::made::Made;
-use resect_core::estimates::{Estimate, Judged, Judgement, Options, names};
+use super::background_value::BackgroundValue;
+use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, Judged, Options, names};
 
-/// A trajectory that was added, and what is asked of it.
+/// An added trajectory with its options.
 #[derive(Clone, Debug)]
 pub struct Added {
-    pub estimate: Arc<Estimate>,
-    /// The number of its colour: it stays when another is taken away.
+    pub estimate: Arc<EstimatedTrajectory>,
+    /// Index of its colour, which does not change when another trajectory is removed.
     pub colour: usize,
-    /// How it is brought together with the ground truth.
+    /// Alignment with the ground truth.
     pub options: Options,
-    /// Whether the scene draws it.
+    /// True if the scene draws it.
     pub shown: bool,
 }
 
 impl PartialEq for Added {
-    /// What was read once is the same as long as nobody reads it again.
+    /// Trajectories are equal if they are from the same reading of the file, with equal options.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.estimate, &other.estimate)
             && (self.colour, self.options, self.shown) == (other.colour, other.options, other.shown)
     }
 }
 
-/// A trajectory of a session: where it is read, and what is asked of it.
+/// A trajectory in a session: its file and options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedEstimate {
     pub path: PathBuf,
-    /// Which of those in a bag it is; `None` is all that are in the file.
+    /// Topic of the trajectory in a bag; `None` for all trajectories in the file.
     pub topic: Option<String>,
     pub options: Options,
     pub shown: bool,
 }
 
-/// What was added, and what came of it.
+/// Added trajectories and their evaluation.
 #[derive(Default)]
 pub struct Judging {
-    /// In the order in which they were added, none twice.
+    /// Added trajectories, without duplicates, in the order of addition.
     pub added: Vec<Added>,
-    /// Those of the session that could not be read; they stay in it.
+    /// Trajectories of the session that could not be read; the session keeps them.
     pub missing: Vec<SavedEstimate>,
-    pub judgement: Made<Judgement>,
-    /// Counts the changes of what is to be judged.
+    pub judgement: BackgroundValue<EstimatesJudgement>,
+    /// Number of changes of the trajectories to evaluate.
     pub version: u64,
 }
 
 impl Judging {
-    /// What is added with these; one that was read from the same file before gives way.
-    pub fn with(&self, estimates: Vec<Arc<Estimate>>) -> Vec<Added> {
+    /// Returns the added trajectories together with these, which replace earlier readings of the same file.
+    pub fn with(&self, estimates: Vec<Arc<EstimatedTrajectory>>) -> Vec<Added> {
         let mut added = self.added.clone();
         for estimate in estimates {
             match added.iter_mut().find(|one| one.estimate.is_same(&estimate)) {
@@ -76,14 +76,18 @@ impl Judging {
         added
     }
 
-    /// What is added with those of a session that were read, as it had them.
-    pub fn with_saved(&self, estimates: &[Arc<Estimate>], saved: &[SavedEstimate]) -> Vec<Added> {
-        let of = |estimate: &Estimate| saved.iter().find(|one| one.is_of(estimate));
+    /// Returns the added trajectories together with those read for a session, with the options in the session.
+    pub fn with_saved(
+        &self,
+        estimates: &[Arc<EstimatedTrajectory>],
+        saved: &[SavedEstimate],
+    ) -> Vec<Added> {
+        let of = |estimate: &EstimatedTrajectory| saved.iter().find(|one| one.is_of(estimate));
         let is_named = |path: &Path| {
             estimates.iter().any(|estimate| estimate.path == path && of(estimate).is_some())
         };
-        // A file in which nothing has a name that the session knows is as one that was just added.
-        let kept = |one: &&Arc<Estimate>| of(one).is_some() || !is_named(&one.path);
+        // A file without any trajectory that the session names is treated as newly added.
+        let kept = |one: &&Arc<EstimatedTrajectory>| of(one).is_some() || !is_named(&one.path);
         let mut added = self.with(estimates.iter().filter(kept).cloned().collect());
         for one in &mut added {
             if let Some(saved) = of(&one.estimate) {
@@ -93,8 +97,8 @@ impl Judging {
         added
     }
 
-    /// Gives what is judged once a step from some to others is taken, back or again: what a session brought meanwhile, which is no
-    /// step, stays.
+    /// Returns the trajectories after a step from `from` to `to` is undone or redone. Keeps those that a session added in
+    /// the meantime, which belong to no step.
     pub fn after_step(&self, from: &[Added], to: Vec<Added>) -> Vec<Added> {
         let is_among = |some: &[Added], one: &Added| {
             some.iter().any(|other| other.estimate.is_same(&one.estimate))
@@ -104,7 +108,7 @@ impl Judging {
         to.into_iter().chain(others).collect()
     }
 
-    /// Has these judged from now on.
+    /// Replaces the trajectories to evaluate.
     pub fn set(&mut self, added: Vec<Added>) {
         let asked = |one: &Added| (Arc::as_ptr(&one.estimate), one.options);
         if !added.iter().map(asked).eq(self.added.iter().map(asked)) {
@@ -116,7 +120,7 @@ impl Judging {
         }
     }
 
-    /// What a session keeps of them.
+    /// Returns the trajectories as a session saves them.
     pub fn saved(&self) -> Vec<SavedEstimate> {
         let one = |added: &Added| SavedEstimate {
             path: added.estimate.path.clone(),
@@ -127,31 +131,31 @@ impl Judging {
         self.missing.iter().cloned().chain(self.added.iter().map(one)).collect()
     }
 
-    /// The estimates that could be judged, each with the number of its colour.
+    /// Returns the evaluated trajectories, each with the index of its colour.
     pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
         let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
         judged.filter_map(|one| Some((self.of(&one.estimate)?.colour, one)))
     }
 
-    /// What was added of an estimate; `None` once it was taken away.
-    pub fn of(&self, estimate: &Estimate) -> Option<&Added> {
+    /// Returns the added trajectory of an estimate; `None` once it was removed.
+    pub fn of(&self, estimate: &EstimatedTrajectory) -> Option<&Added> {
         self.added.iter().find(|one| one.estimate.is_same(estimate))
     }
 
-    /// The colours in which the scene draws what was judged, in the order of the judgement; none of what is not shown.
-    pub fn drawn(&self, judgement: &Judgement) -> Vec<Option<usize>> {
+    /// Returns the colours of the evaluated trajectories in the scene, in the order of the evaluation; `None` for hidden ones.
+    pub fn drawn(&self, judgement: &EstimatesJudgement) -> Vec<Option<usize>> {
         let colour = |one: &Judged| Some(self.of(&one.estimate).filter(|it| it.shown)?.colour);
         judgement.judged.iter().map(colour).collect()
     }
 }
 
 impl SavedEstimate {
-    fn is_of(&self, estimate: &Estimate) -> bool {
+    fn is_of(&self, estimate: &EstimatedTrajectory) -> bool {
         self.path == estimate.path && (self.topic.is_none() || self.topic == estimate.topic)
     }
 }
 
-/// What became other between the two, in a few words; the same ones while one number changes.
+/// Describes the differences between two lists of trajectories; the text does not change while one number varies.
 pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
     let name = |one: &Added| one.estimate.name.clone();
     let lacking = |some: &[Added], in_these: &[Added]| -> Vec<String> {
@@ -167,7 +171,7 @@ pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
     };
     let parts = [
         ("trajectory added", lacking(after, before)),
-        ("trajectory taken away", lacking(before, after)),
+        ("trajectory removed", lacking(before, after)),
         ("trajectory hidden", where_(&|old, new| old.shown && !new.shown)),
         ("trajectory shown", where_(&|old, new| !old.shown && new.shown)),
         ("alignment", where_(&|old, new| old.options.alignment != new.options.alignment)),
@@ -186,10 +190,16 @@ pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
 mod tests {
     use super::*;
 
-    fn estimate(path: &str, topic: Option<&str>) -> Arc<Estimate> {
+    fn estimate(path: &str, topic: Option<&str>) -> Arc<EstimatedTrajectory> {
         let topic = topic.map(str::to_owned);
         let name = topic.clone().unwrap_or_else(|| "slam".to_owned());
-        Arc::new(Estimate { name, path: path.into(), topic, poses: vec![], findings: vec![] })
+        Arc::new(EstimatedTrajectory {
+            name,
+            path: path.into(),
+            topic,
+            poses: vec![],
+            findings: vec![],
+        })
     }
 
     #[test]
@@ -228,7 +238,7 @@ mod tests {
         };
         let one = restored(&[saved("a.bag", Some("/lidar")), saved("slam.tum", None)]);
         assert_eq!(one, named(&[("/lidar", true), ("slam", true)]));
-        // Older sessions named none, and a bag that was recorded again may have others.
+        // Older sessions named no topics, and a newly recorded bag may contain other ones.
         let all = restored(&[saved("a.bag", None)]);
         assert_eq!(all, named(&[("/odom", true), ("/lidar", true), ("slam", false)]));
         let other = restored(&[saved("a.bag", Some("/gnss"))]);

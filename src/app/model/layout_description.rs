@@ -1,6 +1,6 @@
-//! A layout as plain data: what files hold and what the ready-made layouts are written in.
+//! A layout as plain data, for files and for the presets.
 //!
-//! The docking library has a format of its own, which changes with its versions; this one is resect's.
+//! The docking library's own format changes with its versions; this one belongs to resect.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,35 +10,35 @@ use resect_core::deployment::Finding;
 
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;
-/// No part of a row or column is smaller than this part of it: what is too narrow to be seen cannot be dragged open.
+/// Smallest share of a child in a row or column; a narrower one could not be dragged open.
 const SMALLEST_SHARE: f32 = 0.02;
 
-/// A layout as it lies in a file; nothing about it is trusted until [`LayoutDescription::arrangement`] has read it.
+/// A layout as read from a file, unchecked until [`LayoutDescription::arrangement`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayoutDescription {
     pub version: u32,
-    /// Whether sizes follow the window, as they do until the user moves something.
+    /// True if sizes follow the window; false after the user moved or resized a pane.
     #[serde(default)]
     pub follows_window: bool,
     pub root: Node<String>,
 }
 
-/// A pane, or what holds panes. `P` is how panes are told: by name in files, checked inside the program.
+/// A pane, or a container of panes. `P` identifies panes: by name in files, by checked value inside the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Node<P = Pane> {
     Pane(P),
-    /// Tabs: one of the children is seen, the others are hidden behind it.
+    /// Tabs: the active child is visible, the others are hidden behind it.
     Tabs {
-        /// Index of the child that is seen.
+        /// Index of the visible child.
         #[serde(default)]
         active: i64,
         children: Vec<Node<P>>,
     },
     /// The children side by side, from left to right.
     Row {
-        /// The part of the width that each child has; any unit.
+        /// Share of the width of each child; any unit.
         #[serde(default)]
         shares: Vec<f32>,
         children: Vec<Node<P>>,
@@ -52,7 +52,7 @@ pub enum Node<P = Pane> {
 }
 
 impl<P: Clone> Node<P> {
-    /// All panes in it, from left to right and top to bottom.
+    /// Returns all panes of the node, from left to right and top to bottom.
     pub fn panes(&self) -> Vec<P> {
         match self {
             Self::Pane(pane) => vec![pane.clone()],
@@ -67,7 +67,7 @@ impl<P: Clone> Node<P> {
     }
 }
 
-/// Tabs, of which the first is seen.
+/// Returns tabs with the first pane active.
 pub fn tabs(panes: &[Pane]) -> Node {
     Node::Tabs { active: 0, children: panes.iter().map(|pane| Node::Pane(*pane)).collect() }
 }
@@ -87,22 +87,21 @@ impl LayoutDescription {
         Self { version: VERSION, follows_window, root: named(root) }
     }
 
-    /// The layout with everything wrong put right, or none where no pane is left; and what was wrong.
+    /// Returns the corrected layout, `None` if no pane is left, and the findings about its errors.
     ///
-    /// Every pane of it is in tabs and there once, no container is empty or superfluous, and shares are above zero
-    /// and sum to one.
+    /// Every pane of it is in tabs and occurs once. No container is empty or superfluous. Shares are positive and sum to one.
     pub fn arrangement(&self) -> (Option<Node>, Vec<Finding>) {
         let mut reader = Reader::default();
         if self.version > VERSION {
             reader.finding(&format!(
-                "the layout was written by a newer resect (its version {}, this one knows {VERSION}); what is known \
-                 of it is used",
+                "the layout was written by a newer resect (version {}, supported: {VERSION}); unknown parts \
+                 are ignored",
                 self.version
             ));
         }
         let root = reader.read(&self.root).map(in_tabs);
         if root.is_none() {
-            reader.finding("the layout holds no pane; the ready-made one is used");
+            reader.finding("the layout contains no pane; the default layout is used");
         }
         (root, reader.findings)
     }
@@ -122,7 +121,7 @@ fn named(node: &Node) -> Node<String> {
     }
 }
 
-/// A pane that stands alone gets tabs, to be moved and closed by.
+/// Wraps a single pane in tabs, by which it can be moved and closed.
 fn in_tabs(node: Node) -> Node {
     match node {
         Node::Pane(pane) => tabs(&[pane]),
@@ -130,7 +129,7 @@ fn in_tabs(node: Node) -> Node {
     }
 }
 
-/// Reads a description, collecting what is wrong with it.
+/// Reads a description and collects its errors.
 #[derive(Default)]
 struct Reader {
     seen: Vec<Pane>,
@@ -145,7 +144,7 @@ impl Reader {
         }
     }
 
-    /// What is left of a node, and at which of its parent's places it stood.
+    /// Returns the valid children, each with its index in the parent.
     fn read_all(&mut self, children: &[Node<String>]) -> Vec<(usize, Node)> {
         let read = |(at, child)| self.read(child).map(|node| (at, node));
         children.iter().enumerate().filter_map(read).collect()
@@ -163,7 +162,7 @@ impl Reader {
 
     fn pane(&mut self, name: &str) -> Option<Pane> {
         let Some(pane) = Pane::of_name(name) else {
-            self.finding(&format!("the layout names a pane `{name}` that there is not; left out"));
+            self.finding(&format!("the layout names an unknown pane `{name}`; ignored"));
             return None;
         };
         if self.seen.contains(&pane) {
@@ -182,7 +181,7 @@ impl Reader {
                 seen_child = kept.len();
             }
             match child {
-                // Tabs of tabs are tabs.
+                // Flattens tabs in tabs.
                 Node::Tabs { active: inner, children } => {
                     if i64::try_from(at) == Ok(active) {
                         seen_child += usize::try_from(inner).unwrap_or(0);
@@ -206,7 +205,7 @@ impl Reader {
         let wrong = shares.len() != children.len() || !shares.iter().all(good);
         if wrong && !shares.is_empty() {
             self.finding(
-                "the layout has sizes that are none (negative, zero, not a number, or too few); middling ones are used",
+                "the layout has invalid sizes (negative, zero, not a number, or too few); the mean size is used instead",
             );
         }
         let (sum, count) = shares
@@ -221,7 +220,7 @@ impl Reader {
         let mut flat = Vec::new();
         for ((_, child), share) in read.into_iter().zip(kept) {
             match child {
-                // A row in a row is part of it.
+                // Flattens a row in a row, or a column in a column.
                 Node::Row { shares, children } if is_row => {
                     flat_shares.extend(shares.iter().map(|inner| inner * share));
                     flat.extend(children);
@@ -251,14 +250,14 @@ impl Reader {
     }
 }
 
-/// Shares above zero made to sum to one, none too small to be seen; what is so already stays as it is.
+/// Normalises positive shares to sum 1, each large enough to be visible; valid shares do not change.
 pub fn normalised(shares: &[f32]) -> Vec<f32> {
-    // By the largest first: a sum of very large ones is infinite.
+    // Divides by the largest first, as the sum of very large shares is infinite.
     let largest = shares.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let relative: Vec<f32> = shares.iter().map(|share| share / largest).collect();
     let smallest = SMALLEST_SHARE.min(0.5 / shares.len().max(1) as f32);
     let mut small = vec![false; shares.len()];
-    // What too small ones get is taken from the others, which may make more of them too small.
+    // Enlarging the small shares reduces the others, some of which may then become too small.
     loop {
         let room = 1.0 - smallest * small.iter().filter(|small| **small).count() as f32;
         let others = relative.iter().zip(&small).filter(|(_, small)| !**small);

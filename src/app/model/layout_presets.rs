@@ -1,4 +1,4 @@
-//! The ready-made layouts, written as descriptions.
+//! The layout presets, written as descriptions.
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
@@ -7,18 +7,18 @@ use super::pane::Pane::{
     Result, Runs, Scene, SideBySide, Studies,
 };
 
-/// A ready-made layout for one kind of work.
+/// A layout preset for one kind of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayoutPreset {
-    /// Looking at what was measured.
+    /// Inspecting the measurements.
     Inspect,
-    /// Turning thresholds and watching what they do.
+    /// Adjusting thresholds and observing their effect.
     Tune,
-    /// Deployments, methods and runs beside each other.
+    /// Comparing deployments, methods and runs.
     Compare,
-    /// Where to put stations and what to drive, before it is driven.
+    /// Planning the stations and the drive beforehand.
     Plan,
-    /// Watching a deployment grow while it is driven.
+    /// Watching a live deployment.
     Live,
 }
 
@@ -35,14 +35,14 @@ impl LayoutPreset {
         }
     }
 
-    /// What it is for, in one line.
+    /// Returns a one-line description of its purpose.
     pub fn hint(self) -> &'static str {
         match self {
             Self::Inspect => "A large scene, the picked reading, and what was measured over time",
-            Self::Tune => "The pipeline beside the rates and intervals that its thresholds cut",
+            Self::Tune => "The pipeline, with the rates and intervals that its thresholds limit",
             Self::Compare => "Deployments, studies and runs beside each other",
-            Self::Plan => "Stations and way from above, and what a drive there will tell",
-            Self::Live => "Whether it is enough while it is driven, and the tracks as they grow",
+            Self::Plan => "Stations and path from above, with the predicted accuracy",
+            Self::Live => "Progress towards the target σ during the drive, with the growing tracks",
         }
     }
 
@@ -109,8 +109,7 @@ impl LayoutPreset {
     }
 }
 
-/// What the first window shows: a place for every pane of a deployment that was driven. Those before and during a drive
-/// come with layouts of their own.
+/// Layout of the first window, with every pane for a deployment that was driven. Planning and live deployments have presets.
 pub fn first() -> Node {
     row([
         (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),

@@ -1,26 +1,26 @@
-//! The live deployment of the window: what is asked for, and what listens.
+//! The live deployment of the window: form and session.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use resect_live::{Closing, Pace, Session, View, Wanted};
 
-/// What the user fills in before it is connected.
+/// Form of a live connection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveForm {
     /// Address of a stream.
     pub address: String,
-    /// A deployment to replay instead, and how much faster than it was driven.
+    /// Deployment to replay instead, and `speed`, how much faster than it was driven.
     pub replay: Option<PathBuf>,
     pub speed: f64,
-    /// Folder or file with what is known beforehand: rig, control points.
+    /// Folder or file with prior information: rig, control points.
     pub known: Option<PathBuf>,
-    /// Topics, or instruments, of stations 1, 2, 3, with commas between; nothing where messages name their station.
+    /// Topics or instruments of stations 1, 2, 3, separated by commas; empty if the messages name their station.
     pub stations: String,
     pub records: bool,
-    /// Where to; a name is made up where nobody chose one.
+    /// Path of the recording; `None` for an automatic name.
     pub record: Option<PathBuf>,
-    /// What σ has to come down to at the far end of the track (mm).
+    /// Target of σ at the far end of the track (mm).
     pub target_mm: f64,
 }
 
@@ -39,47 +39,47 @@ impl Default for LiveForm {
     }
 }
 
-/// What is done about a live deployment.
+/// Commands of a live deployment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LiveCommand {
-    /// Shows where it is filled in.
+    /// Shows the form.
     Show,
     Edit(LiveForm),
     ChooseReplay,
     ChooseKnown,
     ChooseRecord,
     Connect,
-    /// Ends it; the deployment stays open as it is by then.
+    /// Stops the session; the deployment stays open with the readings received so far.
     Stop,
 }
 
-/// The live deployment, if there is one, and the last.
+/// The live deployment, or the last one.
 #[derive(Default)]
 pub struct Live {
     pub form: LiveForm,
     pub session: Option<Session>,
-    /// What the session was begun with.
+    /// Parameters of the session.
     pub wanted: Option<Wanted>,
-    /// How often what grows is answered from.
+    /// Limits how often the growing data is calibrated.
     pub pace: Pace,
-    /// Whether a session is being begun or ended beside the window.
+    /// True while a session is started or stopped in the background.
     pub is_changing: bool,
-    /// Whether one is being ended, whose recording is not whole before that is done.
+    /// True while a session is stopped; its recording is incomplete until then.
     pub is_ending: bool,
-    /// What was told last, also after the end.
+    /// The last view of the session, kept after its end.
     pub view: Option<Arc<View>>,
-    /// What has ended, until all of its readings have their answer.
+    /// The ended session, until all of its readings have a result.
     pub closing: Option<Closing>,
-    /// The open deployment that grows, by its id.
+    /// Id of the open deployment that grows.
     pub id: Option<u64>,
-    /// Whether that was closed meanwhile.
+    /// True if that deployment was closed in the meantime.
     pub was_closed: bool,
-    /// Why it was not begun, or how its recording ended.
+    /// Reason why the session did not start, or the error of its recording.
     pub trouble: Option<String>,
 }
 
 impl Live {
-    /// Whether something is listened to.
+    /// Returns true while a session runs.
     pub fn is_running(&self) -> bool {
         self.session.is_some()
     }

@@ -1,9 +1,10 @@
-//! What the window holds, as plain data: nothing in here draws, waits, or knows who reads it.
+//! Data of the window. This module neither draws nor waits, and does not depend on its readers.
 //!
-//! Panes read it and send [`Command`]s; [`super::state`] alone changes it.
+//! Panes read it and send [`Command`]s; only [`super::state`] changes it.
 
 pub mod ago;
 mod asked;
+mod background_value;
 mod camera;
 pub mod channel_plots;
 mod colouring;
@@ -16,7 +17,6 @@ pub mod judging;
 pub mod layout_description;
 pub mod layout_presets;
 pub mod live;
-mod made;
 pub mod new_findings;
 mod open_deployment;
 mod overlay;
@@ -39,6 +39,7 @@ pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
     StationsAre, TableHead,
 };
+pub use background_value::BackgroundValue;
 pub use camera::{Camera, Frame, ViewPreset};
 pub use channel_plots::ChannelPlots;
 pub use colouring::Colouring;
@@ -50,7 +51,6 @@ pub use judging::{Added, Judging, SavedEstimate};
 pub use layout_description::LayoutDescription;
 pub use layout_presets::LayoutPreset;
 pub use live::{LiveCommand, LiveForm};
-pub use made::Made;
 pub use open_deployment::{Analysing, OpenDeployment};
 pub use overlay::{Lookup, Overlay, Palette};
 pub use pane::Pane;

@@ -1,10 +1,10 @@
-//! Findings that the user has not seen yet: a warning comes again with other numbers while a slider moves.
+//! New findings: while a slider moves, a warning recurs with other numbers and is not new.
 
 use std::collections::BTreeSet;
 
 use resect_core::deployment::{Finding, FindingIdentity, Severity};
 
-/// Selects the problems and warnings that were not shown before, and remembers them.
+/// Returns the problems and warnings that were not shown before, and marks them as shown.
 pub fn new_findings<'a>(
     findings: impl IntoIterator<Item = &'a Finding>,
     told: &mut BTreeSet<FindingIdentity>,
@@ -16,7 +16,7 @@ pub fn new_findings<'a>(
         .collect()
 }
 
-/// Forgets the findings that no longer hold: should one come again, it is new.
+/// Forgets findings that no longer apply, so that they count as new when they recur.
 pub fn forget_past<'a>(
     now: impl Iterator<Item = &'a Finding>,
     told: &mut BTreeSet<FindingIdentity>,

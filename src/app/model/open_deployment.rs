@@ -1,10 +1,10 @@
-//! One of the deployments that are open: its data, its settings, its newest answer.
+//! An open deployment: its data, settings and newest result.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Judging, Made, Timeline};
+use super::{BackgroundValue, Judging, Timeline};
 use crate::app::prepared::analyser::Answered;
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::channels::Sources;
@@ -15,54 +15,54 @@ use resect_core::deployment::{Deployment, FindingIdentity};
 use resect_io::source::Source;
 use resect_report::summary::ResultSummary;
 
-/// Prisms that were seen together no longer ago than this are seen now (s).
+/// Largest age of the last triplet (s) at which the prisms still count as visible.
 const LATELY_S: f64 = 3.0;
 
 pub struct OpenDeployment {
-    /// Tells it from every other that was ever opened.
+    /// Unique id among all deployments that were ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
-    /// The same with more readings, of which an answer is awaited.
+    /// The deployment with more readings, whose result is awaited.
     pub more: Option<Arc<Deployment>>,
-    /// Where the deployment can be read again.
+    /// The source from which the deployment can be read again.
     pub source: Option<Source>,
-    /// The longest range of each station (m); found once, because the window asks in every frame.
+    /// Longest range of each station (m), cached because every frame needs it.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
-    /// The newest answer; older than the settings while it is stale.
+    /// The newest result; older than the settings while it is stale.
     pub analysis: Option<Arc<Analysis>>,
-    /// The answer as plain data, if there is one.
+    /// Summary of the result, if there is one.
     pub summary: Option<Arc<ResultSummary>>,
-    /// The plots of the newest answer.
+    /// The plots of the newest result.
     pub plots: Arc<PreparedPlots>,
-    /// The readings and tracks of the newest answer, for the scene.
+    /// The readings and tracks of the newest result, for the scene.
     pub clouds: Clouds,
-    /// Counts the answers that were taken in: changes with what is shown.
+    /// Number of results received; changes with the displayed result.
     pub analysis_run: u64,
     pub timeline: Timeline,
-    /// The vehicle's way by the newest answer, made while it is looked at.
-    pub way: Made<Way>,
-    /// The ways of the other open runs in its frame, made while they are looked at.
-    pub beside: Made<Vec<RunBeside>>,
-    /// Trajectories of other systems that are held against it.
+    /// The vehicle's trajectory by the newest result, computed while it is visible.
+    pub way: BackgroundValue<Way>,
+    /// Trajectories of the other open runs in this deployment's frame, computed while they are visible.
+    pub beside: BackgroundValue<Vec<RunBeside>>,
+    /// Estimated trajectories, evaluated against the deployment.
     pub judging: Judging,
-    /// Opened by the program itself, and never touched: gives way to the first that the user opens.
+    /// True if the program opened it and nobody changed it; the first deployment of the user replaces it.
     pub placeholder: bool,
-    /// Findings that the user has seen.
+    /// Findings that were shown to the user.
     pub told: BTreeSet<FindingIdentity>,
-    /// Whether any answer was there to the end, and not the paper's alone, ahead of a joint estimate.
+    /// True once a final result was received, not only the paper's method ahead of a joint estimate.
     pub answered: bool,
-    /// The newest request for an answer, while it is awaited.
+    /// The newest request for a result, while it is awaited.
     pub analysing: Option<Analysing>,
 }
 
-/// The newest request for an answer.
+/// The newest request for a result.
 #[derive(Clone, Copy)]
 pub struct Analysing {
     pub number: u64,
-    /// Since when the answer shown is that of other settings.
+    /// Time since which the displayed result has other settings.
     pub since: Instant,
-    /// The paper's answer is shown meanwhile.
+    /// True while the result of the paper's method is shown and the joint estimate is awaited.
     pub joint_follows: bool,
 }
 
@@ -88,8 +88,8 @@ impl OpenDeployment {
             clouds: Clouds::default(),
             analysis_run: 0,
             timeline,
-            way: Made::default(),
-            beside: Made::default(),
+            way: BackgroundValue::default(),
+            beside: BackgroundValue::default(),
             judging: Judging::default(),
             placeholder: false,
             told: BTreeSet::new(),
@@ -98,12 +98,12 @@ impl OpenDeployment {
         }
     }
 
-    /// Whether anything is being made of its answer for who looks at it.
+    /// Returns true while anything is computed from its result for display.
     pub fn is_making(&self) -> bool {
         self.way.is_running() || self.beside.is_running() || self.judging.judgement.is_running()
     }
 
-    /// The deployment under the name that tells it from the others; a copy only where that is another than its own.
+    /// Returns the deployment under its unique name; copies it only if that differs from its own.
     pub fn named(&self, name: String) -> Arc<Deployment> {
         if self.deployment.name == name {
             return Arc::clone(&self.deployment);
@@ -111,7 +111,7 @@ impl OpenDeployment {
         Arc::new(Deployment { name, ..Deployment::clone(&self.deployment) })
     }
 
-    /// Takes in the same deployment, read again with other files; the old answer stays until the new one is there.
+    /// Replaces the data by that of another reading with other files; the old result stays until the new one is computed.
     pub fn replace(&mut self, deployment: Arc<Deployment>, source: Source) {
         self.longest_range_m = longest_range_m(&deployment);
         let old = std::mem::replace(&mut self.timeline, Timeline::new(&deployment));
@@ -120,7 +120,7 @@ impl OpenDeployment {
         }
         let readings = |of: &Deployment| of.tracks.each_ref().map(|track| track.measurements.len());
         if readings(&self.deployment) != readings(&deployment) {
-            // The old answer counts readings that are others now.
+            // Indices of readings in the old result are no longer valid.
             (self.analysis, self.summary) = (None, None);
             self.answered = false;
             (self.plots, self.clouds) = (Arc::default(), Clouds::default());
@@ -132,29 +132,29 @@ impl OpenDeployment {
         self.placeholder = false;
     }
 
-    /// Takes in what the answer that comes with it is of: the same deployment with more readings.
+    /// Extends the deployment to the readings of the result that was just received.
     fn grow(&mut self, deployment: Arc<Deployment>) {
         self.longest_range_m = longest_range_m(&deployment);
         self.timeline.grow(&deployment);
         self.deployment = deployment;
     }
 
-    /// Returns the data that channels are read from.
+    /// Returns the data of the channels.
     pub fn sources(&self) -> Sources<'_> {
         Sources { plots: &self.plots, way: self.way.newest.as_deref(), start_s: self.start_s() }
     }
 
-    /// Time of the first measurement (s): what the plots count from.
+    /// Returns the time of the first measurement (s), from which the plots count.
     pub fn start_s(&self) -> f64 {
         self.deployment.start_s().unwrap_or(0.0)
     }
 
-    /// Whether the paper's answer is shown until the joint estimate is there.
+    /// Returns true while the result of the paper's method is shown and the joint estimate is awaited.
     pub fn joint_follows(&self) -> bool {
         self.analysing.is_some_and(|analysing| analysing.joint_follows)
     }
 
-    /// Takes in an answer, unless a newer one is on its way; tells whether it did.
+    /// Stores a result, unless a newer one is awaited; returns true if it was stored.
     pub fn take(&mut self, answered: Answered) -> bool {
         let Some(analysing) = self.analysing.filter(|newest| newest.number == answered.number)
         else {
@@ -169,7 +169,7 @@ impl OpenDeployment {
         self.analysing = joint_follows.then_some(Analysing { joint_follows, ..analysing });
         self.answered |= !joint_follows;
         if self.timeline.cursor_s.is_none() {
-            // So that the rig is seen before anything is clicked.
+            // Shows the rig before the user clicks anything.
             let time_s = &analysis.pipeline.triplets.time_s;
             self.timeline.cursor_s = time_s.get(time_s.len() / 2).copied();
         }
@@ -188,8 +188,9 @@ impl OpenDeployment {
         true
     }
 
-    /// Gives the newest instant (s): that of the last triplet, or of the last reading where the prisms are not seen together any more. A
-    /// cursor that is there goes along while the deployment grows.
+    /// Returns the newest time (s): that of the last triplet, or of the last reading if the last triplet is too old.
+    ///
+    /// While the deployment grows, a cursor at this time moves with it.
     pub fn now_s(&self) -> f64 {
         let end_s = self.timeline.whole_s[1];
         let analysis = self.analysis.as_ref();

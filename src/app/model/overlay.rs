@@ -1,8 +1,8 @@
-//! What lies over the panes.
+//! Overlays above the panes.
 
 use resect_report::glossary::Term;
 
-/// What lies over the panes and has the keyboard.
+/// The overlay above the panes, which receives the keyboard input.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Overlay {
     #[default]
@@ -16,14 +16,14 @@ pub enum Overlay {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Palette {
     pub query: String,
-    /// Line among those found.
+    /// Index of the selected line among the matches.
     pub chosen: usize,
 }
 
-/// What is looked up among the words of the field.
+/// A search in the glossary.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lookup {
     pub query: String,
-    /// Shown while nothing is typed; all words where there is none.
+    /// Terms to show while the query is empty; empty for all terms.
     pub of: Vec<&'static Term>,
 }

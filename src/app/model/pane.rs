@@ -1,6 +1,6 @@
-//! The panes there are.
+//! The panes.
 
-/// What can be docked, tabbed and closed.
+/// A pane, which can be docked, tabbed and closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Pane {
     Deployment,
@@ -15,34 +15,34 @@ pub enum Pane {
     Studies,
     /// Rates of range, azimuth and zenith angle, with their thresholds.
     Rates,
-    /// When each station measured, and what of it is used.
+    /// Intervals in which each station measured, and which of them are used.
     Intervals,
-    /// What the stations' own clocks said, and what the calibration estimates of them.
+    /// Offsets of the stations' own clocks as recorded, and as estimated by the calibration.
     Clocks,
     /// Channels over time or against another one: readings, prisms, the vehicle with σ; errors of other trajectories.
     Channels,
-    /// The picked reading, explained.
+    /// Explanation of the picked reading.
     Reading,
     /// Earlier runs and pinned results.
     Runs,
-    /// What to do, step by step.
+    /// Step-by-step guide.
     Guide,
-    /// What the answer leaves at each control point.
+    /// Residuals at the control points.
     ControlPoints,
-    /// Which of the trajectories of other systems is better, by how much, and where they are wrong.
+    /// Ranking of estimated trajectories: which is better, by how much, and at which times they are wrong.
     Evaluation,
-    /// The numbers of a plan.
+    /// The plan in numbers.
     PlanNumbers,
-    /// A plan from above, with its handles.
+    /// Map of the plan, with handles.
     PlanMap,
-    /// What is foreseen of a plan.
+    /// Prediction for the plan.
     Prediction,
-    /// A live deployment: is it enough, and if not what to drive.
+    /// Progress of a live deployment: sufficient, or what else to drive.
     Live,
 }
 
 impl Pane {
-    /// All panes in the order of the menu.
+    /// All panes in menu order.
     pub const ALL: [Self; 23] = [
         Self::Deployment,
         Self::Pipeline,
@@ -97,7 +97,7 @@ impl Pane {
         }
     }
 
-    /// The pane's name in files; never changes, unlike the title.
+    /// Returns the pane's name in files; never changes, unlike the title.
     pub fn name(self) -> &'static str {
         match self {
             Self::Deployment => "deployment",

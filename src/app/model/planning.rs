@@ -1,42 +1,42 @@
-//! The plan that the window shows: its handles, and what is foreseen of it.
+//! The plan that the window shows, its handles, and its prediction.
 
 use std::path::PathBuf;
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::made::Made;
+use super::background_value::BackgroundValue;
 use resect_core::planning::{FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction};
 use resect_core::simulation::{Preset, Ramp, Waypoint};
 
-/// A plan, and what is made of it beside the window.
+/// A plan, with its prediction and proposed improvements.
 pub struct Planning {
     pub plan: Plan,
-    /// The file that it was read from or written to last.
+    /// The file that it was last read from or written to.
     pub path: Option<PathBuf>,
-    /// Whether it is the user's: what the program began with is nobody's loss.
+    /// True if the user changed the plan; the initial example need not be saved.
     pub touched: bool,
-    /// Counts the plans that were shown.
+    /// Number of plans set so far.
     pub version: u64,
-    pub foreseen: Made<Result<Prediction, PlanError>>,
-    pub better: Made<Result<Vec<Improvement>, PlanError>>,
+    pub foreseen: BackgroundValue<Result<Prediction, PlanError>>,
+    pub better: BackgroundValue<Result<Vec<Improvement>, PlanError>>,
     pub selected: Option<Handle>,
 }
 
-/// What is asked of the plan.
+/// Commands of the plan.
 #[derive(Clone, Debug)]
 pub enum PlanCommand {
-    /// Another plan, with the words for the step that can be undone.
+    /// Sets another plan, with a description for the undo step.
     Set(Box<Plan>, &'static str),
     Select(Option<Handle>),
     OpenDialog,
     Open(PathBuf),
     SaveDialog,
-    /// What was driven in the active deployment.
+    /// Creates a plan from the drive of the active deployment.
     FromDeployment,
     FromPreset(Preset),
 }
 
-/// What of a plan is moved by the pointer.
+/// A point of a plan that the pointer can move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Handle {
     Station(usize),
@@ -44,15 +44,15 @@ pub enum Handle {
         piece: usize,
         index: usize,
     },
-    /// The middle of a figure-eight or a loop, by its piece.
+    /// Centre of a figure-eight or a loop, by the index of its piece.
     Middle(usize),
-    /// The tip of a figure-eight, which turns and stretches it, or where a loop begins.
+    /// Tip of a figure-eight, which rotates and stretches it, or the start of a loop.
     Tip(usize),
     Ramp(usize),
 }
 
 impl Default for Planning {
-    /// Stations and rig as they are usual, and an approach to a figure-eight.
+    /// Usual stations and rig, with an approach to a figure-eight.
     fn default() -> Self {
         let eight =
             FigureEight { centre_m: [58.0, 6.0], length_m: 24.0, heading_rad: 0.0, times: 1 };
@@ -63,15 +63,15 @@ impl Default for Planning {
             path: None,
             touched: false,
             version: 0,
-            foreseen: Made::default(),
-            better: Made::default(),
+            foreseen: BackgroundValue::default(),
+            better: BackgroundValue::default(),
             selected: None,
         }
     }
 }
 
 impl Planning {
-    /// Shows another plan; what was foreseen of the old one stays until the new one's is there.
+    /// Sets another plan; the old prediction stays until the new one is computed.
     pub fn set(&mut self, plan: Plan) {
         self.plan = plan;
         self.version += 1;
@@ -81,13 +81,13 @@ impl Planning {
         }
     }
 
-    /// What is foreseen of exactly this plan.
+    /// Returns true if the prediction is for exactly this plan.
     pub fn is_foreseen(&self) -> bool {
         self.foreseen.is_of((self.version, 0))
     }
 }
 
-/// Names a piece of a plan: "figure-eight", or where there are several "figure-eight 2".
+/// Names a piece of a plan: "figure-eight", or "figure-eight 2" if there are several.
 pub fn manoeuvre_name(plan: &Plan, piece: usize) -> String {
     let kind = |piece: &Piece| match piece {
         Piece::FigureEight(_) => "figure-eight",
@@ -103,7 +103,7 @@ pub fn manoeuvre_name(plan: &Plan, piece: usize) -> String {
 }
 
 impl Handle {
-    /// Everything in a plan that can be moved.
+    /// Returns all handles of a plan.
     pub fn all(plan: &Plan) -> Vec<Self> {
         let stations = (0..3).map(Self::Station);
         let ramps = (0..plan.ground.ramps.len()).map(Self::Ramp);
@@ -113,11 +113,11 @@ impl Handle {
             }
             Piece::FigureEight(_) | Piece::Loop(_) => vec![Self::Middle(piece), Self::Tip(piece)],
         });
-        // Stations come last: they are drawn above all else, and are what the pointer finds first.
+        // Stations come last: they are drawn above everything else, and the pointer finds them first.
         of_way.chain(ramps).chain(stations).collect()
     }
 
-    /// How people call it.
+    /// Returns the handle's name for the user.
     pub fn name(self, plan: &Plan) -> String {
         match self {
             Self::Station(station) => format!("station {}", station + 1),
@@ -134,7 +134,7 @@ impl Handle {
         }
     }
 
-    /// Where it is (m, in the frame of the plan); `None` where the plan has no such thing.
+    /// Returns the position (m, the plan's frame); `None` if the plan has no such handle.
     pub fn place_m(self, plan: &Plan) -> Option<[f64; 2]> {
         Some(match self {
             Self::Station(station) => [plan.stations_m[station].x, plan.stations_m[station].y],
@@ -162,7 +162,7 @@ impl Handle {
         })
     }
 
-    /// The plan with this moved to a place (m); as it was where it has no such thing.
+    /// Returns the plan with this handle moved to a position (m); unchanged if there is no such handle.
     pub fn moved(self, plan: &Plan, to_m: [f64; 2]) -> Plan {
         let mut plan = plan.clone();
         let to = Vector2::from(to_m);
@@ -184,7 +184,7 @@ impl Handle {
             },
             Self::Tip(piece) => match plan.way.get_mut(piece) {
                 Some(Piece::FigureEight(eight)) => {
-                    // The tip lies to the left of the heading, two radii of a lobe out.
+                    // The tip is to the left of the heading, at a distance of two radii of a lobe.
                     let out = to - Vector2::from(eight.centre_m);
                     eight.length_m = (2.0 * out.norm()).clamp(2.0, 1000.0);
                     eight.heading_rad = out.y.atan2(out.x) - std::f64::consts::FRAC_PI_2;
@@ -205,7 +205,7 @@ impl Handle {
         plan
     }
 
-    /// The plan without it; `None` of stations, and of what the way needs to be one.
+    /// Returns the plan without this element; `None` for a station, or if the rest would be no valid plan.
     pub fn taken_out(self, plan: &Plan) -> Option<Plan> {
         let mut plan = plan.clone();
         match self {
@@ -244,7 +244,7 @@ fn tip_of_eight(eight: &FigureEight) -> Vector2<f64> {
     Vector2::from(eight.centre_m) + out
 }
 
-/// What can be put on the way.
+/// An element that can be added to a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Addition {
     Waypoint,
@@ -265,7 +265,7 @@ impl Addition {
         }
     }
 
-    /// The plan with it at a place (m): a ramp where it is, all else at the end of the way.
+    /// Returns the plan with this element at a position (m): a ramp at that place, anything else at the end of the path.
     pub fn put(self, plan: &Plan, place_m: [f64; 2]) -> Plan {
         let mut plan = plan.clone();
         match self {
@@ -313,7 +313,7 @@ mod tests {
             let off_m = (Vector2::from(found_m) - Vector2::from(to_m)).norm();
             assert!(off_m < 1e-9, "{handle:?}: {found_m:?} instead of {to_m:?}");
             let others = Handle::all(&start).into_iter().filter(|other| match (handle, *other) {
-                // A tip goes with its middle.
+                // A tip moves with its centre.
                 (Handle::Middle(a), Handle::Tip(b)) => a != b,
                 (a, b) => a != b,
             });

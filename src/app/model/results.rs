@@ -1,4 +1,4 @@
-//! Results of the session: each run, those that were pinned to compare later ones with, studies and validations.
+//! Results of the session: runs, pinned results for comparison, studies and validations.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,31 +9,31 @@ use crate::app::prepared::PreparedPlots;
 use resect_core::analysis::Settings;
 use resect_report::summary::ResultSummary;
 
-/// A result that later ones are seen against.
+/// A pinned result, with which later results are compared.
 #[derive(Clone, Debug)]
 pub struct Pin {
     pub id: u64,
     pub name: String,
     pub summary: Arc<ResultSummary>,
-    /// Whether its residuals are drawn behind the present ones.
+    /// True if its residuals are drawn behind the present ones.
     pub shown: bool,
     /// The residuals of the pinned result; `None` until they are computed, or when its deployment is not open.
     pub plots: Option<Arc<PreparedPlots>>,
-    /// Whether they are being computed.
+    /// True while its residuals are computed.
     pub drawing: bool,
 }
 
-/// What one change of the settings led to.
+/// Result of one change of the settings.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub id: u64,
     /// Id of the open deployment.
     pub deployment: u64,
     pub at: Instant,
-    /// The answer, or why there is none.
+    /// The result, or the reason for its absence.
     pub result: Result<Arc<ResultSummary>, String>,
     pub settings: Settings,
-    /// The step of the settings that the run belongs to: of a drag only the last is kept.
+    /// Undo step of the run; only the last run of a drag is kept.
     pub step: u64,
 }
 
@@ -57,7 +57,7 @@ impl Results {
         self.newest_id
     }
 
-    /// Pins a result under a name that tells it from the others, unless it is pinned already; gives its id.
+    /// Pins a result under a unique name, unless it is pinned already; returns its id.
     pub fn pin(&mut self, summary: Arc<ResultSummary>, plots: Option<Arc<PreparedPlots>>) -> u64 {
         if let Some(known) = self.pins.iter().find(|pin| pin.summary == summary) {
             return known.id;

@@ -1,42 +1,42 @@
-//! A distance measured between two things in the scene.
+//! A distance measured between two points in the scene.
 
 use nalgebra::Vector3;
 
 use super::units::Units;
 use resect_core::deployment::{PAIRS, pair_label};
 
-/// A distance that is measured in the scene.
+/// A ruler in the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ruler {
     pub active: bool,
-    /// The ends that are set, at most two.
+    /// The set ends, at most two.
     pub ends: Vec<RulerEnd>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct RulerEnd {
-    /// Where the end was when it was set (m, in station 1's frame).
+    /// Position of the end when it was set (m, station 1's frame).
     pub position_m: Vector3<f64>,
-    /// What it snapped to, in words.
+    /// Name of the object that the end snapped to.
     pub what: String,
-    /// A prism of the triangle at the cursor, 0 to 2: the end goes with it.
+    /// Prism of the triangle at the cursor, 0 to 2, with which the end moves.
     pub prism: Option<usize>,
 }
 
 impl Ruler {
-    /// The ruler with one more end; the third starts anew.
+    /// Returns the ruler with one more end; a third end starts a new measurement.
     pub fn with(&self, end: RulerEnd) -> Self {
         let mut ends = if self.ends.len() < 2 { self.ends.clone() } else { Vec::new() };
         ends.push(end);
         Self { active: self.active, ends }
     }
 
-    /// What Esc does: first the ends go, then the ruler.
+    /// Returns the ruler after Esc, which first removes the ends, then the ruler.
     pub fn escaped(&self) -> Self {
         Self { active: self.active && !self.ends.is_empty(), ends: Vec::new() }
     }
 
-    /// Where its ends are now (m, in station 1's frame).
+    /// Returns the present positions of the ends (m, station 1's frame).
     pub fn ends_m(&self, prisms_m: Option<&[Vector3<f64>; 3]>) -> Vec<Vector3<f64>> {
         let now = |end: &RulerEnd| match (end.prism, prisms_m) {
             (Some(prism), Some(prisms_m)) => prisms_m[prism],
@@ -45,7 +45,7 @@ impl Ruler {
         self.ends.iter().map(now).collect()
     }
 
-    /// What it says, in lines; empty until it has two ends.
+    /// Returns the lines of the label; empty until both ends are set.
     pub fn lines(
         &self,
         prisms_m: Option<&[Vector3<f64>; 3]>,
@@ -95,14 +95,14 @@ mod tests {
             ruler.lines(None, None, units),
             ["5.3852 m", "horizontal 5.0000 m, height -2.0000 m"]
         );
-        // The ends were set when the prisms were elsewhere; they go with them.
+        // The ends move with the prisms after they are set.
         let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from);
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(0)));
         assert_eq!(
             ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]), units)[0],
             "prisms 1–2: 0.9031 m, rig 0.9021 m, +1.0 mm"
         );
-        // Twice the same prism is no pair.
+        // A prism with itself is no pair.
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(1)));
         assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]), units)[0], "0.0000 m");
     }

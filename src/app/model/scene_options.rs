@@ -1,33 +1,33 @@
-//! How the scene is drawn, beside what of it is shown.
+//! Drawing options of the scene.
 
 use serde::{Deserialize, Serialize};
 
-/// How the scene is drawn.
+/// Drawing options of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SceneOptions {
-    /// Whether the legend is open; until the user chooses, it is where there is room.
+    /// True if the legend is open; `None` until the user chooses, which opens it if there is room.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub legend_open: Option<bool>,
-    /// How many times larger than true the ellipsoids of stations and tracks are.
+    /// Magnification of the ellipsoids of stations and tracks.
     pub ellipsoid_scale: u32,
-    /// How many times longer than true the arrows of the control points' residuals are.
+    /// Magnification of the residual arrows at the control points.
     pub residual_scale: u32,
-    /// How many times higher than true everything is drawn: flat ground shows its shape.
+    /// Vertical exaggeration of the whole scene, which makes the relief of flat ground visible.
     pub height_scale: u32,
-    /// How much of its way is drawn behind each prism at the time cursor (s); 0 for none.
+    /// Length of the trail behind each prism at the time cursor (s); 0 for none.
     pub trail_s: u32,
-    /// Whether the camera goes with the rig.
+    /// True if the camera follows the rig.
     pub follow: bool,
 }
 
 impl SceneOptions {
-    /// Scales of ellipsoids and arrows that are offered: never one by the answer, or a better answer would look like a worse one.
+    /// Fixed scales of ellipsoids and arrows; scales that depend on the result could make a better result look worse.
     pub const ERROR_SCALES: [u32; 5] = [1, 10, 100, 1000, 10_000];
     pub const HEIGHT_SCALES: [u32; 4] = [1, 2, 5, 10];
     pub const TRAILS_S: [u32; 4] = [0, 10, 30, 60];
 
-    /// The length of a trail, as it is chosen.
+    /// Describes the length of a trail.
     pub fn trail_in_words(trail_s: u32) -> String {
         if trail_s == 0 { "off".to_owned() } else { format!("{trail_s} s") }
     }

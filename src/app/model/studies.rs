@@ -1,4 +1,4 @@
-//! The studies of the window: what is asked for, what runs, what came of it.
+//! The studies of the window: options, running job, and result.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -32,16 +32,16 @@ impl StudyKind {
     }
 }
 
-/// What the user asks for.
+/// Options of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StudyOptions {
     pub kind: StudyKind,
-    /// All open deployments, or the active one.
+    /// True for all open deployments, false for the active one.
     pub all_open: bool,
     pub sweep: Sweep,
     pub reference: Reference,
-    /// Whether to solve with a random part and judge by the rest.
+    /// True to solve with a random part of the data and evaluate on the rest.
     pub split: bool,
     pub splits: Splits,
 }
@@ -60,13 +60,13 @@ impl Default for StudyOptions {
 }
 
 impl StudyOptions {
-    /// What can be asked for in the window; a sweep's ends in the parameter's unit.
+    /// Limits of the options in the window; a sweep's ends are in the parameter's unit.
     pub const REPEATS: RangeInclusive<usize> = 1..=200;
     pub const SEEDS: RangeInclusive<u64> = 0..=u32::MAX as u64;
     pub const ENDS: RangeInclusive<f64> = 0.0..=100.0;
     pub const STEPS: RangeInclusive<usize> = 2..=60;
 
-    /// The options as the window can show them, whatever a file said.
+    /// Clamps the options to the limits of the window, as a file may contain any.
     pub fn within_bounds(mut self) -> Self {
         let repeats = &mut self.splits.repeats;
         *repeats = (*repeats).clamp(*Self::REPEATS.start(), *Self::REPEATS.end());
@@ -75,14 +75,14 @@ impl StudyOptions {
         let steps = &mut self.sweep.steps;
         *steps = (*steps).clamp(*Self::STEPS.start(), *Self::STEPS.end());
         for end in [&mut self.sweep.from, &mut self.sweep.to] {
-            // NaN becomes the least.
+            // NaN becomes the lower limit.
             *end = end.max(*Self::ENDS.start()).min(*Self::ENDS.end());
         }
         self
     }
 }
 
-/// What came of a study.
+/// Result of a study.
 #[derive(Clone, Debug)]
 pub enum StudyResult {
     Pipeline(Study),
@@ -98,7 +98,7 @@ impl StudyResult {
     }
 }
 
-/// Runs what is asked for, on whatever thread this is called.
+/// Runs a study on the calling thread.
 pub fn run(
     options: &StudyOptions,
     deployments: &[Arc<Deployment>],
@@ -119,17 +119,17 @@ pub fn run(
     }
 }
 
-/// The state of the studies pane.
+/// State of the studies pane.
 #[derive(Default)]
 pub struct Studies {
     pub options: StudyOptions,
-    /// The one under way, with its number.
+    /// Number and progress of the running study.
     pub running: Option<(u64, Arc<Progress>)>,
     pub result: Option<Arc<StudyResult>>,
 }
 
 impl Studies {
-    /// Stops the study under way.
+    /// Cancels the running study.
     pub fn cancel(&self) {
         if let Some((_, progress)) = &self.running {
             progress.cancel();

@@ -1,20 +1,19 @@
-//! How the window shows times: since the first measurement, in hours, minutes and seconds or in seconds, or as the time
-//! of day.
+//! Display of times: since the first measurement, in hours, minutes and seconds or in seconds, or as the time of day.
 
 use super::units::{TimeUnit, without_negative_zero};
 
-/// Times of one deployment as the user reads them.
+/// Display of a deployment's times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeScale {
     unit: TimeUnit,
-    /// The first measurement, in the stations' clock (s).
+    /// Time of the first measurement (s, the stations' clock).
     start_s: f64,
 }
 
 const DAY_S: f64 = 86_400.0;
-/// Stamps of the Unix epoch from 2001 to 2096; others count from a moment that no file tells.
+/// Stamps of the Unix epoch from 2001 to 2096; other stamps count from an unknown epoch.
 const UNIX_S: std::ops::Range<f64> = 1e9..4e9;
-/// Steps between round times from a second up (s), and into how many parts each is divided.
+/// Round steps of at least a second (s), each with its number of subdivisions.
 const STEPS: [(f64, u32); 18] = [
     (1.0, 5),
     (2.0, 4),
@@ -39,14 +38,14 @@ const STEPS: [(f64, u32); 18] = [
 /// A round time on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundTime {
-    /// Since the first measurement (s).
+    /// Time since the first measurement (s).
     pub since_s: f64,
-    /// The distance to the next as strong as this one (s).
+    /// Distance to the next mark of the same level (s).
     pub step_s: f64,
 }
 
 impl TimeScale {
-    /// The time of day needs stamps that tell it: without them times count from the first measurement.
+    /// Creates a scale; times count from the first measurement if the stamps do not contain the time of day.
     pub fn new(unit: TimeUnit, start_s: f64) -> Self {
         let unit = if tells_time_of_day(start_s) || unit != TimeUnit::Utc {
             unit
@@ -56,7 +55,7 @@ impl TimeScale {
         Self { unit, start_s }
     }
 
-    /// The name of an axis, with its unit, and of times of day the date.
+    /// Returns the title of an axis with its unit, and with the date for times of day.
     pub fn title(&self, short: bool) -> String {
         let what = if short { "time" } else { "time since the first measurement" };
         match self.unit {
@@ -65,7 +64,7 @@ impl TimeScale {
         }
     }
 
-    /// A time without its unit, as it stands at a mark of an axis.
+    /// Formats a time without its unit, for a mark on an axis.
     pub fn number(&self, since_s: f64, decimals: usize) -> String {
         match self.unit {
             TimeUnit::Seconds => without_negative_zero(since_s, decimals),
@@ -74,7 +73,7 @@ impl TimeScale {
         }
     }
 
-    /// A time for running text: seconds have their unit, the others are known by their colons.
+    /// Formats a time for running text; only seconds need a unit, the other formats have colons.
     pub fn text(&self, since_s: f64, decimals: usize) -> String {
         let number = self.number(since_s, decimals);
         match self.unit {
@@ -84,7 +83,7 @@ impl TimeScale {
         }
     }
 
-    /// A time for running text, and in seconds, which is what findings and files count in.
+    /// Formats a time for running text, followed by seconds as in findings and files.
     pub fn text_and_seconds(&self, since_s: f64, decimals: usize) -> String {
         match self.unit {
             TimeUnit::Seconds => self.text(since_s, decimals),
@@ -92,12 +91,12 @@ impl TimeScale {
         }
     }
 
-    /// Round times within bounds (s since the first measurement): the strong ones at least so far apart, and others
-    /// between.
+    /// Returns round times within bounds (s since the first measurement). Major marks are at least `least_s` apart, with
+    /// minor marks between them.
     pub fn round_times(&self, [low_s, high_s]: [f64; 2], least_s: f64) -> Vec<RoundTime> {
         let (step_s, parts) = self.step(least_s);
         let fine_s = step_s / f64::from(parts);
-        // Times of day are round by their own clock.
+        // Times of day are round in UTC.
         let from_s = if self.unit == TimeUnit::Utc { self.start_s.rem_euclid(DAY_S) } else { 0.0 };
         let index = |time_s: f64| (time_s + from_s) / fine_s;
         (index(low_s).ceil() as i64..=index(high_s).floor() as i64)
@@ -109,7 +108,7 @@ impl TimeScale {
             .collect()
     }
 
-    /// The least round step that is not shorter, and into how many parts it is divided.
+    /// Returns the smallest round step that is not shorter, and its number of subdivisions.
     fn step(&self, least_s: f64) -> (f64, u32) {
         let sixties = self.unit != TimeUnit::Seconds && least_s > 0.5;
         let found = STEPS.into_iter().find(|(step_s, _)| *step_s >= least_s);
@@ -131,17 +130,17 @@ impl TimeScale {
     }
 }
 
-/// Whether stamps (s) count from 1970, so that they tell the time of day.
+/// Returns true if stamps (s) count from 1970, and so contain the time of day.
 pub fn tells_time_of_day(start_s: f64) -> bool {
     UNIX_S.contains(&start_s)
 }
 
-/// Decimals of a second that tell times so far apart from each other.
+/// Returns the decimals of a second that resolve times at this distance.
 pub fn decimals(step_s: f64) -> usize {
     (-step_s.max(1e-9).log10() - 1e-9).ceil().max(0.0) as usize
 }
 
-/// "1:02:03.4"; hours with so many digits at least.
+/// Formats a time as "1:02:03.4"; hours have at least this many digits.
 fn hours(time_s: f64, decimals: usize, digits: usize) -> String {
     let parts = 10_i64.pow(decimals as u32);
     let ticks = (time_s.abs() * parts as f64).round() as i64;
@@ -165,7 +164,7 @@ mod tests {
         assert_eq!(TimeUnit::ALL.map(text), ["1:02:05.3", "3725.3 s", "15:32:12.8 UTC"]);
         let title = TimeScale::new(TimeUnit::Utc, START_S).title(true);
         assert_eq!(title, "time (UTC, 2022-05-03)");
-        // What rounds up to a minute is one.
+        // A time that rounds up to a minute is shown as one.
         let elapsed = TimeScale::new(TimeUnit::Elapsed, START_S);
         assert_eq!(
             [59.97, -59.97, -0.01].map(|t| elapsed.number(t, 1)),

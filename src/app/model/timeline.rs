@@ -1,6 +1,6 @@
-//! Time, one for all panes of a deployment: cursor, window, selection, and what is played.
+//! Time in all panes of a deployment: cursor, window, selection, and playback.
 //!
-//! Times are seconds of the stations' clock; plots count from the first measurement.
+//! Times are in seconds of the stations' clock; plots count from the first measurement.
 
 use nalgebra::Vector3;
 
@@ -18,13 +18,13 @@ pub struct Picked {
 }
 
 impl Picked {
-    /// When it was measured (s); `None` if there is no such reading.
+    /// Returns the time of the measurement (s); `None` if there is no such reading.
     pub fn time_s(&self, deployment: &Deployment) -> Option<f64> {
         let track = deployment.tracks.get(self.station)?;
         track.measurements.get(self.index).map(|reading| reading.time_s)
     }
 
-    /// Where it is (m, in station 1's frame); `None` if there is no such reading, or its station has no place.
+    /// Returns the position (m, station 1's frame); `None` if there is no such reading, or its station has no pose.
     pub fn place_m(&self, deployment: &Deployment, analysis: &Analysis) -> Option<Vector3<f64>> {
         let track = deployment.tracks.get(self.station)?;
         let position_m = track.position_m(track.measurements.get(self.index)?);
@@ -32,21 +32,21 @@ impl Picked {
     }
 }
 
-/// Where in time the panes of a deployment are.
+/// Time cursor, window and selection of a deployment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
-    /// Times of the first measurement and of the last (s).
+    /// Times of the first and the last measurement (s).
     pub whole_s: [f64; 2],
-    /// What the plots over time show.
+    /// Time window of the plots (s).
     pub window_s: [f64; 2],
     pub cursor_s: Option<f64>,
     pub selection_s: Option<[f64; 2]>,
     pub picked: Option<Picked>,
 }
 
-/// The shortest time that the plots show (s): readings come a few times a second.
+/// Shortest time window of the plots (s); readings come a few times a second.
 const SHORTEST_WINDOW_S: f64 = 0.05;
-/// Instants closer than this are the same (s): the times of some years since 1970 are rounded to a quarter of it.
+/// Largest difference of equal times (s). Stamps decades after 1970 are rounded to a quarter of it.
 const SAME_S: f64 = 1e-6;
 
 impl Timeline {
@@ -57,25 +57,25 @@ impl Timeline {
         Self { whole_s, window_s: whole_s, cursor_s: None, selection_s: None, picked: None }
     }
 
-    /// The same deployment has more readings: who saw all sees all, and who looks closer stays where he is.
+    /// Extends the time range to new readings. A window on the whole drive grows with it; any other does not change.
     pub fn grow(&mut self, deployment: &Deployment) {
         let new = Self::new(deployment);
         if self.window_s == self.whole_s {
             self.window_s = new.window_s;
         }
         self.whole_s = new.whole_s;
-        // Readings that came late move the others on.
+        // Late readings shift the indices of the others.
         self.picked = None;
     }
 
-    /// Moves the cursor, within the deployment.
+    /// Moves the cursor, clamped to the deployment.
     pub fn move_cursor(&mut self, time_s: f64) {
         if time_s.is_finite() {
             self.cursor_s = Some(time_s.clamp(self.whole_s[0], self.whole_s[1]));
         }
     }
 
-    /// Shows a span of time, in whichever order its ends come. It may reach a little beyond the measurements.
+    /// Sets the window from two ends in any order. It may extend a little beyond the measurements.
     pub fn show(&mut self, [a, b]: [f64; 2]) {
         if !(a.is_finite() && b.is_finite()) {
             return;
@@ -83,10 +83,10 @@ impl Timeline {
         let margin_s = 0.5 * (self.whole_s[1] - self.whole_s[0]);
         let [from, to] = [self.whole_s[0] - margin_s, self.whole_s[1] + margin_s];
         let length_s = (b - a).abs().clamp(SHORTEST_WINDOW_S, to - from);
-        // Rounding may leave a little less room than there is: `clamp` would panic.
+        // Rounding may leave slightly too little room, at which `clamp` would panic.
         let start_s = a.min(b).min(to - length_s).max(from);
         let window_s = [start_s, start_s + length_s];
-        // All but for rounding is all: nothing else would be seen as a part, and be saved as one.
+        // Rounding errors must not turn the whole drive into a section, which would be saved as one.
         let is_all = (0..2).all(|end| (window_s[end] - self.whole_s[end]).abs() < SAME_S);
         self.window_s = if is_all { self.whole_s } else { window_s };
     }
@@ -95,7 +95,7 @@ impl Timeline {
         self.window_s = self.whole_s;
     }
 
-    /// Moves the window as it is to where an instant is seen.
+    /// Moves the window, without changing its length, so that it contains a time.
     pub fn bring_into_view(&mut self, time_s: f64) {
         let [start_s, end_s] = self.window_s;
         if !(start_s..=end_s).contains(&time_s) {
@@ -104,7 +104,7 @@ impl Timeline {
         }
     }
 
-    /// Selects a span, in whichever order its ends come; one of no length within the deployment selects nothing.
+    /// Selects the interval between two ends in any order; clears the selection if none of it lies within the deployment.
     pub fn select(&mut self, span_s: Option<[f64; 2]>) {
         let finite = span_s.filter(|span_s| span_s.iter().all(|t| t.is_finite()));
         self.selection_s = finite
@@ -113,11 +113,11 @@ impl Timeline {
     }
 }
 
-/// The cursor moving by itself.
+/// Automatic motion of the cursor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
     pub playing: bool,
-    /// Seconds of the drive in a second.
+    /// Speed, in seconds of the drive per second.
     pub speed: f64,
     /// Time of the last frame (s of the window's clock) while playing.
     last_frame_s: Option<f64>,
@@ -133,7 +133,7 @@ impl Playback {
     /// Speeds that are offered.
     pub const SPEEDS: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 10.0, 40.0];
 
-    /// Starts or stops. From the end it starts again at the beginning of what is shown.
+    /// Starts or stops the playback. From the end it restarts at the beginning of the played interval.
     pub fn toggle(&mut self, timeline: &mut Timeline) {
         self.playing = !self.playing;
         self.last_frame_s = None;
@@ -143,12 +143,12 @@ impl Playback {
         }
     }
 
-    /// Moves the cursor on, and stops at the end of what is selected or shown.
+    /// Advances the cursor, and stops at the end of the selection or the window.
     pub fn advance(&mut self, timeline: &mut Timeline, now_s: f64) {
         if !self.playing {
             return;
         }
-        // A frame that took long must not make the cursor jump.
+        // A slow frame must not make the cursor jump.
         let elapsed_s = self.last_frame_s.map_or(0.0, |last| (now_s - last).clamp(0.0, 0.25));
         self.last_frame_s = Some(now_s);
         let [start_s, end_s] = span(timeline);
@@ -161,7 +161,7 @@ impl Playback {
     }
 }
 
-/// What is played: the selection, or what the plots show of the drive.
+/// Returns the played interval (s): the selection, or the window clipped to the drive.
 fn span(timeline: &Timeline) -> [f64; 2] {
     let [start_s, end_s] = timeline.whole_s;
     timeline.selection_s.unwrap_or(timeline.window_s).map(|t| t.clamp(start_s, end_s))
@@ -255,7 +255,7 @@ mod tests {
         }
         let cursor_s = timeline.cursor_s.expect("playing sets it");
         assert!((cursor_s - 1025.0).abs() < 1e-9, "{cursor_s}");
-        // A pause of ten seconds is not a jump of a hundred.
+        // A pause of ten seconds must not become a jump of a hundred.
         playback.advance(&mut timeline, 17.5);
         assert!((timeline.cursor_s.expect("set") - 1027.5).abs() < 1e-9);
         for frame in 0..10 {

@@ -1,4 +1,4 @@
-//! Short messages in a strip at the foot of the window: what was done, what was noticed, what went wrong.
+//! Toasts: short messages in a strip at the foot of the window.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ pub enum ToastLevel {
 }
 
 impl ToastLevel {
-    /// How long it stays (s); errors until they are dismissed.
+    /// Lifetime (s); infinite for errors, which the user dismisses.
     fn life_s(self) -> f64 {
         match self {
             Self::Done => 5.0,
@@ -31,16 +31,16 @@ impl ToastLevel {
 pub struct Toast {
     pub id: u64,
     pub level: ToastLevel,
-    /// What happened.
+    /// The event.
     pub text: String,
-    /// Why, or what to do about it; may be empty.
+    /// The reason or the remedy; may be empty.
     pub detail: String,
-    /// A button, and what it does.
+    /// Label and command of a button.
     pub action: Option<(&'static str, Command)>,
-    /// How often the same was said while it is shown.
+    /// Number of identical messages while the toast is shown.
     pub count: usize,
     about: About,
-    /// Since when it is seen (s of the window's clock); `None` until the next frame.
+    /// Time since which the toast is visible (s, the window's clock); `None` until the next frame.
     since_s: Option<f64>,
 }
 
@@ -49,7 +49,7 @@ impl Toast {
         if self.about == About::Offer { f64::INFINITY } else { self.level.life_s() }
     }
 
-    /// The text and the detail with angles in the user's unit, which may change while they are shown.
+    /// Returns the text and the detail, with angles in the user's unit, which may change while the toast is shown.
     pub fn lines(&self, units: Units) -> [String; 2] {
         match &self.about {
             About::Findings(_, name, findings) => in_words(name, findings, units).1,
@@ -58,25 +58,25 @@ impl Toast {
     }
 }
 
-/// What a toast tells of: it goes when that is no longer so.
+/// Subject of a toast; the toast is removed once it no longer applies.
 #[derive(Clone, Debug, PartialEq)]
 enum About {
-    /// What happened once, and stays so.
+    /// A past event.
     Past,
-    /// Findings about an open deployment, by its id and its name.
+    /// Findings about an open deployment, with its id and its name.
     Findings(u64, String, Vec<Finding>),
     /// A place that could not be opened.
     Place(Place),
-    /// What the user may still decide.
+    /// A decision that is still open.
     Offer,
 }
 
-/// Most toasts while one of them tells no error: more would leave the panes no room.
+/// Largest number of toasts while one of them is not an error; more would cover the panes.
 const MOST_TOASTS: usize = 4;
-/// Most toasts at all; the strip scrolls.
+/// Largest number of toasts; the strip scrolls.
 const MOST_ERRORS: usize = 100;
 
-/// The toasts that are shown, the newest last.
+/// The displayed toasts, the newest last.
 #[derive(Debug, Default)]
 pub struct Toasts {
     shown: Vec<Toast>,
@@ -88,7 +88,7 @@ impl Toasts {
         &self.shown
     }
 
-    /// The text and the detail of each error that is shown.
+    /// Returns the text and the detail of each displayed error.
     pub fn errors(&self) -> impl Iterator<Item = (&str, &str)> {
         let errors = self.shown.iter().filter(|toast| toast.level == ToastLevel::Error);
         errors.map(|toast| (toast.text.as_str(), toast.detail.as_str()))
@@ -98,27 +98,27 @@ impl Toasts {
         self.push(ToastLevel::Done, [text.into(), String::new()], None, About::Past);
     }
 
-    /// A line of the form "what; remedy", as errors of the library are.
+    /// Shows an error of the form "what; remedy", as the library returns them.
     pub fn error(&mut self, line: &str) {
         self.line(ToastLevel::Error, line, About::Past);
     }
 
-    /// Says that a place could not be opened, which holds until that place is open.
+    /// Shows that a place could not be opened, until it is opened.
     pub fn not_opened(&mut self, place: &Place, line: &str) {
         self.line(ToastLevel::Error, line, About::Place(place.clone()));
     }
 
-    /// Tells what was repaired or left out, in a line of the form "what; remedy".
+    /// Shows that something was repaired or left out, in the form "what; remedy".
     pub fn warning(&mut self, line: &str) {
         self.line(ToastLevel::Warning, line, About::Past);
     }
 
-    /// Tells what was done and can be undone by a button, until that is decided.
+    /// Shows what was done, with a button to undo it, until the user decides.
     pub fn offer(&mut self, line: &str, action: (&'static str, Command)) {
         self.push(ToastLevel::Warning, halves(line), Some(action), About::Offer);
     }
 
-    /// It was decided otherwise.
+    /// Withdraws the offer after another decision.
     pub fn withdraw_offer(&mut self) {
         self.shown.retain(|toast| toast.about != About::Offer);
     }
@@ -127,9 +127,9 @@ impl Toasts {
         self.push(level, halves(line), None, about);
     }
 
-    /// Tells those findings about an open deployment that were not told before, in one toast with those that still hold.
+    /// Shows new findings about an open deployment in one toast, together with its earlier ones that are still shown.
     ///
-    /// `told` remembers their identities: while a slider moves, the same warning comes with other numbers.
+    /// `told` contains the identities of findings already shown: while a slider moves, a warning recurs with other numbers.
     pub fn findings<'a>(
         &mut self,
         (id, name): (u64, &str),
@@ -155,7 +155,7 @@ impl Toasts {
         self.push(level, lines, show, About::Findings(id, name.to_owned(), all));
     }
 
-    /// Has what is told of a deployment say what holds now, with its present numbers; what holds no longer goes.
+    /// Updates the findings of a deployment with their present numbers, and removes those that no longer apply.
     pub fn update<'a>(
         &mut self,
         (id, name): (u64, &str),
@@ -180,12 +180,12 @@ impl Toasts {
         });
     }
 
-    /// A deployment was closed: nothing is told of it any more.
+    /// Removes the findings of a closed deployment.
     pub fn closed(&mut self, id: u64) {
         self.shown.retain(|toast| !matches!(toast.about, About::Findings(of, ..) if of == id));
     }
 
-    /// A place was opened, or is no longer wanted.
+    /// Removes the errors of a place that was opened, or is no longer wanted.
     pub fn settled(&mut self, place: &Place) {
         self.shown.retain(|toast| !matches!(&toast.about, About::Place(other) if other == place));
     }
@@ -197,7 +197,7 @@ impl Toasts {
         action: Option<(&'static str, Command)>,
         about: About,
     ) {
-        // The same again is counted, and takes no further room.
+        // An identical message only increases the count.
         let same = |toast: &Toast| {
             toast.level == level
                 && (&toast.text, &toast.detail, &toast.about) == (&text, &detail, &about)
@@ -222,14 +222,14 @@ impl Toasts {
         self.shown.retain(|toast| toast.id != id);
     }
 
-    /// Lets a toast's time start anew: the pointer is on it.
+    /// Restarts a toast's lifetime while the pointer is on it.
     pub fn hold(&mut self, id: u64) {
         if let Some(toast) = self.shown.iter_mut().find(|toast| toast.id == id) {
             toast.since_s = None;
         }
     }
 
-    /// Drops those whose time is up at this time of the window's clock (s); gives when the next one's will be.
+    /// Removes expired toasts at a time (s, the window's clock); returns the time at which the next one expires.
     pub fn advance(&mut self, now_s: f64) -> Option<f64> {
         self.shown.retain_mut(|toast| {
             let since_s = *toast.since_s.get_or_insert(now_s);
@@ -240,15 +240,15 @@ impl Toasts {
     }
 }
 
-/// What, and the remedy.
+/// Splits a line into message and remedy.
 fn halves(line: &str) -> [String; 2] {
     let (text, detail) = line.split_once("; ").unwrap_or((line, ""));
     [text.to_owned(), detail.to_owned()]
 }
 
-/// What a toast says of findings about a deployment.
+/// Level, text and detail of the toast for findings about a deployment.
 fn in_words(name: &str, findings: &[Finding], units: Units) -> (ToastLevel, [String; 2]) {
-    // The worst of them speaks for all.
+    // The most severe finding determines the level.
     let worst = findings.iter().map(|finding| finding.severity).max();
     let level = match worst {
         Some(Severity::Problem) => ToastLevel::Error,

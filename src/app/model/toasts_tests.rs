@@ -14,7 +14,7 @@ fn what_is_done_goes_and_errors_stay() {
     assert_eq!(toasts.advance(100.0), Some(105.0));
     assert_eq!(texts(&toasts), ["saved", "a.csv:1: no column `id`"]);
     assert_eq!(toasts.errors().next().expect("one").1, "the header must name it");
-    // Under the pointer it stays.
+    // The pointer restarts its lifetime.
     toasts.hold(toasts.shown()[0].id);
     toasts.advance(106.0);
     assert_eq!(toasts.shown().len(), 2);
@@ -34,7 +34,7 @@ fn what_no_longer_holds_is_taken_away() {
     toasts.findings((1, "drive"), &[late(2.7)], &mut told);
     toasts.findings((2, "other"), &[late(1.0)], &mut BTreeSet::new());
     toasts.update((1, "drive"), &[late(3.1)].iter());
-    // The number is the present one.
+    // Shows the present number.
     assert_eq!(texts(&toasts)[0], "drive: station 3 is 3.1 ms late");
     toasts.update((1, "drive"), &[jump].iter());
     assert_eq!(texts(&toasts), ["other: station 3 is 1 ms late"]);
@@ -50,8 +50,8 @@ fn what_no_longer_holds_is_taken_away() {
 #[test]
 fn angles_are_told_in_the_unit_that_is_chosen_while_they_are_shown() {
     use super::super::AngleUnit;
-    use resect_core::deployment::{Message, ToldAngle, ToldIn};
-    let turned = ToldAngle::signed(1e-3, ToldIn::Milliradians, 2);
+    use resect_core::deployment::{AngleFormat, Message, MessageAngle};
+    let turned = MessageAngle::signed(1e-3, AngleFormat::Milliradians, 2);
     let message = Message::from("station 2 turned by ").angle(turned);
     let finding = Finding::new(FindingKind::StationMoved, message);
     let mut toasts = Toasts::default();

@@ -1,7 +1,7 @@
-//! Undo and redo of settings, of what is put right in the data, of what is judged, and of the plan.
+//! Undo and redo of settings, corrections of the data, evaluated trajectories, and the plan.
 //!
-//! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
-//! different switches, and cannot name a step; this one merges changes of the same setting only.
+//! A drag sends many settings, but is one step. egui's own `Undoer` merges all changes within a second, even of two
+//! different switches, and cannot name a step. This stack merges only changes of the same setting.
 
 use super::Units;
 use super::judging::Added;
@@ -9,14 +9,14 @@ use resect_core::analysis::{Settings, setting_changes};
 use resect_core::planning::Plan;
 use resect_io::source::Extras;
 
-/// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
+/// Longest pause between changes of the same setting in one step (s), as while a key repeats.
 const SAME_STEP_S: f64 = 0.5;
-/// Nobody goes back further.
+/// Longest history (steps).
 const MOST_STEPS: usize = 500;
 /// Longest description of a step in a menu (characters).
 const LONGEST_NAME: usize = 60;
 
-/// What changed of one deployment.
+/// A change of one deployment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// Id of the deployment.
@@ -24,7 +24,7 @@ pub struct Change {
     pub what: Changed,
 }
 
-/// What was, and what it became.
+/// State before and after a change.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
@@ -32,17 +32,17 @@ pub struct Change {
 )]
 pub enum Changed {
     Settings([Settings; 2]),
-    /// What the data is read with, and how that is told.
+    /// Extras beside the tracks, and a description of the change.
     Extras {
         both: Box<[Extras; 2]>,
         words: String,
     },
-    /// The trajectories that are judged, and how that is told.
+    /// Trajectories under evaluation, and a description of the change.
     Judged {
         both: Box<[Vec<Added>; 2]>,
         words: String,
     },
-    /// The plan, which is of no deployment.
+    /// The plan, which belongs to no deployment.
     Plan {
         both: Box<[Plan; 2]>,
         words: &'static str,
@@ -50,7 +50,7 @@ pub enum Changed {
 }
 
 impl Changed {
-    /// Goes on to where a later change of the same settings went.
+    /// Replaces the final state by that of a later change of the same settings.
     fn go_on(&mut self, later: &Self) {
         match (self, later) {
             (Self::Settings([_, after]), Self::Settings([_, new])) => *after = *new,
@@ -79,7 +79,8 @@ impl Changed {
         }
     }
 
-    /// The settings that it touches; none of what has the data read again, which is a step of its own each time.
+    /// Returns the names of the changed settings, or the description of the change; `None` for extras, which are always a
+    /// step of their own.
     fn touched(&self) -> Option<Vec<&str>> {
         match self {
             Self::Settings([before, after]) => {
@@ -92,25 +93,25 @@ impl Changed {
     }
 }
 
-/// What is undone at once.
+/// Changes that are undone together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct UndoStep {
     pub changes: Vec<Change>,
-    /// When the step was last added to (s of the window's clock).
+    /// Time of the last change merged into the step (s, the window's clock).
     at_s: f64,
 }
 
-/// The moment at which a change comes.
+/// Time of a change.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// The time of the change by the window's clock (s).
+    /// Time of the change (s, the window's clock).
     pub now_s: f64,
-    /// Since when the pointer's button is down, if it is (s).
+    /// Time at which the pointer's button was pressed, while it is down (s, the window's clock).
     pub pressed_s: Option<f64>,
 }
 
 impl Moment {
-    /// The moment of a change that is a step of its own.
+    /// Time of a change that is always a step of its own.
     pub const NEVER: Self = Self { now_s: f64::NEG_INFINITY, pressed_s: None };
 
     pub fn now(ctx: &egui::Context) -> Self {
@@ -123,14 +124,14 @@ impl Moment {
 
 #[derive(Debug, Default)]
 pub struct UndoStack {
-    done: Vec<Step>,
-    undone: Vec<Step>,
-    /// Counts steps ever begun: results that came of one step are one run.
+    done: Vec<UndoStep>,
+    undone: Vec<UndoStep>,
+    /// Number of steps begun so far; the results of one step form one run.
     begun: u64,
 }
 
 impl UndoStack {
-    /// Adds changes made at the same moment.
+    /// Records simultaneous changes as a step, or merges them into the last one.
     pub fn record(&mut self, changes: Vec<Change>, moment: Moment) {
         if changes.is_empty() {
             return;
@@ -149,37 +150,37 @@ impl UndoStack {
             return;
         }
         self.begun += 1;
-        self.done.push(Step { changes, at_s: moment.now_s });
+        self.done.push(UndoStep { changes, at_s: moment.now_s });
         if self.done.len() > MOST_STEPS {
             self.done.remove(0);
         }
     }
 
-    /// Takes the last step back; gives it.
-    pub fn undo(&mut self) -> Option<&Step> {
+    /// Undoes the last step and returns it.
+    pub fn undo(&mut self) -> Option<&UndoStep> {
         self.undone.push(self.done.pop()?);
         self.begun += 1;
         self.undone.last()
     }
 
-    /// Does the step again that was taken back last; gives it.
-    pub fn redo(&mut self) -> Option<&Step> {
+    /// Redoes the step that was undone last and returns it.
+    pub fn redo(&mut self) -> Option<&UndoStep> {
         self.done.push(self.undone.pop()?);
         self.begun += 1;
         self.done.last()
     }
 
-    /// What undo would take back.
-    pub fn next_undo(&self) -> Option<&Step> {
+    /// Returns the step that undo would revert.
+    pub fn next_undo(&self) -> Option<&UndoStep> {
         self.done.last()
     }
 
-    /// What redo would do again.
-    pub fn next_redo(&self) -> Option<&Step> {
+    /// Returns the step that redo would apply.
+    pub fn next_redo(&self) -> Option<&UndoStep> {
         self.undone.last()
     }
 
-    /// "Undo τ_r 2 → 1.5 m/s", or only "Undo".
+    /// Returns "Undo τ_r 2 → 1.5 m/s", or "Undo" if there is nothing to undo.
     pub fn undo_name(&self, units: Units) -> String {
         name("Undo", self.next_undo(), units)
     }
@@ -188,17 +189,17 @@ impl UndoStack {
         name("Redo", self.next_redo(), units)
     }
 
-    /// Changes whenever a step begins.
+    /// Returns the number of steps begun so far.
     pub fn begun(&self) -> u64 {
         self.begun
     }
 
-    /// Lets go of a deployment that was closed.
+    /// Removes the changes of a closed deployment.
     pub fn forget(&mut self, id: u64) {
         self.keep(|change| change.id != id);
     }
 
-    /// Lets go of what was put right in a deployment: its files say it now, and going back would not unsay it.
+    /// Removes the corrections of a deployment's data: its files contain them now, so undo could not revert them.
     pub fn forget_extras(&mut self, id: u64) {
         self.keep(|change| change.id != id || !matches!(change.what, Changed::Extras { .. }));
     }
@@ -213,7 +214,7 @@ impl UndoStack {
     }
 }
 
-impl Step {
+impl UndoStep {
     fn continues(&self, changes: &[Change], moment: Moment) -> bool {
         let in_time = (0.0..SAME_STEP_S).contains(&(moment.now_s - self.at_s))
             || moment.pressed_s.is_some_and(|pressed_s| self.at_s >= pressed_s);
@@ -223,17 +224,17 @@ impl Step {
     }
 }
 
-fn name(verb: &str, step: Option<&Step>, units: Units) -> String {
+fn name(verb: &str, step: Option<&UndoStep>, units: Units) -> String {
     let Some(change) = step.and_then(|step| step.changes.first()) else { return verb.to_owned() };
     let words = change.what.in_words(units);
-    // Menus are no wider than a line that is read at a glance.
+    // Truncated so that menus stay narrow.
     match words.char_indices().nth(LONGEST_NAME) {
         Some((end, _)) => format!("{verb} {}…", words[..end].trim_end()),
         None => format!("{verb} {words}"),
     }
 }
 
-/// Whether two changes turn the same knobs.
+/// Returns true if both changes are of the same settings.
 fn same_setting(a: &Change, b: &Change) -> bool {
     a.what.touched().is_some() && a.what.touched() == b.what.touched()
 }
@@ -262,7 +263,7 @@ mod tests {
         let mut stack = UndoStack::default();
         stack.record(change(with(2.0, 6.0), with(1.8, 6.0)), at(10.0, Some(9.9)));
         stack.record(change(with(1.8, 6.0), with(1.5, 6.0)), at(14.0, Some(9.9)));
-        // The next drag of the same line is a step of its own.
+        // The next drag of the same setting is a step of its own.
         stack.record(change(with(1.5, 6.0), with(1.0, 6.0)), at(20.0, Some(19.9)));
         let step = stack.undo().expect("two steps");
         assert_eq!(step.changes, change(with(1.5, 6.0), with(1.0, 6.0)));
@@ -311,11 +312,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_put_right_has_a_name_and_shares_the_stack() {
+    fn a_correction_has_a_name_and_shares_the_stack() {
         let mut stack = UndoStack::default();
         stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
         let mut extras = Extras::default();
-        extras.put_right.stations = Some([1, 3, 2]);
+        extras.corrections.stations = Some([1, 3, 2]);
         let words = "station numbers 1 2 3 → 1 3 2".to_owned();
         let what = Changed::Extras { both: Box::new([Extras::default(), extras]), words };
         stack.record(vec![Change { id: 1, what }], at(1.1, None));

@@ -1,7 +1,7 @@
-//! Units in which the window shows lengths and angles; everything is stored in metres and radians.
+//! Units in which the window shows lengths and angles; all values are stored in metres and radians.
 //!
-//! Each unit has a small one beside it for σ and differences: mm for both lengths, and for angles what people who
-//! read that unit use: mrad for radians, arcseconds for degrees, mgon for gon.
+//! Each unit has a small unit for σ and differences. It is mm for both lengths; for angles it is mrad for radians,
+//! arcseconds for degrees, and mgon for gon, as is customary.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub enum AngleUnit {
     Gon,
 }
 
-/// What the user reads times in.
+/// Unit of displayed times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeUnit {
@@ -35,14 +35,14 @@ pub enum TimeUnit {
     Elapsed,
     /// Seconds since the first measurement.
     Seconds,
-    /// The time of day, where the stamps tell it.
+    /// Time of day, if the stamps contain it.
     Utc,
 }
 
 impl TimeUnit {
     pub const ALL: [Self; 3] = [Self::Elapsed, Self::Seconds, Self::Utc];
 
-    /// The unit as it stands on an axis.
+    /// Returns the unit's label on an axis.
     pub fn name(self) -> &'static str {
         match self {
             Self::Elapsed => "h:m:s",
@@ -52,7 +52,7 @@ impl TimeUnit {
     }
 }
 
-/// What the user reads lengths, angles and times in.
+/// Units of displayed lengths, angles and times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Units {
@@ -64,7 +64,7 @@ pub struct Units {
 impl LengthUnit {
     pub const ALL: [Self; 2] = [Self::Metre, Self::Millimetre];
 
-    /// The symbol, as it stands behind a number.
+    /// Returns the symbol.
     pub fn name(self) -> &'static str {
         match self {
             Self::Metre => "m",
@@ -79,7 +79,7 @@ impl LengthUnit {
         }
     }
 
-    /// Decimals that show 0.1 mm.
+    /// Decimals for a resolution of 0.1 mm.
     pub(super) fn decimals(self) -> usize {
         match self {
             Self::Metre => 4,
@@ -91,7 +91,7 @@ impl LengthUnit {
 impl AngleUnit {
     pub const ALL: [Self; 3] = [Self::Radian, Self::Degree, Self::Gon];
 
-    /// The symbol, as it stands behind a number.
+    /// Returns the symbol.
     pub fn name(self) -> &'static str {
         match self {
             Self::Radian => "rad",
@@ -100,7 +100,7 @@ impl AngleUnit {
         }
     }
 
-    /// The unit of σ and differences.
+    /// Returns the symbol of the unit for σ and differences.
     pub fn small_name(self) -> &'static str {
         match self {
             Self::Radian => "mrad",
@@ -109,7 +109,7 @@ impl AngleUnit {
         }
     }
 
-    /// The unit of rates. Who reads radians has them as the paper and the settings do, in degrees.
+    /// Returns the symbol of the unit for rates: with radians it is °/s, as in the paper and the settings.
     pub fn rate_name(self) -> &'static str {
         match self {
             Self::Radian | Self::Degree => "°/s",
@@ -117,7 +117,7 @@ impl AngleUnit {
         }
     }
 
-    /// How many of [`Self::rate_name`] a degree a second is.
+    /// Returns the number of [`Self::rate_name`] in one °/s.
     pub fn rate_per_deg_per_s(self) -> f64 {
         match self {
             Self::Radian | Self::Degree => 1.0,
@@ -140,7 +140,7 @@ impl AngleUnit {
         }
     }
 
-    /// Decimals that show about 1 µrad.
+    /// Decimals for a resolution of about 1 µrad.
     pub(super) fn decimals(self) -> usize {
         match self {
             Self::Radian => 6,
@@ -148,7 +148,7 @@ impl AngleUnit {
         }
     }
 
-    /// Decimals of the small unit that show about 1 µrad or less.
+    /// Decimals of the small unit for a resolution of about 1 µrad or better.
     fn small_decimals(self) -> usize {
         match self {
             Self::Radian => 3,
@@ -159,52 +159,52 @@ impl AngleUnit {
 }
 
 impl Units {
-    /// A length to 0.1 mm, without its unit: numbers stand in columns under a heading that names it.
+    /// Formats a length to 0.1 mm without its unit, for columns whose heading contains it.
     pub fn length(self, metres: f64) -> String {
         without_negative_zero(metres * self.length.per_metre(), self.length.decimals())
     }
 
-    /// A length with its unit, for running text.
+    /// Formats a length with its unit, for running text.
     pub fn length_with_unit(self, metres: f64) -> String {
         format!("{} {}", self.length(metres), self.length.name())
     }
 
-    /// An angle to about 1 µrad, without its unit.
+    /// Formats an angle to about 1 µrad, without its unit.
     pub fn angle(self, radians: f64) -> String {
         without_negative_zero(radians * self.angle.per_radian(), self.angle.decimals())
     }
 
-    /// An angle with its unit, for running text.
+    /// Formats an angle with its unit, for running text.
     pub fn angle_with_unit(self, radians: f64) -> String {
         format!("{} {}", self.angle(radians), self.angle.name())
     }
 
-    /// σ of a length in mm, a dash where there is none.
+    /// Formats the σ of a length in mm; a dash for `None`.
     pub fn length_sigma(self, metres: Option<f64>) -> String {
         sigma_text(metres, 1)
     }
 
-    /// σ of an angle in [`AngleUnit::small_name`], a dash where there is none.
+    /// Formats the σ of an angle in [`AngleUnit::small_name`]; a dash for `None`.
     pub fn angle_sigma(self, radians: Option<f64>) -> String {
-        // The formatter counts in thousandths.
+        // `sigma_text` multiplies by a thousand.
         let thousandth = radians.map(|radians| radians * self.angle.small_per_radian() / 1e3);
         sigma_text(thousandth, self.angle.small_decimals())
     }
 
-    /// What differs between two sets of settings, with rates in the user's unit.
+    /// Describes the differences between two sets of settings, with rates in the user's unit.
     pub fn changes(self, before: &Settings, after: &Settings) -> String {
         let changes: Vec<SettingChange> =
             setting_changes(before, after).into_iter().map(|change| self.change(change)).collect();
         changes_in_words(&changes)
     }
 
-    /// A changed setting, in the user's unit where it is a rate.
+    /// Returns a changed setting, in the user's unit if it is a rate.
     pub fn change(self, change: SettingChange) -> SettingChange {
         if change.unit != AngleUnit::Degree.rate_name() {
             return change;
         }
         let told = |text: String| match text.parse::<f64>() {
-            // No noise from a change of unit.
+            // Hides rounding noise of the conversion.
             Ok(value) => {
                 ((value * self.angle.rate_per_deg_per_s() * 1e4).round() / 1e4).to_string()
             }
@@ -214,17 +214,17 @@ impl Units {
         SettingChange { before, after, unit: self.angle.rate_name(), ..change }
     }
 
-    /// A difference of lengths in mm, with its sign.
+    /// Formats a difference of lengths in mm, with its sign.
     pub fn length_difference(self, metres: f64) -> String {
         with_sign(metres * 1e3, 2)
     }
 
-    /// A difference of angles in [`AngleUnit::small_name`], with its sign.
+    /// Formats a difference of angles in [`AngleUnit::small_name`], with its sign.
     pub fn angle_difference(self, radians: f64) -> String {
         with_sign(radians * self.angle.small_per_radian(), self.angle.small_decimals())
     }
 
-    /// The same with its unit: another set-up is turned by as many as nobody reads in thousandths.
+    /// Formats a difference of angles with its unit; large ones, as between set-ups, in the unit of angles.
     pub fn angle_difference_in_words(self, radians: f64) -> String {
         if radians.abs() < LARGE_RAD {
             return format!("{} {}", self.angle_difference(radians), self.angle.small_name());
@@ -234,10 +234,10 @@ impl Units {
     }
 }
 
-/// What is turned by more is of another set-up (rad).
+/// Smallest rotation (rad) that indicates another set-up.
 const LARGE_RAD: f64 = 0.05;
 
-/// A number with so many decimals, and no sign before nothing but zeros.
+/// Formats a number with this many decimals, and without a minus sign if all digits are zero.
 pub fn without_negative_zero(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -246,14 +246,14 @@ pub fn without_negative_zero(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with so many decimals and its sign, which nothing but zeros have not.
+/// Formats a number with this many decimals and its sign; no sign if all digits are zero.
 pub fn with_sign(value: f64, decimals: usize) -> String {
     let text = without_negative_zero(value, decimals);
     let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     if zero || text.starts_with('-') { text } else { format!("+{text}") }
 }
 
-/// A sentence in which no line ends between a number and its unit, after ± or σ, or at an arrow.
+/// Replaces blanks by no-break ones between a number and its unit, after ± or σ, and at arrows.
 pub fn unbroken(sentence: &str) -> String {
     const UNITS: [&str; 15] = [
         "m", "mm", "km", "s", "ms", "min", "rad", "mrad", "µrad", "deg", "gon", "mgon", "ppm",

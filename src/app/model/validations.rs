@@ -1,25 +1,25 @@
-//! Whether the calibration of one open deployment holds for the others: what was asked, and what was found.
+//! Validation of one open deployment's calibration on the others: requests and results.
 
 use std::sync::Arc;
 
 use resect_core::progress::Progress;
 use resect_core::validation::Validation;
 
-/// An open deployment's answer: its id, and which of its answers it is.
+/// Identifies the result of an open deployment: the deployment's id, and the count of its result.
 pub type AnswerOf = (u64, u64);
 
-/// What was asked and found.
+/// Request and results.
 #[derive(Default)]
 pub struct Validations {
-    /// The answer whose calibration was asked about.
+    /// The result whose calibration is validated.
     pub of: Option<AnswerOf>,
-    /// What it was held against.
+    /// Validations by the result that the calibration was tested on.
     pub found: Vec<(AnswerOf, Validation)>,
-    /// The request's number.
+    /// Number and progress of the running request.
     pub running: Option<(u64, Arc<Progress>)>,
 }
 
-/// What came of a request.
+/// Results of a request.
 pub struct Validated {
     pub of: AnswerOf,
     pub found: Vec<(AnswerOf, Validation)>,

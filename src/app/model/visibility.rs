@@ -1,36 +1,36 @@
-//! What of a deployment the scene and the plots show.
+//! Visibility of the elements of a deployment in the scene and the plots.
 
 use serde::{Deserialize, Serialize};
 
 use resect_core::pipeline::SampleFate;
 
-/// What the scene and the plots show.
+/// Visible elements of the scene and the plots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
-    /// Readings in the scene by what became of them, in the order of [`SampleFate::ALL`].
+    /// Readings in the scene by fate, in the order of [`SampleFate::ALL`].
     pub fates: [bool; SampleFate::ALL.len()],
     pub tracks: bool,
-    /// Tracks in the scene by their prism.
+    /// Tracks in the scene by prism.
     pub prisms: [bool; 3],
     pub control_points: bool,
-    /// Arrows at the control points: what each station makes of them.
+    /// Arrows at the control points: the residual of each station.
     pub residuals: bool,
     /// The vehicle's frame along the track.
     pub poses: bool,
-    /// How well the vehicle's way is known: a tube about it.
+    /// Tube about the vehicle's trajectory: its uncertainty.
     pub tube: bool,
-    /// Where the vehicle went in other runs that are open.
+    /// Trajectories of the vehicle in other open runs.
     pub runs_beside: bool,
-    /// Trajectories of other systems.
+    /// Estimated trajectories of other systems.
     pub estimates: bool,
-    /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
+    /// Standard deviations of the interpolation: ellipsoids in the scene, bands in the plot.
     pub uncertainty: bool,
-    /// What the answer states about where stations 2 and 3 stand.
+    /// Ellipsoids of the estimated positions of stations 2 and 3.
     pub station_ellipsoids: bool,
-    /// Arrows at stations 2 and 3 along what the drive leaves free or weak.
+    /// Arrows at stations 2 and 3 along unobservable or weak directions.
     pub weak_directions: bool,
     /// Pairs of prisms in the plots.
     pub pairs: [bool; 3],
@@ -47,7 +47,7 @@ impl Default for Visibility {
             control_points: true,
             residuals: true,
             poses: true,
-            // They are made for who asks for them.
+            // Computed only on request.
             tube: false,
             runs_beside: false,
             estimates: true,
@@ -60,12 +60,12 @@ impl Default for Visibility {
 }
 
 impl Visibility {
-    /// Whether a station's track is drawn in the scene.
+    /// Returns true if a station's track is drawn in the scene.
     pub fn shows_track(&self, station: usize) -> bool {
         self.tracks && self.stations[station] && self.prisms[station]
     }
 
-    /// Whether readings of a fate, by its place in [`SampleFate::ALL`], are drawn in the scene.
+    /// Returns true if readings of a fate, by its index in [`SampleFate::ALL`], are drawn in the scene.
     pub fn shows_fate(&self, fate: usize) -> bool {
         self.raw && self.fates[fate]
     }
@@ -75,27 +75,29 @@ impl Visibility {
         self
     }
 
-    /// Shows or hides the readings of one fate.
+    /// Shows or hides the readings of a fate.
     pub fn with_fate_toggled(mut self, fate: usize) -> Self {
         toggle(&mut self.raw, &mut self.fates, fate);
         self
     }
 
-    /// Shows or hides the track of one prism.
+    /// Shows or hides the track of a prism.
     pub fn with_prism_toggled(mut self, prism: usize) -> Self {
         toggle(&mut self.tracks, &mut self.prisms, prism);
         self
     }
 
-    /// Shows everything in the scene; the plots keep their pairs, and what is made for who asks for it stays as it is.
+    /// Shows everything in the scene, but keeps the pairs of the plots and the layers that are computed on request.
     pub fn with_the_whole_scene(self) -> Self {
         let Self { pairs, tube, runs_beside, .. } = self;
         Self { pairs, tube, runs_beside, ..Self::default() }
     }
 }
 
-/// Toggles one of a group that has a switch of its own. With the switch off none is seen: the first that comes back comes
-/// alone, and when the last goes, the switch goes off, so that it can bring all of them back.
+/// Toggles one member of a group that has a switch of its own.
+///
+/// With the group off, only that member becomes visible. Hiding the last member turns the group off, so that its switch can
+/// show all again.
 fn toggle<const COUNT: usize>(all: &mut bool, each: &mut [bool; COUNT], one: usize) {
     let mut seen = each.map(|on| on && *all);
     seen[one] ^= true;

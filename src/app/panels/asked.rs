@@ -1,4 +1,4 @@
-//! What the user is asked, over the panes: which files, topics or columns are what, and what files are for.
+//! Questions to the user in a dialog: files, topics, columns, and the purpose of files.
 
 mod columns;
 mod trouble;
@@ -12,7 +12,7 @@ use crate::app::model::{
 };
 
 const WIDTH: f32 = 560.0;
-/// Width of the dialog with a table in it.
+/// Width of a dialog with a table (points).
 const WIDE: f32 = 980.0;
 
 pub fn ui(ctx: &egui::Context, asked: &Asked, commands: &mut Commands) {
@@ -68,9 +68,9 @@ fn buttons(ui: &mut egui::Ui, asked: &Asked, commands: &mut Commands) {
 }
 
 fn ask_tracks(ui: &mut egui::Ui, asked: &AskedTracks, commands: &mut Commands) {
-    ui.heading("Which file holds the tracks?");
+    ui.heading("Choose the file with the tracks");
     ui.label(format!(
-        "{} has several. Choose one; or all parts of a recording that was split.",
+        "{} has several. Choose one, or all parts of a split recording.",
         asked.folder
     ));
     ui.add_space(6.0);
@@ -95,7 +95,7 @@ fn ask_stations(ui: &mut egui::Ui, asked: &AskedStations, commands: &mut Command
             ("file", format!("The files of {} hold one station each.", asked.place))
         }
     };
-    ui.heading(format!("Which {what} is which station?"));
+    ui.heading(format!("Assign a {what} to each station"));
     ui.label(why);
     ui.add_space(6.0);
     let mut edited = asked.clone();
@@ -133,7 +133,7 @@ fn ask_stations(ui: &mut egui::Ui, asked: &AskedStations, commands: &mut Command
 }
 
 fn ask_files(ui: &mut egui::Ui, asked: &AskedFiles, commands: &mut Commands) {
-    ui.heading("What are these files for?");
+    ui.heading("Use these files?");
     let mut names: Vec<String> = Vec::new();
     let short = |path: &std::path::Path| {
         path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
@@ -153,12 +153,9 @@ fn ask_files(ui: &mut egui::Ui, asked: &AskedFiles, commands: &mut Commands) {
         }
     }
     if let Some((_, name)) = asked.targets.get(asked.target) {
-        let replaces = if asked.extras.rig.is_some() {
-            "The rig takes the place of the one it has; "
-        } else {
-            ""
-        };
-        let text = format!("{replaces}{name} is read again with them. It can be undone.");
+        let replaces =
+            if asked.extras.rig.is_some() { "The rig replaces the present one; " } else { "" };
+        let text = format!("{replaces}{name} is read again with them. Undo reverts it.");
         ui.label(RichText::new(text).weak());
     }
     if edited != *asked {
@@ -174,14 +171,14 @@ fn ask_toml(ui: &mut egui::Ui, asked: &AskedToml, _commands: &mut Commands) {
         ui.label(format!("• {change}"));
     }
     if asked.said.is_empty() {
-        ui.label("It says all of this already.");
+        ui.label("No change: the file has all of this already.");
     }
-    ui.label(RichText::new("Comments, and everything else in it, stay.").weak());
+    ui.label(RichText::new("Comments and all other entries stay.").weak());
     if !asked.stays.is_empty() {
-        let text = "Files that do not lie in this folder stay in the session.";
+        let text = "Files outside this folder stay in the session.";
         ui.label(RichText::new(text).weak());
     }
-    ui.collapsing("The whole file as it would be", |ui| {
+    ui.collapsing("Preview of the whole file", |ui| {
         let size = ui.ctx().content_rect().height() - 340.0;
         egui::ScrollArea::vertical().max_height(size.max(80.0)).show(ui, |ui| {
             ui.add(egui::Label::new(RichText::new(&asked.after).monospace()).wrap());

@@ -1,4 +1,4 @@
-//! The command palette: type what you want to do.
+//! The command palette: runs an action that the user types.
 
 use egui::{Event, Key};
 
@@ -9,7 +9,7 @@ use crate::app::state::State;
 
 const WIDTH: f32 = 520.0;
 const MOST_LINES_IN_SIGHT: f32 = 14.0;
-/// Room for the text field and the edges of the dialog (points).
+/// Height of the text field and the edges of the dialog (points).
 const AROUND_THE_LIST: f32 = 90.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut Commands) {
@@ -19,17 +19,17 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         .frame(egui::Frame::popup(&ctx.global_style()).inner_margin(10.0));
     let response = modal.show(ctx, |ui| {
         ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 40.0));
-        // Before the text field, which would take them.
+        // Reads these keys before the text field consumes them.
         let (down, up, enter) = ui.input_mut(|input| {
             let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
             (pressed(Key::ArrowDown), pressed(Key::ArrowUp), pressed(Key::Enter))
         });
         let field = egui::TextEdit::singleline(&mut edited.query)
-            .hint_text("What do you want to do?")
+            .hint_text("Search the commands")
             .desired_width(f32::INFINITY);
         let field = ui.add(field).accessible_name("Command");
         if !field.has_focus() {
-            // What is typed before the field has the focus, in its first frame, would be lost.
+            // Text typed in the first frame, before the field has the focus, would be lost.
             let typed = |event: &Event| match event {
                 Event::Text(text) => Some(text.clone()),
                 _ => None,
@@ -41,7 +41,7 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         if edited.query != palette.query {
             edited.chosen = 0;
         }
-        // By what is typed by now: a slow frame has words and Enter in it.
+        // Uses the present text, because a slow frame may contain both words and Enter.
         let found = actions::matching(&all, &edited.query);
         let last = found.len().saturating_sub(1);
         edited.chosen = edited.chosen.min(last);
@@ -54,7 +54,7 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         ui.add_space(4.0);
         let mut done = enter.then(|| found.get(edited.chosen)).flatten();
         if found.is_empty() {
-            ui.weak("Nothing that can be done now has these words.");
+            ui.weak("No matching command.");
         }
         lines(ui, &found, edited.chosen, up || down, &mut done);
         done.and_then(|action| action.command.clone())
@@ -67,7 +67,7 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
     }
 }
 
-/// One line for each action; the one that is clicked is done.
+/// Shows one line per action; a click runs it.
 fn lines<'a>(
     ui: &mut egui::Ui,
     found: &'a [Action],
@@ -77,7 +77,7 @@ fn lines<'a>(
 ) {
     let height = MOST_LINES_IN_SIGHT * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
     let height = height.min(ui.ctx().content_rect().height() - AROUND_THE_LIST);
-    // Always as high: a dialog gets no more room than it took before, and would stay small after few lines.
+    // The height is constant, because a dialog gets no more room than in the last frame, and would stay small after a short list.
     ui.set_min_height(ui.min_rect().height() + height);
     egui::ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
         for (index, action) in found.iter().enumerate() {

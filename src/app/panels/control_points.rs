@@ -1,4 +1,4 @@
-//! The control points, one by one: what each station makes of them, and whether the answer rests on them.
+//! The control points: residuals by station, and their use in the calibration.
 
 use egui::{RichText, Role, WidgetInfo};
 
@@ -8,22 +8,19 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::palette;
 
-/// Width of a column with room for a name or a number (points).
+/// Width of a column for a name or a number (points).
 const COLUMN: f32 = 50.0;
 
-/// Numbers first: names of files are wide, and may be out of sight.
+/// Numbers come first, because names of files are wide and may be outside the visible region.
 const COLUMNS: [(&str, &str); 8] = [
-    (
-        "point",
-        "The letter of its set in the scene, and its number; a click brings the camera to it",
-    ),
-    ("station", "The station whose reading it is"),
-    ("x (mm)", "What the station makes of it, from the mean of the stations, in station 1's frame"),
-    ("y (mm)", "The same along y"),
-    ("z (mm)", "The same upwards"),
-    ("3D (mm)", "How far the station's version is from the mean"),
-    ("used", "Whether the answer rests on it; what it does not rest on tells whether it is right"),
-    ("set", "The file it was read from"),
+    ("point", "Letter of its set in the scene, and its number; click to move the camera there"),
+    ("station", "Station that took the reading"),
+    ("x (mm)", "Position by this station minus the mean of the stations, in station 1's frame"),
+    ("y (mm)", "The same difference along y"),
+    ("z (mm)", "The same difference along z (up)"),
+    ("3D (mm)", "Distance from the mean of the stations"),
+    ("used", "Points that the calibration uses; the others check it independently"),
+    ("set", "File that it was read from"),
 ];
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -37,13 +34,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.label(why_none(state));
             return;
         }
-        let what = "Each station's version minus the mean of the stations, in station 1's frame.";
+        let what = "Position by each station minus the mean of the stations, in station 1's frame.";
         ui.label(RichText::new(what).small().weak());
-        // What is to the right of the edge must be seen to be there.
+        // A visible scroll bar shows that there are more columns.
         let solid = egui::style::ScrollStyle::solid();
         ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length: 0.0, ..solid };
         egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
-            // The heads stay where the rows scroll, so both have columns of one width.
+            // The header does not scroll with the rows, so both have columns of fixed width.
             grid("heads of control points").show(ui, |ui| {
                 for (title, hint) in COLUMNS {
                     let text = RichText::new(title).small().weak();
@@ -70,7 +67,7 @@ fn grid(name: &str) -> egui::Grid {
     egui::Grid::new(name).min_col_width(COLUMN).spacing([6.0, 2.0])
 }
 
-/// A number, or the head of a column of them, to the right of its column.
+/// A right-aligned number, or the heading of a column of them.
 fn number_cell(ui: &mut egui::Ui, text: RichText) -> egui::Response {
     let (rect, _) = ui.allocate_exact_size(
         egui::vec2(COLUMN, ui.spacing().interact_size.y),
@@ -80,14 +77,14 @@ fn number_cell(ui: &mut egui::Ui, text: RichText) -> egui::Response {
     ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(layout)).label(text)
 }
 
-/// A row for each station that measured the point.
+/// Shows a row for each station that measured the point.
 fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
     let stations = (0..3).filter_map(|station| Some((station, point.residuals_m[station]?)));
     for (row, (station, residual_m)) in stations.enumerate() {
         if row == 0 {
             let button = ui.add(egui::Button::new(RichText::new(&point.name).strong()).small());
-            let name = format!("Come to control point {}", point.name);
+            let name = format!("Go to control point {}", point.name);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
             if button.on_hover_text(name).clicked() {
                 commands.push(WorkspaceCommand::ShowPane(Pane::Scene).into());
@@ -118,11 +115,11 @@ fn why_none(state: &State) -> &'static str {
     let Some((open, analysis)) = state.analysed() else { return "" };
     match &analysis.answer {
         _ if open.deployment.control_points.is_empty() => {
-            "This deployment has no control points; the Deployment pane adds them under Put right."
+            "This deployment has no control points. Add them in the Deployment pane, under Corrections."
         }
-        Err(_) => "There is no answer that places the control points.",
+        Err(_) => "No result places the control points.",
         Ok(answer) if answer.calibration.placing_control_points(&open.deployment).is_none() => {
-            "This answer is about the frame of the tracks, in which the control points have no place."
+            "This result is in the frame of the tracks, in which the control points have no position."
         }
         Ok(_) => "No control point was measured by two stations.",
     }

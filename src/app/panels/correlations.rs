@@ -1,4 +1,4 @@
-//! How the errors of the eight numbers go together: their correlations as a table, shaded by size.
+//! Correlations of the eight numbers as a table, shaded by size.
 
 use egui::{Align2, Color32, FontId, Rect, Sense, Vec2};
 use nalgebra::SMatrix;
@@ -42,14 +42,14 @@ pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
             }
         }
         ui.small(
-            "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the one cannot be told without the other. \
-             Vermilion: both are too large together; blue: one as the other is too small.",
+            "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the data do not separate the two. \
+             Vermilion: positive correlation; blue: negative.",
         );
     });
     words::explain(shown.header_response, &glossary::CORRELATION);
 }
 
-/// The stronger the more two numbers err together, the ground for nothing.
+/// Returns a colour that is stronger for a larger correlation; the background colour for zero.
 fn shade(value: f64, dark: bool) -> Color32 {
     let colour = theme::rgb(palette::correlation(value));
     theme::scene_background(dark).lerp_to_gamma(colour, 0.7 * value.abs() as f32)

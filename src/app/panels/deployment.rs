@@ -1,6 +1,6 @@
-//! What is open: the deployments, and of the active one stations with their counts and visibility, files, rig.
+//! The open deployments, and for the active one its stations with counts and visibility, its files, and its rig.
 
-use super::{finding, heading, put_right, scrolled};
+use super::{corrections, finding, heading, scrolled};
 use crate::app::model::{
     Commands, DeploymentCommand, OpenDeployment, SceneCommand, SessionCommand, Visibility,
 };
@@ -30,7 +30,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.label(format!("{duration_s:.0} s of measurements"));
         ui.add_space(2.0);
         stations(ui, state, open, commands);
-        put_right::ui(ui, state, open, commands);
+        corrections::ui(ui, state, open, commands);
 
         heading(ui, "Rig");
         match &deployment.rig {
@@ -68,7 +68,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Every open deployment: a click shows it, the cross closes it.
+/// Lists the open deployments: a click shows one, the cross closes it.
 fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for (open, name) in state.deployments.open.iter().zip(state.names()) {
         let active = state.active().is_some_and(|active| active.id == open.id);
@@ -97,12 +97,12 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Lists what of the session could not be opened: it stays in the session until the user takes it out.
+/// Lists deployments of the session that could not be opened; they stay in the session until the user removes them.
 fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let missing = state.session.missing.iter().zip(state.session.missing_names());
     for (index, (missing, name)) in missing.enumerate() {
         ui.horizontal(|ui| {
-            let out = format!("Take {name} out of the session");
+            let out = format!("Remove {name} from the session");
             let button = ui.add(egui::Button::new("×").small().frame(false)).on_hover_text(&out);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &out));
             if button.clicked() {
@@ -143,8 +143,8 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
             .on_hover_text("The vehicle's frame along its track: x red, y green, z blue");
         let stated = open.analysis.as_ref().is_some_and(|a| a.pipeline.triplets.sigma_m.is_some());
         ui.add_enabled(stated, egui::Checkbox::new(&mut visibility.uncertainty, "uncertainty"))
-            .on_hover_text("What the interpolation states about its own error")
-            .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
+            .on_hover_text("σ of the interpolation")
+            .on_disabled_hover_text("Straight lines have no σ: choose a Gaussian process");
     });
     what_is_known(ui, open, &mut visibility);
     if visibility != state.scene.visibility {
@@ -152,7 +152,7 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
     }
 }
 
-/// Switches for how well the answer holds stations 2 and 3.
+/// Shows switches for the uncertainty of stations 2 and 3.
 fn what_is_known(ui: &mut egui::Ui, open: &OpenDeployment, visibility: &mut Visibility) {
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.as_deref().ok());
     let calibration = answer.map(|answer| &answer.calibration);
@@ -166,13 +166,13 @@ fn what_is_known(ui: &mut egui::Ui, open: &OpenDeployment, visibility: &mut Visi
         let ellipsoids = ui.add_enabled(stated, ellipsoids);
         words::mark(&ellipsoids, &[&glossary::ELLIPSOID, &glossary::SIGMA]);
         ellipsoids
-            .on_hover_text("Ellipsoids in which stations 2 and 3 stand with 95 % probability")
-            .on_disabled_hover_text("No σ: a direction is free");
+            .on_hover_text("95 % confidence ellipsoids of stations 2 and 3")
+            .on_disabled_hover_text("No σ: a direction is unobservable");
         let arrows = egui::Checkbox::new(&mut visibility.weak_directions, "weak directions");
         let arrows = ui.add_enabled(weak, arrows);
         words::mark(&arrows, &[&glossary::WEAK_DIRECTION]);
         arrows
-            .on_hover_text("How stations 2 and 3 can move without the distances noticing much")
-            .on_disabled_hover_text("The drive holds every direction");
+            .on_hover_text("Motions of stations 2 and 3 that the distances hardly constrain")
+            .on_disabled_hover_text("Every direction is observable");
     });
 }

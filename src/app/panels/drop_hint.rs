@@ -1,4 +1,4 @@
-//! What the files that hover over the window would do.
+//! Preview of what happens to the files that are dragged over the window.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let active = state.active().and_then(|open| state.name_of(open.id));
     let hovering = &state.dialogs.hovering;
     let text = match &hovering.sorted {
-        // Some systems tell what it is only when it is dropped.
+        // Some systems report the paths only at the drop.
         _ if paths.is_empty() => GENERAL.to_owned(),
         Some(sorted) if hovering.paths == paths => in_words(sorted, active.as_deref()),
         _ => format!("{}…", names(&paths)),
@@ -38,7 +38,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         (rect.width() - 80.0).max(200.0),
     );
     let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
-    // A label, which screen readers say, and not only paint.
+    // A label, because screen readers do not read painted text.
     egui::Area::new(egui::Id::unique("drop hint's text"))
         .order(egui::Order::Foreground)
         .interactable(false)
@@ -47,9 +47,9 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 const GENERAL: &str = "Drop a deployment's folder, a bag or a polar CSV to open it;\n\
-    control points, a rig, GNSS or settings to use them with the one that is open;\n\
-    trajectories of other systems (TUM, EuRoC, KITTI, CSV) to be judged by it;\n\
-    a session to go on with it";
+    control points, a rig, GNSS or settings to use them with the open deployment;\n\
+    trajectories of other systems (TUM, EuRoC, KITTI, CSV) to evaluate them against it;\n\
+    a session to continue it";
 
 fn name(path: impl AsRef<Path>) -> String {
     let path = path.as_ref();
@@ -60,7 +60,7 @@ fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// One line for each thing that would be done. `active`: the name of the deployment that is open.
+/// Lists the actions, one per line. `active`: name of the open deployment.
 fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
     let mut lines = Vec::new();
     for path in &sorted.deployments {
@@ -82,16 +82,16 @@ fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
         lines.push(format!("Use the GNSS solutions {} for {whose}", names(&extras.gnss)));
     }
     if !sorted.estimates.is_empty() {
-        lines.push(format!("Judge {} by {whose}", names(&sorted.estimates)));
+        lines.push(format!("Evaluate {} against {whose}", names(&sorted.estimates)));
     }
     for path in &sorted.settings {
         lines.push(format!("Use the settings of {}", name(path)));
     }
     for path in &sorted.sessions {
-        lines.push(format!("Go on with the session {}", name(path)));
+        lines.push(format!("Continue the session {}", name(path)));
     }
     for why in &sorted.unknown {
-        lines.push(format!("Nothing to do with {why}"));
+        lines.push(format!("Not usable: {why}"));
     }
     lines.join("\n")
 }
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(
             in_words(&sorted, Some("day 1")),
             "Open day 2\nAdd the control points a.txt, b.txt to it\nUse the rig rig.csv for it\n\
-             Nothing to do with notes.txt: not recognised"
+             Not usable: notes.txt: not recognised"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! What the scene's pane shows while nothing is open: what the program is, and what to do first.
+//! Content of the scene's pane while nothing is open: a description of the program, and the first steps.
 
 use egui::RichText;
 
@@ -12,16 +12,16 @@ const MOST_RECENT: usize = 5;
 const STEPS: [(&str, &str); 3] = [
     (
         "Open a deployment",
-        "Its folder, a bag of ROS 1 or ROS 2, or a CSV of polar measurements (timestamp, id, distance, ha, va). Control points, rig and \
-         GNSS beside it are found by what is in them.",
+        "A folder, a ROS 1 or ROS 2 bag, or a CSV of polar measurements (timestamp, id, distance, ha, va). Control points, rig and \
+         GNSS beside it are recognised by their content.",
     ),
     (
         "Look and tune",
-        "The scene and the plots show what becomes of every reading. Each filter on the left is a switch and a few sliders.",
+        "The scene and the plots show if each reading is used or rejected. Each filter on the left has a switch and sliders.",
     ),
     (
         "Read the verdict",
-        "On the right: good, weak, ambiguous or degenerate, why, and the transforms with their uncertainty.",
+        "On the right: good, weak, ambiguous or degenerate, the reasons, and the transforms with their uncertainty.",
     ),
 ];
 
@@ -31,7 +31,7 @@ pub fn ui(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
         let margin = ((ui.available_width() - width) / 2.0).max(12.0);
         ui.add_space((ui.available_height() / 10.0).clamp(8.0, 60.0));
         let column = egui::Margin { left: margin as i8, ..egui::Margin::ZERO };
-        // A margin is a small number; the rest is space.
+        // A margin is limited to small values; the remaining width is added as space.
         let left = margin - f32::from(column.left);
         ui.horizontal_top(|ui| {
             ui.add_space(left);
@@ -48,7 +48,7 @@ pub fn ui(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
 fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
     ui.heading("resect");
     ui.label(
-        "Finds where three robotic total stations stood to each other, and says how far the answer can be trusted.",
+        "Estimates the relative poses of three robotic total stations, and how reliable the result is.",
     );
     ui.add_space(10.0);
     for (number, (what, how)) in STEPS.iter().enumerate() {
@@ -67,17 +67,17 @@ fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
         ui.label("or drop files anywhere on the window");
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Show the guide").on_hover_text("The whole way, step by step").clicked() {
+        if ui.button("Show the guide").on_hover_text("All steps in order").clicked() {
             commands.push(WorkspaceCommand::ShowPane(Pane::Guide).into());
         }
-        ui.label("from your data to an answer that can be trusted");
+        ui.label("from your data to a reliable result");
     });
     ui.add_space(10.0);
     ui.strong("No data at hand?");
     ui.horizontal_wrapped(|ui| {
         for sample in Sample::ALL {
             let button = ui.button(format!("Try {}", sample.title()));
-            if button.on_hover_text("A simulated deployment, part of the program").clicked() {
+            if button.on_hover_text("A simulated deployment, built into the program").clicked() {
                 commands.push(DeploymentCommand::OpenSample(sample).into());
             }
         }
@@ -86,7 +86,7 @@ fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
         return;
     }
     ui.add_space(10.0);
-    ui.strong("Open before");
+    ui.strong("Recent");
     for (recent, name) in session.recent.iter().zip(session.recent_names()).take(MOST_RECENT) {
         let source = &recent.source;
         let where_it_is = source.path().map_or(String::new(), |path| path.display().to_string());

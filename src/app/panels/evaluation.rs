@@ -1,5 +1,5 @@
-//! Trajectories of other systems against the deployment's: which is better, by how much, whether that is more than chance,
-//! and where somebody is wrong.
+//! Evaluation of other systems' trajectories against the ground truth of the deployment: ranking, significance, and spans in which one of
+//! them is wrong.
 
 use egui::RichText;
 
@@ -13,11 +13,11 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Verdict;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{Judged, Judgement, Unjudged};
+use resect_core::estimates::{EstimatesJudgement, Judged, Unjudged};
 use resect_core::palette;
 use resect_report::estimates::{Angles, compared, contradiction, rows};
 
-/// Widest that a sentence gets (points).
+/// Greatest width of a sentence (points).
 const SENTENCE: f32 = 620.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -26,7 +26,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     };
     scrolled(ui, |ui| {
-        // Sentences are read in lines that are not too long; tables may be wider, and are moved sideways by themselves.
+        // Sentences have a limited width; tables may be wider, and scroll sideways on their own.
         ui.scope(|ui| {
             ui.set_max_width(ui.available_width().min(SENTENCE));
             added(ui, open, commands);
@@ -37,12 +37,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if open.judging.judgement.is_running() {
                 ui.horizontal(|ui| {
                     ui.spinner();
-                    ui.label("judging");
+                    ui.label("evaluating");
                 });
             }
             let Some(judgement) = open.judging.judgement.newest.as_deref() else {
                 if let Some(Err(why)) = open.analysis.as_ref().map(|analysis| &analysis.answer) {
-                    ui.label(format!("There is no ground truth: {why}"));
+                    ui.label(format!("No ground truth: {why}"));
                 }
                 return;
             };
@@ -62,7 +62,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What was added, and how more is.
+/// Lists the added trajectories, and offers to add more.
 fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let judging = &open.judging;
     if judging.added.is_empty() {
@@ -81,7 +81,7 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             )
             .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
-            let name = format!("Take {} away", estimate.name);
+            let name = format!("Remove {}", estimate.name);
             let button = ui.small_button("×").on_hover_text(&name);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
@@ -96,7 +96,7 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     }
 }
 
-/// Says so where the ground truth is not good itself: what it says of others is worth no more.
+/// Warns if the ground truth itself is not good, because the results are then no better.
 fn doubt(ui: &mut egui::Ui, open: &OpenDeployment) {
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.as_ref().ok());
     let verdict = answer.map(|answer| answer.calibration.verdict);
@@ -104,37 +104,45 @@ fn doubt(ui: &mut egui::Ui, open: &OpenDeployment) {
         let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
         let word = format!(" {} ", verdict.name());
         ui.label(RichText::new(word).color(ink).background_color(ground).strong());
-        let line = "The ground truth itself: what it says of trajectories is worth no more. Result says why.";
+        let line = format!(
+            "The ground truth is {}, so these results are no more reliable. The Result pane gives the reasons.",
+            verdict.name()
+        );
         ui.add(egui::Label::new(line).wrap());
     }
 }
 
-/// A badge and a sentence for each two of them, and who could not be judged.
-fn ranking(ui: &mut egui::Ui, state: &State, judgement: &Judgement, commands: &mut Commands) {
+/// Shows a badge and a sentence for each compared pair, and the trajectories that could not be evaluated.
+fn ranking(
+    ui: &mut egui::Ui,
+    state: &State,
+    judgement: &EstimatesJudgement,
+    commands: &mut Commands,
+) {
     ui.add_space(4.0);
     for two in &judgement.comparisons {
         let (word, verdict) = if two.is_significant() {
             let name = short::of_trajectory(ui, &judgement.judged[two.better].estimate.name);
             (format!(" {name} is better "), Verdict::Good)
         } else {
-            (" not decided ".to_owned(), Verdict::Weak)
+            (" inconclusive ".to_owned(), Verdict::Weak)
         };
         let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
         ui.label(RichText::new(word).color(ink).background_color(ground).strong());
         ui.add(egui::Label::new(compared(judgement, two)).wrap());
     }
-    // What the ground truth lacks is said once.
+    // Each deficiency of the ground truth is reported once.
     let mut said: Vec<&Unjudged> = judgement.unjudged.iter().map(|(_, why)| why).collect();
     said.dedup();
     said.into_iter().for_each(|why| finding(ui, state, &why.finding(), commands));
 }
 
-/// Spans in which the estimate and the ground truth contradict each other; a click leads there.
+/// Lists the spans in which the estimate and the ground truth contradict each other; a click selects them.
 fn odd(
     ui: &mut egui::Ui,
     state: &State,
     open: &OpenDeployment,
-    judgement: &Judgement,
+    judgement: &EstimatesJudgement,
     commands: &mut Commands,
 ) {
     let spans = judgement.judged.iter().flat_map(|one| one.odd.iter().map(move |span| (one, span)));
@@ -143,7 +151,7 @@ fn odd(
         return;
     }
     spans.sort_by(|a, b| a.1.span_s[0].total_cmp(&b.1.span_s[0]));
-    heading(ui, "Where they contradict each other");
+    heading(ui, "Contradictions with the ground truth");
     let scale = TimeScale::new(state.workspace.units.time, open.start_s());
     for (one, span) in spans {
         ui.horizontal_wrapped(|ui| {
@@ -160,7 +168,7 @@ fn odd(
     }
 }
 
-/// Where the readings are wrong, the errors of their distances are what tells it; else the trajectory stays in sight.
+/// Selects a span. For wrong readings it shows the distance errors, which reveal them; otherwise the trajectory stays visible.
 fn look_at(span: &OddSpan, commands: &mut Commands) {
     if matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut) {
         commands.push(TimeCommand::LookAtTimes(span.span_s).into());
@@ -173,8 +181,8 @@ fn look_at(span: &OddSpan, commands: &mut Commands) {
     commands.push(TimeCommand::MoveCursor(0.5 * (from_s + to_s)).into());
 }
 
-/// A column each.
-fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles: Angles) {
+/// Shows a table of errors with one column per trajectory.
+fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgement, angles: Angles) {
     if judgement.judged.is_empty() {
         return;
     }
@@ -187,7 +195,7 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
                 let name = short::of_trajectory(ui, &one.estimate.name);
-                // Above where its numbers end.
+                // The heading is above the end of its numbers.
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     ui.label(RichText::new(name).color(colour).strong())
                         .on_hover_text(&one.estimate.name);
@@ -202,7 +210,7 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
             for (label, cells) in &rows {
                 words::explain_text(ui.small(label), label);
                 for (cell, width) in cells.iter().zip(&widths) {
-                    // Numbers end under each other.
+                    // Numbers are aligned at their ends.
                     let text = RichText::new(format!("{cell:>width$}"));
                     ui.label(text.small().family(egui::FontFamily::Monospace));
                 }
@@ -212,7 +220,7 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
     });
 }
 
-/// Turns of a few thousandths are small numbers in radians; the other units are told as they are.
+/// Shows small rotations in mrad instead of radians; other units are unchanged.
 fn angles(units: Units) -> Angles {
     match units.angle {
         AngleUnit::Radian => Angles { per_radian: 1e3, unit: "mrad" },

@@ -1,4 +1,4 @@
-//! Everything that the readers, the pipeline and the solver noticed.
+//! All findings of the readers, the pipeline and the solver.
 
 use super::{finding, heading, scrolled};
 use crate::app::model::Commands;

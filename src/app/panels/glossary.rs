@@ -1,4 +1,4 @@
-//! The words of the field, to be looked up: those that F1 was pressed on, or all that have what is typed.
+//! The glossary: the terms on which F1 was pressed, or all terms that match a query.
 
 use crate::app::model::{Commands, DialogCommand, Lookup};
 use crate::app::theme;
@@ -14,7 +14,7 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
         let size = SIZE.min(ui.ctx().content_rect().size() - egui::vec2(60.0, 120.0));
         ui.set_width(size.x);
         ui.horizontal(|ui| {
-            ui.heading("Words");
+            ui.heading("Glossary");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Close").clicked() {
                     commands.push(DialogCommand::CloseOverlay.into());
@@ -22,10 +22,10 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
             });
         });
         let field = egui::TextEdit::singleline(&mut edited.query)
-            .hint_text("A word, or what it is about")
+            .hint_text("A term, or a word of its explanation")
             .desired_width(f32::INFINITY);
         ui.add(field).accessible_name("Word").request_focus();
-        // One that is typed leaves the field only.
+        // Escape inside the text field only releases its focus.
         if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             commands.push(DialogCommand::CloseOverlay.into());
         }
@@ -33,7 +33,7 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
         let some = edited.query.trim().is_empty() && !edited.of.is_empty();
         let found = if some { edited.of.clone() } else { glossary::matching(&edited.query) };
         let height = size.y - 90.0;
-        // A dialog offers no more room than it had; what is found by the next letter may need it.
+        // A dialog gets no more room than in the last frame, but the next letter may find more terms.
         theme::keep_handle(ui);
         let list = egui::ScrollArea::vertical().auto_shrink([false, true]).max_height(height);
         list.min_scrolled_height(height).show(ui, |ui| {
@@ -43,9 +43,9 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
             }
         });
         if found.is_empty() {
-            ui.weak("No word has this in it.");
+            ui.weak("No matching term.");
         }
-        if some && ui.button("All words").clicked() {
+        if some && ui.button("All terms").clicked() {
             edited.of.clear();
         }
     });

@@ -1,4 +1,4 @@
-//! The guide: from data to an answer that is trusted, step by step, with buttons that do each step. [`steps`] has its words.
+//! The guide from data to a trusted result, step by step, with buttons for each step. [`steps`] has its texts.
 
 #[cfg(test)]
 mod advice_tests;
@@ -7,7 +7,7 @@ mod steps;
 
 use egui::RichText;
 
-use self::steps::{Part, STEPS, Step};
+use self::steps::{GuideStep, Part, STEPS};
 use super::{finding, result, scrolled};
 use crate::app::actions;
 use crate::app::actions::{Action, Menu};
@@ -18,7 +18,7 @@ use resect_core::calibration::Verdict;
 use resect_core::deployment::{ADVICE, Advice, Finding, Severity, doubts};
 use resect_report::glossary;
 
-/// The most words shown below the steps, of those that have what is sought.
+/// Greatest number of terms shown below the steps in a search.
 const MOST_WORDS: usize = 6;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -26,7 +26,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut query: String = ui.data(|data| data.get_temp(query_id)).unwrap_or_default();
     egui::Frame::new().inner_margin(egui::Margin { bottom: 0, ..8.into() }).show(ui, |ui| {
         let field = egui::TextEdit::singleline(&mut query)
-            .hint_text("Search the guide and the words")
+            .hint_text("Search the guide and the glossary")
             .desired_width(f32::INFINITY);
         if ui.add(field).accessible_name("Search the guide").changed() {
             ui.data_mut(|data| data.insert_temp(query_id, query.clone()));
@@ -43,7 +43,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What the steps are drawn from.
+/// Data and commands of the steps.
 struct Guide<'a> {
     state: &'a State,
     actions: &'a [Action],
@@ -53,7 +53,7 @@ struct Guide<'a> {
 impl<'a> Guide<'a> {
     fn steps(&mut self, ui: &mut egui::Ui) {
         let own_data = self.state.active().is_some_and(|open| !open.placeholder);
-        // Where the user is when the guide is opened.
+        // The step that is open at first: the user's present one.
         let first = usize::from(own_data);
         for (index, step) in STEPS.iter().enumerate() {
             let title = RichText::new(format!("{}  {}", index + 1, step.title)).strong();
@@ -68,7 +68,7 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// Every part that has all words of the query, with the buttons below it; then the words of the field.
+    /// Shows the parts that contain all words of the query, with their buttons, and then the matching terms.
     fn found(&mut self, ui: &mut egui::Ui, query: &str) {
         let wanted: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
         let has = |texts: &[&str]| {
@@ -96,14 +96,14 @@ impl<'a> Guide<'a> {
         let terms = glossary::matching(query);
         if !terms.is_empty() {
             ui.add_space(6.0);
-            ui.strong("Words");
+            ui.strong("Glossary");
             for term in terms.iter().take(MOST_WORDS) {
                 ui.add_space(4.0);
                 words::entry(ui, term);
             }
         }
         if !any && terms.is_empty() {
-            ui.weak("Neither the guide nor the words have this. Ctrl+P finds what can be done.");
+            ui.weak("No match in the guide or the glossary. Ctrl+P searches the commands.");
         }
     }
 
@@ -126,7 +126,7 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// A button for an entry of a menu.
+    /// Adds a button for a menu entry.
     fn button(&mut self, ui: &mut egui::Ui, (menu, name): (Menu, &str)) {
         let found = self.actions.iter().find(|action| action.menu == menu && action.name == name);
         let Some(action) = found else { return };
@@ -137,7 +137,7 @@ impl<'a> Guide<'a> {
             if action.hint.is_empty() { button } else { button.on_hover_text(action.hint) };
         let why_not = match self.state.active() {
             None => "Open a deployment first",
-            Some(_) => "Not now: there is nothing for it to work on",
+            Some(_) => "Not available for the present data",
         };
         if button.on_disabled_hover_text(why_not).clicked() {
             self.commands.extend(action.command.clone());
@@ -161,7 +161,7 @@ impl<'a> Guide<'a> {
         ui.label(format!("Open now: {name}, {readings} readings, {rig}, {points}."));
     }
 
-    /// The findings that limit the present answer.
+    /// Returns the findings that limit the present result.
     fn present_doubts(&self) -> Vec<&'a Finding> {
         let answer =
             self.state.analysed().and_then(|(_, analysis)| analysis.answer.as_deref().ok());
@@ -176,7 +176,7 @@ impl<'a> Guide<'a> {
                 return;
             }
             None => {
-                ui.weak("No answer yet.");
+                ui.weak("No result yet.");
                 return;
             }
         };
@@ -191,8 +191,8 @@ impl<'a> Guide<'a> {
         }
         if let Some(details) = calibration.inter_prism() {
             let lead = match calibration.verdict {
-                Verdict::Good => "To do better next time",
-                _ => "Next time",
+                Verdict::Good => "To improve the next drive",
+                _ => "For the next drive",
             };
             let text = format!("{lead}: {}.", details.observability.advice);
             let label = ui.add(egui::Label::new(RichText::new(&text).strong()).wrap());
@@ -201,14 +201,14 @@ impl<'a> Guide<'a> {
         ui.add_space(4.0);
     }
 
-    /// All advice; that about the present answer comes first, and open.
+    /// Shows all advice; advice about the present result comes first and is open.
     fn doubts(&self, ui: &mut egui::Ui) {
         let present = self.present_doubts();
         let is_present =
             |advice: &Advice| present.iter().any(|finding| advice.kinds.contains(&finding.kind));
         let (now, others): (Vec<&Advice>, Vec<&Advice>) =
             ADVICE.iter().partition(|advice| is_present(advice));
-        ui.strong("What the doubts mean");
+        ui.strong("Causes and remedies");
         now.into_iter().for_each(|advice| show_advice(ui, advice, true));
         for advice in others {
             ui.collapsing(advice.title, |ui| ui.add(egui::Label::new(advice.text).wrap()));
@@ -236,9 +236,9 @@ impl<'a> Guide<'a> {
                 self.commands.push(WorkspaceCommand::Copy(text).into());
             }
         });
-        if self.state.extras().is_some_and(|extras| !extras.put_right.is_empty()) {
+        if self.state.extras().is_some_and(|extras| !extras.corrections.is_empty()) {
             let (colour, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
-            let text = "What you put right goes along once the folder itself says it:";
+            let text = "The command uses your corrections only after you write them to the folder:";
             ui.label(RichText::new(text).color(colour));
             self.button(ui, (Menu::Edit, "Write to deployment.toml…"));
         }
@@ -246,8 +246,8 @@ impl<'a> Guide<'a> {
     }
 }
 
-/// The parts of a step that have what is sought, each with the buttons that follow it; all, where the title has it.
-fn found_in<'a>(step: &'a Step, has: &impl Fn(&[&str]) -> bool) -> Vec<&'a Part> {
+/// Returns the parts of a step that match, each with the buttons that follow it; all parts if the title matches.
+fn found_in<'a>(step: &'a GuideStep, has: &impl Fn(&[&str]) -> bool) -> Vec<&'a Part> {
     let whole = has(&[step.title]);
     let mut found = Vec::new();
     let mut above = false;
@@ -258,7 +258,7 @@ fn found_in<'a>(step: &'a Step, has: &impl Fn(&[&str]) -> bool) -> Vec<&'a Part>
                 let names: Vec<&str> = names.iter().map(|(_, name)| *name).collect();
                 above |= has(&names);
             }
-            // Shown with all kinds of doubts, or by themselves.
+            // These are shown with all kinds of doubts, or separately.
             Part::Doubts => continue,
             Part::Open | Part::Verdict | Part::Headless => {}
         }
@@ -285,7 +285,7 @@ fn show_advice(ui: &mut egui::Ui, advice: &Advice, present: bool) {
 mod tests {
     use super::*;
 
-    /// An entry that is renamed in its menu would silently lose its button.
+    /// A menu entry with a changed name would silently lose its button.
     #[test]
     fn every_button_is_an_entry_of_a_menu() {
         let state = State::new(egui::Context::default());

@@ -1,4 +1,4 @@
-//! How trajectories of other systems are brought together with the ground truth: all of them alike, or each by itself.
+//! Options for the comparison of other systems' trajectories with the ground truth: for all, or for each.
 
 use egui::{Role, WidgetInfo};
 use nalgebra::Vector3;
@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 use super::number;
 use crate::app::model::{Added, Commands, JudgingCommand};
 use crate::app::short;
-use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 
-/// Lever arms on vehicles are shorter (m), and clocks that somebody knows are nearer than since 1970 (s).
+/// Greatest lever arm (m), and greatest time offset (s), which allows clocks that start in 1970.
 const LONGEST_LEVER_M: f64 = 100.0;
 const LARGEST_OFFSET_S: f64 = 4e9;
 
-/// Shows what is asked of all, or of the one that the user chose, and lets it be changed.
+/// Shows and edits the options of all trajectories, or of the selected one.
 pub fn ui(ui: &mut egui::Ui, added: &[Added], commands: &mut Commands) {
     let colour = chosen(ui, added);
     let is_chosen = |one: &Added| colour.is_none_or(|colour| one.colour == colour);
@@ -27,7 +27,7 @@ pub fn ui(ui: &mut egui::Ui, added: &[Added], commands: &mut Commands) {
     }
 }
 
-/// The colour of the trajectory that what stands below is about; `None` is all of them.
+/// Returns the colour of the trajectory whose options are shown; `None` for all of them.
 fn chosen(ui: &mut egui::Ui, added: &[Added]) -> Option<usize> {
     let id = ui.scope_id().with("judged how");
     let chosen: Option<usize> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -36,26 +36,26 @@ fn chosen(ui: &mut egui::Ui, added: &[Added]) -> Option<usize> {
         return None;
     }
     ui.horizontal_wrapped(|ui| {
-        ui.label("how");
+        ui.label("evaluate");
         let mut choice = |ui: &mut egui::Ui, of: Option<usize>, text: String, name: String| {
             let label = ui.selectable_value(&mut chosen, of, text);
             label
                 .widget_info(|| WidgetInfo::selected(Role::RadioButton, true, chosen == of, &name));
             label.on_hover_text(name);
         };
-        choice(ui, None, "all".to_owned(), "How all are judged".to_owned());
+        choice(ui, None, "all".to_owned(), "Options of all trajectories".to_owned());
         for one in added {
             let name = &one.estimate.name;
             let text = short::of_trajectory(ui, name);
-            choice(ui, Some(one.colour), text, format!("How {name} alone is judged"));
+            choice(ui, Some(one.colour), text, format!("Options of {name} only"));
         }
-        ui.label(if chosen.is_none() { "are judged:" } else { "is judged:" });
+        ui.label(if chosen.is_none() { "with the same options:" } else { "with its own options:" });
     });
     ui.data_mut(|data| data.insert_temp(id, chosen));
     chosen
 }
 
-/// What they have in common; `None` where they differ.
+/// Returns the common value; `None` if the values differ.
 fn common<T: PartialEq>(some: &[&mut Options], of: impl Fn(&Options) -> T) -> Option<T> {
     let (first, others) = some.split_first()?;
     let first = of(first);
@@ -70,9 +70,9 @@ fn alignment(ui: &mut egui::Ui, some: &mut [&mut Options]) {
     ui.horizontal_wrapped(|ui| {
         ui.label("aligned by");
         for (alignment, hint) in [
-            (Alignment::Rigid, "As evo's --align"),
-            (Alignment::Similarity, "For one camera alone, as evo's --correct_scale"),
-            (Alignment::None, "The trajectory is in the frame of station 1"),
+            (TrajectoryAlignment::Rigid, "As evo's --align"),
+            (TrajectoryAlignment::Similarity, "For a monocular camera, as evo's --correct_scale"),
+            (TrajectoryAlignment::None, "The trajectory is in the frame of station 1"),
         ] {
             let is_it = common(some, |one| one.alignment) == Some(alignment);
             if ui.radio(is_it, alignment.in_words()).on_hover_text(hint).clicked() {
@@ -90,9 +90,9 @@ fn body(ui: &mut egui::Ui, some: &mut [&mut Options]) {
             _ => Vector3::zeros(),
         };
         for (body, name, hint) in [
-            (Body::Found, "found", "Lever arm and rotation against the vehicle are estimated"),
-            (Body::Same, "the vehicle's frame", "As evo takes it to be"),
-            (Body::Lever(given_m), "at", "The lever arm is known: where the body's origin is in the vehicle's frame, or the one prism in the body's"),
+            (Body::Found, "estimated", "Estimates lever arm and rotation relative to the vehicle"),
+            (Body::Same, "the vehicle's frame", "As evo assumes"),
+            (Body::Lever(given_m), "at", "Known lever arm: the body's origin in the vehicle's frame, or the single prism in the body's frame"),
         ] {
             let is_it = common(some, |one| one.body) == Some(body);
             if ui.radio(is_it, name).on_hover_text(hint).clicked() {
@@ -113,11 +113,11 @@ fn clock(ui: &mut egui::Ui, some: &mut [&mut Options]) {
         ui.label("clock is");
         let given_s = common(some, |one| one.time_offset_s).flatten().unwrap_or_default();
         for (offset_s, name, hint) in [
-            (None, "found", "What has to be added to the times is estimated"),
+            (None, "estimated", "Estimates the time offset, which is added to the times"),
             (
                 Some(given_s),
                 "off by",
-                "What has to be added to the times is known; 0 s as evo takes it",
+                "Known time offset, which is added to the times; evo uses 0 s",
             ),
         ] {
             let is_it = common(some, |one| one.time_offset_s) == Some(offset_s);

@@ -1,5 +1,5 @@
-//! The live deployment in large type, to be read at arm's length in the sun: is it enough, how are the stations, what is amiss, what
-//! to drive. While there is none, what it takes to begin one.
+//! The live deployment in large type, for reading at arm's length in sunlight. It shows if the data suffice, the state of the stations,
+//! warnings, and what to drive next. Without a live deployment, it shows the form that starts one.
 
 mod form;
 
@@ -21,10 +21,10 @@ use resect_live::{Link, View};
 
 const LARGE: f32 = 34.0;
 const MIDDLE: f32 = 18.0;
-/// Least height of the curve of σ, and what stands below it.
+/// Least height of the plot of σ, and of the content below it (points).
 const CURVE: f32 = 190.0;
 const BELOW: f32 = 150.0;
-/// A lamp of a station, and the least width of what stands beside it.
+/// Size of a station's lamp, and least width of the text beside it (points).
 const LAMP: f32 = 16.0;
 const STATION: f32 = 90.0;
 
@@ -36,7 +36,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             (Some(view), false) if !live.is_changing => {
                 form::ui(ui, state, commands);
                 ui.separator();
-                ui.strong("The last one");
+                ui.strong("Last run");
                 told(ui, view);
             }
             _ => form::ui(ui, state, commands),
@@ -61,7 +61,7 @@ fn running(ui: &mut egui::Ui, state: &State, view: &View, commands: &mut Command
     below(ui, view);
 }
 
-/// What is told, the most important first.
+/// Shows the messages, the most important first.
 fn told(ui: &mut egui::Ui, view: &View) {
     headline(ui, view);
     let sentence = RichText::new(unbroken(&view.sentence)).size(MIDDLE);
@@ -79,12 +79,12 @@ fn told(ui: &mut egui::Ui, view: &View) {
     live_sigma::ui(ui, view, CURVE.max(ui.clip_rect().bottom() - ui.cursor().top() - BELOW));
 }
 
-/// Verdict and σ, or that it is enough.
+/// Shows the verdict and σ, or that the data suffice.
 fn headline(ui: &mut egui::Ui, view: &View) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
         let Some(judged) = view.shown() else {
-            ui.label(RichText::new("no answer yet").size(LARGE));
+            ui.label(RichText::new("no result yet").size(LARGE));
             return;
         };
         let word = if view.enough { "ENOUGH".to_owned() } else { judged.verdict.name().to_owned() };
@@ -106,14 +106,14 @@ fn headline(ui: &mut egui::Ui, view: &View) {
                 );
             }
             None => {
-                let open = RichText::new("a direction is free").size(LARGE);
+                let open = RichText::new("not determined yet").size(LARGE);
                 ui.label(open.color(theme::readable(palette::hold(Hold::Free), dark)));
             }
         }
     });
 }
 
-/// A lamp a station, with what it takes to know.
+/// Shows a lamp per station, with the details of its state.
 fn stations(ui: &mut egui::Ui, view: &View) {
     let width = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(STATION);
     ui.horizontal_wrapped(|ui| {
@@ -165,7 +165,7 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
     );
 }
 
-/// Where it comes from and goes to, and what was left out.
+/// Shows source, recording, and data left out.
 fn below(ui: &mut egui::Ui, view: &View) {
     let faint: Color32 = ui.visuals().weak_text_color();
     let mut line =
@@ -191,6 +191,6 @@ fn below(ui: &mut egui::Ui, view: &View) {
         line(format!("recorded {} messages to {}", recorded.messages, recorded.path.display()));
     }
     if let Some(age_s) = view.answer_age_s.filter(|age_s| *age_s >= 10.0) {
-        line(format!("the answer is of the readings {age_s:.0} s ago"));
+        line(format!("the result is from the readings {age_s:.0} s ago"));
     }
 }

@@ -1,4 +1,4 @@
-//! Every minimum of the cost that the search found, folded away under the mirror twin.
+//! Lists every minimum of the cost that the search found, folded under the mirror twin.
 
 use crate::app::model::Units;
 use crate::app::panels::number_head;
@@ -32,7 +32,7 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
                 }
             },
         );
-        ui.small("Away: how far from the answer a station stands in it.");
+        ui.small("Away: distance of a station from its position in the result.");
     });
     words::explain(header.header_response, &glossary::MINIMUM);
 }

@@ -1,8 +1,9 @@
-//! The panes that are lists of widgets: each a function that reads the state and sends commands.
+//! Panes that are lists of widgets: each is a function that reads the state and sends commands.
 
 pub mod asked;
 pub mod command_palette;
 pub mod control_points;
+pub mod corrections;
 pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
@@ -20,7 +21,6 @@ pub mod path_prompt;
 pub mod pipeline;
 pub mod plan;
 pub mod progress;
-pub mod put_right;
 pub mod reading;
 pub mod result;
 pub mod runs;

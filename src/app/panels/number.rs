@@ -1,4 +1,4 @@
-//! Numbers as people type them.
+//! Parsing and input fields of typed numbers.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -9,65 +9,65 @@ use egui::{Align2, Key, Margin, Sense, TextStyle, Vec2, emath::Numeric, vec2};
 use crate::app::theme;
 use resect_core::deployment::Severity;
 
-/// A number with a decimal point or comma, with or without the field's unit after it: `2.5`, `2,5`, `3 s`, `−0,5 mm`.
+/// Parses a number with a decimal point or comma, and optionally the field's unit: `2.5`, `2,5`, `3 s`, `−0,5 mm`.
 ///
-/// Everything else, what is not finite, and another unit are an error that says why in one line.
+/// Anything else, a number that is not finite, and another unit are errors with a one-line reason.
 pub fn read(text: &str, unit: &str) -> Result<f64, String> {
     let text = text.trim();
     let digits_end = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |at| at + 1);
     let (number, behind) = text.split_at(digits_end);
     let plain = |unit: &str| unit.replace('°', "deg").split_whitespace().collect::<String>();
     let number = number.replace('−', "-").replace([' ', '\u{a0}', '\u{202f}'], "");
-    // With both, the comma parts thousands.
+    // In a number with point and comma, the comma separates thousands.
     let number =
         if number.contains('.') { number.replace(',', "") } else { number.replace(',', ".") };
     match number.parse().ok().filter(|value: &f64| value.is_finite()) {
-        None => Err(format!("“{text}” is no number")),
+        None => Err(format!("“{text}” is not a number")),
         Some(_) if !behind.is_empty() && plain(behind) != plain(unit) => match unit.trim() {
-            "" => Err(format!("“{text}” is no number")),
+            "" => Err(format!("“{text}” is not a number")),
             unit => Err(format!("“{text}” is not in {unit}")),
         },
         Some(value) => Ok(value),
     }
 }
 
-/// Width of the sign in a field that cannot be read (points).
+/// Width of the error sign in a field (points).
 const SIGN: f32 = 10.0;
 
-/// Reads a number as [`read`] does, and refuses one outside of the bounds.
+/// Parses a number as [`read`] does, and rejects one outside the bounds.
 fn read_within(text: &str, unit: &str, bounds: &RangeInclusive<f64>) -> Result<f64, String> {
     let value = read(text, unit)?;
     let (least, most) = (bounds.start(), bounds.end());
     if bounds.contains(&value) {
         Ok(value)
     } else if value < *least {
-        Err(format!("{value} is below {least}, the least there is here"))
+        Err(format!("{value} is below the minimum of {least}"))
     } else {
-        Err(format!("{value} is above {most}, the most there is here"))
+        Err(format!("{value} is above the maximum of {most}"))
     }
 }
 
-/// The number with one decimal, or two where it has them: the same on every screen, for `custom_formatter`.
+/// Formats a number with one decimal, or two if needed, on every screen; for `custom_formatter`.
 ///
-/// Left to egui, the decimals follow what a pixel is worth, so that neighbours differ where pixels are small.
+/// The decimals chosen by egui depend on the pixel size, so they would differ between neighbours on small pixels.
 pub fn shown(value: f64, _decimals: RangeInclusive<usize>) -> String {
     let text = format!("{value:.2}");
     text.strip_suffix('0').map(str::to_owned).unwrap_or(text)
 }
 
-/// What was typed and cannot be read, and the value that the field has meanwhile.
+/// Invalid text in a field, and the field's value meanwhile.
 #[derive(Clone)]
 struct Unread {
     text: String,
     value: f64,
-    /// Size of the field: nothing moves when something cannot be read.
+    /// Size of the field, kept so that the layout does not move.
     size: Vec2,
-    /// Whether it was entered by Enter, so that whoever did wants to type on.
+    /// True if the text was entered with Enter, so that the field keeps the focus.
     goes_on: bool,
 }
 
-/// A field for a number, which `add` adds with the parser it is given. What cannot be read stays in it, marked and with
-/// the reason, until it is mended or Escape is pressed.
+/// A number field, which `add` creates with the given parser. Invalid text remains in it, marked with the reason, until it is corrected or
+/// Escape is pressed.
 pub fn field<N: Numeric>(
     ui: &mut egui::Ui,
     (label, unit): (&str, &str),
@@ -79,7 +79,7 @@ pub fn field<N: Numeric>(
     let now = value.to_f64();
     let bounds = range.start().to_f64()..=range.end().to_f64();
     let unread: Option<Unread> = ui.data(|data| data.get_temp(id));
-    // Set by other means since, it has a value that nobody typed over.
+    // If the value was set by other means since, the invalid text is dropped.
     if let Some(mut unread) = unread.filter(|unread| unread.value == now) {
         let (response, mended) = mend(ui, &mut unread, unit, &bounds);
         let escaped = ui.input(|input| input.key_pressed(Key::Escape));
@@ -102,7 +102,7 @@ pub fn field<N: Numeric>(
     };
     let response = add(ui, value, &parse);
     let goes_on = was_entered(ui);
-    // While it is typed, a number may be none yet. A slider does not say that its number has the focus.
+    // An unfinished number may be invalid. A slider does not report the focus of its number.
     if let Some(text) = refused.into_inner().filter(|text| !text.trim().is_empty())
         && !ui.ctx().text_edit_focused()
     {
@@ -112,7 +112,7 @@ pub fn field<N: Numeric>(
     response
 }
 
-/// Whether Enter was pressed in this frame or the last: a field takes what it holds a frame after.
+/// Returns true if Enter was pressed in this frame or the last: a field updates its value one frame later.
 fn was_entered(ui: &egui::Ui) -> bool {
     let id = egui::Id::unique("frame of the last Enter");
     let frame = ui.ctx().cumulative_frame_nr();
@@ -123,7 +123,7 @@ fn was_entered(ui: &egui::Ui) -> bool {
     last.is_some_and(|last| last + 1 >= frame)
 }
 
-/// What was typed, to be put right; the number once it is one and is entered.
+/// Edits invalid text, and returns the number once it is valid and entered.
 fn mend(
     ui: &mut egui::Ui,
     unread: &mut Unread,
@@ -134,7 +134,7 @@ fn mend(
     let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
     let why = read_within(text, unit, bounds).err();
     let (place, _) = ui.allocate_exact_size(*size, Sense::hover());
-    // The sign stands in the field.
+    // The sign is inside the field.
     let room = if why.is_some() { SIGN } else { 0.0 };
     let field = egui::TextEdit::singleline(text)
         .desired_width(f32::INFINITY)
@@ -156,9 +156,9 @@ fn mend(
     let mended = read.filter(|_| response.lost_focus());
     let why = why.map_or(String::new(), |why| format!("{why}; "));
     let unit = unit.trim();
-    let hint = format!("{why}it is still {now} {unit}. Put it right, or press Escape");
+    let hint = format!("{why}the value is still {now} {unit}. Correct it, or press Escape");
     let mut response = response.on_hover_text(hint);
-    // What the field is for, which the caller says on hover, would lie on the reason.
+    // The caller's hover text would cover the reason.
     response.flags.remove(Flags::HOVERED | Flags::CONTAINS_POINTER);
     (response, mended)
 }
@@ -189,14 +189,16 @@ mod tests {
     fn a_number_out_of_bounds_is_refused_and_not_another_one_taken_for_it() {
         assert_eq!(read_within("200", "", &(1.0..=200.0)), Ok(200.0));
         let why = read_within("10000", "", &(1.0..=200.0)).expect_err("too many");
-        assert_eq!(why, "10000 is above 200, the most there is here");
-        assert!(read_within("0", "", &(1.0..=200.0)).is_err_and(|why| why.contains("below 1")));
+        assert_eq!(why, "10000 is above the maximum of 200");
+        assert!(
+            read_within("0", "", &(1.0..=200.0)).is_err_and(|why| why.contains("minimum of 1"))
+        );
     }
 
     #[test]
     fn what_is_no_number_or_in_another_unit_is_refused_with_the_reason() {
         for text in ["", "nan", "inf", "1e999", "two", "1..2", "-", "12 apples"] {
-            assert!(read(text, "").is_err_and(|why| why.contains("no number")), "{text}");
+            assert!(read(text, "").is_err_and(|why| why.contains("not a number")), "{text}");
         }
         let why = read("5 mm", " m").expect_err("another unit");
         assert_eq!(why, "“5 mm” is not in m");

@@ -1,21 +1,21 @@
-//! What the drive holds: a bar for each direction, from the least held to the best, and what to drive next.
+//! Observability of the drive: a bar for each direction, from the least observable to the best, and what to drive next.
 
 use egui::{Color32, Rect, RichText, Sense, Vec2};
 
 use crate::app::theme;
 use crate::app::words;
-use resect_core::calibration::inter_prism::drive_shape::{DriveShape, Plan};
+use resect_core::calibration::inter_prism::drive_shape::{DriveShape, PlanView};
 use resect_core::calibration::inter_prism::observability::{Direction, Hold, Observability};
 use resect_core::palette;
 use resect_report::glossary;
 use resect_report::text::sigma_text;
 
 const BAR: Vec2 = Vec2::new(84.0, 12.0);
-/// The left end of a bar: what noise alone makes of a free direction.
+/// Left end of a bar: the information that noise alone gives to an unobservable direction.
 const LEAST: f64 = 1e-7;
 const SIGMA_WIDTH: f32 = 62.0;
 
-/// Open from the start where something is free or weak.
+/// Shows the section, open at first if a direction is unobservable or weak.
 pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
     let doubtful = observed.count(Hold::Held) < 8;
     let header = egui::CollapsingHeader::new("Observability").id_salt(("observability", doubtful));
@@ -25,10 +25,10 @@ pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
             row(ui, direction);
         }
         ui.small(
-            "Bars: how much the distances resist a motion of stations 2 and 3, over the most they resist any, on a log \
-             scale from 1e-7 to 1. Beside them: σ along each at the track; what is least certain of all is a mix of them.",
+            "Bars: information of the distances about each motion of stations 2 and 3, relative to the largest, on a log \
+             scale from 1e-7 to 1. Beside them: σ along each at the track. The least certain motion is a combination of them.",
         );
-        let lead = if doubtful { "What to drive next" } else { "To hold the first better" };
+        let lead = if doubtful { "Drive next" } else { "To improve the first direction" };
         ui.add(egui::Label::new(format!("{lead}: {}.", observed.advice)).wrap());
     });
     words::explain(shown.header_response, &glossary::OBSERVABILITY);
@@ -68,7 +68,7 @@ fn row(ui: &mut egui::Ui, direction: &Direction) {
 
 fn paint_bar(ui: &egui::Ui, place: Rect, relative: f64, colour: Color32, dark: bool) {
     let share = 1.0 - relative.max(LEAST).log10() / LEAST.log10();
-    // What is free still shows that it is there.
+    // A bar of zero length is still visible.
     let filled = Vec2::new((share as f32 * place.width()).max(2.0), place.height());
     let ground = theme::faint(dark).gamma_multiply(0.25);
     ui.painter().rect_filled(place, 2.0, ground);
@@ -77,15 +77,17 @@ fn paint_bar(ui: &egui::Ui, place: Rect, relative: f64, colour: Color32, dark: b
 
 fn drive_in_words(drive: &DriveShape) -> String {
     let plan = match drive.plan {
-        Plan::Standing => "The vehicle hardly moved".to_owned(),
-        Plan::StraightLine { length_m, .. } => {
+        PlanView::Standing => "The vehicle hardly moved".to_owned(),
+        PlanView::StraightLine { length_m, .. } => {
             format!("The drive is one straight line of {length_m:.0} m")
         }
-        Plan::Circle { radius_m, .. } => {
-            format!("The drive keeps to one circle of radius {radius_m:.1} m")
+        PlanView::Circle { radius_m, .. } => {
+            format!("The drive is one circle of radius {radius_m:.1} m")
         }
-        Plan::TwoLegs { .. } => "The drive is an L, two straight legs with one corner".to_owned(),
-        Plan::Winding => "The drive winds".to_owned(),
+        PlanView::TwoLegs { .. } => {
+            "The drive is an L, two straight legs with one corner".to_owned()
+        }
+        PlanView::Winding => "The drive winds".to_owned(),
     };
     let ground = match (drive.is_flat(), drive.is_floor()) {
         (true, true) => {

@@ -1,4 +1,4 @@
-//! The dialog for a path inside the window: for systems that have none of their own.
+//! The path dialog inside the window, for systems without a dialog of their own.
 
 use egui::{Key, Modifiers, RichText};
 
@@ -26,7 +26,7 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
                 places(ui, prompt, &mut asked);
                 field(ui, prompt, &mut asked);
                 if enter {
-                    // After what was typed in the same frame: a slow frame has a whole path in it.
+                    // After the text typed in the same frame: a slow frame may contain a whole path.
                     asked.push(PromptCommand::Accept);
                 }
                 ui.add_space(4.0);
@@ -47,12 +47,12 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
 }
 
 struct Keys {
-    /// Whether the choice was moved.
+    /// True if the keys moved the selection.
     moved: bool,
     enter: bool,
 }
 
-/// What the keys ask for, before the text field takes them.
+/// Reads the keys before the text field receives them.
 fn keys(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) -> Keys {
     let typing = ui.ctx().text_edit_focused() || ui.memory(|memory| memory.focused().is_none());
     let lines = prompt.shown().len();
@@ -62,7 +62,7 @@ fn keys(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) 
                 || (!typing && input.consume_key(Modifiers::NONE, Key::Backspace)),
             input.consume_key(Modifiers::NONE, Key::ArrowDown),
             input.consume_key(Modifiers::NONE, Key::ArrowUp),
-            // On a button Enter presses it.
+            // On a button, Enter presses it.
             typing && input.consume_key(Modifiers::NONE, Key::Enter),
         )
     });
@@ -100,7 +100,7 @@ fn field(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>)
     let id = ui.make_persistent_id("path");
     let field = egui::TextEdit::singleline(&mut text)
         .id(id)
-        .hint_text("A path; what is typed filters the list")
+        .hint_text("A path; typing filters the list")
         .desired_width(f32::INFINITY);
     let response = ui.add(field).accessible_name("Path");
     if ui.memory(|memory| memory.focused().is_none()) {
@@ -109,7 +109,7 @@ fn field(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>)
     if response.changed() {
         asked.push(PromptCommand::Type(text));
     } else if cursor_is_elsewhere(ui, id, &text) {
-        // The folder was changed by another way than typing: type on behind it, or over the name that is proposed.
+        // The folder changed other than by typing: place the cursor behind it, or select the proposed file name.
         let [from, to] = match &prompt.question.wanted {
             Wanted::NewFile { extension, .. } => {
                 let name = prompt.typed_name();
@@ -127,7 +127,7 @@ fn field(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>)
     }
 }
 
-/// Whether the text is another than the one that was in the field in the last frame.
+/// Returns true if the text differs from the field's text in the last frame.
 fn cursor_is_elsewhere(ui: &egui::Ui, id: egui::Id, text: &str) -> bool {
     ui.data_mut(|data| {
         let last: &mut String = data.get_temp_mut_or_default(id);
@@ -157,7 +157,7 @@ fn list(ui: &mut egui::Ui, prompt: &PathPrompt, moved: bool, asked: &mut Vec<Pro
         scroll.show_rows(ui, height, shown.len(), |ui, rows| {
             let step = height + ui.spacing().item_spacing.y;
             if let (true, Some(line)) = (moved, prompt.chosen) {
-                // The line may be out of sight, and so not be drawn.
+                // The line may be outside the visible region, and then is not drawn.
                 let top = ui.max_rect().top() + (line as f32 - rows.start as f32) * step;
                 let size = egui::vec2(ui.available_width(), 2.0 * step);
                 let at = egui::pos2(ui.max_rect().left(), top - 0.5 * step);
@@ -179,10 +179,10 @@ fn nothing_to_show(prompt: &PathPrompt, shown: &[&Entry]) -> Option<String> {
     }
     let wants_folder = matches!(prompt.question.wanted, Wanted::Folder);
     let why = match (prompt.typed_name().is_empty(), wants_folder) {
-        (true, true) => "There is no folder in here.",
+        (true, true) => "No folder here.",
         (true, false) => "This folder is empty.",
-        (false, true) => "No folder here has what is typed in its name.",
-        (false, false) => "Nothing here has what is typed in its name.",
+        (false, true) => "No matching folder.",
+        (false, false) => "No matching file or folder.",
     };
     shown.is_empty().then(|| why.to_owned())
 }
@@ -255,7 +255,7 @@ fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand
     });
 }
 
-/// Asks for the name of a folder that is to be made.
+/// Asks for the name of a new folder.
 fn new_folder(ui: &mut egui::Ui, prompt: &PathPrompt, name: &str, asked: &mut Vec<PromptCommand>) {
     ui.label(format!("A new folder in {}", prompt.folder().display()));
     let mut name = name.to_owned();
@@ -273,14 +273,14 @@ fn new_folder(ui: &mut egui::Ui, prompt: &PathPrompt, name: &str, asked: &mut Ve
     ui.horizontal(|ui| {
         if ui.button("Back").clicked() {
             asked.push(PromptCommand::MakeNoFolder);
-        } else if ui.button("Make the folder").clicked() || enter {
+        } else if ui.button("Create the folder").clicked() || enter {
             asked.push(PromptCommand::MakeFolder);
         }
     });
 }
 
 fn overwrite(ui: &mut egui::Ui, path: &str, asked: &mut Vec<PromptCommand>) {
-    ui.label(format!("{path} is there already. Replace it?"));
+    ui.label(format!("{path} exists. Replace it?"));
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         let keep = ui.button("Keep it");

@@ -44,9 +44,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What goes into and comes out of each module.
+/// Counts before and after each module.
 struct Counts {
-    /// Raw readings without those that the user left out.
+    /// Raw readings except those excluded by the user.
     raw: usize,
     left_out: usize,
     filtered: usize,
@@ -85,7 +85,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
     interpolation(ui, &mut settings.pipeline, counts);
 }
 
-/// The counts below a module; a dash until there are any.
+/// Shows the counts below a module; a dash until there are any.
 fn counted(ui: &mut egui::Ui, counts: Option<&Counts>, text: impl FnOnce(&Counts) -> String) {
     ui.small(counts.map_or_else(|| "–".to_owned(), text));
 }
@@ -123,7 +123,7 @@ fn intervals(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<
         ui.add_enabled_ui(on, |ui| {
             number_slider(ui, (&TAU_L, &glossary::TAU_L), settings, AngleUnit::Degree);
         });
-        // The sum of nothing is -0.
+        // The sum of an empty list is -0.
         counted(ui, counts, |c| {
             format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds + 0.0)
         });
@@ -141,7 +141,7 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
                         "Gaussian process, squared-exponential kernel, noise learned: for smooth driving"
                     }
                     Interpolation::Wnoa => {
-                        "Gaussian process, white noise on acceleration: also where the vehicle stops and turns"
+                        "Gaussian process, white noise on acceleration: also for stops and turns"
                     }
                 };
                 ui.radio_value(&mut settings.interpolation, choice, choice.title()).on_hover_text(hint);
@@ -152,7 +152,7 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
     });
 }
 
-/// The methods, of which only those that the data allows can be chosen, and the options of the chosen one.
+/// Shows the methods, enabling those that the data allow, and the options of the chosen one.
 fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Option<&Offer>) {
     module(ui, None, "Calibration", |ui, _| {
         let default = Method::default();
@@ -165,13 +165,13 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                 radio.on_disabled_hover_text(format!("Needs {}", lack.unwrap_or_default()));
             });
         }
-        // What is not chosen stays open.
+        // The default method is stored as no choice.
         if method != settings.method.unwrap_or_default() {
             settings.method = (method != default).then_some(method);
         }
         match method {
             Method::TwoPoint => {}
-            // One prism has no distances.
+            // With one prism there are no distances.
             Method::Joint if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) => {}
             Method::StaticGcp | Method::DynamicGcp => {
                 ui.horizontal(|ui| {
@@ -186,21 +186,21 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                 ui.horizontal(|ui| {
                     words::explain(ui.label("prior"), &glossary::PRIOR);
                     ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
-                        .on_hover_text("Lifted linear least squares: needs no guess");
+                        .on_hover_text("Lifted linear least squares: needs no initial guess");
                     ui.radio_value(&mut settings.prior, PriorMethod::Search, "search").on_hover_text(
                         "The paper's two-step search over the speed limit τ_v; see Prior search",
                     );
                 });
                 let distances = (&SIGMA_DISTANCES, &glossary::SIGMA_DISTANCES);
                 number_slider(ui, distances, settings, AngleUnit::Degree).on_hover_text(
-                    "How well the inter-prism distances are known (1 σ); widens every σ of the result",
+                    "σ of the given inter-prism distances; it increases every σ of the result",
                 );
             }
         }
     });
 }
 
-/// A frame with a title: dotted and with a switch when the module is optional.
+/// Draws a frame with a title: dotted and with a switch if the module is optional.
 fn module(
     ui: &mut egui::Ui,
     switch: Option<&mut bool>,
@@ -248,7 +248,7 @@ fn module(
     }
 }
 
-/// A slider of a number of the settings; rates of angles are in the user's unit.
+/// A slider for a number of the settings; angular rates are in the user's unit.
 fn number_slider<S: Copy + Default>(
     ui: &mut egui::Ui,
     (setting, term): (&NumberSetting<S>, &'static Term),
@@ -268,14 +268,14 @@ fn number_slider<S: Copy + Default>(
     let response = threshold(ui, (setting.label, term), &mut value, least..=most, &unit, default);
     if value != before {
         let shown = value / per;
-        // No noise from the change of unit.
+        // Rounds off the noise of the unit conversion.
         let shown = if per == 1.0 { shown } else { (shown * 1e6).round() / 1e6 };
         *(setting.field)(settings) = shown / setting.per_stored;
     }
     response
 }
 
-/// A slider with its unit and typed entry; a click with the right button brings the paper's value back.
+/// A slider with unit and typed entry; a right click restores the paper's value.
 fn threshold(
     ui: &mut egui::Ui,
     (name, term): (&str, &'static Term),

@@ -1,4 +1,4 @@
-//! What takes long: how far it is, and a way to stop it.
+//! Progress of long-running jobs, with buttons to cancel them.
 
 use std::time::Duration;
 
@@ -7,19 +7,19 @@ use crate::app::state::State;
 use resect_core::progress::Progress;
 
 const BAR_WIDTH: f32 = 110.0;
-/// An answer that takes less needs no bar: a slider that is dragged would make it flicker.
+/// Shorter calibrations show no bar, which would flicker while a slider is dragged.
 const LONG_FOR_AN_ANSWER: Duration = Duration::from_secs(1);
 
-/// Work that is under way.
-struct Job<'a> {
+/// A job in progress.
+struct ShownJob<'a> {
     what: String,
     progress: &'a Progress,
-    /// Whether it counts bytes.
+    /// True if the job counts bytes.
     of_bytes: bool,
     stop: Command,
 }
 
-/// One bar for each opening, each calibration and a study; nothing while there is none.
+/// Shows one bar for each opening, each calibration and a study.
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for job in jobs(state) {
         if ui.button("Cancel").on_hover_text(format!("Stop {}", job.what)).clicked() {
@@ -29,7 +29,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let bar = egui::ProgressBar::new(share.unwrap_or(0.0))
             .desired_width(BAR_WIDTH)
             .text(amount(&job));
-        // Without a total it shows that something moves, and no share.
+        // Without a total, the bar shows activity and no percentage.
         let bar = ui.add(if share.is_none() { bar.animate(true) } else { bar });
         bar.widget_info(|| {
             let mut info =
@@ -41,28 +41,28 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// The jobs that have taken long enough to be worth a word.
-fn jobs(state: &State) -> Vec<Job<'_>> {
-    let mut jobs: Vec<Job<'_>> = state
+/// Returns the jobs that have run long enough to be shown.
+fn jobs(state: &State) -> Vec<ShownJob<'_>> {
+    let mut jobs: Vec<ShownJob<'_>> = state
         .deployments
         .opening
         .iter()
         .zip(state.opening_names())
         .filter(|(opening, _)| opening.since.elapsed() > super::SHORTEST_WAIT)
-        .map(|(opening, name)| Job {
+        .map(|(opening, name)| ShownJob {
             what: format!("opening {name}"),
             progress: &opening.progress,
             of_bytes: true,
             stop: DeploymentCommand::CancelOpening(opening.number).into(),
         })
         .collect();
-    jobs.extend(state.results.studies.running.iter().map(|(_, progress)| Job {
+    jobs.extend(state.results.studies.running.iter().map(|(_, progress)| ShownJob {
         what: "running the study".to_owned(),
         progress,
         of_bytes: false,
         stop: ResultsCommand::CancelStudy.into(),
     }));
-    jobs.extend(state.calibrating(LONG_FOR_AN_ANSWER).map(|(open, progress)| Job {
+    jobs.extend(state.calibrating(LONG_FOR_AN_ANSWER).map(|(open, progress)| ShownJob {
         what: format!("calibrating {}", state.name_of(open.id).unwrap_or_default()),
         progress,
         of_bytes: false,
@@ -71,8 +71,8 @@ fn jobs(state: &State) -> Vec<Job<'_>> {
     jobs
 }
 
-/// Bytes as megabytes, steps as they are.
-fn amount(Job { progress, of_bytes, .. }: &Job<'_>) -> String {
+/// Formats bytes as megabytes, and steps unchanged.
+fn amount(ShownJob { progress, of_bytes, .. }: &ShownJob<'_>) -> String {
     let (done, total) = (progress.done(), progress.total());
     match total {
         0 => String::new(),

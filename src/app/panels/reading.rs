@@ -1,11 +1,11 @@
-//! One raw reading, picked in the scene or in a plot: its numbers, what became of it, and why.
+//! A raw reading, picked in the scene or in a plot: numbers, fate, and reason.
 
 use egui::RichText;
 
 use super::{heading, scrolled};
 use crate::app::model::units::without_negative_zero;
 use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, TimeCommand, Units};
-use crate::app::state::{State, put_right};
+use crate::app::state::{State, corrections};
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
@@ -37,7 +37,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 fn how_to_pick(ui: &mut egui::Ui, analysis: &Analysis, commands: &mut Commands) {
     ui.label(
-        "Click a reading in the scene, or a point in a plot of rates: here stands what became of it, and why.",
+        "Click a reading in the scene, or a point in a plot of rates, to see if it is used and why.",
     );
     let first = (0..3).find_map(|station| {
         let index = analysis.pipeline.fates[station].each.iter().position(is_rejected)?;
@@ -84,7 +84,7 @@ fn show(
     match &explained.step {
         Some(step) => rates(ui, step, state.workspace.units),
         None => {
-            ui.weak("The first of its station: nothing to compare it with.");
+            ui.weak("First reading of its station: no change to show.");
         }
     }
     if fate == SampleFate::Kept {
@@ -106,13 +106,13 @@ fn rate_in(rate: Rate, units: Units) -> Rate {
     rate.told_in(units.angle.rate_name(), units.angle.rate_per_deg_per_s())
 }
 
-/// The least change of a threshold that would let the reading past the module that stopped it.
+/// Offers the least change of a threshold that makes the rejecting module accept the reading.
 fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &mut Commands) {
     let Some(pipeline) = explained.remedy() else { return };
     let settings = Settings { pipeline, ..*state.settings() };
     let changes = state.workspace.units.changes(state.settings(), &settings);
     let button = ui.button(format!("Set {changes}")).on_hover_text(
-        "Would let this reading past the module that stopped it. The thresholds hold for all readings, not for this \
+        "The module that rejected this reading would accept it. The thresholds apply to all readings, not only to this \
          one alone.",
     );
     if button.clicked() {
@@ -120,7 +120,7 @@ fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &
     }
 }
 
-/// Leaves the reading out, or uses it again.
+/// Adds a button that excludes the reading, or includes it again.
 fn leave_out(
     ui: &mut egui::Ui,
     state: &State,
@@ -129,16 +129,16 @@ fn leave_out(
     commands: &mut Commands,
 ) {
     let Some(extras) = state.extras() else { return };
-    let out = put_right::is_masked(extras, &open.deployment, picked);
+    let out = corrections::is_masked(extras, &open.deployment, picked);
     let name = if out { "Use it again" } else { "Leave this reading out" };
-    let button = ui.button(name).on_hover_text("It is masked by its stamp (X), and can be undone");
+    let button = ui.button(name).on_hover_text("Masks it by its time stamp (X); Undo reverts it");
     if button.clicked() {
-        let extras = put_right::masked(extras, &open.deployment, [picked], !out);
-        commands.push(DeploymentCommand::PutRight(extras).into());
+        let extras = corrections::masked(extras, &open.deployment, [picked], !out);
+        commands.push(DeploymentCommand::Correct(extras).into());
     }
 }
 
-/// Buttons to the station's other readings.
+/// Adds buttons that select other readings of the station.
 fn neighbours(ui: &mut egui::Ui, analysis: &Analysis, at: Picked, commands: &mut Commands) {
     let (before, from_here) = analysis.pipeline.fates[at.station].each.split_at(at.index);
     let after = &from_here[1..];
@@ -190,7 +190,7 @@ fn numbers(ui: &mut egui::Ui, explained: &Explanation, start_s: f64, units: Unit
     );
 }
 
-/// Each rate beside its threshold; what exceeds it has a sign.
+/// Shows each rate beside its threshold, with a sign if it exceeds it.
 fn rates(ui: &mut egui::Ui, step: &Step, units: Units) {
     let (colour, _) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
     egui::Grid::new("rates").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {

@@ -1,5 +1,4 @@
-//! The answer: verdict first, then the transforms with their σ, what changed against a pinned one, the mirror, and
-//! the metrics.
+//! The result: verdict first, then the transforms with their σ, changes against a pinned result, the mirror twin, and the metrics.
 
 mod against_pinned;
 mod copy_menu;
@@ -13,7 +12,7 @@ mod transforms;
 use egui::RichText;
 
 pub use self::difference_row::NOTABLE_SIGMAS;
-use super::put_right::distance_fields;
+use super::corrections::distance_fields;
 use super::{correlations, finding, heading, scrolled};
 use crate::app::model::{
     Commands, DeploymentCommand, OpenDeployment, ResultsCommand, WorkspaceCommand,
@@ -62,15 +61,15 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Lets the inter-prism distances be given at once where they are missing.
+/// Lets the user enter missing inter-prism distances.
 fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let Some(extras) = state.extras().filter(|_| open.deployment.rig.is_none()) else { return };
     ui.add_space(6.0);
-    ui.label("The inter-prism distances are not known. Give all three, or a file of the rig:");
+    ui.label("The inter-prism distances are unknown. Enter all three, or choose a rig file:");
     let mut changed = extras.clone();
-    distance_fields(ui, open, extras.put_right.inter_prism_m, &mut changed);
+    distance_fields(ui, open, extras.corrections.inter_prism_m, &mut changed);
     if changed != *extras {
-        commands.push(DeploymentCommand::PutRight(changed).into());
+        commands.push(DeploymentCommand::Correct(changed).into());
     }
     if ui.button("Choose a rig file…").clicked() {
         commands.push(DeploymentCommand::ChooseRigDialog.into());
@@ -113,7 +112,7 @@ fn show(
     metrics::ui(ui, &answer.evaluation, analysis.offer.targets, points);
 }
 
-/// Keeps the result to compare later ones with, unless it is kept already.
+/// Pins the result for comparison with later ones, unless it is pinned already.
 fn pin(
     ui: &mut egui::Ui,
     state: &State,
@@ -121,20 +120,19 @@ fn pin(
     commands: &mut Commands,
 ) {
     let pinned = state.results.pins.iter().find(|pin| *pin.summary == *summary);
-    let why = pinned.map_or("The joint estimate is pinned, once it is there".to_owned(), |pin| {
+    let why = pinned.map_or("Available after the joint estimate".to_owned(), |pin| {
         format!("Pinned as {}", pin.name)
     });
     let button = ui
         .add_enabled(pinned.is_none() && !open.joint_follows(), egui::Button::new("Pin"))
-        .on_hover_text("Keep this result, and see later ones against it")
+        .on_hover_text("Keep this result and compare later ones with it")
         .on_disabled_hover_text(why);
     if button.clicked() {
         commands.push(ResultsCommand::Pin.into());
     }
 }
 
-/// What stays in sight while the rest scrolls, or a slider moves: the verdict, what speaks against the answer first, and how
-/// well it fits.
+/// Shows the fixed header of the pane: the verdict, the most important doubt, and the goodness of fit.
 fn head(
     ui: &mut egui::Ui,
     state: &State,
@@ -156,8 +154,7 @@ fn head(
     }
 }
 
-/// What else limits the answer than the first that the head tells, and the first notes; the others on request, so that the
-/// numbers stay in sight.
+/// Shows the doubts after the first, which the header shows, and the first notes. Other notes are folded, so that the numbers stay visible.
 fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mut Commands) {
     const NOTES_IN_SIGHT: usize = 4;
     let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
@@ -169,7 +166,7 @@ fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mu
     let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
     shown.iter().for_each(|one| finding(ui, one));
     if !folded.is_empty() {
-        ui.collapsing(format!("what else was found ({})", folded.len()), |ui| {
+        ui.collapsing(format!("More notes ({})", folded.len()), |ui| {
             folded.iter().for_each(|one| finding(ui, one));
         });
     }
@@ -192,7 +189,7 @@ fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
     }
 }
 
-/// A verdict on its colour.
+/// Shows a verdict on its colour.
 pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) -> egui::Response {
     let [fill, ink] = palette::verdict(verdict).map(theme::rgb);
     let margin = egui::Margin::symmetric((0.65 * size) as i8, (0.25 * size) as i8);

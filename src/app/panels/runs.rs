@@ -1,4 +1,4 @@
-//! The session's results: those that were pinned, and every run with what it changed.
+//! Results of the session: the pinned ones, and every run with its changes.
 
 use egui::{RichText, WidgetInfo};
 
@@ -11,18 +11,18 @@ use crate::app::state::State;
 use resect_core::analysis::Settings;
 use resect_report::summary::ResultSummary;
 
-/// Size of the verdicts' letters in a list.
+/// Letter size of the verdicts in a list (points).
 const BADGE: f32 = 10.0;
-/// What belongs to a result stands under its name.
+/// Indentation of a result's details (points).
 const INDENT: f32 = 20.0;
-/// Width that the time and the button beside a run need (points).
+/// Width of the time and the button beside a run (points).
 const RIGHT_OF_A_RUN: f32 = 84.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
         heading(ui, "Pinned results");
         if state.results.pins.is_empty() {
-            ui.weak("None. Pin a result, and later ones are shown against it.");
+            ui.weak("None. Pin a result to compare later ones with it.");
         }
         for pin in &state.results.pins {
             pinned(ui, state, pin, commands);
@@ -30,33 +30,33 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.add_space(4.0);
         heading(ui, "Runs of this session");
         if state.results.runs.is_empty() {
-            ui.weak("None yet: each change of a setting is one.");
+            ui.weak("None yet. Each change of a setting adds one.");
         }
         let current = current(state);
         let several = state.results.runs.windows(2).any(|w| w[0].deployment != w[1].deployment);
         for (index, run) in state.results.runs.iter().enumerate().rev() {
-            let shown = Shown { current: current == Some(run.id), several };
+            let shown = ShownRun { current: current == Some(run.id), several };
             one(ui, state, (index, run), shown, commands);
         }
         if !state.results.runs.is_empty() {
             ui.small(
-                "A click brings a run's settings back. Beside the verdict: median / IQR of the inter-prism metric, and \
+                "Click a run to restore its settings. Beside the verdict: median / IQR of the inter-prism metric, and \
                  the median of the worst control points (mm).",
             );
         }
     });
 }
 
-/// How a run is shown.
+/// Presentation of a run.
 #[derive(Clone, Copy)]
-struct Shown {
-    /// Whether its settings are the present ones.
+struct ShownRun {
+    /// True if the run has the present settings.
     current: bool,
-    /// Whether there are runs of several deployments, so that each names its own.
+    /// True if there are runs of several deployments, so that each shows its own.
     several: bool,
 }
 
-/// The newest run whose settings the active deployment has.
+/// Returns the newest run with the settings of the active deployment.
 fn current(state: &State) -> Option<u64> {
     let active = state.active()?;
     let is_it = |run: &&Run| run.deployment == active.id && run.settings == active.settings;
@@ -98,12 +98,12 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
     });
 }
 
-/// What the run changed, as a button that brings its settings back; under it what came of it.
+/// Shows the changes of a run, as a button that restores its settings, and its result below.
 fn one(
     ui: &mut egui::Ui,
     state: &State,
     (index, run): (usize, &Run),
-    Shown { current, several }: Shown,
+    ShownRun { current, several }: ShownRun,
     commands: &mut Commands,
 ) {
     let changed = match state.run_change(run) {
@@ -117,7 +117,7 @@ fn one(
         .as_ref()
         .map_or_else(|_| "no result".to_owned(), |summary| summary.verdict_in_words());
     ui.horizontal(|ui| {
-        // The words get what the rest of the line leaves.
+        // The text takes the width that the rest of the line leaves.
         let width = (ui.available_width() - RIGHT_OF_A_RUN).max(0.0);
         let room = egui::vec2(width, ui.spacing().interact_size.y);
         let left = egui::Layout::left_to_right(egui::Align::Center);
@@ -127,7 +127,7 @@ fn one(
         let button = button.inner;
         let name = format!("Run {number}, {verdict}: {changed}");
         button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, current, &name));
-        let button = button.on_hover_text(format!("{changed}\nClick: back to these settings"));
+        let button = button.on_hover_text(format!("{changed}\nClick: restore these settings"));
         if button.clicked() && !current {
             commands.push(ResultsCommand::RestoreRun(run.id).into());
         }
@@ -137,7 +137,7 @@ fn one(
             let enabled = run.result.is_ok();
             pin.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, &name));
             let pin = pin
-                .on_hover_text("Show later results against it")
+                .on_hover_text("Compare later results with it")
                 .on_disabled_hover_text("There is no result to pin");
             if pin.clicked() {
                 commands.push(ResultsCommand::PinRun(run.id).into());
@@ -178,7 +178,7 @@ fn first_in_words(state: &State, run: &Run) -> String {
     if changed.is_empty() { name } else { format!("{name}, {changed}") }
 }
 
-/// Verdict, method and metrics, short enough for a line.
+/// Shows verdict, method and metrics, short enough for a line.
 fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     badge(ui, summary.verdict, BADGE);
     let caveat = summary.verdict.caveat(summary.independently_checked);
@@ -200,7 +200,7 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     ui.small(format!("points {text}")).on_hover_text(hint);
 }
 
-/// Adds something at the right end of a line.
+/// Adds widgets at the right end of a line.
 fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add);
 }

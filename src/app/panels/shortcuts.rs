@@ -1,4 +1,4 @@
-//! The sheet of shortcuts, from the same table as the menus, and what the mouse does.
+//! The list of keyboard shortcuts, from the same table as the menus, and of mouse actions.
 
 use egui::RichText;
 
@@ -7,17 +7,17 @@ use crate::app::actions::Menu;
 use crate::app::model::{Commands, DialogCommand};
 use crate::app::state::State;
 
-/// What the mouse does where.
+/// Mouse actions by pane.
 const MOUSE: [(&str, &[(&str, &str)]); 2] = [
     (
         "Scene",
         &[
             ("drag", "turn"),
-            ("right drag, Shift+drag", "move; ends following the rig"),
+            ("right drag, Shift+drag", "move; stops following the rig"),
             ("wheel", "zoom to the pointer"),
             ("click", "pick a reading, or move the time cursor"),
-            ("double-click", "come to a point, or beside all fit all in"),
-            ("click in the legend", "hide or show what it names"),
+            ("double-click", "go to a point; on empty space, fit all"),
+            ("click in the legend", "hide or show this item"),
             ("arrows, + −", "turn and zoom, when the scene has the focus"),
         ],
     ),
@@ -38,13 +38,13 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
 ];
 
 const WIDTH: f32 = 1020.0;
-/// Size of the letters.
+/// Size of the letters (points).
 const SIZE: f32 = 12.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let modal = egui::Modal::new(egui::Id::unique("shortcuts"));
     let response = modal.show(ctx, |ui| {
-        // As wide as it wants to be, where there is room.
+        // Uses the wanted width if there is room.
         ui.set_min_width(WIDTH.min(ctx.content_rect().width() - 60.0));
         ui.horizontal(|ui| {
             ui.heading("Keyboard and mouse");
@@ -54,7 +54,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
                 }
             });
         });
-        // Scrolled only where the window is lower than the sheet: an area's first frame has little room.
+        // Scrolls only if the window is lower than the list; without a least height, the first frame would have little room.
         let size = ui.ctx().content_rect().size() - egui::vec2(60.0, 90.0);
         let area = egui::ScrollArea::both().max_width(size.x).max_height(size.y);
         area.min_scrolled_height(size.y).show(ui, |ui| {
@@ -70,7 +70,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
                             let rows: Vec<(String, &str)> = keyed
                                 .filter_map(|action| Some((action.shortcut?, action)))
                                 .map(|(keys, action)| {
-                                    // What it acts on now is said by the menu.
+                                    // The menu names the present object of the action; this list describes the action in general.
                                     let general =
                                         Some(action.in_general).filter(|it| !it.is_empty());
                                     (
@@ -102,7 +102,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
 fn table<'a>(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
     ui.add_space(4.0);
     ui.strong(title);
-    // Low rows: the sheet is seen whole in a small window.
+    // Low rows, so that a small window shows the whole list.
     let grid = egui::Grid::new(title).num_columns(2).spacing([14.0, 2.0]).min_row_height(0.0);
     grid.show(ui, |ui| {
         for (keys, what) in rows {

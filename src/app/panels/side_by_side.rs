@@ -1,5 +1,4 @@
-//! The results of all open deployments and the pinned ones beside each other: a column each, with what differs from the
-//! active one.
+//! Comparison of the results of all open deployments and of the pinned ones: one column each, with differences from the active one.
 
 mod columns;
 
@@ -18,15 +17,15 @@ use resect_core::analysis::Settings;
 use resect_core::deployment::Severity;
 use resect_report::summary::ResultSummary;
 
-/// Widths below which differences stand under their numbers instead of beside them (points).
+/// Widths of names, numbers and differences (points). A narrower pane shows differences below their numbers.
 const NAMES: f32 = 110.0;
 const NUMBER: f32 = 185.0;
 const DIFFERENCE: f32 = 140.0;
-/// What has no room under a row's name is left out (points).
+/// Longest text below a row's name (points); the rest is omitted.
 const LONGEST_NAME: f32 = 150.0;
-/// Size of the numbers where there is little room.
+/// Text size in a narrow table (points).
 const NARROW_TEXT: f32 = 11.0;
-/// More σ than this say nothing more.
+/// Greatest number of σ shown; larger values carry no information.
 const MOST_SIGMAS: f64 = 999.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -35,7 +34,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     }
     let width = ui.available_width() - 24.0;
-    // Columns that have no room are seen to go on.
+    // A visible scroll bar shows that there are more columns.
     let thin = egui::style::ScrollStyle::thin();
     ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length: 0.0, ..thin };
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -43,10 +42,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let (columns, reference) = columns(state);
             let others = columns.len().saturating_sub(1) as f32;
             let wanted = NAMES + NUMBER * (others + 1.0) + DIFFERENCE * others;
-            // What the numbers leave is for the names.
+            // The remaining width is shared by the result columns, for the deployments' names.
             let spare = ((width - wanted) / (others + 1.0)).max(0.0);
             let table =
-                Table { columns, reference, beside: width > wanted, column: NUMBER + spare };
+                ComparisonTable { columns, reference, beside: width > wanted, column: NUMBER + spare };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
                 .spacing([if table.beside { 12.0 } else { 6.0 }, 4.0])
@@ -56,14 +55,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if table.columns.len() > 1 {
                 let against = &table.columns[table.reference].title;
                 ui.small(format!(
-                    "± one standard deviation. Differences are against {against}; in σ where both σ are known: of the \
-                     column's own where both come from the same readings, else of both together."
+                    "± one standard deviation. Differences are from {against}, in σ if both σ are known: σ of the column \
+                     for the same readings, otherwise σ of both combined."
                 ));
                 if columns::any_elsewhere(&table.columns, table.reference) {
-                    ui.small("Stations that were set up elsewhere have no σ of their difference.");
+                    ui.small("Differences of stations that were set up elsewhere have no σ.");
                 }
             } else {
-                ui.small("± one standard deviation. Pinned results and other open deployments stand beside it.");
+                ui.small("± one standard deviation. Pinned results and other open deployments appear beside it.");
             }
             give_all(ui, state, commands);
             validation::ui(ui, state, width, commands);
@@ -71,16 +70,16 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-struct Table<'a> {
+struct ComparisonTable<'a> {
     columns: Vec<Column<'a>>,
     reference: usize,
-    /// Whether differences have columns of their own.
+    /// True if differences have columns of their own.
     beside: bool,
     /// Width of a column (points).
     column: f32,
 }
 
-impl Table<'_> {
+impl ComparisonTable<'_> {
     fn rows(&self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         self.titles(ui, state, commands);
         if !state.results.pins.is_empty() {
@@ -113,12 +112,11 @@ impl Table<'_> {
         for row in columns::estimates(&self.columns, self.reference, state.workspace.units) {
             self.numbers_of(ui, [&row.name, &row.subject], |column| &row.cells[column]);
         }
-        // In a narrow table its column would push the last units out of the pane.
+        // In a narrow table, the wide heading would push the last units out of the pane.
         let heading = RichText::new("median / IQR (mm)").strong();
         let heading = if self.beside { heading } else { heading.small() };
-        ui.label(heading).on_hover_text(
-            "The two metrics: size of the errors of distances, and of control points",
-        );
+        ui.label(heading)
+            .on_hover_text("The two metrics: errors of distances and of control points");
         ui.end_row();
         let inter_prism = columns::inter_prism(&self.columns, self.reference);
         self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
@@ -132,7 +130,7 @@ impl Table<'_> {
         self.row(ui, "settings", |ui, column| settings(ui, state, column, commands));
     }
 
-    /// What each column is, and what its differences are against.
+    /// Draws the title of each column, and the reference of its differences.
     fn titles(&self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let against = &self.columns[self.reference].title;
         ui.label("");
@@ -149,7 +147,7 @@ impl Table<'_> {
         ui.end_row();
     }
 
-    /// A row with something for each column, which leaves the differences out.
+    /// Draws a row with one cell per column, leaving the columns of differences empty.
     fn row(&self, ui: &mut egui::Ui, name: &str, mut cell: impl FnMut(&mut egui::Ui, &Column<'_>)) {
         words::explain_text(ui.label(name), name);
         for (index, column) in self.columns.iter().enumerate() {
@@ -164,7 +162,7 @@ impl Table<'_> {
         ui.end_row();
     }
 
-    /// A row of what results say; those that are not there have a dash, and why on hover.
+    /// Draws a row of cells from results; a missing result has a dash, and the reason on hover.
     fn of_results(
         &self,
         ui: &mut egui::Ui,
@@ -187,7 +185,7 @@ impl Table<'_> {
         self.numbers_of(ui, [name, ""], cell);
     }
 
-    /// A row of numbers, with their differences beside or below them; under its name stands what tells it from another.
+    /// Draws a row of numbers with their differences beside or below them; `whose`, below the name, distinguishes rows of the same name.
     fn numbers_of<'c>(
         &self,
         ui: &mut egui::Ui,
@@ -200,7 +198,7 @@ impl Table<'_> {
             ui.vertical(|ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 words::explain_text(ui.label(name), name);
-                // Where differences stand below, as high as the numbers with them, so that it stands in their line.
+                // If differences are below their numbers, this line is as high as theirs, so that they line up.
                 let font = egui::TextStyle::Small.resolve(ui.style());
                 let shown = short::in_the_middle(ui, whose, &font, LONGEST_NAME);
                 short::whole_on_hover(ui.small(&shown), &shown, whose);
@@ -289,7 +287,7 @@ fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     }
     let differ = state.deployments.open.iter().any(|open| open.settings != *state.settings());
-    let button = egui::Button::new("Give all the active one's settings");
+    let button = egui::Button::new("Copy these settings to all runs");
     let response = ui
         .add_enabled(differ, button)
         .on_disabled_hover_text("They have the same settings already");

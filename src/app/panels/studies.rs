@@ -1,4 +1,4 @@
-//! The paper's studies: what to run, how far it is, and the picture of what came of it.
+//! Studies of the paper: options, progress, and the chart of the result.
 
 use super::{MARGIN, finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};
@@ -12,14 +12,14 @@ use resect_report::box_chart;
 
 const OPTIONS_WIDTH: f32 = 256.0;
 const NARROW_WIDTH: f32 = 600.0;
-/// In a narrow pane the picture keeps this height (points), if need be up to this share of all; options that need more than the
-/// rest are scrolled.
+/// Least height of the picture in a narrow pane (points), limited to a share of the pane's height. Options that need more than the rest
+/// scroll.
 const LEAST_PICTURE: f32 = 300.0;
 const MOST_PICTURE: f32 = 0.7;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let whole = ui.available_rect_before_wrap();
-    // In a narrow pane the picture needs all of the width, and the options are as high as they were drawn last.
+    // In a narrow pane, the picture takes the whole width, and the options have the height of the last frame.
     let id = ui.scope_id().with("options");
     let drawn: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let (first, second) = if whole.width() < NARROW_WIDTH {
@@ -62,7 +62,7 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             true,
             format!("all open ({})", state.deployments.open.len()),
         )
-        .on_hover_text("All with the active one's settings");
+        .on_hover_text("All use the settings of the active deployment");
     });
     if options.kind == StudyKind::Sensitivity {
         sweep(ui, &mut options.sweep);
@@ -72,7 +72,7 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     ui.horizontal(|ui| {
         ui.checkbox(&mut options.split, "75 % splits,").on_hover_text(
-            "Solve with a random 75 % of the data and judge by the rest; whole stretches of 5 s go to one side",
+            "Calibrates with a random 75 % of the data and evaluates on the rest, split in segments of 5 s",
         );
         ui.add_enabled_ui(options.split, |ui| {
             let (repeats, range) = (&mut options.splits.repeats, StudyOptions::REPEATS);
@@ -106,12 +106,12 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Above the options, so that a small pane shows it too.
+/// Shows the Run or Cancel button above the options, so that a small pane shows it too.
 fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let options = &state.results.studies.options;
     match &state.results.studies.running {
         Some((_, progress)) => {
-            // In the line of Run: nothing moves under the pointer when the study ends.
+            // In the line of Run, so that nothing moves under the pointer when the study ends.
             ui.horizontal(|ui| {
                 if ui.button("Cancel").clicked() {
                     commands.push(ResultsCommand::CancelStudy.into());
@@ -181,7 +181,7 @@ fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {
     let name =
         |method: Option<Method>| method.map_or("B if possible (paper)".to_owned(), Method::label);
     ui.horizontal(|ui| {
-        ui.label("judged by").on_hover_text("Whose transforms the errors are measured with");
+        ui.label("evaluated with").on_hover_text("Transforms used to compute the errors");
         egui::ComboBox::from_id_salt("reference")
             .selected_text(name(options.reference))
             .width(140.0)
@@ -206,7 +206,7 @@ fn picture(ui: &mut egui::Ui, state: &State) {
     if state.results.studies.running.is_some() {
         ui.multiply_opacity(0.45);
     }
-    // Its findings stand among the options, with what they advise.
+    // Findings of the study are among the options, with their advice.
     let size = [rect.width().max(200.0), rect.height().max(150.0)];
     let laid_out = box_chart::lay_out(study, &[], size);
     chart::paint(&painter, rect, &laid_out.drawing, ui.visuals().dark_mode);

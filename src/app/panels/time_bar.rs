@@ -1,4 +1,4 @@
-//! The bar at the bottom: play, speed, where the cursor is, and the whole drive in one line.
+//! The bar at the bottom: play, speed, time of the cursor, and the whole drive as a strip.
 
 use egui::{Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
@@ -27,7 +27,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let scale = TimeScale::new(state.workspace.units.time, start_s);
             let (at, end) = (scale.number(at_s, 1), scale.text(end_s - start_s, 1));
             let hint = format!("The time cursor: {}", scale.text_and_seconds(at_s, 1));
-            // As wide for every time: the strip beside it must not move.
+            // The width is the same for every time, so that the strip beside it does not move.
             let width = end.len();
             ui.monospace(format!("{at:>width$} / {end}")).on_hover_text(hint);
             strip(ui, state, open, commands);
@@ -65,24 +65,24 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     let name = "Speed of playing";
     combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
-    combo.response.on_hover_text("Seconds of the drive in a second");
+    combo.response.on_hover_text("Seconds of the drive per second");
     if speed != state.time.playback.speed {
         commands.push(TimeCommand::SetPlaySpeed(speed).into());
     }
 }
 
-/// Whether the cursor follows what comes, and the way back to that.
+/// Shows if the cursor follows the newest readings, with a button that makes it do so.
 fn now(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let now_s = open.now_s();
     let follows = open.timeline.cursor_s.is_some_and(|at_s| at_s >= now_s);
     let button = egui::Button::selectable(follows, "Now").frame_when_inactive(true);
-    let hint = "The time cursor goes with the newest readings (End); moving it ends that";
+    let hint = "The time cursor follows the newest readings (End) until you move it";
     if ui.add(button).on_hover_text(hint).clicked() {
         commands.push(TimeCommand::MoveCursor(now_s).into());
     }
 }
 
-/// How the scene shows what is played.
+/// Shows the playback settings of the scene.
 fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut options = state.scene.options;
     let combo = egui::ComboBox::from_id_salt("trail")
@@ -96,9 +96,9 @@ fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     let name = "Trail in the scene";
     combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
-    combo.response.on_hover_text("How much of its way is drawn behind each prism");
+    combo.response.on_hover_text("Length of the track drawn behind each prism");
     let follow = egui::Button::selectable(options.follow, "Follow").frame_when_inactive(true);
-    let hint = "The camera of the scene goes with the rig (C); moving it or Fit ends that";
+    let hint = "The camera of the scene follows the rig (C) until you move it or press Fit";
     if ui.add(follow).on_hover_text(hint).clicked() {
         options.follow ^= true;
     }
@@ -107,7 +107,7 @@ fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Signs that no font is sure to have.
+/// Drawn icons, because fonts may lack these characters.
 #[derive(Clone, Copy)]
 enum Icon {
     Play,
@@ -141,11 +141,11 @@ fn paint_icon(ui: &egui::Ui, centre: Pos2, icon: Icon) {
     }
 }
 
-/// Height of the numbers below the strip, and how far apart they are at least (points).
+/// Height of the numbers below the strip, and their least distance (points).
 const TIMES: f32 = 13.0;
 const TIMES_APART: f32 = 90.0;
 
-/// Round times of the whole drive, as on the axes of the plots.
+/// Draws round times of the whole drive, as on the axes of the plots.
 fn times(ui: &egui::Ui, place: Rect, scale: &TimeScale, timeline: &Timeline) {
     let length_s = timeline.whole_s[1] - timeline.whole_s[0];
     let s_per_point = length_s / f64::from(place.width().max(1.0));
@@ -158,13 +158,13 @@ fn times(ui: &egui::Ui, place: Rect, scale: &TimeScale, timeline: &Timeline) {
         let text = scale.number(time.since_s, decimals(step_s));
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(10.0), colour);
         let half = 0.5 * galley.size().x;
-        // Whole, also at the ends.
+        // Numbers at the ends are shifted to be fully visible.
         let left = (x - half).clamp(place.left(), (place.right() - 2.0 * half).max(place.left()));
         ui.painter().galley(Pos2::new(left, place.top() + 1.0), galley, colour);
     }
 }
 
-/// The whole drive: kept intervals, what the plots show, the selection, and the cursor that a drag moves.
+/// Draws the whole drive: accepted intervals, the plots' time window, the selection, and the cursor, which a drag moves.
 fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let height = ui.spacing().interact_size.y;
     let size = Vec2::new(ui.available_width(), height + TIMES);

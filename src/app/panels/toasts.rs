@@ -1,4 +1,4 @@
-//! The toasts, in a strip of their own above the bar of time: they cover no data and no number.
+//! The toasts, in a separate strip above the time bar, so that they cover no data.
 
 use egui::{Color32, RichText, accesskit};
 
@@ -8,11 +8,11 @@ use crate::app::theme;
 use resect_core::deployment::Severity;
 use resect_core::palette;
 
-/// More lines than this are scrolled to.
+/// More lines than this scroll.
 const MOST_LINES: f32 = 5.0;
 
 pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, units: Units, commands: &mut Commands) {
-    // What the pointer drags must not slip away under it: the strip waits until the button is up.
+    // The layout must not move under a drag, so the strip waits until the button is released.
     let held = ui.input(|input| input.pointer.any_down());
     let id = egui::Id::unique("toasts");
     let last: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
@@ -29,7 +29,7 @@ pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, units: Units, commands: &mut Comma
     let shown = panel.show(ui, |ui| {
         egui::ScrollArea::vertical()
             .max_height(MOST_LINES * line)
-            // A strip that has to grow has no more room than before.
+            // A growing strip otherwise gets no more room than in the last frame.
             .min_scrolled_height(if held { 0.0 } else { MOST_LINES * line })
             .auto_shrink([false, true])
             .stick_to_bottom(true)
@@ -66,7 +66,7 @@ fn show(ui: &mut egui::Ui, toast: &Toast, units: Units, commands: &mut Commands)
     }
 }
 
-/// What happened, how often, and why or what to do about it.
+/// Shows the event, its count, and its reason or remedy.
 fn words(ui: &mut egui::Ui, toast: &Toast, units: Units) {
     let [mut text, detail] = toast.lines(units).map(|line| shortened(&line));
     if toast.count > 1 {
@@ -82,7 +82,7 @@ fn words(ui: &mut egui::Ui, toast: &Toast, units: Units) {
         add(RichText::new(format!("   {detail}")));
     }
     let label = ui.add(egui::Label::new(job).wrap());
-    // Screen readers say it when it appears; errors at once.
+    // Screen readers announce a toast when it appears; errors interrupt.
     let urgency = match toast.level {
         ToastLevel::Error => accesskit::Live::Assertive,
         ToastLevel::Done | ToastLevel::Warning => accesskit::Live::Polite,
@@ -90,7 +90,7 @@ fn words(ui: &mut egui::Ui, toast: &Toast, units: Units) {
     ui.ctx().accesskit_node_builder(label.id, |node| node.set_live(urgency));
 }
 
-/// The sign tells the level without its colour.
+/// Colour and sign of a level; the sign identifies it without colour.
 fn colour_and_sign(level: ToastLevel, dark: bool) -> (Color32, &'static str) {
     match level {
         ToastLevel::Done => (theme::readable(palette::DONE, dark), "✓"),
@@ -99,7 +99,7 @@ fn colour_and_sign(level: ToastLevel, dark: bool) -> (Color32, &'static str) {
     }
 }
 
-/// The beginning of a text that would fill the window; the whole of it is in the findings or on the command line.
+/// Truncates a text that would fill the window; findings or the command line show all of it.
 fn shortened(text: &str) -> String {
     const MOST: usize = 320;
     match text.char_indices().nth(MOST) {

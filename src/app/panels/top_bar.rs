@@ -1,4 +1,4 @@
-//! The bar at the top: the menus, the deployment's name, what is under way, units and theme.
+//! The bar at the top: menus, the deployment's name, progress, units and theme.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 
@@ -7,7 +7,7 @@ use crate::app::actions::{Action, Menu};
 use crate::app::model::Commands;
 use crate::app::state::State;
 
-/// What a menu leaves of the window's height: the bar that it hangs from, and its own frame (points).
+/// Height that a menu leaves free in the window: the bar above it, and its own frame (points).
 const BELOW_A_MENU: f32 = 60.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -22,11 +22,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 MenuButton::new(menu.title()).config(config).ui(ui, |ui| {
                     let actions = actions::all(state);
                     let entries = actions.iter().filter(|action| action.menu == menu);
-                    // A menu that is higher than the window is scrolled.
+                    // A menu higher than the window scrolls.
                     let height = ui.ctx().content_rect().height() - BELOW_A_MENU;
                     egui::ScrollArea::vertical()
                         .max_height(height)
-                        // A menu offers no more room than it had.
+                        // Without this, a menu gets no more room than in the last frame.
                         .min_scrolled_height(height)
                         .show(ui, |ui| show_menu(ui, entries, commands));
                 });
@@ -46,15 +46,16 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 }
                 super::progress::ui(ui, state, commands);
                 if let Some(elapsed_ms) = state.elapsed_ms() {
-                    ui.label(format!("{elapsed_ms:.1} ms"))
-                        .on_hover_text("From the settings to the new residuals, in the background");
+                    ui.label(format!("{elapsed_ms:.1} ms")).on_hover_text(
+                        "Time from the settings to the new residuals, in the background",
+                    );
                 }
             });
         });
     });
 }
 
-/// The entries of a menu, with a heading for each section; a long section is a menu of its own.
+/// Shows the entries of a menu, with a heading for each section; a long section is a submenu.
 fn show_menu<'a>(
     ui: &mut egui::Ui,
     entries: impl Iterator<Item = &'a Action>,
@@ -64,7 +65,7 @@ fn show_menu<'a>(
     let mut in_rows = false;
     for (index, section) in entries.chunk_by(|a, b| a.section == b.section).enumerate() {
         if section[0].in_a_row {
-            // Rows stand together.
+            // Rows are grouped under one separator.
             if !std::mem::replace(&mut in_rows, true) {
                 ui.separator();
             }
@@ -100,7 +101,7 @@ fn entry(ui: &mut egui::Ui, action: &Action, commands: &mut Commands) {
     }
 }
 
-/// A section whose actions exclude each other.
+/// Shows a section of mutually exclusive actions as a row.
 fn row(ui: &mut egui::Ui, section: &[&Action], commands: &mut Commands) {
     ui.horizontal(|ui| {
         ui.label(section[0].section);

@@ -1,4 +1,4 @@
-//! Whether the active deployment's calibration holds for the other open ones: a verdict and a test for each station.
+//! Validation of the active deployment's calibration on the other open ones: a verdict and a test for each station.
 
 use egui::RichText;
 
@@ -12,7 +12,7 @@ use resect_core::validation::in_words::chance;
 use resect_core::validation::{Difference, Validation};
 use resect_report::glossary;
 
-/// Shows the validations; nothing where no other deployment is open. Sentences wrap at this width (points).
+/// Shows the validations if another deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {
     let Some(active) = state.active().filter(|_| state.deployments.open.len() > 1) else { return };
     ui.add_space(6.0);
@@ -22,8 +22,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
         let text = format!("Apply {name}'s calibration to the others");
         let button = ui
             .add_enabled(state.can_validate(), egui::Button::new(text))
-            .on_hover_text("Whether it holds there: the metric, and which station moved since")
-            .on_disabled_hover_text("Once its answer is there");
+            .on_hover_text(
+                "Tests if it is still valid there: the metric, and any station that moved since",
+            )
+            .on_disabled_hover_text("Available after the calibration");
         if button.clicked() {
             commands.push(ResultsCommand::ValidateOthers.into());
         }
@@ -72,13 +74,13 @@ fn one(
     found.caveats.iter().for_each(|caveat| finding(ui, state, caveat, commands));
 }
 
-/// What each station would have done, were it the only one that moved.
+/// Shows the motion of each station under the assumption that no other station moved.
 fn stations(ui: &mut egui::Ui, (index, difference): (usize, &Difference), units: Units) {
     let small = units.angle.small_name();
     egui::Grid::new(("validation", index)).num_columns(8).spacing([12.0, 3.0]).striped(true).show(
         ui,
         |ui| {
-            ui.label("if it alone moved");
+            ui.label("if only it moved");
             for name in ["x (mm)", "y (mm)", "z (mm)", &format!("turn ({small})")] {
                 ui.label(name);
             }

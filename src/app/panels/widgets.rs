@@ -8,13 +8,13 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::deployment::Finding;
 
-/// What takes less is not worth a word.
+/// Shortest wait that is reported.
 pub const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);
 
 /// Space around a pane's content (points).
 pub const MARGIN: f32 = 8.0;
 
-/// A pane's content with a margin, scrolling where it does not fit.
+/// Shows a pane's content with a margin, scrolling if it does not fit.
 pub fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     theme::keep_handle(ui);
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -25,11 +25,11 @@ pub fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     });
 }
 
-/// A finding with its sign; beside it the text wraps, and under that are buttons that do what it advises.
+/// Shows a finding with its sign and wrapped text, and below it buttons that follow its advice.
 pub fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut Commands) {
     let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
     ui.horizontal_top(|ui| {
-        // Signs differ in width; the texts beside them should line up.
+        // Signs differ in width; a fixed width aligns the texts.
         let width = 14.0;
         let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
         let font = egui::TextStyle::Body.resolve(ui.style());
@@ -49,7 +49,7 @@ pub fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &m
     });
 }
 
-/// A button that does what is advised, or says why it cannot.
+/// Adds a button that follows an advice, or shows the reason why it is disabled.
 fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
     let remedies::Offer { name, command } = offer;
     let button = ui.add_enabled(command.is_ok(), egui::Button::new(name).small());
@@ -62,14 +62,14 @@ fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
     }
 }
 
-/// A button that gives the active deployment the settings of a pinned result.
+/// Adds a button that gives the active deployment the settings of a pinned result.
 pub fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Commands) {
     let Some(settings) = state.settings_of_pin(id) else { return };
     let possible = settings != *state.settings();
     let button = ui
         .add_enabled(possible, egui::Button::new("Use these settings").small())
-        .on_hover_text("Calibrate with the settings of the pinned result; Undo takes it back")
-        .on_disabled_hover_text("They are the settings now");
+        .on_hover_text("Calibrate with the settings of the pinned result; Undo reverts it")
+        .on_disabled_hover_text("These settings are in use already");
     let pin = state.results.pins.iter().find(|pin| pin.id == id);
     let name = format!("Use the settings of {}", pin.map_or("", |pin| pin.name.as_str()));
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, possible, &name));
@@ -78,12 +78,12 @@ pub fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Comm
     }
 }
 
-/// The head of a column of numbers that are so many characters wide, above their right end.
+/// Heading of a column of numbers, right-aligned at this width (characters).
 pub fn number_head(ui: &mut egui::Ui, text: &str, width: usize) -> egui::Response {
     ui.label(egui::RichText::new(format!("{text:>width$}")).monospace().strong())
 }
 
-/// A heading inside a pane.
+/// Shows a heading inside a pane.
 pub fn heading(ui: &mut egui::Ui, text: &str) {
     ui.add_space(4.0);
     words::explain_text(ui.strong(text), text);

@@ -1,7 +1,7 @@
-//! The session of a running window, written every few seconds, so that nothing is lost when the program stops.
+//! Saves the session of a running window every few seconds, for recovery after a crash.
 //!
-//! Each window has a file of its own and holds a lock beside it while it lives. A file whose lock can be had belonged
-//! to a window that died: the next one that starts restores it. The user's own session files are never touched.
+//! Each window has its own file, and locks a second file beside it while it runs. A file whose lock is free belongs to a window that
+//! crashed: the next window that starts restores it. Session files of the user are never touched.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -17,20 +17,20 @@ use super::writer::Writer;
 use resect_core::deployment::Finding;
 use resect_io::atomic;
 
-/// Keeps the session of this window in a file of its own.
+/// Saves the session of this window in a file of its own.
 pub struct Autosave {
     file: OwnFile,
-    /// A dead window's file, until what it held is in this window's own.
+    /// File of a crashed window, until its content is saved in this window's own file.
     taken_over: Arc<Mutex<Option<OwnFile>>>,
     writer: Writer,
     cache: Arc<HashCache>,
-    /// What was offered last; none after a failure, so that it is tried again.
+    /// The session saved last; `None` after a failure, so that the next offer writes again.
     last: Option<Session>,
-    /// Whether the user knows that it cannot be written, since when it last could.
+    /// True if the user knows that the session cannot be written; reset by the next success.
     told: Arc<AtomicBool>,
 }
 
-/// What a window that died had open.
+/// The session of a crashed window.
 pub struct Recovered {
     pub session: Session,
     pub findings: Vec<Finding>,
@@ -39,7 +39,7 @@ pub struct Recovered {
     file: OwnFile,
 }
 
-/// A session's file with the lock that makes it one's own. Dropping it lets go of the lock and leaves the file.
+/// A locked session file. Dropping it releases the lock and keeps the file.
 struct OwnFile {
     path: PathBuf,
     lock_path: PathBuf,
@@ -47,7 +47,7 @@ struct OwnFile {
 }
 
 impl OwnFile {
-    /// Locks a session's file, there or not; none if another window holds it.
+    /// Locks a session file, which need not exist; `None` if another window has the lock.
     fn lock(path: PathBuf) -> std::io::Result<Option<Self>> {
         let lock_path = path.with_extension("lock");
         let lock = File::options().create(true).append(true).open(&lock_path)?;
@@ -56,11 +56,11 @@ impl OwnFile {
             Err(TryLockError::WouldBlock) => return Ok(None),
             Err(TryLockError::Error(error)) => return Err(error),
         }
-        // A window that cleans up may have removed it between opening and locking: then the lock is of no file.
+        // Another window may have removed the lock file between opening and locking; the lock would then protect nothing.
         Ok(lock_path.exists().then_some(Self { path, lock_path, _lock: lock }))
     }
 
-    /// The file first: a lock without a file is nothing, a file without a lock is a dead window's.
+    /// Removes the session before its lock: an unlocked session means that a window crashed.
     fn remove(&self) {
         _ = std::fs::remove_file(&self.path);
         _ = std::fs::remove_file(&self.lock_path);
@@ -68,7 +68,7 @@ impl OwnFile {
 }
 
 impl Autosave {
-    /// Takes a file of its own in this folder, and what the window that died last left there.
+    /// Creates a session file in this folder, and returns the session of the window that crashed last, if there is one.
     pub fn start(
         folder: &Path,
         cache: Arc<HashCache>,
@@ -87,13 +87,13 @@ impl Autosave {
         Ok((autosave, recovered, findings))
     }
 
-    /// Makes a dead window's session this one's; its file stays until the session, which is this window's now, is written anew.
+    /// Adopts a crashed window's session. The old file remains until this window has saved the session in its own.
     pub fn take_over(&mut self, recovered: Recovered) -> (Session, Vec<Finding>) {
         put(&self.taken_over, Some(recovered.file));
         (recovered.session, recovered.findings)
     }
 
-    /// Has the session written in the background where it is another than last time; whether it is.
+    /// Saves the session in the background if it differs from the last one; returns true if it does.
     pub fn offer(&mut self, session: Session) -> bool {
         if self.last.as_ref() == Some(&session) {
             return false;
@@ -117,21 +117,21 @@ impl Autosave {
         true
     }
 
-    /// Why the last writing failed; once, however often it fails again. The next session offered is written then.
+    /// Returns the error of the last save, but only once until a save succeeds. After an error, the next session offered is written.
     pub fn take_error(&mut self) -> Option<String> {
         let error = self.writer.take_error()?;
         self.last = None;
         (!self.told.swap(true, Ordering::Relaxed)).then_some(error)
     }
 
-    /// The window is closed, and this could not be kept elsewhere: the next window restores it.
+    /// Closes the window and leaves the session, which could not be saved elsewhere, for the next window to restore.
     pub fn leave(mut self, session: Session) {
         self.cache.stop();
         self.offer(session);
         self.writer.finish();
     }
 
-    /// The window is closed by its user and what was open is kept elsewhere: nothing is left to be restored.
+    /// Closes the window after its session was saved elsewhere, and leaves nothing to restore.
     pub fn finish(self) {
         self.cache.stop();
         self.writer.finish();
@@ -142,12 +142,12 @@ impl Autosave {
     }
 }
 
-/// Puts a file in the place of another, which it gives.
+/// Replaces a file, and returns the former one.
 fn put(place: &Mutex<Option<OwnFile>>, file: Option<OwnFile>) -> Option<OwnFile> {
     std::mem::replace(&mut place.lock().unwrap_or_else(PoisonError::into_inner), file)
 }
 
-/// A file of a name that nothing else has.
+/// Creates a session file with an unused name.
 fn own_file(folder: &Path) -> std::io::Result<OwnFile> {
     for number in 0..100 {
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -157,10 +157,10 @@ fn own_file(folder: &Path) -> std::io::Result<OwnFile> {
             return Ok(file);
         }
     }
-    Err(std::io::Error::other("no file of its own to be had"))
+    Err(std::io::Error::other("no unused file name found"))
 }
 
-/// The newest session that a dead window left, locked; older ones stay for the windows that start next.
+/// Locks and loads the newest session of a crashed window; older ones remain for the next windows.
 fn newest_left(folder: &Path) -> (Option<Recovered>, Vec<Finding>) {
     let mut findings = Vec::new();
     let Ok(entries) = std::fs::read_dir(folder) else { return (None, findings) };
@@ -187,7 +187,7 @@ fn newest_left(folder: &Path) -> (Option<Recovered>, Vec<Finding>) {
                 file.remove();
             }
             Err(error) => {
-                let why = format!("what was open when resect stopped cannot be restored: {error}");
+                let why = format!("the session from before the crash cannot be restored: {error}");
                 let (moved, finding) = keep_aside(path, &why);
                 findings.push(finding);
                 if moved {
@@ -199,7 +199,7 @@ fn newest_left(folder: &Path) -> (Option<Recovered>, Vec<Finding>) {
     (None, findings)
 }
 
-/// Locks without a session, and half-written files, of windows that are gone.
+/// Removes lock files without a session, and partly written files, of windows that ended.
 fn remove_scraps(paths: &[PathBuf]) {
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -208,7 +208,7 @@ fn remove_scraps(paths: &[PathBuf]) {
             if !session.exists()
                 && let Ok(Some(file)) = OwnFile::lock(session)
             {
-                // Under its lock once more: its window may be about to write.
+                // Checks again under the lock, because its window may be about to write.
                 if !file.path.exists() {
                     _ = std::fs::remove_file(&file.lock_path);
                 }

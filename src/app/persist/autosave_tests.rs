@@ -7,7 +7,7 @@ use crate::app::persist::session::SavedDeployment;
 use resect_io::sample::Sample;
 use resect_io::source::Source;
 
-/// Set in a process that this file's tests start, to the folder where it saves until it is killed.
+/// Environment variable of the child process, with the folder in which it saves until it is killed.
 const CHILD_FOLDER: &str = "RESECT_TEST_SAVING_CHILD";
 
 fn start(folder: &Path) -> (Autosave, Option<Recovered>, Vec<Finding>) {
@@ -39,13 +39,13 @@ fn names(folder: &Path) -> BTreeSet<String> {
         .collect()
 }
 
-/// Leaves things as a crash does: the lock is gone with the process, the file stays.
+/// Simulates a crash: the lock is released with the process, and the file remains.
 fn die(autosave: Autosave) {
     autosave.writer.finish();
     drop(autosave);
 }
 
-/// Starts after a window died: a process that another test forks right then holds that window's lock for a moment.
+/// Starts after a crash. A process that another test forks at that moment may briefly keep the crashed window's lock.
 fn start_after_death(folder: &Path) -> (Autosave, Option<Recovered>, Vec<Finding>) {
     for _ in 0..400 {
         let started = start(folder);
@@ -70,7 +70,7 @@ fn what_a_window_that_died_had_open_comes_back_once() {
     assert_eq!(findings, []);
     let (back, _) = second.take_over(recovered.expect("what was open"));
     assert_eq!(back, session(3));
-    // Dying again before anything was written loses nothing.
+    // A second crash before anything was written loses nothing.
     die(second);
     let (mut third, recovered, _) = start_after_death(folder.path());
     let (back, _) = third.take_over(recovered.expect("what was open"));
@@ -106,7 +106,7 @@ fn an_empty_window_leaves_nothing_to_restore() {
     window.offer(session(1));
     window.offer(Session::default());
     die(window);
-    // As in start_after_death, the lock may not be had at once.
+    // As in `start_after_death`, the lock may not be free at once.
     let mut left = usize::MAX;
     for _ in 0..400 {
         let (window, recovered, _) = start(folder.path());
@@ -143,7 +143,7 @@ fn what_cannot_be_restored_is_kept_aside_and_said() {
 fn what_could_not_be_written_is_tried_again_and_told_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut window, ..) = start(folder.path());
-    // A folder in the file's place cannot be written to.
+    // A folder at the file's path prevents writing.
     std::fs::create_dir(&window.file.path).expect("created");
     assert!(window.offer(session(1)));
     window.writer.finish();
@@ -195,12 +195,12 @@ fn a_killed_process_damages_neither_session_nor_autosave() {
         while path.metadata().and_then(|metadata| metadata.modified()).ok() == before
             || !autosaved()
         {
-            // However long a save takes on a busy machine.
+            // A save may take any time on a busy machine.
             assert!(child.try_wait().expect("a child").is_none(), "the child ended by itself");
             std::thread::sleep(Duration::from_micros(200));
         }
         std::thread::sleep(Duration::from_micros(311 * kill));
-        // SIGKILL: nothing of the child runs after it.
+        // After SIGKILL, the child executes nothing.
         child.kill().expect("killed");
         child.wait().expect("gone");
         let (session, findings) = session_file::load(&path).expect("whole");

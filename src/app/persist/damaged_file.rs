@@ -1,12 +1,12 @@
-//! Files that cannot be used: where they are kept, and the line of the error.
+//! Damaged files: renaming, and the line of the error.
 
 use std::path::Path;
 
 use crate::app::model::findings::unusable_file_kept;
 use resect_core::deployment::Finding;
 
-/// Moves a file that cannot be used out of the way of the one that will be written; whether it could, and what to
-/// say. One that stays where it is must not be written over.
+/// Renames a damaged file so that it is not overwritten. Returns true if that succeeded, and a finding. If it failed, the file must not be
+/// overwritten.
 pub fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let free = (1..1000)
@@ -19,7 +19,7 @@ pub fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
     (moved.is_some(), unusable_file_kept(why, moved.as_deref()))
 }
 
-/// Line of a byte of a text, from 1.
+/// Line number of a byte in a text, from 1.
 pub fn line_of(text: &str, byte: usize) -> usize {
     1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
 }

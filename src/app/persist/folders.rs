@@ -1,21 +1,21 @@
-//! Folders of the preferences and the sessions.
+//! Folders of preferences and sessions.
 
 use std::path::{Path, PathBuf};
 
-/// Says where everything is kept instead of in the user's own folders.
+/// Environment variable with the folder that replaces the user's own folders.
 const FOLDER_VARIABLE: &str = "RESECT_CONFIG_DIR";
 
-/// Where resect keeps what is the user's.
+/// Folders in which resect saves the user's data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folders {
-    /// The folder of the preferences.
+    /// Folder of the preferences.
     pub config: PathBuf,
-    /// The folder of the sessions of running windows.
+    /// Folder of the sessions of running windows.
     pub autosave: PathBuf,
 }
 
 impl Folders {
-    /// The system's folders for this user, or the one that `RESECT_CONFIG_DIR` names; none on a system without a home.
+    /// Returns the system's folders for this user, or the one in `RESECT_CONFIG_DIR`; `None` on a system without a home directory.
     pub fn of_user() -> Option<Self> {
         if let Some(folder) = std::env::var_os(FOLDER_VARIABLE).filter(|name| !name.is_empty()) {
             return Some(Self::inside(Path::new(&folder)));
@@ -32,7 +32,7 @@ impl Folders {
         self.autosave.with_file_name("last.toml")
     }
 
-    /// All inside one folder.
+    /// All of them inside one folder.
     pub fn inside(folder: &Path) -> Self {
         Self { config: folder.to_owned(), autosave: folder.join("autosave") }
     }

@@ -1,4 +1,4 @@
-//! Hashes of input files: whether what a session was made from is still what lies there.
+//! Hashes of input files, by which a session detects changed inputs.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,27 +12,28 @@ use crate::app::model::findings::{session_file_changed, session_file_missing};
 use resect_core::deployment::Finding;
 use resect_io::file_mark::sha256;
 
-/// Hashes that were computed already; a file is read again only when its size or its time of change is another.
+/// Cached hashes; a file is read again only if its size or modification time has changed.
 #[derive(Debug, Default)]
 pub struct HashCache {
-    known: Mutex<Known>,
+    known: Mutex<HashByPath>,
     stopped: AtomicBool,
 }
 
-type Known = HashMap<PathBuf, (u64, SystemTime, String)>;
+type HashByPath = HashMap<PathBuf, (u64, SystemTime, String)>;
 
 impl HashCache {
-    fn known(&self) -> MutexGuard<'_, Known> {
-        // Who panicked left hashes that are as good as any.
+    fn known(&self) -> MutexGuard<'_, HashByPath> {
+        // The hashes are valid even after a thread panicked.
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The window is closed: what is not hashed yet is left out, and what is being hashed is given up.
+    /// Stops hashing when the window is closed: hashes in progress and missing ones are abandoned.
     pub fn stop(&self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Reads the whole file unless it is known. Takes a second for a few hundred MB: not on the window's thread.
+    /// Returns size and hash of a file, which it reads unless the hash is cached. Takes a second for a few hundred MB, so not for the
+    /// window's thread.
     pub fn mark(&self, path: &Path) -> std::io::Result<FileMark> {
         let metadata = path.metadata()?;
         let (bytes, changed) = (metadata.len(), metadata.modified()?);
@@ -53,7 +54,7 @@ impl HashCache {
         Ok(FileMark { path: path.to_owned(), bytes, sha256 })
     }
 
-    /// One finding for each file that is not what it was.
+    /// Returns one finding for each changed file.
     pub fn changed(&self, marks: &[FileMark]) -> Vec<Finding> {
         marks.iter().filter_map(|mark| self.change(mark)).collect()
     }

@@ -1,5 +1,5 @@
-//! What was open last, before another session took its place or the window was closed: one file for all windows,
-//! which the File menu opens again.
+//! The session that was open last, before another session replaced it or the window was closed. One file serves all windows, and the File
+//! menu opens it again.
 
 use std::path::{Path, PathBuf};
 
@@ -12,23 +12,23 @@ pub struct LastSession {
 }
 
 impl LastSession {
-    /// The session that is kept in this file, there or not.
+    /// The session in this file, which need not exist.
     pub fn at(path: PathBuf) -> Self {
         let is_there = path.is_file();
         Self { path, is_there }
     }
 
-    /// The session's file, if there is one.
+    /// The session's file; `None` if it does not exist.
     pub fn path(&self) -> Option<&Path> {
         Some(self.path.as_path()).filter(|_| self.is_there)
     }
 
-    /// Remembers that this window has written it.
+    /// Records that this window has written the file.
     pub fn written(&mut self) {
         self.is_there = true;
     }
 
-    /// Puts a session in the place of the one kept, unless nobody would miss it. Reads none of the inputs.
+    /// Replaces the saved session, unless the new one is empty. Reads none of the inputs.
     pub fn write(&self, session: &Session) -> Result<(), SessionError> {
         if session.is_empty() {
             return Ok(());

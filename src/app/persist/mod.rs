@@ -1,8 +1,8 @@
-//! What outlives the window: preferences, sessions, and what was open when the program stopped.
+//! Saved data: preferences, sessions, and the session of a program that stopped.
 //!
-//! Plain data and plain functions. [`session`] and [`preferences`] are the files, [`hashes`] tells whether inputs
-//! changed, [`autosave`] keeps the running window's session safe, [`last`] what was open before, [`writer`] writes without a frame waiting, and
-//! [`super::keeping`] is all that a window needs of it.
+//! Plain data and functions. [`session`] and [`preferences`] are the files, and [`hashes`] detects changed inputs. [`autosave`] saves the
+//! running window's session, [`last`] the session open before, and [`writer`] writes without blocking a frame. [`super::saved_state`] combines
+//! them for a window.
 
 pub mod autosave;
 mod damaged_file;

@@ -1,4 +1,4 @@
-//! Preferences: what a user set for every window. TOML in the system's folder for it.
+//! Preferences of the user for all windows. TOML in the system's configuration folder.
 
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -14,23 +14,23 @@ use resect_core::deployment::Finding;
 use resect_io::atomic;
 use resect_io::source::Source;
 
-/// Version of the format that this program writes.
+/// Format version that this program writes.
 const VERSION: u32 = 1;
 const FILE: &str = "preferences.toml";
-/// Most recent deployments that are remembered.
+/// Greatest number of recent deployments that are saved.
 const MOST_RECENT: usize = 12;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preferences {
     pub theme: Theme,
-    /// Whether type is large and contrast full.
+    /// True for large type and full contrast.
     pub in_the_sun: bool,
     pub units: Units,
-    /// The arrangement of the panes; `None` until the user changed it.
+    /// Layout of the panes; `None` until the user changes it.
     pub layout: Option<LayoutDescription>,
     /// Size of the window (points).
     pub window_points: Option<[f32; 2]>,
-    /// The newest first, none twice.
+    /// Newest first, without duplicates.
     pub recent: Vec<Recent>,
 }
 
@@ -66,13 +66,13 @@ impl From<Theme> for ThemePreference {
 /// A deployment that was opened before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recent {
-    /// When the deployment was last opened (s since 1970).
+    /// Time at which the deployment was last opened (s since 1970).
     pub opened_unix_s: u64,
     #[serde(flatten)]
     pub source: Source,
 }
 
-/// Puts a deployment first among the recent ones; samples are in the menu anyway.
+/// Moves a deployment to the front of the recent ones. Samples are skipped, because the menu lists them separately.
 pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
     if source.path().is_none() {
         return;
@@ -84,7 +84,7 @@ pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
     recent.truncate(MOST_RECENT);
 }
 
-/// The preferences as they lie in the file. Parts that cannot be read are left out, the rest stays.
+/// Preferences in the file's format. Unreadable fields are ignored.
 #[derive(Serialize, Deserialize)]
 struct StoredPreferences {
     version: u32,
@@ -144,17 +144,17 @@ impl StoredPreferences {
     }
 }
 
-/// The file of the preferences: read once, written in the background when they are others.
+/// The preferences file: read once, written in the background when preferences change.
 pub struct PreferencesFile {
     path: PathBuf,
-    /// Whether the file may be written: not where one lies that cannot be read and could not be moved aside.
+    /// False if the file is unreadable and could not be renamed, so that it must not be overwritten.
     may_write: bool,
     last: Preferences,
     writer: Writer,
 }
 
 impl PreferencesFile {
-    /// Reads the file of a folder. One that cannot be used is kept aside, never overwritten, and said.
+    /// Reads the file in a folder. An unusable file is renamed, never overwritten, and reported.
     pub fn open(folder: &Path) -> (Self, Preferences, Vec<Finding>) {
         let path = folder.join(FILE);
         let (preferences, findings, may_write) = read(&path);
@@ -163,7 +163,7 @@ impl PreferencesFile {
         (file, preferences, findings)
     }
 
-    /// Has them written where they are others than last time. Cheap: to be called whenever something may have changed.
+    /// Saves the preferences in the background if they changed. Cheap enough for every possible change.
     pub fn keep(&mut self, preferences: &Preferences) {
         if !self.may_write || *preferences == self.last {
             return;
@@ -172,7 +172,7 @@ impl PreferencesFile {
         let (path, preferences) = (self.path.clone(), preferences.clone());
         self.writer.write(move || {
             let text = toml::to_string(&StoredPreferences::new(&preferences))
-                .map_err(|error| format!("preferences cannot be kept as text: {error}"))?;
+                .map_err(|error| format!("preferences cannot be saved as text: {error}"))?;
             if let Some(folder) = path.parent() {
                 atomic::make_folder(folder).map_err(|error| error.to_string())?;
             }
@@ -180,37 +180,37 @@ impl PreferencesFile {
         });
     }
 
-    /// Why they could not be written, once.
+    /// Returns the error of the last write, once.
     pub fn take_error(&self) -> Option<String> {
         self.writer.take_error()
     }
 
-    /// Waits until they are written; dropping the file does, too.
+    /// Waits until the preferences are written, as dropping this does.
     pub fn finish(&self) {
         self.writer.finish();
     }
 }
 
-/// The preferences, what is to be said of them, and whether the file may be written over.
+/// Returns the preferences, the findings, and true if the file may be overwritten.
 fn read(path: &Path) -> (Preferences, Vec<Finding>, bool) {
     let place = path.display();
     let (preferences, mut findings, wrong) = match std::fs::read_to_string(path) {
         Ok(text) => match toml::from_str::<StoredPreferences>(&text) {
             Ok(stored) => {
-                // Of a newer version only a part is known: that much is used, and the file stays whole.
+                // Only some fields of a newer version are known: these are used, and the file is preserved.
                 let newer = stored.version > VERSION;
                 let (preferences, findings) = stored.read();
                 let wrong = match newer {
                     true => Some(format!("{place}: written by a newer resect")),
                     false if findings.is_empty() => None,
-                    false => Some(format!("{place}: cannot be read as a whole")),
+                    false => Some(format!("{place}: only partly readable")),
                 };
                 (preferences, findings, wrong)
             }
             Err(error) => {
                 let line = error.span().map_or(1, |span| line_of(&text, span.start));
                 let what = error.message().lines().next().unwrap_or_default();
-                let why = format!("{place}:{line}: {what}; resect starts with its own preferences");
+                let why = format!("{place}:{line}: {what}; resect starts with default preferences");
                 (Preferences::default(), Vec::new(), Some(why))
             }
         },
@@ -218,7 +218,7 @@ fn read(path: &Path) -> (Preferences, Vec<Finding>, bool) {
             (Preferences::default(), Vec::new(), None)
         }
         Err(error) => {
-            let why = format!("{place}: {error}; resect starts with its own preferences");
+            let why = format!("{place}: {error}; resect starts with default preferences");
             (Preferences::default(), Vec::new(), Some(why))
         }
     };
@@ -301,12 +301,12 @@ mod tests {
         let good = written(folder, &changed());
         let newer = good.replacen("version = 1", "version = 2", 1);
         let odd = good.replacen("\"light\"", "\"sepia\"", 1);
-        // What of it can be used is used.
+        // Readable fields are used.
         for (text, said, theme, recent) in [
             ("version = 1\ntheme = [", ":2: ", Theme::System, 0),
             (newer.as_str(), "newer resect", Theme::Light, 1),
             (odd.as_str(), "the theme", Theme::System, 1),
-            ("\u{0}\u{1}", "starts with its own", Theme::System, 0),
+            ("\u{0}\u{1}", "starts with default", Theme::System, 0),
         ] {
             std::fs::write(folder.join(FILE), text).expect("written");
             let (file, preferences, findings) = PreferencesFile::open(folder);

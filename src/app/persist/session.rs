@@ -1,4 +1,4 @@
-//! A session: everything that is open, and how it is looked at. Plain data, kept as versioned TOML.
+//! A session: all open data and their views. Plain data, saved as versioned TOML.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -19,28 +19,28 @@ use resect_io::error::OpenError;
 use resect_io::source::Source;
 use resect_report::summary::ResultSummary;
 
-/// Ending of a session's file name.
+/// Extension of a session file.
 pub const EXTENSION: &str = "resect.toml";
 
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     #[error("{}: {error}; check the path and its permissions", path.display())]
     Read { path: PathBuf, error: std::io::Error },
-    #[error("{}:{line}: {what}; put the line right, or take an older copy of the session", path.display())]
+    #[error("{}:{line}: {what}; correct the line, or use an older copy of the session", path.display())]
     Line { path: PathBuf, line: usize, what: String },
-    #[error("{}: {what}; put it right in the file, or take an older copy of the session", path.display())]
+    #[error("{}: {what}; correct the file, or use an older copy of the session", path.display())]
     Content { path: PathBuf, what: String },
-    #[error("{}: written by a newer resect ({by}), in a format this one does not know; update resect", path.display())]
+    #[error("{}: written by a newer resect ({by}) in an unknown format; update resect", path.display())]
     Newer { path: PathBuf, by: String },
     #[error(
-        "the session cannot be kept as text: {0}; rename files and folders whose names are not UTF-8"
+        "the session cannot be saved as text: {0}; rename files and folders whose names are not UTF-8"
     )]
     Text(String),
     #[error(transparent)]
     Write(#[from] WriteError),
 }
 
-/// Everything that is open, and how it is looked at. Paths are absolute.
+/// All open data and their views. Paths are absolute.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Session {
     pub deployments: Vec<SavedDeployment>,
@@ -49,34 +49,34 @@ pub struct Session {
     pub view: SavedView,
     pub layout: Option<LayoutDescription>,
     pub pins: Vec<SavedPin>,
-    /// The user's plan; none where nobody touched it.
+    /// The user's plan; `None` if the user has not edited it.
     pub plan: Option<Box<Plan>>,
 }
 
-/// One deployment of a session: where it comes from, what is set, where one looks.
+/// A deployment of a session: source, settings, and view in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedDeployment {
     pub source: Source,
     pub settings: Settings,
-    /// Times in s of the stations' clock.
+    /// Times in the stations' clock (s).
     pub cursor_s: Option<f64>,
     pub window_s: Option<[f64; 2]>,
     pub selection_s: Option<[f64; 2]>,
     pub files: Files,
-    /// Trajectories that are judged by it.
+    /// Trajectories that are evaluated against this deployment.
     pub estimates: Vec<SavedEstimate>,
 }
 
-/// The files that a deployment was read from, found and hashed once and only when a session is written.
+/// Files from which a deployment was read, found and hashed once, when a session is first written.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// What was read, until it is hashed; none of files as a session remembers them.
+    /// The deployment whose files are not hashed yet; `None` for files loaded from a session.
     read: Option<Arc<Deployment>>,
     marks: Arc<OnceLock<Vec<FileMark>>>,
 }
 
 impl PartialEq for Files {
-    /// Whether they are hashed yet does not matter.
+    /// Files that are not hashed yet compare equal to any others.
     fn eq(&self, other: &Self) -> bool {
         match (self.marks.get(), other.marks.get()) {
             (Some(mine), Some(others)) => mine == others,
@@ -91,12 +91,12 @@ impl Files {
         Self { read: Some(Arc::clone(deployment)), marks: Arc::default() }
     }
 
-    /// Files as a session remembers them.
+    /// Files with the hashes saved in a session.
     pub fn marked(marks: Vec<FileMark>) -> Self {
         Self { read: None, marks: Arc::new(OnceLock::from(marks)) }
     }
 
-    /// Hashes them the first time; not on the window's thread. What cannot be read is left out.
+    /// Returns the hashes, computing them at the first call. Not for the window's thread. Unreadable files are left out.
     pub fn marks(&self, cache: &HashCache) -> &[FileMark] {
         self.marks.get_or_init(|| {
             let used = self.read.iter().flat_map(|read| used_files(read));
@@ -104,14 +104,14 @@ impl Files {
         })
     }
 
-    /// The marks that are hashed already.
+    /// Returns the hashes computed so far.
     pub fn known_marks(&self) -> &[FileMark] {
         self.marks.get().map_or(&[], Vec::as_slice)
     }
 }
 
 impl SavedDeployment {
-    /// Reads it again. What is not as it was comes first among its findings.
+    /// Reads the deployment again. Findings about changed files come first.
     pub fn open(&self, cache: &HashCache, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut deployment = self.source.open(progress)?;
         let changed = cache.changed(self.files.marks(cache));
@@ -120,7 +120,7 @@ impl SavedDeployment {
     }
 }
 
-/// How the scene and the numbers are shown.
+/// View settings of the scene and of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SavedView {
@@ -147,12 +147,12 @@ pub(super) fn yes() -> bool {
 }
 
 impl Session {
-    /// Whether there is nothing that anyone would miss.
+    /// Returns true if the session contains nothing worth saving.
     pub fn is_empty(&self) -> bool {
         self.deployments.is_empty() && self.pins.is_empty() && self.plan.is_none()
     }
 
-    /// Whether the data, its settings, what it judges and what is pinned are the same, wherever one looks at the moment.
+    /// Returns true if data, settings, evaluated trajectories and pinned results are the same; the view may differ.
     pub fn is_same_work(&self, other: &Self) -> bool {
         fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings)> {
             session.deployments.iter().map(|saved| (&saved.source, &saved.settings))
@@ -166,8 +166,8 @@ impl Session {
     }
 }
 
-/// Whether the same trajectories are judged alike, in whatever order: those that cannot be read come first. One entry of a
-/// session may stand for all that are in a bag.
+/// Returns true if the same trajectories are evaluated with the same options, in any order, because unreadable ones come first. An entry
+/// without a topic matches all trajectories of its bag.
 fn judge_same(a: &[SavedEstimate], b: &[SavedEstimate]) -> bool {
     let is_same = |one: &SavedEstimate, other: &SavedEstimate| {
         let topics = one.topic.as_ref().zip(other.topic.as_ref());

@@ -1,4 +1,4 @@
-//! A session as a file: read and written.
+//! Reading and writing of session files.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use resect_core::deployment::Finding;
 use resect_io::atomic;
 
 impl Session {
-    /// The text of a session file in this folder: paths below it are relative, so that both can be moved together.
+    /// Text of a session file in this folder. Paths below the folder are relative, so that both can be moved together.
     pub fn text(&self, folder: &Path, cache: &HashCache) -> Result<String, SessionError> {
         self.text_with(folder, |files| files.marks(cache))
     }
@@ -26,20 +26,20 @@ impl Session {
             .map_err(|error| SessionError::Text(error.to_string()))
     }
 
-    /// Writes the file, or leaves the old one as it is. Hashes what is not hashed yet: not on the window's thread.
+    /// Writes the file, or leaves the old one unchanged on an error. Computes missing hashes, so not for the window's thread.
     pub fn save(&self, path: &Path, cache: &HashCache) -> Result<(), SessionError> {
         let text = self.text(&folder_of(path), cache)?;
         Ok(atomic::write(path, text)?)
     }
 
-    /// Saves the session without the hashes that are not known yet: reads no input.
+    /// Saves the session with the hashes known so far, reading no input.
     pub fn save_unhashed(&self, path: &Path) -> Result<(), SessionError> {
         let text = self.text_with(&folder_of(path), Files::known_marks)?;
         Ok(atomic::write(path, text)?)
     }
 }
 
-/// A session and what had to be left out of it, or why there is none: what, where, remedy.
+/// Returns a session and findings about ignored fields, or an error with location and remedy.
 pub fn load(path: &Path) -> Result<(Session, Vec<Finding>), SessionError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| SessionError::Read { path: path.to_owned(), error })?;
@@ -56,13 +56,13 @@ pub fn load(path: &Path) -> Result<(Session, Vec<Finding>), SessionError> {
 fn parse<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, SessionError> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| line_of(text, span.start));
-        // The message is one line for one line on the screen.
+        // The message is joined to one line.
         let what = error.message().lines().collect::<Vec<_>>().join(", ");
         SessionError::Line { path: path.to_owned(), line, what }
     })
 }
 
-/// The folder of a file, absolute where it can be told.
+/// The folder of a file, absolute if possible.
 fn folder_of(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -17,7 +17,7 @@ use crate::app::prepared::channels::Channel;
 use resect_core::analysis::Analyst;
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
-use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 use resect_core::progress::Progress;
 use resect_io::sample::Sample;
 use resect_io::source::Extras;
@@ -44,7 +44,10 @@ fn session(folder: &Path) -> Session {
             SavedEstimate {
                 path: folder.join("data/slam.tum"),
                 topic: None,
-                options: Options { alignment: Alignment::Similarity, ..Options::default() },
+                options: Options {
+                    alignment: TrajectoryAlignment::Similarity,
+                    ..Options::default()
+                },
                 shown: true,
             },
             SavedEstimate {
@@ -130,7 +133,7 @@ fn files_that_changed_since_are_named() {
     let findings = cache.changed(files.marks(&cache));
     assert_eq!(findings.len(), 1);
     assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
-    // Saving again keeps what it was made from.
+    // Saving again keeps the marks of the original files.
     back.save(&path, &cache).expect("saved");
     assert!(std::fs::read_to_string(&path).expect("there").contains("bytes = 3"));
 }
@@ -221,13 +224,13 @@ fn an_odd_view_layout_or_pin_costs_only_itself() {
                 assert_eq!(back.deployments.len(), 2);
                 assert!(findings.iter().any(|it| it.to_string().contains(said)), "{findings:?}");
             }
-            // A key given twice is no TOML at all.
+            // A duplicate key is invalid TOML.
             Err(error) => assert!(said.is_empty(), "{error}"),
         }
     }
 }
 
-/// Before each trajectory had a clock and a body of its own, a session said them once for all.
+/// Older sessions have one clock and body for all trajectories instead of one each.
 #[test]
 fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     let folder = with_data();
@@ -238,12 +241,15 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     let (back, findings) = load(&path).expect("an old session opens");
     assert_eq!(findings, vec![]);
     let folder = folder.path().canonicalize().expect("there");
-    let options =
-        Options { alignment: Alignment::None, time_offset_s: Some(0.5), body: Body::Same };
+    let options = Options {
+        alignment: TrajectoryAlignment::None,
+        time_offset_s: Some(0.5),
+        body: Body::Same,
+    };
     let of =
         |file: &str| SavedEstimate { path: folder.join(file), topic: None, options, shown: true };
     assert_eq!(back.deployments[0].estimates, [of("a.tum"), of("b.bag")]);
-    // What is judged otherwise, or no more, is other work; where one looks is not.
+    // Other options or trajectories are other work; a different view is not.
     let mut other = back.clone();
     other.deployments[0].estimates[0].shown = false;
     other.deployments[0].estimates.reverse();
@@ -253,11 +259,11 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     assert!(!other.is_same_work(&back));
     other.deployments[0].estimates.clear();
     assert!(!other.is_same_work(&back));
-    // One whose options are of a later version is still judged, and that is said.
+    // A trajectory with options of a newer version is still evaluated, with a finding.
     std::fs::write(&path, old.replace("\"none\"", "\"by the weather\"")).expect("written");
     let (back, findings) = load(&path).expect("opens");
     assert_eq!(back.deployments[0].estimates[1].options, Options::default());
-    assert!(findings[0].to_string().contains("how a trajectory is judged"), "{findings:?}");
+    assert!(findings[0].to_string().contains("the evaluation of a trajectory"), "{findings:?}");
 }
 
 proptest! {
@@ -281,7 +287,7 @@ proptest! {
     }
 }
 
-/// The text of one session that is made once.
+/// Text of a session, computed once.
 fn session_text(folder: &Path) -> String {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| session(folder).text(folder, &HashCache::default()).expect("text")).clone()

@@ -1,5 +1,4 @@
-//! How a session lies in its file. Reading loses as little as it can: a view or a layout that is off is replaced and
-//! said, only what is open must be right.
+//! File format of a session. Reading is lenient: an invalid view or layout is replaced and reported, and only the open data must be valid.
 
 use std::path::{Path, PathBuf};
 
@@ -15,10 +14,10 @@ use resect_core::estimates::Options;
 use resect_core::planning::Plan;
 use resect_io::source::{Extras, Place, Source};
 
-/// Version of the format that this program writes.
+/// Format version that this program writes.
 pub const VERSION: u32 = 1;
 
-/// What every version of the format begins with.
+/// Header of every version of the format.
 #[derive(Deserialize)]
 pub struct Version {
     pub resect_session: u32,
@@ -29,9 +28,9 @@ pub struct Version {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredSession {
-    /// The format's version; [`resect_io::format::SESSION_KEY`], by which a session is known.
+    /// Version of the format; [`resect_io::format::SESSION_KEY`], which identifies a session.
     resect_session: u32,
-    /// The version of the program that wrote the file.
+    /// Version of the program that wrote the file.
     #[serde(default)]
     resect: String,
     #[serde(default)]
@@ -64,12 +63,12 @@ struct StoredDeployment {
     files: Vec<FileMark>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     estimates: Vec<StoredEstimate>,
-    /// What older sessions asked of all trajectories alike.
+    /// Options of all trajectories together, in older sessions.
     #[serde(default, skip_serializing)]
     judging: Lenient<Options>,
 }
 
-/// A trajectory that is judged; older sessions have its path alone.
+/// A trajectory to evaluate; older sessions have only its path.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum StoredEstimate {
@@ -84,7 +83,7 @@ enum StoredEstimate {
     },
 }
 
-/// A part that may be unreadable without the rest being lost.
+/// A field that may be unreadable without affecting the rest.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Lenient<T> {
@@ -146,7 +145,7 @@ impl StoredSession {
         }
     }
 
-    /// The session with absolute paths, or what of it makes no sense.
+    /// Returns the session with absolute paths and findings about ignored fields, or the reason why it is invalid.
     pub fn read(self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
         let mut findings = Vec::new();
         for stored in &self.deployments {
@@ -194,7 +193,7 @@ fn read_estimates(
     findings: &mut Vec<Finding>,
 ) -> Vec<SavedEstimate> {
     let mut asked = |options: Lenient<Options>| {
-        options.read("how a trajectory is judged", findings).unwrap_or_default()
+        options.read("the evaluation of a trajectory", findings).unwrap_or_default()
     };
     let of_all = asked(of_all);
     let one = |stored| match stored {
@@ -214,7 +213,7 @@ fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {
     false
 }
 
-/// The source with another path for each of its own.
+/// Returns the source with each of its paths changed.
 fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
     let all = |paths: &[PathBuf]| paths.iter().map(|path| change(path)).collect();
     let extras = &source.extras;
@@ -229,12 +228,12 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
             gcp_instead: extras.gcp_instead,
             gnss: all(&extras.gnss),
             drives: all(&extras.drives),
-            put_right: extras.put_right.clone(),
+            corrections: extras.corrections.clone(),
         },
     }
 }
 
-/// The path from this folder on where it is below it, else absolute.
+/// Returns the path relative to this folder if it is below it, and otherwise the absolute path.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let absolute = absolute.canonicalize().unwrap_or(absolute);

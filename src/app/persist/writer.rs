@@ -1,16 +1,16 @@
-//! A thread that writes for the window, so that no frame waits for a disk. Of several requests the newest wins.
+//! A thread that writes for the window, so that no frame waits for a disk. The newest request replaces earlier ones that have not begun.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-type Job = Box<dyn FnOnce() -> Result<(), String> + Send>;
+type WriteJob = Box<dyn FnOnce() -> Result<(), String> + Send>;
 
 #[derive(Default)]
 struct Slot {
-    next: Option<Job>,
+    next: Option<WriteJob>,
     writing: bool,
     closed: bool,
-    /// The error of the last job that failed, until it is taken.
+    /// Error of the last job that failed, until it is read.
     error: Option<String>,
 }
 
@@ -22,7 +22,7 @@ struct Shared {
 
 impl Shared {
     fn slot(&self) -> MutexGuard<'_, Slot> {
-        // A job that panicked leaves a slot that is as good as any.
+        // The slot is valid even after a job panicked.
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -31,14 +31,14 @@ impl Shared {
     }
 }
 
-/// The window's end of the thread. Dropping it waits for what was asked for.
+/// The window's handle of the thread. Dropping it waits for pending jobs.
 pub struct Writer {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Writer {
-    /// Starts the thread that writes; without one (the system has none left), jobs are done at once.
+    /// Starts the writing thread; without a thread, jobs run in the caller's thread.
     pub fn start(name: &str) -> Self {
         let shared = Arc::new(Shared::default());
         let inner = Arc::clone(&shared);
@@ -46,7 +46,7 @@ impl Writer {
         Self { shared, thread: thread.ok() }
     }
 
-    /// Has something written, in place of what was asked for and not yet begun.
+    /// Queues a job, in place of a queued one that has not begun.
     pub fn write(&self, job: impl FnOnce() -> Result<(), String> + Send + 'static) {
         if self.thread.is_none() {
             let result = job();
@@ -57,12 +57,12 @@ impl Writer {
         self.shared.changed.notify_all();
     }
 
-    /// Why the last job failed, once.
+    /// Returns the error of the last job that failed, once.
     pub fn take_error(&self) -> Option<String> {
         self.shared.slot().error.take()
     }
 
-    /// Waits until all that was asked for is done.
+    /// Waits until all requested jobs are done.
     pub fn finish(&self) {
         let mut slot = self.shared.slot();
         while self.thread.is_some() && (slot.next.is_some() || slot.writing) {
@@ -76,7 +76,7 @@ impl Drop for Writer {
         self.shared.slot().closed = true;
         self.shared.changed.notify_all();
         if let Some(thread) = self.thread.take() {
-            // A panic of the thread was told by its own message.
+            // A panic of the thread has printed its own message.
             _ = thread.join();
         }
     }

@@ -1,34 +1,34 @@
-//! Marks of axes, and bounds with room about the values.
+//! Marks of axes, and bounds with a margin about the values.
 
 use egui_plot::{GridInput, GridMark};
 
-/// Grid lines as near as this are not seen, and as far apart as this in full ink (points): what is plotted stands out of its grid.
+/// Distances at which grid lines become visible and reach full strength (points). Full strength is so far away that the data are stronger
+/// than the grid.
 pub const GRID: std::ops::RangeInclusive<f32> = 8.0..=900.0;
 
-/// Numbers along x appear from the first of these distances (points), in full from the second.
+/// Distances at which numbers along x appear and reach full strength (points).
 pub const LABELS: std::ops::RangeInclusive<f32> = 20.0..=34.0;
 
-/// Grid lines at 1, 2 or 5 times a power of ten, every one of which has room for its number, and four or five faint
-/// ones between.
+/// Grid lines at 1, 2 or 5 times a power of ten, each with room for its number, and four or five faint ones per step.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn round_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 40.0)
 }
 
-/// Marks along y, where a number is not wide.
+/// Marks along y, where numbers may be closer.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn close_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 20.0)
 }
 
-/// Gives the next round number that is not above a positive one.
+/// Returns the largest round number up to a positive one.
 pub fn round_below(most: f64) -> f64 {
     let decade = 10_f64.powf(most.log10().floor());
     let digits = [5.0, 4.0, 3.0, 2.0].into_iter().find(|times| times * decade <= most);
     digits.unwrap_or(1.0) * decade
 }
 
-/// Two round marks on both sides of zero, for an axis so short that zero alone would be left, which is no scale.
+/// Two round marks on both sides of zero, for an axis so short that zero would be its only number.
 pub fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
     let (low, high) = numbered(input);
     let most = high.min(-low);
@@ -36,27 +36,27 @@ pub fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
         return None;
     }
     let value = round_below(most);
-    // A number's height.
+    // Twice the value must be higher than a number.
     let is_room = 2.0 * value > 12.0 * per_point(input);
     let mark = |value: f64| GridMark { value, step_size: 4.0 * value.abs() };
     is_room.then(|| [mark(-value), mark(value)])
 }
 
-/// Marks nearer than this to an end of their axis have no number: it would lie on that of the plot below or above (points).
+/// Marks closer than this to an end of their axis have no number, which would overlap that of the next plot (points).
 pub const ENDS: f64 = 2.5;
 
-/// What a point is worth: egui_plot's least step is eight points wide.
+/// Length of a point along the axis: the least step of `egui_plot` is eight points wide.
 pub fn per_point(input: &GridInput) -> f64 {
     input.base_step_size / 8.0
 }
 
-/// The part of an axis whose marks have numbers.
+/// Range of an axis in which marks have numbers.
 pub fn numbered(input: &GridInput) -> (f64, f64) {
     let end = ENDS * per_point(input);
     (input.bounds.0 + end, input.bounds.1 - end)
 }
 
-/// Round marks, the strong ones at least so far apart (points).
+/// Round marks, with strong ones at least this far apart (points).
 pub fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     let least = points * per_point(input);
     let decade = 10_f64.powf(least.log10().floor());
@@ -73,7 +73,7 @@ pub fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
         return marks.to_vec();
     }
     if strong < 1.0 && low >= 0.0 && highest > 0.0 {
-        // A single number, as high as there is a round one, is a scale from zero.
+        // A single number, at the highest round value, gives a scale from zero.
         let value = round_below(highest);
         return vec![GridMark { value, step_size: 4.0 * value }];
     }
@@ -82,13 +82,13 @@ pub fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
             let value = index as f64 * fine;
             let whole = index.rem_euclid(i64::from(parts)) == 0;
             let has_number = whole && (lowest..=highest).contains(&value);
-            // The size decides how strong the line is, and only strong ones have a number.
+            // The step size sets the strength of a line, and only strong lines have a number.
             GridMark { value, step_size: if has_number { step } else { fine } }
         })
         .collect()
 }
 
-/// From the least to the greatest, with some room about them.
+/// Least and greatest value, with a margin.
 pub fn with_room(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let [low, high] = values
         .filter(|value| value.is_finite())
@@ -104,7 +104,7 @@ pub fn with_room(values: impl Iterator<Item = f64>) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Numbers of an axis from one bound to the other that is so high (points).
+    /// Numbers of an axis between bounds with this height (points).
     fn numbers(bounds: (f64, f64), height: f64) -> Vec<f64> {
         let base_step_size = 8.0 * (bounds.1 - bounds.0) / height;
         let marks = close_marks(GridInput { bounds, base_step_size });
@@ -116,9 +116,9 @@ mod tests {
     fn numbers_at_the_ends_of_an_axis_do_not_reach_into_the_next_plot() {
         assert_eq!(numbers((-6.1, 6.1), 130.0), [-4.0, -2.0, 0.0, 2.0, 4.0]);
         assert_eq!(numbers((-6.9, 6.9), 150.0), [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0]);
-        // Where the only numbers would be at the ends, smaller ones stand about zero.
+        // If the only numbers were at the ends, smaller ones appear about zero.
         assert_eq!(numbers((-5.1, 5.1), 30.0), [-4.0, 4.0]);
-        // And an axis from zero that is lower than the distance of two has one.
+        // An axis from zero without room for two numbers has one.
         assert_eq!(numbers((0.0, 33.0), 22.0), [20.0]);
     }
 }

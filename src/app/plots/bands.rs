@@ -1,4 +1,4 @@
-//! Lines with bands about them as one shape: two shapes for each segment between gaps would cost more than all dots.
+//! Lines with bands about them as one shape; two shapes for each segment between gaps would cost more than all dots.
 
 use std::ops::RangeInclusive;
 
@@ -73,7 +73,7 @@ impl PlotItem for Bands {
     }
 }
 
-/// Adds the area between two edges, each from its lower to its upper end.
+/// Adds the quadrilateral between two edges, each from its lower to its upper end.
 fn add_quad(mesh: &mut Mesh, edges: [[Pos2; 2]; 2], colour: Color32) {
     let first = mesh.vertices.len() as u32;
     edges.as_flattened().iter().for_each(|corner| mesh.colored_vertex(*corner, colour));
@@ -81,7 +81,7 @@ fn add_quad(mesh: &mut Mesh, edges: [[Pos2; 2]; 2], colour: Color32) {
     mesh.add_triangle(first + 1, first + 2, first + 3);
 }
 
-/// Adds a piece of a line, which fades out to both sides over a pixel.
+/// Adds a segment of a line, which fades out to both sides over a pixel.
 fn add_line(mesh: &mut Mesh, [from, to]: [Pos2; 2], colour: Color32, fade: f32) {
     let aside = (to - from).normalized().rot90();
     let steps = [

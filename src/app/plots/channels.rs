@@ -1,4 +1,4 @@
-//! Channels over time or against another one, each in a strip, and errors of other systems' trajectories above them.
+//! Channels over time or against another channel, one strip each, with errors of other systems' trajectories above them.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Color32, FontId, PopupCloseBehavior, RichText, Stroke};
@@ -25,13 +25,13 @@ use resect_core::estimates::Judged;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
-/// Room for the words beside the box of what is plotted against (points).
+/// Room for the text beside the box that chooses the horizontal axis (points).
 const BESIDE_BOX: f32 = 60.0;
-/// Narrower panes have no room for the choice of channels beside the switches of their series (points).
+/// Narrower panes show the choice of channels and the switches of their series on separate lines (points).
 const NARROW: f32 = 640.0;
 /// Fewest corners of a line.
 const LEAST_CORNERS: usize = 100;
-/// Three times as many dots of a series are all drawn.
+/// Fewest runs to which a series is reduced; a series of up to three times as many dots is drawn completely.
 const LEAST_RUNS: usize = 800;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -77,7 +77,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Shows the choice of channels, and the switches of their series, in one line or two.
+/// Shows the choice of channels and the switches of their series, in one line or two.
 fn heads(
     ui: &mut egui::Ui,
     state: &State,
@@ -105,7 +105,7 @@ fn heads(
         }
         if has_channels {
             let button = ui.small_button("Save as CSV…");
-            let hint = "Every value of what is shown, not only those drawn";
+            let hint = "All values of the shown channels, not only the drawn ones";
             if button.on_hover_text(hint).clicked() {
                 commands.push(TimeCommand::SaveChannelsDialog.into());
             }
@@ -118,35 +118,35 @@ fn heads(
     });
 }
 
-/// Why the pane is empty.
+/// Reason why the pane is empty.
 fn nothing_shown(open: &OpenDeployment, plots: ChannelPlots) -> &'static str {
     match open.judging.judgement.is_running() {
-        true => "Judging…",
+        true => "Evaluating…",
         false if plots.errors && !open.judging.added.is_empty() => {
-            "No trajectory could be judged: Evaluation says why."
+            "No trajectory could be evaluated: see the Evaluation pane."
         }
-        false => "No channel is chosen: see Show….",
+        false => "No channel selected: choose one under Show…",
     }
 }
 
-/// Why a channel has no series to be seen.
+/// Reason why a channel has no series.
 fn nothing(open: &OpenDeployment, plots: ChannelPlots, channel: Channel) -> &str {
     let both = [Some(channel), plots.against];
     let is_one_of = |some: &[Channel]| both.iter().flatten().any(|own| some.contains(own));
     let is_vehicle = both.iter().flatten().any(|own| own.subject() == Subject::Vehicle);
     let way = open.way.newest.as_deref();
     if is_vehicle {
-        way.and_then(|way| way.why_not.as_deref()).unwrap_or("This answer does not determine it.")
+        way.and_then(|way| way.why_not.as_deref()).unwrap_or("Not determined by this result.")
     } else if is_one_of(&[Channel::OwnClock]) {
         "No station clocks in these files."
     } else if is_one_of(&[Channel::X, Channel::Y, Channel::Height]) {
-        "The places of the stations are not known, or all are hidden."
+        "The station positions are not determined, or all are hidden."
     } else {
-        "The data has none of these, or all are hidden."
+        "The data has no such values, or all are hidden."
     }
 }
 
-/// Lets the user choose the channels, what they are plotted against, and how errors are plotted.
+/// Lets the user choose the channels, their horizontal axis, and the plots of errors.
 fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mut Commands) {
     let mut chosen = plots;
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
@@ -178,7 +178,7 @@ fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mu
     }
 }
 
-/// Lets the user choose the channel that all others are plotted against.
+/// Lets the user choose the channel on the horizontal axis of all others.
 fn against(ui: &mut egui::Ui, plots: ChannelPlots, chosen: &mut ChannelPlots) {
     ui.small("against");
     let width = (ui.available_width() - BESIDE_BOX).clamp(40.0, 130.0);
@@ -204,12 +204,12 @@ fn against(ui: &mut egui::Ui, plots: ChannelPlots, chosen: &mut ChannelPlots) {
 
 fn error_switches(ui: &mut egui::Ui, chosen: &mut ChannelPlots) {
     ui.checkbox(&mut chosen.errors, "errors")
-        .on_hover_text("Errors of each trajectory that was added, with the σ of the ground truth");
+        .on_hover_text("Errors of each added trajectory, with the σ of the ground truth");
     ui.add_enabled_ui(chosen.errors, |ui| {
         ui.checkbox(&mut chosen.by_distance, "by distance")
-            .on_hover_text("Errors over the way that was driven, instead of over time");
+            .on_hover_text("Errors over the driven distance instead of time");
         ui.checkbox(&mut chosen.one_scale, "one scale")
-            .on_hover_text("All errors on the same scale, so that heights compare");
+            .on_hover_text("All errors on the same scale");
     });
 }
 
@@ -228,13 +228,13 @@ impl ChannelPlot<'_> {
         let (scale, factor) = (times.scale, per_stored(channel.dimension(), units));
         let runs = (strip.plot.width() as usize).max(LEAST_RUNS);
         let corners = (strip.plot.width() as usize).max(LEAST_CORNERS);
-        let drawn: Vec<Drawn> = (self.all.iter())
+        let drawn: Vec<SeriesMarks> = (self.all.iter())
             .map(|one| match one.series.has_sigma() {
-                true => Drawn::Lines(one.series.lines(times.window_s, corners)),
-                false => Drawn::Dots(one.series.over_time(times.window_s, runs)),
+                true => SeriesMarks::Lines(one.series.lines(times.window_s, corners)),
+                false => SeriesMarks::Dots(one.series.over_time(times.window_s, runs)),
             })
             .collect();
-        let y_bounds = with_room(drawn.iter().flat_map(Drawn::extents).map(|y| factor * y));
+        let y_bounds = with_room(drawn.iter().flat_map(SeriesMarks::extents).map(|y| factor * y));
         let plot = Plot::new(("channels", self.open.id, channel.name()))
             .y_grid_spacer(close_marks)
             .label_formatter(move |position| match position {
@@ -298,7 +298,7 @@ impl ChannelPlot<'_> {
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
-        // Of places one metre is as long along both axes, and so that all of them are seen.
+        // Plots of positions have equal scales on both axes, and show all positions.
         let plot = if is_place(channel) && is_place(other) {
             plot.data_aspect(1.0)
         } else {
@@ -311,7 +311,7 @@ impl ChannelPlot<'_> {
         });
         let role = egui::accesskit::Role::Canvas;
         shown.response.widget_info(|| egui::WidgetInfo::labeled(role, ui.is_enabled(), &name));
-        // Where the cursor is in time.
+        // Marks the values at the time cursor.
         let painter = ui.painter().with_clip_rect(*shown.transform.frame());
         for one in &self.all {
             let at = self.times.cursor_s.and_then(|cursor_s| {
@@ -325,7 +325,7 @@ impl ChannelPlot<'_> {
         }
     }
 
-    /// Shows the value at the cursor, with σ if it has one, and of readings and triplets the number of values.
+    /// Shows the value at the cursor, with σ if it has one, and for readings and triplets the number of values.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip) {
         let (channel, dark) = (self.channel, ui.visuals().dark_mode);
         let mut lines = Vec::new();
@@ -338,7 +338,7 @@ impl ChannelPlot<'_> {
                 let count = one.series.count(self.times.window_s);
                 let at = self.times.cursor_s.and_then(|cursor_s| one.series.at(cursor_s));
                 let at = at.map(|value| with_unit(channel.dimension(), self.units, value));
-                let at = at.unwrap_or_else(|| "nothing".to_owned());
+                let at = at.unwrap_or_else(|| "no value".to_owned());
                 format!("{}: {count} values; at the cursor {at}", one.name)
             };
             let text = RichText::new(text);
@@ -355,7 +355,7 @@ impl ChannelPlot<'_> {
         let dimension = self.channel.dimension();
         let (factor, unit) = (per_stored(dimension, self.units), unit(dimension, self.units));
         match at() {
-            None => "not known at the cursor".to_owned(),
+            None => "not determined at the cursor".to_owned(),
             Some(at) if at.sigma > 0.0 => {
                 Shown::new(factor * at.value, Some(factor * at.sigma), unit, 3).in_words()
             }
@@ -365,13 +365,13 @@ impl ChannelPlot<'_> {
 }
 
 /// The dots or the lines of a series, in the stored unit.
-enum Drawn {
+enum SeriesMarks {
     Dots(Vec<PlotPoint>),
     Lines(Vec<Vec<Corner>>),
 }
 
-impl Drawn {
-    /// Returns values of which the least and the greatest are the bounds.
+impl SeriesMarks {
+    /// Returns values whose least and greatest are the bounds.
     fn extents(&self) -> Vec<f64> {
         match self {
             Self::Dots(dots) => dots.iter().map(|dot| dot.y).collect(),

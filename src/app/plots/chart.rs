@@ -1,4 +1,4 @@
-//! A drawing, as files show it, painted in the window.
+//! Paints a drawing in the window as it appears in exported files.
 
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ fn write(painter: &egui::Painter, at: Pos2, galley: Arc<Galley>, anchor: Anchor,
     };
     let size = galley.size();
     if upwards {
-        // Turned a quarter to the left about its own top left, text reads upwards from there.
+        // Rotated by 90° anticlockwise about its top left corner, the text reads upwards from there.
         let corner = at + Vec2::new(-0.5 * size.y, along * size.x);
         let shape = egui::epaint::TextShape::new(corner, galley, Color32::PLACEHOLDER)
             .with_angle(-std::f32::consts::FRAC_PI_2);

@@ -1,5 +1,4 @@
-//! Clocks over time: each station's own against the synchronised time, and what the calibration estimates of stations 2
-//! and 3 against station 1.
+//! Clocks over time: each station's clock against the synchronised time, and the estimated offsets of stations 2 and 3 from station 1.
 
 use std::fmt::Write;
 
@@ -17,7 +16,7 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::Estimate;
 use resect_core::palette;
 
-/// The least height of the plot (ms): less is noise of the drawing.
+/// Least range of the plot (ms), above the noise of drawing.
 const LEAST_MS: f64 = 1.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -65,13 +64,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let own = Points::new(name("own clock"), PlotPoints::Owned(dots));
             plot_ui.points(own.color(colour).radius(1.4));
             let dots = clock.corrections.visible(times.window_s, columns);
-            let told = Points::new(name("correction told"), PlotPoints::Owned(dots));
+            let told = Points::new(name("recorded correction"), PlotPoints::Owned(dots));
             plot_ui
                 .points(told.color(colour).shape(MarkerShape::Diamond).filled(false).radius(3.0));
             let slot = station.checked_sub(1);
             if let Some((estimated, slot)) = estimated.as_ref().zip(slot) {
                 let line = PlotPoints::Owned(estimated.ends(slot, readings.start_s).to_vec());
-                let line = Line::new(name("estimated, against station 1"), line);
+                let line = Line::new(name("estimated, relative to station 1"), line);
                 plot_ui.line(line.color(colour).width(2.0).style(LineStyle::dashed_loose()));
             }
         }
@@ -80,25 +79,25 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     shown.on_click(&times, commands, |_| None);
 }
 
-/// Rather than an empty plot.
+/// Explains why there is no plot.
 fn nothing(ui: &mut egui::Ui) {
     egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
-        ui.strong("No file tells the stations' own clocks.");
+        ui.strong("No station clocks in these files.");
         ui.label(
-            "Bags have them (theodolite_time, and corrections of the time); a CSV has the synchronised time alone.",
+            "Bags contain them (theodolite_time, and time corrections). A CSV contains only the synchronised time.",
         );
         ui.label(
-            "What the drive itself tells of the clocks of stations 2 and 3 is in the joint estimate: Pipeline, \
+            "The time offsets of stations 2 and 3 from the drive itself are in the joint estimate: Pipeline, \
              Calibration.",
         );
     });
 }
 
-/// What the calibration found.
+/// Clock estimates of the calibration.
 struct Estimated {
-    /// How late stations 2 and 3 are against station 1, in the middle of the drive (s).
+    /// Delays of stations 2 and 3 relative to station 1, in the middle of the drive (s).
     offsets_s: [Estimate; 2],
-    /// How much later their stamps get each second (s per s).
+    /// Drifts of these delays (s per s).
     drifts: [f64; 2],
     /// Times of the first and of the last triplet (s).
     span_s: [f64; 2],
@@ -115,7 +114,7 @@ impl Estimated {
         })
     }
 
-    /// How late station 2 (slot 0) or 3 is at both ends of the drive: s since `start_s`, ms.
+    /// Delay of station 2 (slot 0) or 3 at both ends of the drive: s since `start_s`, ms.
     fn ends(&self, slot: usize, start_s: f64) -> [PlotPoint; 2] {
         let middle_s = 0.5 * (self.span_s[0] + self.span_s[1]);
         self.span_s.map(|time_s| {
@@ -125,7 +124,7 @@ impl Estimated {
     }
 }
 
-/// All that is shown, with some room about it.
+/// Range of all values shown, with a margin (ms).
 fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> [f64; 2] {
     let stations = (0..3).filter(|station| state.scene.visibility.stations[*station]);
     let [mut low, mut high] = [-0.5 * LEAST_MS, 0.5 * LEAST_MS];
@@ -142,7 +141,7 @@ fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>
     [low - margin, high + margin]
 }
 
-/// Medians that were taken off, and what was estimated.
+/// Shows the subtracted medians and the estimates.
 fn caption(
     open: &OpenDeployment,
     state: &State,
@@ -169,19 +168,20 @@ fn caption(
         lines.push(in_colour(station, text));
     }
     if lines.is_empty() {
-        lines.push(RichText::new("no file tells the stations' own clocks"));
+        lines.push(RichText::new("no station clocks in these files"));
     }
     for station in stations() {
         let Some((estimated, slot)) = estimated.zip(station.checked_sub(1)) else { continue };
         let Estimate { value, sigma } = estimated.offsets_s[slot];
         let (late, sigma) = (value * 1e3, sigma * 1e3);
-        let text = format!("{}: estimated {late:+.1} ± {sigma:.1} ms against 1 (dashed)", slot + 2);
+        let text =
+            format!("{}: estimated {late:+.1} ± {sigma:.1} ms relative to 1 (dashed)", slot + 2);
         lines.push(in_colour(station, text));
     }
     lines
 }
 
-/// A time with as many decimals as its size asks for: "+0.3012 s", "+3600.301 s".
+/// Formats a time with decimals by its size: "+301.2 ms", "+3600.301 s".
 fn seconds(value_s: f64) -> String {
     if value_s.abs() < 1.0 {
         format!("{:+.1} ms", value_s * 1e3)

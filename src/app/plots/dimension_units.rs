@@ -1,10 +1,10 @@
-//! Values over time in the units that the user reads.
+//! Values over time in the user's units.
 
 use crate::app::model::Units;
 use crate::app::model::units::without_negative_zero;
 use crate::app::prepared::dimension::Dimension;
 
-/// What a stored value is multiplied by to be shown.
+/// Factor from a stored value to the value shown.
 pub fn per_stored(dimension: Dimension, units: Units) -> f64 {
     match dimension {
         Dimension::Length => units.length.per_metre(),
@@ -16,7 +16,7 @@ pub fn per_stored(dimension: Dimension, units: Units) -> f64 {
     }
 }
 
-/// The symbol of the unit.
+/// Symbol of the unit.
 pub fn unit(dimension: Dimension, units: Units) -> &'static str {
     match dimension {
         Dimension::Length => units.length.name(),

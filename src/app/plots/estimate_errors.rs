@@ -1,6 +1,6 @@
-//! How far off the trajectories of other systems are, a strip each, over what the ground truth leaves open.
+//! Errors of other systems' trajectories, one strip per trajectory, over the uncertainty of the ground truth.
 //!
-//! Over time, as all else of the drive, or over the way that was driven, as errors of odometry are told.
+//! The horizontal axis is time, or the driven distance, as is usual for odometry errors.
 
 use egui::{Color32, RichText};
 use egui_plot::{AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
@@ -20,15 +20,15 @@ use resect_core::palette;
 use resect_core::pipeline::Interval;
 use resect_core::statistics::tables::NORMAL_95;
 
-/// The axis of errors that are all nothing reaches so far (mm).
+/// Least range of the error axis, for errors that are all zero (mm).
 const LEAST_ERROR_MM: f64 = 1e-3;
-/// Width of what one corner of such a line sums up (points).
+/// Width that one corner of an error line summarises (points).
 const CORNER: f32 = 3.0;
-/// A line of an estimate's errors is broken where it has no ground truth for longer (s).
+/// An error line has a break where ground truth is missing for longer than this (s).
 const GAP_S: f64 = 1.0;
 
-/// Shows the errors of each estimate that was judged, with the number of its colour; spans in which somebody is wrong are
-/// shaded.
+/// Draws the errors of each evaluated estimate, with its colour number, and shades the spans in which the estimate or the ground truth is
+/// wrong.
 pub fn show(
     ui: &mut egui::Ui,
     state: &State,
@@ -65,11 +65,11 @@ pub fn show(
     }
 }
 
-/// The errors of one estimate as a line over time or over the way.
+/// The errors of one estimate as a line over time or driven distance.
 struct ErrorLine {
-    /// Pieces without a gap.
+    /// Segments without gaps.
     pieces: Vec<Vec<ErrorCorner>>,
-    /// The driven way at each error (m), where that is what they are plotted over.
+    /// Driven distance at each error (m); `None` over time.
     driven_m: Option<Vec<f64>>,
 }
 
@@ -116,7 +116,7 @@ struct ErrorStrip<'a> {
 }
 
 impl ErrorStrip<'_> {
-    /// The zero stands above the number at the end of the strip below.
+    /// Bounds of the errors (mm), with zero above the number at the end of the strip below.
     fn y_bounds(&self) -> [f64; 2] {
         [-0.06 * self.greatest_mm, 1.08 * self.greatest_mm]
     }
@@ -145,7 +145,7 @@ impl ErrorStrip<'_> {
         shown.on_click(times, commands, |_| None);
     }
 
-    /// The way that is driven in the window of time; a click moves the cursor to when the vehicle was there.
+    /// Shows the errors over the distance driven in the time window; a click moves the cursor to the time at that distance.
     fn show_by_distance(&self, ui: &mut egui::Ui, line: ErrorLine, commands: &mut Commands) {
         let Self { open, times, strip, one, colour, grey, .. } = *self;
         let errors = &one.errors;
@@ -195,14 +195,14 @@ impl ErrorStrip<'_> {
         }
     }
 
-    /// Who it is, how far off on the whole, and at the cursor.
+    /// Shows the name of the estimate, its overall error, and its error at the cursor.
     fn words(&self, ui: &mut egui::Ui) {
         let errors = &self.one.errors;
         let at = self.open.timeline.cursor_s.and_then(|cursor_s| {
             let after = errors.partition_point(|error| error.time_s < cursor_s);
             errors.get(after).filter(|error| error.time_s - cursor_s < GAP_S)
         });
-        let at = at.map_or("nothing at the cursor".to_owned(), |error| {
+        let at = at.map_or("no value at the cursor".to_owned(), |error| {
             let sigma_mm = 1e3 * error.sigma_m();
             let error_mm = 1e3 * error.position_m.norm();
             match self.strip.is_tight() {
@@ -214,13 +214,13 @@ impl ErrorStrip<'_> {
         });
         let name = RichText::new(&self.one.estimate.name).color(self.colour).strong();
         let rmse = RichText::new(format!("rmse {:.1} mm", 1e3 * self.one.position.rmse));
-        let hint = "Line: length of the position error, of several their rms; about it from the least to the greatest. Grey: 1.96 σ of the ground truth along an axis; errors within it \
-                    cannot be told from none. Shaded red: the estimate is wrong; blue: the ground truth is.";
+        let hint = "Line: position error, or the rms of several; band: from the least to the greatest. Grey: 1.96 σ of the ground truth along an axis; errors within it \
+                    are not significant. Shaded red: the estimate is wrong. Shaded blue: the ground truth is wrong.";
         self.strip.words(ui, &[name, rmse, RichText::new(at)], hint);
     }
 }
 
-/// What stands beside the pointer.
+/// Text beside the pointer.
 fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<String> {
     match position {
         HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -230,7 +230,7 @@ fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<St
     }
 }
 
-/// Spans in which the estimate is wrong, or the ground truth, from where to where on the axis their times are.
+/// Spans in which the estimate, or the ground truth, is wrong; `place` maps times to the axis.
 fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
     let of = |odd_one: OddOne| (odd_one == OddOne::Estimate) == estimate;
     let spans = one.odd.iter().filter(|span| of(span.odd_one));
@@ -240,13 +240,13 @@ fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
     Shades::new(spans.collect(), theme::rgb(colour).gamma_multiply(0.35))
 }
 
-/// One place of the line of an estimate's errors, which may sum up several: its place on the axis (s, or m driven), and mm.
+/// A point of an error line, which may summarise several errors: position on the axis (s, or m driven), and errors (mm).
 struct ErrorCorner {
     x: f64,
     rms_mm: f64,
     least_mm: f64,
     most_mm: f64,
-    /// Half the width of the ground truth's 95 % region along an axis.
+    /// Half-width of the ground truth's 95 % region along an axis (mm).
     open_mm: f64,
 }
 
@@ -265,7 +265,7 @@ impl ErrorCorner {
     }
 }
 
-/// A piece of an error's line over the ground truth's band.
+/// Draws a segment of an error line over the ground truth's band.
 fn add_errors(
     plot_ui: &mut PlotUi<'_>,
     piece: &[ErrorCorner],

@@ -1,4 +1,4 @@
-//! How the distance errors are distributed, a strip a pair: all of them, and over them those of the selected times.
+//! Distributions of the distance errors, one strip per pair: all errors, overlaid with those of the selected times.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use resect_core::deployment::pair_label;
 use resect_core::evaluation::Spread;
 use resect_core::palette;
 
-/// Height of the axis at the bottom, and of its numbers alone (points).
+/// Height of the axis at the bottom, with its name and with its numbers alone (points).
 const AXIS: f32 = 34.0;
 const AXIS_NUMBERS: f32 = 18.0;
-/// Width of the numbers at the left.
+/// Width of the numbers at the left (points).
 const NUMBERS: f32 = 46.0;
 const LEAST: f32 = 20.0;
-/// Where plots would be lower than this, what can be read elsewhere goes: the words on all pairs, the name of the axis.
+/// Plots lower than this omit what is shown elsewhere: the text on all pairs, and the name of the axis (points).
 const LEAST_NAMED: f32 = 26.0;
-/// Height of a line of words.
+/// Height of a line of text (points).
 const LINE: f32 = 15.0;
-/// Panes narrower than this have a line of its own for what is selected.
+/// Panes narrower than this show the selection on a separate line (points).
 const NARROW: f32 = 420.0;
-/// Narrower ones have no room for the names of their numbers.
+/// Panes narrower than this omit the names of the numbers (points).
 const SHORT: f32 = 260.0;
-/// Plots lower than this have room for a unit at their axis only.
+/// Plots lower than this show only the unit at their axis (points).
 const LOW: f32 = 90.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State) {
@@ -38,14 +38,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
-    // The name of an axis reaches a little beyond it.
+    // The name of an axis extends a little beyond it.
     let margin = egui::Margin { left: 4, right: 6, top: 0, bottom: 3 };
     egui::Frame::new().inner_margin(margin).show(ui, |ui| strips(ui, state, open));
 }
 
 fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     let (all, selected) = (&open.plots.distributions, selected(ui, open));
-    // Errors that the user came nearer to; otherwise the plots follow the answer.
+    // Range of errors to which the user zoomed; otherwise the plots follow the result.
     let chosen_id = ui.scope_id().with(("chosen errors", open.id));
     let chosen_mm: Option<[f64; 2]> = ui.data(|data| data.get_temp(chosen_id)).unwrap_or_default();
     let shown_mm = within(chosen_mm.unwrap_or(open.plots.range_mm), open.plots.range_mm);
@@ -69,7 +69,7 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
         let part = selected.as_deref().map(|it| it.by_pair_mm[pair]);
         words(ui, name, all.by_pair_mm[pair], part, two_lines);
         let axis = (row + 1 == pairs.len()).then_some(axis);
-        let plot = PairPlot { open, pair, shown_mm, height, axis };
+        let plot = PairHistogram { open, pair, shown_mm, height, axis };
         let shown = plot.show(ui, all, selected.as_deref());
         moved = moved.or(navigation::along_x(ui, &shown.response, &shown.transform));
     }
@@ -81,25 +81,25 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     ui.data_mut(|data| data.insert_temp(chosen_id, chosen_mm));
 }
 
-/// The nearest part of a whole: as long, where the whole is.
+/// Shifts a range into a whole range, and shortens it if it is longer.
 fn within([low, high]: [f64; 2], whole: [f64; 2]) -> [f64; 2] {
     let length = (high - low).min(whole[1] - whole[0]);
     let low = low.min(whole[1] - length).max(whole[0]);
     [low, low + length]
 }
 
-/// The plot of one pair's errors.
-struct PairPlot<'a> {
+/// The histogram of one pair's errors.
+struct PairHistogram<'a> {
     open: &'a OpenDeployment,
     pair: usize,
     shown_mm: [f64; 2],
     height: f32,
-    /// Height of the axis below it, where it is the lowest.
+    /// Height of the axis below the plot (points); `None` unless this is the lowest plot.
     axis: Option<f32>,
 }
 
-impl PairPlot<'_> {
-    /// An outline of all errors, and in full those of the selected times, where there are any.
+impl PairHistogram<'_> {
+    /// Draws an outline of all errors, filled for the selected times if there are any.
     fn show(
         &self,
         ui: &mut egui::Ui,
@@ -138,7 +138,7 @@ impl PairPlot<'_> {
                 let outline = |of: &Distributions, ink: Color32, fill: f32| {
                     let corners = PlotPoints::Owned(of.outlines[pair].clone());
                     let line = Line::new("", corners).color(ink).width(1.2);
-                    // Of upright parts egui_plot would make slanted bands.
+                    // Without this, `egui_plot` draws the vertical edges as slanted bands.
                     line.fill(0.0).fill_alpha(fill).allow_band(false)
                 };
                 match selected {
@@ -155,7 +155,7 @@ impl PairPlot<'_> {
     }
 }
 
-/// "1–2  median |e| 0.95 mm, IQR 1.43, n 3041", and the same of what is selected.
+/// Shows "1–2  median |e| 0.95 mm, IQR 1.43, n 3041", and the same for the selection.
 fn words(
     ui: &mut egui::Ui,
     name: RichText,
@@ -163,7 +163,7 @@ fn words(
     selected: Option<Option<Spread>>,
     two_lines: bool,
 ) {
-    let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper. \
+    let hint = "|e|: absolute error, apparent minus known distance. IQR: interquartile range. \
                 Scroll: zoom; right drag: move; double-click: all.";
     let told = if ui.available_width() < SHORT { in_short } else { in_words };
     let part = selected.map(|spread| format!("selected: {}", told(spread)));
@@ -188,7 +188,7 @@ fn words(
     }
 }
 
-/// "median |e| 0.95 mm, IQR 1.43, n 3041".
+/// Formats "median |e| 0.95 mm, IQR 1.43, n 3041".
 pub fn in_words(spread: Option<Spread>) -> String {
     spread.map_or_else(
         || "no triplets".to_owned(),
@@ -198,7 +198,7 @@ pub fn in_words(spread: Option<Spread>) -> String {
     )
 }
 
-/// "|e| 0.95, IQR 1.43 mm": median and quartile range where there is no room for their names, which are on hover.
+/// Formats "|e| 0.95, IQR 1.43 mm": median and interquartile range, without room for their names, which hovering shows.
 pub fn in_short(spread: Option<Spread>) -> String {
     spread.map_or_else(
         || "no triplets".to_owned(),
@@ -206,7 +206,7 @@ pub fn in_short(spread: Option<Spread>) -> String {
     )
 }
 
-/// How the errors of the selected times are distributed; found once, and again when another time is selected.
+/// Distributions of the errors at the selected times; cached until the selection changes.
 pub fn selected(ui: &egui::Ui, open: &OpenDeployment) -> Option<Arc<Distributions>> {
     let span_s = open.timeline.selection_s?.map(|time_s| time_s - open.start_s());
     let key = (open.id, open.analysis_run, span_s.map(f64::to_bits));

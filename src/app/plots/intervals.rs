@@ -1,5 +1,5 @@
-//! When the stations measured, when they were silent, and which spans are left for the calibration; beside it how long
-//! the silences and the spans are, where τ_s and τ_l are set.
+//! Readings and gaps of the stations, and the intervals left for the calibration. Beside them are the distributions of gaps and intervals,
+//! with handles for τ_s and τ_l.
 
 mod chart;
 mod distributions;
@@ -15,7 +15,7 @@ use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::state::State;
 use resect_core::pipeline::Interval;
 
-/// The distributions' part of the width of a pane that has no room beside its plots.
+/// Share of a pane's width for the distributions, if there is no room beside the plots.
 const SHARE: f32 = 0.4;
 /// Height of the bars above the chart (points).
 const BARS: f32 = 14.0;
@@ -42,7 +42,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let (above, below) = whole.split_top_bottom_at_y(whole.top() + BARS);
     let mut strip = strips::in_rect(below, 1, 1)[0];
     if whole.width() < strips::NARROW {
-        // Where the distributions stand, numbers and lengths are seen; words above the chart are not needed.
+        // The distributions show numbers and lengths, so the text above the chart is omitted.
         strip.plot =
             below.with_min_x(strip.plot.left()).with_max_x(below.right() - SHARE * below.width());
     }
@@ -65,7 +65,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Bars above the chart, as long in its seconds as the thresholds.
+/// Draws the thresholds as bars above the chart, in the scale of its time axis.
 fn bars(
     ui: &mut egui::Ui,
     rect: Rect,
@@ -74,7 +74,7 @@ fn bars(
 ) -> [Option<f64>; 2] {
     let width_s = (times.window_s[1] - times.window_s[0]) as f32;
     let points_per_s = rect.width() / width_s;
-    // Each in its half.
+    // Each bar has one half of the width.
     let (first, second) = rect.split_left_right_at_fraction(0.5);
     let [tau_s, tau_l] = &thresholds.0;
     [tau_s.bar(ui, first, points_per_s), tau_l.bar(ui, second, points_per_s)]

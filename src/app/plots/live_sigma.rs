@@ -1,4 +1,4 @@
-//! σ at the far end of the track while it is driven: it sinks towards the target.
+//! σ at the far end of the track during the drive, compared with the target.
 
 use egui::{Color32, RichText};
 use egui_plot::{AxisHints, HLine, Line, Plot, PlotPoints};
@@ -11,12 +11,13 @@ use resect_live::View;
 use resect_live::coach::Curve;
 
 const MM: f64 = 1e3;
-/// The first answers may be off by metres: of those the curve is cut, so that the target stays in sight.
+/// Limit of the curve as a multiple of the target. The first results may be wrong by metres; without the limit, the target would be hard to
+/// see.
 const MOST_TARGETS: f64 = 300.0;
-/// What is shown at least: so many seconds, and from half the target to ten times it.
+/// Least range: this duration (s), and half the target to ten times the target.
 const SHORTEST_S: f64 = 30.0;
 
-/// The curve of the settings' answers over that of the paper's, and the target as a line.
+/// Plots σ of the result with the user's settings over that with the paper's, and the target as a line.
 pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
     let dark = ui.visuals().dark_mode;
     let firsts = view.curves.iter().filter_map(|curve| Some(curve.points.first()?.time_s));
@@ -33,11 +34,11 @@ pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
         .label("σ at the far end (mm)")
         .formatter(|mark, _| log_axis::number(mark.value));
     let x_axis = AxisHints::new_x()
-        .label("since the first answer")
+        .label("time since the first result")
         .formatter(|mark, _| format!("{:.0} s", mark.value));
     let plot = Plot::new("sigma over the drive")
         .height(height)
-        // The curve stands out of its grid.
+        // The grid is fainter than the curve.
         .grid_spacing(GRID)
         .allow_drag(false)
         .allow_zoom(false)
@@ -60,7 +61,7 @@ pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
     });
 }
 
-/// What the lines are.
+/// Shows the legend of the lines.
 pub fn legend(ui: &mut egui::Ui, view: &View) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
@@ -69,7 +70,7 @@ pub fn legend(ui: &mut egui::Ui, view: &View) {
             ui.label(words);
         };
         line(ui, ink(dark), "σ at the far end of the track");
-        line(ui, theme::faint(dark), "by the paper's answer");
+        line(ui, theme::faint(dark), "with the paper's settings");
         line(ui, aim(dark), &format!("target {:.1} mm", view.target_m * MM));
     });
 }

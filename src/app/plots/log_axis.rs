@@ -1,18 +1,18 @@
-//! Axes that show the common logarithm of what they are labelled with.
+//! Axes that show the common logarithm of the labelled quantity.
 
 use egui_plot::{GridInput, GridMark};
 
-/// What a number takes of an axis, with some room about it (points).
+/// Height of a number on an axis, with a margin (points).
 const NUMBER: f64 = 16.0;
-/// Half of its height.
+/// Half of a number's height (points).
 const END: f64 = 5.0;
 
-/// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
+/// Lines at 1, 2 and 5 times the powers of ten, and at digits between them if less than a decade is visible.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let times: &[f64] = match high - low {
-        // From one digit to the next is half of what is seen.
+        // The step from one digit to the next can be half of the visible range.
         span if span < 0.4 => &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
         span if span < 0.7 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
         _ => &[1.0, 2.0, 5.0],
@@ -20,14 +20,14 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
     marks(low, high, &times.iter().map(|times| (*times, 1.0)).collect::<Vec<_>>())
 }
 
-/// Marks where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with numbers where
-/// those fit, and none at the ends, where they would lie on those of the next plot.
+/// Marks for axes on which decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them. Numbers are shown
+/// if they fit, and not at the ends, where they would overlap those of the next plot.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn many_decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let per_point = super::per_point(&input);
     let inside = low + END * per_point..=high - END * per_point;
-    // Where a decade is lower than a number, every other one, or fewer, has one.
+    // If a decade is lower than a number, only every second power of ten, or fewer, has one.
     let every = (NUMBER * per_point).ceil().max(1.0);
     let first = inside.start().ceil();
     let has_number =
@@ -53,10 +53,10 @@ fn marks(low: f64, high: f64, steps: &[(f64, f64)]) -> Vec<GridMark> {
         .collect()
 }
 
-/// Back from the logarithm, with as many digits as a mark needs.
+/// Formats the value of a logarithm with as many digits as a mark needs.
 pub fn number(log10: f64) -> String {
     let value = 10_f64.powf(log10);
-    // A mark at 0.5 is a little less than that.
+    // A mark at 0.5 is slightly less than 0.5.
     match value {
         v if v < 0.000_95 => format!("{v:.4}"),
         v if v < 0.009_5 => format!("{v:.3}"),
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn a_low_axis_of_decades_has_a_number_that_is_not_at_its_end() {
         assert_eq!(numbers((-2.2, 1.3), 90.0), [-2.0, -1.0, 0.0, 1.0]);
-        // The power of ten next to the end has no room, and the others not each.
+        // The power of ten next to the end has no number, and the others have one each only where they fit.
         assert_eq!(numbers((-1.8, 0.1), 30.0), [-1.0]);
         assert_eq!(numbers((-3.5, 1.5), 40.0), [-2.0, 0.0]);
     }

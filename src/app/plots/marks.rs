@@ -1,11 +1,11 @@
-//! Thousands of dots or crosses as one shape: a shape each, as `egui_plot::Points` draws them, costs ten times as much.
+//! Thousands of dots or crosses as one shape; separate shapes, as in `egui_plot::Points`, cost ten times as much.
 
 use std::ops::RangeInclusive;
 
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Ui, Vec2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
-/// Points of a plot that are marked alike.
+/// Points of a plot with the same mark.
 pub struct Marks {
     base: PlotItemBase,
     at: Vec<PlotPoint>,
@@ -15,13 +15,13 @@ pub struct Marks {
 
 #[derive(Clone, Copy)]
 enum Mark {
-    /// A square of a few whole pixels: of thousands nobody sees whether they are round.
+    /// A square of a few whole pixels, because its shape is not visible among thousands.
     Dot,
-    /// Two thin slanted lines that reach so far from the middle along each axis (points).
+    /// Two thin diagonal lines with this extent from the centre along each axis (points).
     Cross(f32),
 }
 
-/// The side of a dot (points).
+/// Side of a dot (points).
 const DOT: f32 = 2.0;
 
 impl Marks {
@@ -39,7 +39,7 @@ impl Marks {
     }
 }
 
-/// A square whose corners are between pixels, or each would be of another size.
+/// Adds a square aligned to pixel boundaries, so that all have the same size.
 fn add_dot(mesh: &mut Mesh, at: Pos2, colour: Color32, pixels_per_point: f32) {
     let side = (DOT * pixels_per_point).round().max(1.0) / pixels_per_point;
     let whole = |point: f32| (point * pixels_per_point).round() / pixels_per_point;
@@ -47,7 +47,7 @@ fn add_dot(mesh: &mut Mesh, at: Pos2, colour: Color32, pixels_per_point: f32) {
     mesh.add_colored_rect(Rect::from_min_size(corner, Vec2::splat(side)), colour);
 }
 
-/// Lines that fade out to both sides over a pixel, as the painter's own thin ones do.
+/// Adds lines that fade out to both sides over a pixel, like the painter's own thin lines.
 fn add_cross(mesh: &mut Mesh, at: Pos2, colour: Color32, reach: f32, pixels_per_point: f32) {
     let fade = std::f32::consts::FRAC_1_SQRT_2 / pixels_per_point;
     for along in [Vec2::new(reach, reach), Vec2::new(reach, -reach)] {

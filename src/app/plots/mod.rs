@@ -1,7 +1,7 @@
 //! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], all through [`time_plot`]), and others.
 //!
-//! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
-//! draws what its [`pyramid`] says.
+//! Data too expensive for a frame are in [`PreparedPlots`] and [`RawReadings`], computed by the worker. A frame draws long series as
+//! reduced by their [`pyramid`].
 
 mod axis_marks;
 mod bands;

@@ -1,4 +1,4 @@
-//! Moving about in a plot over time. Every pane moves the one window of time, so all of them move.
+//! Navigation in plots over time. All panes share one time window, so they move together.
 
 use egui::{Key, PointerButton};
 use egui_plot::PlotTransform;
@@ -6,21 +6,21 @@ use egui_plot::PlotTransform;
 use super::times::Times;
 use crate::app::model::{Commands, TimeCommand};
 
-/// What the user asks of an axis of values.
+/// The user's change to an axis of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moved {
     To([f64; 2]),
-    /// The axis goes back to what the plot shows by itself.
+    /// Resets the axis to the automatic range.
     Back,
 }
 
-/// Zoom of a key, and the part of the window that a key moves it by.
+/// Zoom factor of a key, and the share of the window by which a key moves it.
 const KEY_ZOOM: f64 = 1.25;
 const KEY_STEP: f64 = 0.2;
 
-/// Drag selects, scrolling zooms in time at the pointer, with shift (or sideways) it moves the window, as does a drag
-/// with the right or the middle button; with ctrl it zooms in y. A double click shows all. With the keyboard: plus,
-/// minus, page up and page down.
+/// Handles mouse and keys. A drag selects, and scrolling zooms in time at the pointer. Shift and scrolling, sideways scrolling, and a drag
+/// with the right or middle button move the window. Ctrl and scrolling zooms in y. A double click shows everything. Keys: plus, minus, page
+/// up and page down.
 pub fn navigate(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -68,8 +68,8 @@ pub fn navigate(
     moved_y
 }
 
-/// Scrolling zooms along x at the pointer, a drag with the right or the middle button moves, a double click shows all: for
-/// plots whose x is not time.
+/// Handles navigation in plots whose x is not time. Scrolling zooms along x at the pointer, and a drag with the right or middle button
+/// moves. A double click shows everything.
 pub fn along_x(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -96,7 +96,7 @@ pub fn along_x(
     (range != shown).then_some(Moved::To(range))
 }
 
-/// Selects what is dragged over with the main button.
+/// Selects the time span over which the main button drags.
 fn select(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -107,7 +107,7 @@ fn select(
     if !response.dragged_by(PointerButton::Primary) {
         return;
     }
-    // Where it began in time: the window may move under the pointer.
+    // The anchor is a time, because the window may move under the pointer.
     let anchor_id = response.id.with("selected from");
     let time_at = |x: f32| {
         let x = x.clamp(transform.frame().left(), transform.frame().right());
@@ -124,7 +124,7 @@ fn select(
     }
 }
 
-/// Zooms about the cursor where it is seen, and otherwise about the middle.
+/// Zooms about the cursor if it is visible, and otherwise about the middle.
 fn by_keys(ui: &egui::Ui, window_s: [f64; 2], cursor_s: Option<f64>) -> [f64; 2] {
     let [from_s, to_s] = window_s;
     let about_s = cursor_s.filter(|t| (from_s..=to_s).contains(t)).unwrap_or((from_s + to_s) / 2.0);
@@ -143,7 +143,7 @@ fn by_keys(ui: &egui::Ui, window_s: [f64; 2], cursor_s: Option<f64>) -> [f64; 2]
     }
 }
 
-/// Above 1 shows less; `about` stays where it is.
+/// Zooms a range about a fixed value; a factor above 1 shows less.
 fn zoomed(range: [f64; 2], about: f64, factor: f64) -> [f64; 2] {
     if factor == 1.0 { range } else { range.map(|end| about + (end - about) / factor) }
 }

@@ -1,4 +1,4 @@
-//! The plan from above: stations and the way as handles, the way coloured by how well the vehicle will be known on it.
+//! The plan from above: handles for stations and track, with the track coloured by the predicted σ of the vehicle's position.
 
 use egui::accesskit::Role;
 use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Vec2, WidgetInfo};
@@ -15,23 +15,23 @@ use resect_core::deployment::Severity;
 use resect_core::palette;
 use resect_core::planning::{OnTheWay, Plan, Prediction};
 
-/// Half the side of the square in which a handle is caught (points).
+/// Half the side of the square in which a handle reacts to the pointer (points).
 const REACH: f32 = 9.0;
 const RADIUS: f32 = 5.5;
 /// Radius of the ring about the far end (points).
 const FAR_END: f32 = 9.0;
-/// Longer ways have smaller waypoints (how many there are).
+/// Number of handles from which waypoints are drawn smaller.
 const MANY: usize = 30;
 /// Length of the arrows along weak directions (points).
 const ARROW: f32 = 46.0;
-/// A turn of the wheel zooms by e over so many points.
+/// Scroll distance that zooms by a factor of e (points).
 const WHEEL: f32 = 240.0;
-/// How much larger than true σ of stations is drawn.
+/// Magnification of the stations' σ.
 const SIGMA_SCALE: f64 = 1000.0;
-/// Height of the line that says what colours and signs mean (points), and size of its scale of colours.
+/// Height of the legend, and size of its colour scale (points).
 const KEY: f32 = 30.0;
 const SCALE: Vec2 = Vec2::new(60.0, 8.0);
-/// Room about what is fitted in (share of its size).
+/// Margin about the plan (share of its size).
 const ROOM: f64 = 0.12;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -73,10 +73,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             plot_ui.zoom_bounds_around_hovered(Vec2::splat((wheel / WHEEL).exp()));
         }
         let way = Line::new("", PlotPoints::from(planned)).color(faint).width(1.0);
-        // Of a way straight along y egui_plot would make a band.
+        // Without this, `egui_plot` draws a track straight along y as a band.
         plot_ui.line(way.allow_band(false));
     };
-    // The name of an axis reaches a little beyond it.
+    // The name of an axis extends a little beyond it.
     let shown = egui::Frame::new().inner_margin(margin).show(ui, |ui| plot.show(ui, add)).inner;
     let (response, transform) = (shown.response, shown.transform);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "the plan from above"));
@@ -114,7 +114,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What can be added and taken away, and what the pointer does.
+/// Draws the buttons that add and remove items and fit the view, and the hint for the pointer.
 fn head(
     ui: &mut egui::Ui,
     planning: &Planning,
@@ -126,31 +126,31 @@ fn head(
         for addition in Addition::ALL {
             if ui.button(addition.name()).clicked() {
                 let plan = addition.put(&planning.plan, middle_m);
-                commands.push(PlanCommand::Set(plan.into(), "something added").into());
+                commands.push(PlanCommand::Set(plan.into(), "an item of the plan added").into());
             }
         }
     })
     .response
-    .on_hover_text("In the middle of what is shown; drag it where it belongs");
+    .on_hover_text("Adds it at the view centre; drag it into place");
     let without = planning.selected.and_then(|handle| handle.taken_out(&planning.plan));
     let remove = ui.add_enabled(without.is_some(), egui::Button::new("Remove"));
     let remove = remove.on_disabled_hover_text(
-        "Click a waypoint, a manoeuvre or a ramp; stations stay, and a way has two places at least",
+        "Select a waypoint, manoeuvre or ramp first. Stations cannot be removed; a path keeps two waypoints",
     );
     let by_key = planning.selected.is_some()
         && !ui.ctx().egui_wants_keyboard_input()
         && ui.input(|input| input.key_pressed(egui::Key::Delete));
     if let Some(plan) = without.filter(|_| remove.clicked() || by_key) {
-        commands.push(PlanCommand::Set(plan.into(), "something removed").into());
+        commands.push(PlanCommand::Set(plan.into(), "an item of the plan removed").into());
     }
-    if ui.button("Fit").on_hover_text("Shows all of the plan; so does a double click").clicked() {
+    if ui.button("Fit").on_hover_text("Shows the whole plan (or double-click)").clicked() {
         *fit = true;
     }
-    let hint = "drag what is to be moved · scroll: zoom · drag the ground: move about";
+    let hint = "drag an item: move it · scroll: zoom · drag the ground: pan";
     ui.add(egui::Label::new(egui::RichText::new(hint).small().weak()).truncate());
 }
 
-/// Everything of a plan, with some room.
+/// Bounds of the whole plan, with a margin.
 fn bounds(plan: &Plan) -> PlotBounds {
     let places = Handle::all(plan).into_iter().filter_map(|handle| handle.place_m(plan));
     let waypoints = plan.waypoints();
@@ -173,7 +173,7 @@ fn at(transform: &PlotTransform, [x, y]: [f64; 2]) -> Pos2 {
     transform.position_from_point(&PlotPoint::new(x, y))
 }
 
-/// The way by how well the vehicle will be known, from the best place to the worst; grey where no motion is known.
+/// Draws the track, coloured by the predicted σ from the best place to the worst; grey where no motion is predicted.
 fn paint_way(painter: &egui::Painter, transform: &PlotTransform, way: &[OnTheWay]) {
     let Some([least, most]) = sigma_range_m(way) else { return };
     for pair in way.windows(2) {
@@ -186,12 +186,12 @@ fn paint_way(painter: &egui::Painter, transform: &PlotTransform, way: &[OnTheWay
     }
 }
 
-/// What colours and signs mean.
+/// Draws the legend of colours and signs.
 fn key(ui: &mut egui::Ui, way: &[OnTheWay]) {
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         if let Some([least_m, most_m]) = sigma_range_m(way) {
-            ui.small(format!("vehicle known to {:.1}", 1e3 * least_m));
+            ui.small(format!("vehicle σ: {:.1}", 1e3 * least_m));
             let (place, _) = ui.allocate_exact_size(SCALE, Sense::hover());
             let width = place.width() / 24.0;
             for step in 0..24 {
@@ -203,12 +203,12 @@ fn key(ui: &mut egui::Ui, way: &[OnTheWay]) {
             ui.small(format!("{:.1} mm (1 σ)", 1e3 * most_m));
         }
         let signs =
-            format!("ellipses: stations, 95 %, ×{SIGMA_SCALE} · ×: readings that will not count");
+            format!("ellipses: stations, 95 %, ×{SIGMA_SCALE} · ×: readings that will be unusable");
         ui.add(egui::Label::new(egui::RichText::new(signs).small().weak()).truncate());
     });
 }
 
-/// The least and the greatest σ of the vehicle's position along the way (m).
+/// Least and greatest σ of the vehicle's position along the track (m); `None` without any.
 fn sigma_range_m(way: &[OnTheWay]) -> Option<[f64; 2]> {
     let all = || way.iter().filter_map(|at| at.position_sigma_m);
     let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
@@ -220,7 +220,7 @@ fn sigma_colour(sigma_m: f64, [least, most]: [f64; 2]) -> Color32 {
     theme::rgb(palette::continuous(share as f32))
 }
 
-/// Crosses where readings will be missing or thrown away.
+/// Draws crosses where readings will be missing or rejected.
 fn paint_failures(painter: &egui::Painter, transform: &PlotTransform, foreseen: &Prediction) {
     for (station, lock) in foreseen.locks.iter().enumerate() {
         let stroke = Stroke::new(1.6, theme::rgb(palette::STATIONS[station]));
@@ -233,7 +233,7 @@ fn paint_failures(painter: &egui::Painter, transform: &PlotTransform, foreseen: 
     }
 }
 
-/// Ellipses of 95 % of where stations 2 and 3 will be said to stand, drawn larger than true.
+/// Draws magnified 95 % ellipses of the predicted positions of stations 2 and 3.
 fn paint_stations_sigma(
     painter: &egui::Painter,
     transform: &PlotTransform,
@@ -258,7 +258,7 @@ fn paint_stations_sigma(
     }
 }
 
-/// Arrows at stations 2 and 3 along what the drive leaves free or weak.
+/// Draws arrows at stations 2 and 3 along unobservable or weakly observable directions.
 fn paint_weak(
     painter: &egui::Painter,
     transform: &PlotTransform,
@@ -305,7 +305,7 @@ fn paint_far_end(
         .map(|on_it| at(transform, [on_it.position_m.x, on_it.position_m.y]))
         .collect();
     let ground = beside_the_way(middle, galley.size(), *transform.frame(), &way);
-    // Which place it is about is seen where it had to move away, too.
+    // A line connects a label with its place if the label had to move away.
     let towards = ground.clamp(middle) - middle;
     if towards.length() > 2.0 * FAR_END {
         let from = middle + towards.normalized() * FAR_END;
@@ -315,7 +315,7 @@ fn paint_far_end(
     painter.galley(ground.min + Vec2::splat(2.0), galley, colour);
 }
 
-/// Finds where a label beside a place covers the least of the way, within a frame; the nearest of such places.
+/// Returns the nearest rectangle beside a place, within a frame, that covers the least of the track.
 fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
     const OUT: f32 = 14.0;
     let half = 0.5 * size + Vec2::splat(2.0);
@@ -337,7 +337,7 @@ fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
     places.min_by_key(covered).expect("there are places")
 }
 
-/// Everything that is moved by the pointer, above all else.
+/// Handles drags and clicks of all handles, and draws them above all else.
 fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands: &mut Commands) {
     let plan = &state.planning.plan;
     let all = Handle::all(plan);
@@ -356,7 +356,7 @@ fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let to = transform.value_from_position(pointer.clamp(frame.min, frame.max));
-            // Centimetres: no tripod is put up better on purpose.
+            // Rounds to centimetres: nobody sets up a tripod more precisely on purpose.
             let to_m = [to.x, to.y].map(|value| (1e2 * value).round() / 1e2);
             let plan = handle.moved(plan, to_m);
             commands.push(PlanCommand::Set(plan.into(), words(handle)).into());
@@ -402,7 +402,7 @@ fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: b
             });
             let fill = Shape::convex_polygon(corners.to_vec(), colour, ring);
             painter.add(fill);
-            // Stations stand close to each other: the number alone, and the rest under the pointer.
+            // Stations are close to each other, so only the number is drawn; hovering shows the rest.
             let font = egui::FontId::proportional(13.0);
             let above = middle - Vec2::new(0.0, 11.0);
             let ink = theme::readable(palette::STATIONS[station], dark);
@@ -410,7 +410,7 @@ fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: b
             painter.text(above, egui::Align2::CENTER_BOTTOM, number, font, ink);
         }
         Handle::Waypoint { .. } => {
-            // Many of them must not hide the colours of the way.
+            // Many waypoints must not hide the colours of the track.
             let radius = if lit { radius.max(0.6 * RADIUS) } else { radius };
             painter.circle(middle, 0.8 * radius, ui.visuals().panel_fill, ring);
         }

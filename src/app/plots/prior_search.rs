@@ -1,4 +1,4 @@
-//! The paper's search of the prior: what each speed limit τ_v led to, which runs agreed, which was chosen.
+//! The paper's search of the prior: result of each speed limit τ_v, agreement of the runs, and the chosen run.
 
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
@@ -56,7 +56,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 let colour = theme::rgb(palette::STEPS[step]);
                 let name = |what: &str| format!("{}: {what}", STEPS[step]);
                 let median = |run: &SearchRun| run.metric_m;
-                // Where both steps come to the same, the first one is seen about the second.
+                // If both steps agree, the first is visible as a wider line about the second.
                 let width = if step == 0 { 3.2 } else { 1.2 };
                 plot_ui.line(
                     Line::new(name("cost (rms, triplets below τ_v)"), series(runs, |r| r.rms_m))
@@ -100,7 +100,7 @@ fn series(runs: &[SearchRun], value_m: impl Fn(&SearchRun) -> f64) -> PlotPoints
     PlotPoints::Owned(points.collect())
 }
 
-/// What each step chose, in its colour, and how to read the picture.
+/// Shows the choice of each step, in its colour, and the legend.
 fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
     let dark = ui.visuals().dark_mode;
     let margin = egui::Margin::symmetric(6, 0);
@@ -115,7 +115,7 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
             let text = format!("{}: {best}, {counted} of {} runs count", STEPS[index], runs.len());
             let colour = theme::readable(palette::STEPS[index], dark);
             ui.label(egui::RichText::new(text).small().color(colour)).on_hover_text(
-                "A run counts when at least three others end within 5 cm and 0.5° of it",
+                "A run counts if at least three others converge within 5 cm and 0.5° of it",
             );
         }
         let key = "solid: median of all triplets · dashed: cost (rms) of those below τ_v · cross: does not count · ring: chosen";
@@ -124,15 +124,15 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
     framed.show(ui, |ui| ui.horizontal_wrapped(texts));
 }
 
-/// The search runs only where it is asked for.
+/// Explains that the search runs only on request, and offers it.
 fn offer(ui: &mut egui::Ui, state: &State, searches: bool, commands: &mut Commands) {
     ui.vertical_centered(|ui| {
         ui.add_space(ui.available_height() * 0.3);
         if !searches {
-            ui.weak("The prior is searched only for the inter-prism distances: method D and the joint estimate.");
+            ui.weak("No prior search: only method D and the joint estimate (inter-prism distances) have one.");
             return;
         }
-        ui.label("The prior came in closed form, without a search.");
+        ui.label("The prior was computed in closed form, without a search.");
         if ui.button("Search as published").clicked() {
             let mut settings = *state.settings();
             settings.calibration.prior = PriorMethod::Search;

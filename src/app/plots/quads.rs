@@ -1,4 +1,4 @@
-//! Many plain rectangles as one shape: a shape each would cost a long drive's plot more than all its readings do.
+//! Many plain rectangles as one shape; separate shapes would cost more than all readings in the plot of a long drive.
 
 use std::ops::RangeInclusive;
 
@@ -7,7 +7,7 @@ use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, Plo
 
 use resect_core::pipeline::Interval;
 
-/// Rectangles to be painted in one go; their edges are sharp.
+/// Rectangles with sharp edges, painted as one shape.
 #[derive(Default)]
 pub struct Quads(Mesh);
 
@@ -18,7 +18,7 @@ impl Quads {
         }
     }
 
-    /// A frame of this width within the rectangle.
+    /// Adds a frame of this width inside the rectangle.
     pub fn add_frame(&mut self, rect: Rect, width: f32, colour: Color32) {
         let (across, down) = (rect.width().min(width), rect.height().min(width));
         let inner = rect.shrink2(Vec2::new(0.0, down));
@@ -37,7 +37,7 @@ impl Quads {
     }
 }
 
-/// Spans of time shaded over the whole height of a plot.
+/// Time spans shaded over the whole height of a plot.
 pub struct Shades {
     base: PlotItemBase,
     spans: Vec<Interval>,

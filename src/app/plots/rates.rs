@@ -1,7 +1,6 @@
-//! How fast each station's raw readings change over time, with the outlier filter's thresholds as lines to drag.
+//! Rates of each station's raw readings over time, with the outlier filter's thresholds as draggable lines.
 //!
-//! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
-//! filter asks only how fast.
+//! The axis is logarithmic and shows absolute rates: outliers are a hundred times faster than driving, and the filter ignores the sign.
 
 use egui::{RichText, Stroke};
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
@@ -9,7 +8,7 @@ use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points}
 use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::threshold::{self, Threshold};
-use super::time_plot::{self, Shown, TimePlot};
+use super::time_plot::{self, ShownPlot, TimePlot};
 use super::times::Times;
 use super::{in_the_middle, log_axis, station_switches};
 use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, TimeCommand};
@@ -20,7 +19,7 @@ use resect_core::palette;
 use resect_core::pipeline::outlier_filter::too_fast;
 use resect_core::pipeline::{OutlierReason, PipelineSettings, SampleFate, Thresholds};
 
-/// A click this near to a dot is meant for it (points).
+/// Greatest distance from a dot at which a click selects it (points).
 const NEAR: f32 = 8.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -35,7 +34,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Switches, what the marks mean, and a way to switch the filter on.
+/// Draws the switches, the legend of the marks, and a button that switches the filter on.
 fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
@@ -71,7 +70,7 @@ struct RatePlot<'a> {
 /// A reading that is drawn.
 struct Dot {
     picked: Picked,
-    /// Time, and the common logarithm of the rate.
+    /// Time (s), and the common logarithm of the rate.
     at: PlotPoint,
     fate: Option<SampleFate>,
 }
@@ -80,7 +79,7 @@ impl RatePlot<'_> {
     fn show(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) {
         let pipeline = self.state.settings().pipeline;
         let bounds = self.bounds(&pipeline.thresholds);
-        // Of each run a plot draws three dots.
+        // A plot draws three dots per run.
         let runs = (0.5 * strip.plot.width()) as usize;
         let dots = self.dots(&pipeline, bounds, runs);
         let (unit, scale) = (self.unit(), self.times.scale);
@@ -120,7 +119,7 @@ impl RatePlot<'_> {
         &self.open.plots.readings
     }
 
-    /// Rates of angles are stored in °/s.
+    /// True for angles, whose rates are stored in °/s.
     fn is_angular(&self) -> bool {
         self.quantity != Quantity::Range
     }
@@ -129,12 +128,12 @@ impl RatePlot<'_> {
         if self.is_angular() { self.state.workspace.units.angle.rate_name() } else { "m/s" }
     }
 
-    /// What a stored rate is multiplied by to be shown.
+    /// Factor from a stored rate to the rate shown.
     fn per_stored(&self) -> f64 {
         if self.is_angular() { self.state.workspace.units.angle.rate_per_deg_per_s() } else { 1.0 }
     }
 
-    /// Lowest and highest rate of the axis (log10): those of the data, and the threshold wherever it is.
+    /// Lowest and highest rate of the axis (log10), from the data and the threshold.
     fn bounds(&self, thresholds: &Thresholds) -> [f64; 2] {
         let [low, high] = self.readings().shown[self.quantity as usize];
         let threshold = self.threshold_value(thresholds);
@@ -147,7 +146,7 @@ impl RatePlot<'_> {
         *self.quantity.threshold(&mut thresholds)
     }
 
-    /// At most a few dots for each column of the screen; the fastest and the slowest are among them.
+    /// Returns at most a few dots per column of the screen, including the fastest and the slowest.
     fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], runs: usize) -> Vec<Dot> {
         let mut dots = Vec::new();
         for (station, own) in self.readings().stations.iter().enumerate() {
@@ -169,15 +168,15 @@ impl RatePlot<'_> {
         dots
     }
 
-    /// Where a reading's dot is; readings too slow for the axis stand at its lower end.
+    /// Returns the place of a reading's dot; readings too slow for the axis are at its lower end.
     fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
         let margin = 0.01 * (bounds[1] - bounds[0]);
         let rate = own.rates[self.quantity as usize].values.values[index] * self.per_stored();
         PlotPoint::new(own.time_s[index], rate.log10().max(bounds[0] + margin))
     }
 
-    /// A ring about the picked reading.
-    fn ring(&self, ui: &egui::Ui, shown: &Shown, pipeline: &PipelineSettings) {
+    /// Draws a ring about the selected reading.
+    fn ring(&self, ui: &egui::Ui, shown: &ShownPlot, pipeline: &PipelineSettings) {
         let Some(Picked { station, index }) = self.open.timeline.picked else { return };
         let Some(own) = self.readings().stations.get(station) else { return };
         if index == 0 || index >= own.time_s.len() {
@@ -188,16 +187,16 @@ impl RatePlot<'_> {
         shown.painter(ui).circle_stroke(shown.transform.position_from_point(&at), 6.0, stroke);
     }
 
-    /// What the line is, and what it rejects: that is what it is tuned by.
+    /// Shows the threshold and the number of readings that it rejects.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip, pipeline: &PipelineSettings) {
         let label = self.threshold(pipeline).label();
-        // Where the axis has no room for its name, it stands here.
+        // Without room at the axis, the name of the quantity is here.
         let label = match strip.names_axis(self.quantity.name(), self.unit()) {
             true => label,
             false => format!("{}, {label}", self.quantity.name()),
         };
         let mut lines = vec![RichText::new(label).strong()];
-        let mut hint = format!("The size of the {} ({}).", self.quantity.name(), self.unit());
+        let mut hint = format!("Magnitude of the {} ({}).", self.quantity.name(), self.unit());
         if let Some([what, count, all]) = self.counts(pipeline) {
             lines.push(RichText::new(format!("{what} {count} of {all}")));
             hint += &format!(
@@ -208,7 +207,7 @@ impl RatePlot<'_> {
         strip.words(ui, &lines, &hint);
     }
 
-    /// "rejects", "12 / 30 / 9", "4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
+    /// "rejects", "12 / 30 / 9", "4321 / 4400 / 4391"; until the new result is computed, only the counts above the line.
     fn counts(&self, pipeline: &PipelineSettings) -> Option<[String; 3]> {
         let analysis = self.open.analysis.as_ref().filter(|_| pipeline.outlier_filter)?;
         let stations = &self.readings().stations;
@@ -237,14 +236,14 @@ impl RatePlot<'_> {
         }
     }
 
-    fn line(&self, ui: &mut egui::Ui, shown: &Shown, commands: &mut Commands) {
+    fn line(&self, ui: &mut egui::Ui, shown: &ShownPlot, commands: &mut Commands) {
         let mut settings = *self.state.settings();
         let threshold = self.threshold(&settings.pipeline);
         let y = shown.transform.position_from_point_y(threshold.value.log10());
         let rate_at =
             |y: f32| 10_f64.powf(shown.transform.value_from_position(egui::pos2(0.0, y)).y);
         if let Some(value) = threshold.horizontal_line(ui, shown.frame(), y, rate_at) {
-            // No noise from the change of unit.
+            // Rounds off the noise of the unit conversion.
             let stored = (value / self.per_stored() * 1e6).round() / 1e6;
             *self.quantity.threshold(&mut settings.pipeline.thresholds) = stored;
             commands.push(DeploymentCommand::Set(settings).into());
@@ -252,7 +251,7 @@ impl RatePlot<'_> {
     }
 }
 
-/// The reading's fate by the thresholds as they are now: the answer may still be on its way.
+/// Returns the reading's fate by the present thresholds, because the result may not be computed yet.
 fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
     if own.is_left_out(index) {
         return Some(SampleFate::LeftOut);
@@ -261,7 +260,7 @@ fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Opt
     too_fast(&rates, &pipeline.thresholds).map(SampleFate::Rejected)
 }
 
-/// Dots of the readings that stay, in the stations' colours.
+/// Dots of the accepted readings, in the stations' colours.
 fn kept(dots: &[Dot]) -> [Marks; 3] {
     std::array::from_fn(|station| {
         let own = |dot: &&Dot| dot.picked.station == station && dot.fate.is_none();
@@ -270,7 +269,7 @@ fn kept(dots: &[Dot]) -> [Marks; 3] {
     })
 }
 
-/// Over them crosses in the colours of the fates, small where another rate gave it away.
+/// Crosses of the rejected readings, in the colours of the fates; small if another rate caused the rejection.
 fn rejected(dots: &[Dot], quantity: Quantity) -> Vec<Marks> {
     let rejected: Vec<(&Dot, SampleFate)> =
         dots.iter().filter_map(|dot| Some((dot, dot.fate?))).collect();
@@ -293,7 +292,7 @@ fn rejected(dots: &[Dot], quantity: Quantity) -> Vec<Marks> {
     all
 }
 
-/// Squares at the foot: what was left out by hand has no rate.
+/// Squares at the bottom for the readings excluded by hand, which have no rate.
 fn left_out(dots: &[Dot]) -> [Points<'static>; 3] {
     std::array::from_fn(|station| {
         let own =

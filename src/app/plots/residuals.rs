@@ -1,5 +1,5 @@
-//! Distance errors over time, a strip a pair: dots under their running median and quartiles, with the kept intervals behind
-//! and the time cursor.
+//! Distance errors over time, one strip per pair: dots under their running median and quartiles, over the accepted intervals, with the time
+//! cursor.
 
 use egui::RichText;
 use egui_plot::{
@@ -10,7 +10,7 @@ use super::marks::Marks;
 use super::navigation::Moved;
 use super::quads::Shades;
 use super::strips::{Strip, strips};
-use super::time_plot::{self, Shown, TimePlot};
+use super::time_plot::{self, ShownPlot, TimePlot};
 use super::times::Times;
 use super::{answer_with_errors, close_marks, histogram, pair_name, pair_switches};
 use crate::app::model::{Commands, OpenDeployment, Pin};
@@ -25,7 +25,7 @@ use resect_core::deployment::pair_label;
 use resect_core::palette;
 use resect_report::glossary;
 
-/// Width of what one corner of the running median sums up (points).
+/// Width that one corner of the running median summarises (points).
 const CORNER: f32 = 7.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -34,7 +34,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.multiply_opacity(0.45);
     }
     let times = Times::of(open, state);
-    // Errors that the user chose to see; otherwise the plot follows the answer.
+    // Range of errors chosen by the user; otherwise the plot follows the result.
     let chosen_id = ui.scope_id().with(("chosen errors", open.id));
     let chosen_mm: Option<[f64; 2]> = ui.data(|data| data.get_temp(chosen_id)).unwrap_or_default();
     let shown_mm = chosen_mm.unwrap_or(open.plots.range_mm);
@@ -62,7 +62,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let chosen_mm = match (moved, chosen_mm) {
         (None, chosen_mm) => chosen_mm,
         (Some(Moved::To(range_mm)), _) => Some(range_mm),
-        // From what the plot shows by itself to everything, and from anything else back.
+        // A double click shows all errors, and a second one returns to the automatic range.
         (Some(Moved::Back), None) => Some(open.plots.all_mm()),
         (Some(Moved::Back), Some(_)) => None,
     };
@@ -79,7 +79,7 @@ struct PairPlot<'a> {
 }
 
 impl PairPlot<'_> {
-    fn show(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) -> Shown {
+    fn show(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) -> ShownPlot {
         let (times, plots) = (self.times, &self.open.plots);
         let scale = times.scale;
         let plot = Plot::new(("residuals", self.open.id, self.pair))
@@ -127,7 +127,7 @@ impl PairPlot<'_> {
         theme::rgb(palette::PAIRS[self.pair])
     }
 
-    /// The running median over a band from quartile to quartile.
+    /// Draws the running median over a band between the quartiles.
     fn add_usual(&self, plot_ui: &mut PlotUi<'_>, piece: &Piece, dark: bool) {
         let Piece { times_s, q25, median, q75 } = piece;
         let band = FilledArea::new("", times_s, q25, q75);
@@ -140,7 +140,7 @@ impl PairPlot<'_> {
         plot_ui.line(line.color(strong).width(1.8));
     }
 
-    /// Adds the residuals of a pinned result, hollow and faint.
+    /// Draws the residuals of a pinned result, hollow and faint.
     fn add_pinned(&self, plot_ui: &mut PlotUi<'_>, pin: &Pin, shape: MarkerShape, columns: usize) {
         let Some(plots) = &pin.plots else { return };
         let dots = plots.residuals[self.pair].visible(self.times.window_s, columns);
@@ -154,7 +154,7 @@ impl PairPlot<'_> {
         );
     }
 
-    /// What the pair's errors are as a whole, and at the cursor.
+    /// Shows the spread of the pair's errors, and the error at the cursor.
     fn words(
         &self,
         ui: &mut egui::Ui,
@@ -164,7 +164,7 @@ impl PairPlot<'_> {
         selected: Option<&Distributions>,
     ) {
         let evaluation = &answer.evaluation;
-        // Where there is little room, it is for the numbers alone.
+        // Without room, only the numbers are shown.
         let (in_words, cursor): (fn(_) -> _, _) = match strip.is_tight() {
             true => (histogram::in_short, "cursor"),
             false => (histogram::in_words, "at the cursor"),
@@ -178,7 +178,7 @@ impl PairPlot<'_> {
         let cursor_s = self.open.timeline.cursor_s.filter(|t| are_together_at(analysis, *t));
         let at = cursor_s.and_then(|t| analysis.triplets().nearest(t));
         match at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
-            // Adding zero makes a rounded -0.0 a plain one.
+            // Adding zero turns a rounded -0.0 into 0.0.
             Some(error) => {
                 let error_mm = (10.0 * error).round() / 10.0 + 0.0;
                 lines.push(RichText::new(format!("{cursor} {error_mm:+.1}\u{a0}mm")));
@@ -188,13 +188,13 @@ impl PairPlot<'_> {
             }
             None => {}
         }
-        let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
-                    from the lower quartile to the upper.";
+        let hint = "Dots: error of each triplet, apparent minus known distance. Line: running median. Band: \
+                    interquartile range.";
         strip.words(ui, &lines, hint);
     }
 }
 
-/// What the interpolation states, about zero.
+/// Draws bands of ±2 σ of the interpolation about zero.
 fn add_bands(plot_ui: &mut PlotUi<'_>, bands: &[Band], ink: egui::Color32) {
     for Band { times_s, half_widths_mm } in bands {
         let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
@@ -203,7 +203,7 @@ fn add_bands(plot_ui: &mut PlotUi<'_>, bands: &[Band], ink: egui::Color32) {
     }
 }
 
-/// How pinned results are told apart, beside their names.
+/// Shapes that distinguish pinned results in the plot, also shown beside their names.
 const SHAPES: [MarkerShape; 4] =
     [MarkerShape::Circle, MarkerShape::Square, MarkerShape::Diamond, MarkerShape::Up];
 
@@ -216,7 +216,7 @@ fn sign(shape: MarkerShape) -> &'static str {
     }
 }
 
-/// Pinned results that are to be seen behind this deployment's: those of the same data.
+/// Pinned results of the same data, drawn behind this deployment's result.
 fn pinned<'a>(open: &OpenDeployment, state: &'a State) -> Vec<(&'a Pin, MarkerShape)> {
     let Some(now) = &open.summary else { return Vec::new() };
     let pins = state.results.pins.iter().filter(|pin| pin.shown && pin.plots.is_some());
@@ -228,7 +228,7 @@ fn interval_shade(dark: bool) -> egui::Color32 {
     if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
 }
 
-/// Where the cursor is, and how many errors lie outside what is shown: nothing is hidden without a word.
+/// Text of the time at the cursor, and of the number of errors outside the range shown.
 fn caption(
     open: &OpenDeployment,
     analysis: &Analysis,
@@ -247,7 +247,7 @@ fn caption(
         parts.push(format!("{outside} of {all} beyond the range (double-click: all)"));
     }
     if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
-        parts.push("grey band: ±2σ that the interpolation states".to_owned());
+        parts.push("grey band: ±2σ of the interpolation".to_owned());
     }
     parts.join("  ·  ")
 }

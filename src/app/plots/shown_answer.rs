@@ -1,10 +1,10 @@
-//! The answer that is plotted, or a sentence in its place.
+//! The result to plot, or a sentence in its place.
 
 use crate::app::model::OpenDeployment;
 use crate::app::state::State;
 use resect_core::analysis::{Analysis, Answer};
 
-/// Shows a faint sentence where there is nothing else to show; its lines are not stretched, however narrow the pane is.
+/// Shows a faint sentence in an empty pane, with normal word spacing in a narrow one.
 pub fn in_the_middle(ui: &mut egui::Ui, text: &str) {
     let height = ui.available_height();
     ui.vertical_centered(|ui| {
@@ -14,13 +14,13 @@ pub fn in_the_middle(ui: &mut egui::Ui, text: &str) {
     ui.allocate_space(ui.available_size());
 }
 
-/// The answer to plot, if there is one.
+/// Returns the result to plot; `None` if there is none.
 pub fn answer(state: &State) -> Option<(&OpenDeployment, &Analysis, &Answer)> {
     let (open, analysis) = state.analysed()?;
     Some((open, analysis, analysis.answer.as_deref().ok()?))
 }
 
-/// The answer whose errors of distances are to be plotted; where there is none, or there are no such errors, it says so.
+/// Returns the result whose distance errors are plotted; without one, shows the reason and returns `None`.
 pub fn answer_with_errors<'a>(
     ui: &mut egui::Ui,
     state: &'a State,
@@ -32,7 +32,7 @@ pub fn answer_with_errors<'a>(
     let why = match &answer {
         Some((.., answer)) if has_errors(answer) => None,
         Some((_, analysis, _)) if analysis.triplets().is_empty() => Some("No triplets to plot."),
-        Some(_) => Some("The inter-prism distances are not known: there are no errors of them."),
+        Some(_) => Some("No distance errors: the inter-prism distances are not known."),
         None => Some("No result to plot."),
     };
     let Some(why) = why else { return answer };

@@ -1,5 +1,4 @@
-//! Where plots over time are in their panes: in all panes of the same width at the same place, so that what happened at
-//! one time stands under each other in all of them.
+//! Positions of plots over time, the same in all panes of equal width, so that simultaneous events line up vertically.
 
 use egui::text::LayoutJob;
 use egui::{Align, FontSelection, Rect, RichText, TextStyle};
@@ -12,74 +11,74 @@ use crate::app::model::time_scale::decimals;
 use crate::app::model::units::without_negative_zero;
 use crate::app::words;
 
-/// Space for the numbers and the name of the axis at the left (points).
+/// Width left of a plot, for the numbers and the name of the axis (points).
 pub const GUTTER: f32 = 66.0;
-/// Height of the axis at the bottom, and of its numbers alone.
+/// Height of the axis at the bottom, with its name and with its numbers alone (points).
 const AXIS: f32 = 34.0;
 const AXIS_NUMBERS: f32 = 18.0;
-/// Plots lower than this have no room for the name of the axis below them.
+/// Least height of a plot whose axis below has a name (points).
 const LEAST_NAMED: f32 = 44.0;
-/// Between plots above each other.
+/// Gap between plots (points).
 const GAP: f32 = 4.0;
-/// Least height of a plot.
+/// Least height of a plot (points).
 const LEAST: f32 = 28.0;
-/// The part of a pane's width beside the plots where words stand that would cover data, and its least and greatest.
+/// Share of a pane's width beside the plots for text that would cover data, with its least and greatest width (points).
 const SHARE: f32 = 0.26;
 const NARROWEST: f32 = 118.0;
 const WIDEST: f32 = 190.0;
-/// Half of the last number of the time axis, where there is nothing beside the plots.
+/// Width right of the plots without text beside them: half of the last number of the time axis (points).
 const MARGIN: f32 = 26.0;
-/// Panes narrower than this have words above their plots and not beside them.
+/// Panes narrower than this have text above their plots instead of beside them (points).
 pub const NARROW: f32 = 430.0;
-/// Height of a line of such words.
+/// Height of a line of this text (points).
 const LINE: f32 = 15.0;
-/// Lower plots have no room for sentences beside them.
+/// Plots lower than this have no room for sentences beside them (points).
 const TIGHT: f32 = 60.0;
-/// Plots narrower than this have no room for a sentence below them.
+/// Plots narrower than this have no room for a sentence below them (points).
 const SENTENCE: f32 = 360.0;
-/// Length of a letter along an axis: where a name does not fit, there is only its unit.
+/// Estimated width of a letter along an axis (points). Without room for the name of the axis, only the unit is shown.
 const LETTER: f32 = 6.0;
-/// The name of an axis reaches so far beyond it.
+/// Overhang of an axis name beyond its axis (points).
 const BEYOND: f32 = 4.0;
-/// From a plot to the words beside it: handles of thresholds are there.
+/// Gap between a plot and the text beside it, for the handles of thresholds (points).
 const ASIDE: f32 = 11.0;
-/// Strong lines of the time axis are so far apart at least, and have their number from this distance on.
+/// Least distance of strong lines of the time axis, and the distances from which they have a number (points).
 const TIMES_APART: f32 = 60.0;
 const NUMBERED: std::ops::RangeInclusive<f32> = 52.0..=56.0;
-/// egui_plot's least distance of lines.
+/// Least distance of lines in `egui_plot` (points).
 const LEAST_LINES: f32 = 8.0;
 
-/// The height of a line over the usual where there is little room.
+/// Reduced line height where there is little room, as a share of the usual one.
 const CLOSE: f32 = 0.88;
-/// The part of a plot's height that words above it may take.
+/// Greatest share of a plot's height for the text above it.
 const MOST_OF_HEIGHT: f32 = 0.45;
 
-/// The place of a plot, and of the words about it.
+/// Place of a plot and of its text.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip {
     pub plot: Rect,
     pub words: Rect,
-    /// Whether the words stand above the plot and not beside it.
+    /// True if the text is above the plot instead of beside it.
     pub above: bool,
-    /// Height of the axis below it, where it is the lowest.
+    /// Height of the axis below the plot (points); `None` unless this is the lowest plot.
     pub axis: Option<f32>,
 }
 
-/// The width beside the plots in a pane of this width (points).
+/// Width beside the plots in a pane of this width (points).
 pub fn beside(width: f32) -> f32 {
     if width < NARROW { MARGIN } else { (SHARE * width).clamp(NARROWEST, WIDEST) }
 }
 
-/// Places for so many plots above each other in what is left of a pane, each with so many lines of words.
+/// Places of `count` plots above each other in the rest of a pane, with `lines` lines of text each.
 pub fn strips(ui: &mut egui::Ui, count: usize, lines: usize) -> Vec<Strip> {
     let whole = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(whole);
     in_rect(whole, count, lines)
 }
 
-/// Places for so many plots above each other in a part of a pane whose whole width it has.
+/// Places of `count` plots above each other in a region as wide as the pane.
 ///
-/// Where there is no room beside them, words stand above, in as many of the lines as the plots' height spares.
+/// Without room beside the plots, the text is above them, in as many lines as the plots' height allows.
 pub fn in_rect(whole: Rect, count: usize, lines: usize) -> Vec<Strip> {
     let gaps = GAP * count.saturating_sub(1) as f32;
     let height_over = |axis: f32| (whole.height() - axis - gaps) / count.max(1) as f32;
@@ -107,17 +106,17 @@ pub fn in_rect(whole: Rect, count: usize, lines: usize) -> Vec<Strip> {
 }
 
 impl Strip {
-    /// The height of the plot without the axis below it.
+    /// Height of the plot without the axis below it (points).
     pub fn height(&self) -> f32 {
         self.plot.height() - self.axis.unwrap_or(0.0)
     }
 
-    /// Whether words beside the plot have room for less than everything there is to say.
+    /// Returns true if the text beside the plot must be shortened.
     pub fn is_tight(&self) -> bool {
         self.above || self.height() < TIGHT
     }
 
-    /// The time axis, where this is the lowest of several plots above each other.
+    /// The time axis; `None` unless this is the lowest of several plots.
     pub fn time_axis<'a>(&self, times: &Times) -> Option<AxisHints<'a>> {
         let scale = times.scale;
         let axis = self.axis_below(&scale.title(self.plot.width() < SENTENCE))?;
@@ -127,19 +126,19 @@ impl Strip {
         )
     }
 
-    /// The axis at the bottom, where this is the lowest of several plots; without its name where they are low.
+    /// The axis at the bottom, without its name if the plots are low; `None` unless this is the lowest of several plots.
     pub fn axis_below<'a>(&self, name: &str) -> Option<AxisHints<'a>> {
         let thickness = self.axis?;
         let name = if thickness < AXIS { "" } else { name };
         Some(axis_below(name).min_thickness(thickness))
     }
 
-    /// Whether the axis of values has room for its name.
+    /// Returns true if the axis of values has room for its name.
     pub fn names_axis(&self, name: &str, unit: &str) -> bool {
         format!("{name} ({unit})").chars().count() as f32 * LETTER < self.height()
     }
 
-    /// An axis of values with its name and unit, or where that has no room with the unit alone.
+    /// The axis of values with name and unit, or with the unit alone if there is no room.
     pub fn value_axis<'a>(&self, name: &str, unit: &str) -> AxisHints<'a> {
         let text = match self.names_axis(name, unit) {
             true => format!("{name} ({unit})"),
@@ -148,14 +147,14 @@ impl Strip {
         bare_axis().label(RichText::new(text).small()).formatter(|mark, _| in_decimals(mark))
     }
 
-    /// Words about the plot, where they cover no data; all of them are under the pointer, too.
+    /// Shows text about the plot beside or above it; hovering shows all of it.
     ///
-    /// Each has a line of its own where that has room. Otherwise they follow each other, and no line is cut through.
+    /// Each entry has its own line if there is room. Otherwise entries share lines, and no line is clipped.
     pub fn words(&self, ui: &mut egui::Ui, lines: &[RichText], hint: &str) {
         let aside = if self.above { 0.0 } else { ASIDE };
         let place = self.words.with_min_x(self.words.left() + aside);
         let line = ui.text_style_height(&TextStyle::Small);
-        // Above a plot its frame is right below; beside it, there is a gap to the next one's words.
+        // Above a plot, the frame follows directly; beside it, there is a gap before the text of the next plot.
         let below = if self.above { 0.0 } else { GAP };
         let lay_out = |between: &str, line: f32| {
             let mut job = joined(ui, lines, between);
@@ -178,7 +177,7 @@ impl Strip {
     }
 }
 
-/// The number of a mark, with the decimals of the step to the next; more where that would round it to another number.
+/// The number of a mark with the decimals of its step, or more if that rounds it by over 5 %.
 fn in_decimals(GridMark { value, step_size }: GridMark) -> String {
     let of_step = (-step_size.log10().round()).max(0.0) as usize;
     let is_told = |decimals: &usize| {
@@ -189,7 +188,7 @@ fn in_decimals(GridMark { value, step_size }: GridMark) -> String {
     without_negative_zero(value, decimals)
 }
 
-/// Small texts one after the other, each in its colour.
+/// Joins small texts in one layout, each in its colour.
 fn joined(ui: &egui::Ui, lines: &[RichText], between: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     let mut add = |text: RichText| {
@@ -204,7 +203,7 @@ fn joined(ui: &egui::Ui, lines: &[RichText], between: &str) -> LayoutJob {
     job
 }
 
-/// An axis of values that other panes' stand above and below.
+/// An axis of values that lines up with those of other panes.
 pub fn bare_axis<'a>() -> AxisHints<'a> {
     AxisHints::new_y()
         .label_spacing(9.0..=16.0)
@@ -212,7 +211,7 @@ pub fn bare_axis<'a>() -> AxisHints<'a> {
         .tick_label_font(egui::FontId::proportional(11.0))
 }
 
-/// The axis at the bottom of plots over something else than time.
+/// The horizontal axis of plots over a quantity other than time.
 pub fn axis_below<'a>(name: &str) -> AxisHints<'a> {
     AxisHints::new_x()
         .label(RichText::new(name).small())
@@ -221,7 +220,7 @@ pub fn axis_below<'a>(name: &str) -> AxisHints<'a> {
         .min_thickness(AXIS)
 }
 
-/// Round times, far enough apart for their numbers.
+/// Marks at round times, far enough apart for their numbers.
 pub fn time_marks(scale: &TimeScale, input: &GridInput) -> Vec<GridMark> {
     let least_s = f64::from(TIMES_APART / LEAST_LINES) * input.base_step_size;
     let times = scale.round_times(input.bounds.into(), least_s);
@@ -245,7 +244,7 @@ mod tests {
             let all = [pane(0.0, 300.0, 3), pane(400.0, 200.0, 1)].concat();
             assert!(all.iter().all(|strip| strip.plot.x_range() == all[0].plot.x_range()));
             for strip in &all {
-                // Words cover no data.
+                // The text covers no data.
                 let frame = strip.plot.with_min_x(strip.plot.left() + GUTTER);
                 assert!(!frame.shrink(0.5).intersects(strip.words), "{strip:?}");
             }

@@ -6,7 +6,7 @@ use crate::app::theme;
 use resect_core::deployment::pair_label;
 use resect_core::palette;
 
-/// The legend as a line of switches above a plot, where it covers no data.
+/// Shows the pairs as a line of switches above a plot; this legend covers no data.
 pub fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.scene.visibility;
     let dark = ui.visuals().dark_mode;
@@ -19,10 +19,10 @@ pub fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) 
     }
 }
 
-/// Panes narrower than this have room for a station's number only (points).
+/// Panes narrower than this show only the station's number (points).
 pub const NARROW: f32 = 520.0;
 
-/// Stations in their colours, shown or hidden here and in the scene.
+/// Shows the stations in their colours, with switches that also apply to the scene.
 pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.scene.visibility;
     let (dark, narrow) = (ui.visuals().dark_mode, ui.available_width() < NARROW);

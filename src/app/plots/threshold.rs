@@ -1,4 +1,4 @@
-//! A threshold that can be dragged in a plot: a slider without a track.
+//! A draggable threshold in a plot: a slider without a track.
 
 use std::ops::RangeInclusive;
 
@@ -7,33 +7,33 @@ use egui::{CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Ve
 use crate::app::theme;
 use crate::app::words;
 
-/// What is known of a threshold.
+/// A threshold with its range and unit.
 pub struct Threshold<'a> {
-    /// The threshold's symbol: τ_r and so on.
+    /// Symbol, for example τ_r.
     pub symbol: &'a str,
     pub value: f64,
-    /// The paper's value: a click with the right button brings it back.
+    /// Value in the paper, restored by a right click.
     pub paper: f64,
     pub unit: &'a str,
-    /// Values that the threshold can take; all are positive.
+    /// Permitted values, all positive.
     pub range: RangeInclusive<f64>,
-    /// Whether the module that it belongs to is on.
+    /// True if the module of this threshold is enabled.
     pub enabled: bool,
 }
 
-/// How far beside a line it can still be taken (points).
+/// Distance from a line within which it can be dragged (points).
 const REACH: f32 = 4.0;
-/// What an arrow key multiplies the value by, and with shift.
+/// Factor of an arrow key, without and with shift.
 const KEY_STEP: f64 = 1.03;
 const LARGE_KEY_STEP: f64 = 1.2;
 
 impl Threshold<'_> {
-    /// The threshold in words: "τ_r 2.00 m/s".
+    /// Label, for example "τ_r 2.00 m/s".
     pub fn label(&self) -> String {
         format!("{} {} {}", self.symbol, short(self.value), self.unit)
     }
 
-    /// A line across a frame at `y`, dragged up and down; gives the value that the user wants, if he wants another.
+    /// Draws a line across a frame at `y`, which the user drags up and down; returns the new value if it changed.
     pub fn horizontal_line(
         &self,
         ui: &mut egui::Ui,
@@ -56,7 +56,7 @@ impl Threshold<'_> {
         wanted
     }
 
-    /// A line across a frame at `x`, dragged to the sides.
+    /// Draws a line across a frame at `x`, which the user drags sideways; returns the new value if it changed.
     pub fn vertical_line(
         &self,
         ui: &mut egui::Ui,
@@ -79,7 +79,7 @@ impl Threshold<'_> {
         wanted
     }
 
-    /// A bar as long as the threshold, from the left of a frame; its end is dragged.
+    /// Draws a bar as long as the threshold from the left of a frame, with a draggable end; returns the new value if it changed.
     pub fn bar(&self, ui: &mut egui::Ui, frame: Rect, points_per_unit: f32) -> Option<f64> {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let lay_out = |text: String| {
@@ -106,7 +106,8 @@ impl Threshold<'_> {
         wanted
     }
 
-    /// Named "τ_r line" for screen readers. `place` is where the threshold is; `value_at` turns a place into a value.
+    /// Handles the pointer and keys; named for example "τ_r line" for screen readers. `place` is the position of the threshold, and
+    /// `value_at` converts a position to a value.
     fn interact(
         &self,
         ui: &egui::Ui,
@@ -125,7 +126,7 @@ impl Threshold<'_> {
         }
         self.describe(ui, &response);
         let mut wanted = self.by_keys(ui, &response);
-        // The threshold keeps its distance from the pointer that took it.
+        // The threshold keeps its distance from the pointer during a drag.
         let grip_id = response.id.with("grip");
         if response.drag_started()
             && let Some(origin) = ui.input(|i| i.pointer.press_origin())
@@ -159,7 +160,7 @@ impl Threshold<'_> {
         (response.on_hover_and_drag_cursor(icon).on_hover_text(hint), wanted)
     }
 
-    /// Tells screen readers how far it goes and that it can be set.
+    /// Reports the range and the actions to screen readers.
     fn describe(&self, ui: &egui::Ui, response: &Response) {
         ui.ctx().accesskit_node_builder(response.id, |node| {
             node.set_min_numeric_value(*self.range.start());
@@ -207,7 +208,7 @@ impl Threshold<'_> {
     }
 }
 
-/// How a threshold is drawn: strong while it is held, faint while its module is off.
+/// Style of a threshold: strong while it is dragged, faint while its module is disabled.
 struct Ink {
     stroke: Stroke,
     enabled: bool,
@@ -235,8 +236,8 @@ impl Ink {
         }
     }
 
-    /// A handle at the end of a line, outside the frame in the direction `out`; with the value only while it is held,
-    /// because it covers data.
+    /// Draws a handle at the end of a line, outside the frame in the direction `out`. The value is shown only during a drag, because it
+    /// covers data.
     fn handle(&self, ui: &egui::Ui, frame: Rect, place: Pos2, out: Vec2, text: &str) {
         if self.held {
             return self.tag(ui, frame, place, text);
@@ -246,7 +247,7 @@ impl Ink {
         ui.painter().add(egui::Shape::convex_polygon(corners, self.stroke.color, Stroke::NONE));
     }
 
-    /// The value, inside the frame beside `place`.
+    /// Draws the value, inside the frame beside `place`.
     fn tag(&self, ui: &egui::Ui, frame: Rect, place: Pos2, text: &str) {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let painter = ui.painter().with_clip_rect(frame);
@@ -262,18 +263,18 @@ impl Ink {
     }
 }
 
-/// The value rounded to three digits: what can be read is what is set.
+/// Rounds a value to three digits, so that the value set equals the value shown.
 fn rounded(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
     }
     let unit = 10_f64.powf(value.log10().floor() - 2.0);
     let digits = (value / unit).round();
-    // Division by a power of ten gives the nearest number, multiplication by its inverse does not.
+    // Division by a power of ten gives the nearest number; multiplication by its inverse does not.
     if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
 }
 
-/// The value in words, with three digits, and four decimals at most.
+/// Formats a value with three digits and at most four decimals.
 pub fn short(value: f64) -> String {
     match value {
         v if v < 0.0995 => format!("{v:.4}"),

@@ -1,4 +1,4 @@
-//! What all plots over time share: one window of time, one cursor, one selection, and one way to move about.
+//! Shared behaviour of all plots over time: time window, cursor, selection and navigation.
 
 use egui::{Pos2, Rect, Stroke};
 use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
@@ -9,15 +9,15 @@ use super::times::Times;
 use crate::app::model::{Commands, TimeCommand};
 use crate::app::theme;
 
-/// A plot that was shown.
-pub struct Shown {
+/// A plot that was drawn.
+pub struct ShownPlot {
     pub response: egui::Response,
     pub transform: PlotTransform,
-    /// Bounds of y that the user asks for, where the plot lets him.
+    /// Change of the y axis that the user asks for, in plots that allow it.
     pub moved_y: Option<Moved>,
 }
 
-/// A plot over time: where it is, how screen readers know it, and what it shows.
+/// A plot over time: place, name for screen readers, and ranges.
 pub struct TimePlot<'t> {
     pub strip: &'t Strip,
     pub name: &'t str,
@@ -26,8 +26,8 @@ pub struct TimePlot<'t> {
 }
 
 impl TimePlot<'_> {
-    /// Shows it with what `add` puts on it, and carries out what the user does in it. The caller paints what else it has
-    /// and ends with [`Shown::paint_times`].
+    /// Shows the plot with the content that `add` draws, and handles the user's input. The caller then paints the rest, and ends with
+    /// [`ShownPlot::paint_times`].
     pub fn show<'a>(
         &self,
         ui: &mut egui::Ui,
@@ -35,11 +35,11 @@ impl TimePlot<'_> {
         y_axis: AxisHints<'a>,
         commands: &mut Commands,
         add: impl FnOnce(&mut PlotUi<'a>) + 'a,
-    ) -> Shown {
+    ) -> ShownPlot {
         let Self { strip, name, times, y_bounds } = *self;
         let (scale, [from_s, to_s]) = (times.scale, times.window_s);
         let x_axes = strip.time_axis(times).into_iter().collect();
-        // Moving about is the same in all plots over time, and not egui_plot's.
+        // Navigation is the same in all plots over time, and replaces that of `egui_plot`.
         let plot = still(plot)
             .width(strip.plot.width())
             .height(strip.plot.height())
@@ -63,11 +63,11 @@ impl TimePlot<'_> {
             ui.painter().rect_stroke(frame, 2.0, stroke, egui::StrokeKind::Inside);
         }
         let moved_y = navigation::navigate(ui, &response, &shown.transform, times, commands);
-        Shown { response, transform: shown.transform, moved_y }
+        ShownPlot { response, transform: shown.transform, moved_y }
     }
 }
 
-/// A plot that the mouse does not move.
+/// Disables mouse navigation of a plot.
 pub fn still(plot: Plot<'_>) -> Plot<'_> {
     plot.allow_zoom(false)
         .allow_scroll(false)
@@ -78,28 +78,28 @@ pub fn still(plot: Plot<'_>) -> Plot<'_> {
         .show_crosshair(false)
 }
 
-impl Shown {
+impl ShownPlot {
     pub fn frame(&self) -> Rect {
         *self.transform.frame()
     }
 
-    /// Where an instant is on the screen.
+    /// Horizontal position of a time on the screen (points).
     pub fn x(&self, since_start_s: f64) -> f32 {
         self.transform.position_from_point_x(since_start_s)
     }
 
-    /// Paints into the plot and no further.
+    /// Painter that is clipped to the plot.
     pub fn painter(&self, ui: &egui::Ui) -> egui::Painter {
         ui.painter().with_clip_rect(self.frame().intersect(ui.clip_rect()))
     }
 
-    /// The pointer, while nothing is dragged and it is in the plot.
+    /// Position of the pointer in the plot; `None` outside, and during a drag.
     pub fn pointer(&self, ui: &egui::Ui) -> Option<Pos2> {
         let pointer = ui.input(|i| i.pointer.hover_pos().filter(|_| !i.pointer.any_down()))?;
         (self.response.contains_pointer() && self.frame().contains(pointer)).then_some(pointer)
     }
 
-    /// A click moves the cursor, unless the caller finds that it was meant for something.
+    /// Moves the cursor on a click, unless the caller assigns the click to an item.
     pub fn on_click(
         &self,
         times: &Times,
@@ -114,7 +114,7 @@ impl Shown {
         }
     }
 
-    /// The selection, the hovered instant and the cursor, over all else.
+    /// Draws the selection, the hovered time and the cursor above all else.
     pub fn paint_times(&self, ui: &egui::Ui, times: &Times) {
         let dark = ui.visuals().dark_mode;
         let (painter, frame) = (self.painter(ui), self.frame());
@@ -138,7 +138,7 @@ impl Shown {
     }
 }
 
-/// The line above a plot. What has no room in it is cut off: it must not make the pane wider.
+/// Lays out the line above a plot. Excess content is clipped, so that it does not widen the pane.
 pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
@@ -150,14 +150,14 @@ pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     add(&mut line);
 }
 
-/// Of a hint in less than this there is nothing to read (points).
+/// A hint with less room than this is unreadable (points).
 const LEAST_HINT: f32 = 40.0;
 
-/// How to move about, for the line above a plot.
+/// Navigation hint for the line above a plot.
 const HINT: &str =
     "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
 
-/// Shows, in the line above a plot, how much is selected and what can be done with it.
+/// Shows the length of the selection and its commands, in the line above a plot.
 pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     let Some([from_s, to_s]) = times.selection_s else { return };
     ui.small(format!("{:.1} s selected", to_s - from_s))
@@ -175,7 +175,7 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     }
 }
 
-/// Shows a hint at the end of the line above a plot, as far as there is room; in full under the pointer.
+/// Shows a hint at the end of the line above a plot, truncated to the available room; hovering shows all of it.
 pub fn hint(ui: &mut egui::Ui, more: &str) {
     if ui.available_width() < LEAST_HINT {
         return;

@@ -1,19 +1,19 @@
-//! Where in time the plots are.
+//! Time window, cursor and selection of the plots.
 
 use crate::app::model::{OpenDeployment, TimeScale};
 use crate::app::state::State;
 
-/// Where in time the panes are; seconds since the first measurement, as the plots count.
+/// Time state of the panes, in seconds since the first measurement unless noted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
     /// The first measurement, in the stations' clock (s).
     pub start_s: f64,
     pub window_s: [f64; 2],
     pub cursor_s: Option<f64>,
-    /// The time under the pointer, in whichever pane (s).
+    /// The time under the pointer, in any pane (s).
     pub hover_s: Option<f64>,
     pub selection_s: Option<[f64; 2]>,
-    /// How times are written.
+    /// Format of times.
     pub scale: TimeScale,
 }
 

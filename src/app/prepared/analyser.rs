@@ -1,10 +1,10 @@
-//! The thread that calibrates and prepares what is drawn, so that no frame ever waits.
+//! The thread that calibrates and prepares the drawing, so that no frame ever waits.
 //!
-//! The newest request wins: requests that pile up behind a running one are answered by one run with the last
-//! settings. Each answer carries the number of its request, so a stale one is recognised.
+//! The newest request wins: one run with the last settings answers all requests that queue up behind a running one. Each answer has the
+//! number of its request, so a stale one is recognised.
 //!
-//! The joint estimate takes longer than a frame, so the paper's answer goes first, and the joint one follows when nobody
-//! waits for a first answer any more.
+//! The joint estimate takes longer than a frame, so the paper's calibration is sent
+//! first. The joint one follows when no deployment waits for a first answer any more.
 
 use std::collections::HashMap;
 use std::panic::AssertUnwindSafe;
@@ -23,9 +23,9 @@ enum Request {
         id: u64,
         deployment: Arc<Deployment>,
         settings: Settings,
-        /// Cancelled once a newer request has overtaken this one.
+        /// Cancelled by a newer request.
         progress: Arc<Progress>,
-        /// Wall time of the pipeline (ms) once the paper's answer was sent, and the joint estimate is what is left to do.
+        /// Wall time of the pipeline (ms) once the paper's calibration was sent and only the joint estimate remains.
         published_after_ms: Option<f64>,
     },
     /// The deployment with this id was closed.
@@ -46,13 +46,13 @@ impl Request {
         }
     }
 
-    /// Whether an answer to it is shown already.
+    /// Returns true if a first answer to the request is shown already.
     fn can_wait(&self) -> bool {
         matches!(self, Self::Analyse { published_after_ms: Some(_), .. })
     }
 }
 
-/// An analysis, and what is drawn of it.
+/// An analysis, with its prepared plots and clouds.
 pub struct Answered {
     /// The number of the request.
     pub number: u64,
@@ -61,11 +61,11 @@ pub struct Answered {
     pub analysis: Arc<Analysis>,
     pub plots: Arc<PreparedPlots>,
     pub clouds: Clouds,
-    /// Whether it is the paper's answer alone, to the same request as the joint estimate that comes after it.
+    /// True if this is the paper's calibration alone, and the joint estimate for the same request follows.
     pub joint_follows: bool,
 }
 
-/// The window's end of the thread.
+/// The window's handle of the thread.
 pub struct Analyser {
     requests: Sender<Request>,
     /// Progress of the newest analysis of each deployment.
@@ -73,7 +73,7 @@ pub struct Analyser {
 }
 
 impl Analyser {
-    /// Gives each answer to `take`, on its own thread; for a request that ended in a bug its number.
+    /// Starts the thread, which passes each answer to `take`, or the request's number after a panic.
     pub fn start(take: impl Fn(Result<Answered, u64>) + Send + 'static) -> Self {
         let (requests, inbox) = channel();
         // Ends when the window drops its sender.
@@ -84,7 +84,7 @@ impl Analyser {
         Self { requests, analysing: HashMap::new() }
     }
 
-    /// Asks for an analysis; nobody wants that of an earlier request about the same deployment any more.
+    /// Requests an analysis, and cancels earlier requests for the same deployment.
     pub fn analyse(
         &mut self,
         number: u64,
@@ -103,12 +103,12 @@ impl Analyser {
         self.requests.send(request).ok();
     }
 
-    /// How far the newest analysis of a deployment is.
+    /// Returns the progress of the newest analysis of a deployment.
     pub fn progress(&self, id: u64) -> Option<&Progress> {
         self.analysing.get(&id).map(Arc::as_ref)
     }
 
-    /// Lets go of what is remembered of a deployment.
+    /// Frees the stored data of a deployment.
     pub fn forget(&mut self, id: u64) {
         if let Some(unwanted) = self.analysing.remove(&id) {
             unwanted.cancel();
@@ -117,16 +117,16 @@ impl Analyser {
     }
 }
 
-/// What is remembered of a deployment.
-struct Known {
+/// Stored data of a deployment.
+struct RememberedDeployment {
     analyst: Analyst,
-    /// No setting changes them.
+    /// Independent of the settings.
     readings: Arc<RawReadings>,
     clouds: CloudMaker,
 }
 
 fn work(inbox: &Receiver<Request>, take: impl Fn(Result<Answered, u64>)) {
-    let mut known: HashMap<u64, Known> = HashMap::new();
+    let mut known: HashMap<u64, RememberedDeployment> = HashMap::new();
     let mut waiting = Vec::new();
     loop {
         if waiting.is_empty() {
@@ -154,7 +154,7 @@ fn work(inbox: &Receiver<Request>, take: impl Fn(Result<Answered, u64>)) {
     }
 }
 
-/// What is still worth doing: of several requests about a deployment only the last, but to let go of it is always done.
+/// Returns the requests that are not superseded: the last of each deployment, and every `Forget`.
 fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
     let ids: Vec<u64> = waiting.iter().map(Request::id).collect();
     waiting
@@ -167,14 +167,14 @@ fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
         .collect()
 }
 
-/// The answer, and what is left to do of the request.
+/// Returns the answer, and the rest of the request.
 fn answer(
     request: Request,
-    known: &mut HashMap<u64, Known>,
+    known: &mut HashMap<u64, RememberedDeployment>,
 ) -> (Option<Answered>, Option<Request>) {
     match request {
         Request::Analyse { number, id, deployment, settings, progress, published_after_ms } => {
-            let known = known.entry(id).or_insert_with(|| Known {
+            let known = known.entry(id).or_insert_with(|| RememberedDeployment {
                 readings: Arc::new(RawReadings::of(&deployment)),
                 clouds: CloudMaker::default(),
                 analyst: Analyst::new(Arc::clone(&deployment)),
@@ -185,7 +185,7 @@ fn answer(
                 Some(_) => Ok(None),
             };
             let found = match first {
-                // Where the paper's method has no answer, there is nothing to show before the joint estimate.
+                // If the paper's method fails, there is nothing to show before the joint estimate.
                 Ok(Some(published)) if published.answer.is_ok() => Ok((published, true)),
                 Ok(_) => analyst.run_while(&settings, &progress).map(|analysis| (analysis, false)),
                 Err(cancelled) => Err(cancelled),
@@ -199,7 +199,7 @@ fn answer(
                 progress,
                 published_after_ms: Some(analysis.pipeline_ms),
             });
-            // Then the pipeline's stages were remembered.
+            // The stages of the pipeline were cached by then.
             analysis.pipeline_ms += published_after_ms.unwrap_or(0.0);
             let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
             let plots =
@@ -226,7 +226,7 @@ mod tests {
         settings
     }
 
-    /// An analyser and where its answers come.
+    /// An analyser and the receiver of its answers.
     fn start() -> (Analyser, Receiver<Answered>) {
         let (sender, answers) = channel();
         let analyser = Analyser::start(move |found| {
@@ -235,7 +235,7 @@ mod tests {
         (analyser, answers)
     }
 
-    /// Number, method and whether another follows, of every answer until nothing follows the request with this number.
+    /// Returns number, method and `joint_follows` of every answer, until the last answer to the request with this number.
     fn answers_until(all: &Receiver<Answered>, last: u64) -> Vec<(u64, Method, bool)> {
         let mut answers = Vec::new();
         while let Ok(answered) = all.recv() {
@@ -255,7 +255,7 @@ mod tests {
         analyser.analyse(1, 7, Arc::clone(&deployment), Settings::default());
         let both = [(1, Method::InterPrism, true), (1, Method::Joint, false)];
         assert_eq!(answers_until(&answers, 1), both);
-        // The paper's method itself has nothing that follows.
+        // A request for the paper's method itself has no second answer.
         let mut published = Settings::default();
         published.calibration.method = Some(Method::InterPrism);
         analyser.analyse(2, 7, deployment, published);
@@ -270,7 +270,7 @@ mod tests {
         assert!(answers.recv().expect("one").joint_follows);
         analyser.analyse(2, 7, deployment, settings(7.0));
         let answers = answers_until(&answers, 2);
-        // Unless it was there already.
+        // The first request may have been answered already.
         let own: Vec<_> = answers.iter().filter(|(number, ..)| *number != 1).collect();
         assert_eq!(own, [&(2, Method::InterPrism, true), &(2, Method::Joint, false)]);
     }

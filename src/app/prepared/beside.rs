@@ -1,4 +1,4 @@
-//! The ways of other open runs in the frame of the active one.
+//! The paths of other open runs in the frame of the active one.
 
 use std::sync::Arc;
 
@@ -8,11 +8,11 @@ use resect_core::deployment::Deployment;
 use resect_core::validation::in_words::Tell;
 use resect_core::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
 
-/// Another open run: its name, and where it went.
+/// Another open run: its name and its path.
 #[derive(Clone, Debug)]
 pub struct RunBeside {
     pub name: String,
-    /// Its way in the frame of the active run, or why there is none.
+    /// The path in the frame of the active run, or the reason for its absence.
     pub way: Result<(Way, Placed), NotPlaced>,
 }
 
@@ -35,15 +35,15 @@ impl RunBeside {
         Self { name, way }
     }
 
-    /// How it comes to be where it is drawn, or why it is not.
+    /// Describes the alignment of the run, or the reason for its absence.
     pub fn in_words(&self, tell: &Tell<'_>) -> String {
         match &self.way {
             Err(why) => format!("{}: not drawn: {}", self.name, why.in_words(tell)),
             Ok((_, Placed { by: PlacedBy::SetUp, .. })) => {
-                format!("{}: of the same set-up: no station moved in between", self.name)
+                format!("{}: same set-up: no station moved in between", self.name)
             }
             Ok((_, Placed { by: PlacedBy::ControlPoints { points, rms_m }, .. })) => format!(
-                "{}: another set-up, brought here by {points} control points of both ({:.1} mm rms)",
+                "{}: another set-up, aligned by {points} common control points ({:.1} mm rms)",
                 self.name,
                 1e3 * rms_m
             ),

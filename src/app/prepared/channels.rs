@@ -1,4 +1,4 @@
-//! Values over time, as series to be plotted against time or against each other.
+//! Channels: values over time, as series to be plotted against time or against each other.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,16 +37,16 @@ pub enum Channel {
 /// The subject of a channel: there is a series of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// A station, or the prism that it follows.
+    /// A station, or the prism that it tracks.
     Station,
     Pair,
     Prism1,
-    /// The vehicle by the answer, with σ.
+    /// The vehicle, with σ.
     Vehicle,
 }
 
 impl Subject {
-    /// Returns true if there is one series, and not three.
+    /// Returns true if there is one series instead of three.
     pub fn is_single(self) -> bool {
         matches!(self, Self::Prism1 | Self::Vehicle)
     }
@@ -67,9 +67,9 @@ pub struct Description {
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
     pub plots: &'a PreparedPlots,
-    /// The way of the vehicle by the answer.
+    /// Path of the vehicle by the calibration.
     pub way: Option<&'a Way>,
-    /// The first measurement (s).
+    /// Time of the first measurement (s).
     pub start_s: f64,
 }
 
@@ -99,7 +99,7 @@ impl Channel {
     /// The number of channels of the vehicle, which are the first.
     pub const OF_VEHICLE: usize = 7;
 
-    /// Describes the channel: the one place to add another.
+    /// Describes the channel; a new channel is added here.
     #[rustfmt::skip]
     pub fn describe(self) -> Description {
         use Dimension::{Angle, AngleRate, AngleSigma, Length, LengthSigma, Other};
@@ -109,7 +109,7 @@ impl Channel {
             Self::VehicleHeight => row("height", Vehicle, Length, "vehicle_z_m",
                 "z of the vehicle's origin in the frame of station 1, with ±1.96 σ"),
             Self::VehicleSpeed => row("speed", Vehicle, Other("m/s"), "vehicle_speed_m_per_s",
-                "Length of the velocity of the vehicle's origin, with ±1.96 σ"),
+                "Speed of the vehicle's origin, with ±1.96 σ"),
             Self::Heading => row("heading", Vehicle, Angle, "heading_rad",
                 "Rotation about z from the frame of station 1 to the vehicle's, with ±1.96 σ"),
             Self::Roll => row("roll", Vehicle, Angle, "roll_rad",
@@ -120,27 +120,27 @@ impl Channel {
                 "Root of the mean variance of the position's three axes, from readings, calibration, clocks and rig"),
             Self::RotationSigma => row("σ rotation", Vehicle, AngleSigma, "rotation_sigma_rad",
                 "Root of the mean variance of the orientation about the three axes"),
-            Self::Range => row("range", Station, Length, "range_m", "The range of each raw reading"),
+            Self::Range => row("range", Station, Length, "range_m", "Range of each raw reading"),
             Self::HorizontalAngle => row("horizontal angle", Station, Angle, "azimuth_rad",
-                "The azimuth of each raw reading, clockwise"),
+                "Azimuth of each raw reading, clockwise"),
             Self::VerticalAngle => row("vertical angle", Station, Angle, "zenith_rad",
-                "The zenith angle of each raw reading: zero is straight up"),
+                "Zenith angle of each raw reading: zero is straight up"),
             Self::RangeRate => row("range rate", Station, Other("m/s"), "range_rate_m_per_s",
-                "Change of the range from one raw reading to the next, without its sign"),
+                "Absolute rate of change of the range between consecutive raw readings"),
             Self::HorizontalRate => row("horizontal rate", Station, AngleRate, "azimuth_rate_deg_per_s",
-                "Change of the azimuth from one raw reading to the next, without its sign"),
+                "Absolute rate of change of the azimuth between consecutive raw readings"),
             Self::VerticalRate => row("vertical rate", Station, AngleRate, "zenith_rate_deg_per_s",
-                "Change of the zenith angle from one raw reading to the next, without its sign"),
+                "Absolute rate of change of the zenith angle between consecutive raw readings"),
             Self::OwnClock => row("clock offset", Station, Other("ms"), "clock_offset_ms",
                 "A station's own clock minus the synchronised time, less the median"),
-            Self::X => row("prism x", Station, Length, "x_m", "x of each prism in station 1's frame, by the answer"),
-            Self::Y => row("prism y", Station, Length, "y_m", "y of each prism in station 1's frame, by the answer"),
+            Self::X => row("prism x", Station, Length, "x_m", "x of each prism in the frame of station 1"),
+            Self::Y => row("prism y", Station, Length, "y_m", "y of each prism in the frame of station 1"),
             Self::Height => row("prism height", Station, Length, "z_m",
-                "z of each prism in station 1's frame, by the answer"),
+                "z of each prism in the frame of station 1"),
             Self::Speed => row("prism speed", Prism1, Other("m/s"), "speed_m_per_s",
                 "Speed of prism 1 at each triplet"),
             Self::DistanceError => row("distance error", Pair, Other("mm"), "distance_error_mm",
-                "Apparent minus known distance of each pair of prisms, of each triplet"),
+                "Apparent minus known distance of each pair of prisms at each triplet"),
         }
     }
 
@@ -156,13 +156,13 @@ impl Channel {
         self.describe().dimension
     }
 
-    /// Returns true if each of its series has one of the other to be plotted against.
+    /// Returns true if each series of one can be plotted against a series of the other.
     pub fn goes_with(self, other: Self) -> bool {
         let [own, other] = [self, other].map(Self::subject);
         own == other || own.is_single() || other.is_single()
     }
 
-    /// Reads a channel of the vehicle off an instant (m, m/s, rad); σ of a σ is zero.
+    /// Returns the function that reads a channel of the vehicle at an instant (m, m/s, rad); the σ of a σ is zero.
     fn of_instant(self) -> Option<InstantValue> {
         match self {
             Self::VehicleHeight => Some(|at| Some(at.height_m())),
@@ -180,12 +180,12 @@ impl Channel {
         }
     }
 
-    /// Returns the value of the vehicle at an instant, if the channel is one of the vehicle's and it is determined.
+    /// Returns the vehicle's value at an instant; `None` for other channels, or if it is not determined.
     pub fn of_vehicle(self, instant: &Instant) -> Option<Estimate> {
         self.of_instant()?(instant)
     }
 
-    /// Returns the series of a station or a pair, from 0; `None` where the data has none.
+    /// Returns the series of a station or a pair, from 0; `None` without data.
     pub fn series(self, sources: Sources<'_>, index: usize) -> Option<Series<'_>> {
         let Sources { plots, way, start_s } = sources;
         if let Some(value) = self.of_instant() {

@@ -1,4 +1,4 @@
-//! What a station's own clock said, beside the synchronised time, made once for each deployment by the worker.
+//! Differences between a station's own clock and the synchronised time, computed once for each deployment by the worker.
 
 use egui_plot::PlotPoint;
 
@@ -11,13 +11,13 @@ use resect_core::statistics::median;
 /// A station's own clock minus the synchronised time.
 #[derive(Clone, Debug, Default)]
 pub struct ClockSeries {
-    /// The median (s), which is taken off what is drawn; none where no file tells the station's own clock.
+    /// The median (s), which is subtracted before drawing; `None` if no file contains the station's own clock.
     pub median_s: Option<f64>,
-    /// Median, drift and jumps; none of fewer than ten readings.
+    /// Median, drift and steps; `None` with fewer than ten readings.
     pub comparison: Option<ClockComparison>,
-    /// Differences by its readings: time since the first measurement of any station (s), and what is left (ms).
+    /// Differences at its readings: time since the first measurement of any station (s), and the difference minus the median (ms).
     pub readings: Dots,
-    /// Differences by the corrections that the recording tells, less the same median (s, ms).
+    /// Differences by the recorded corrections, minus the same median (s, ms).
     pub corrections: Dots,
 }
 
@@ -26,7 +26,7 @@ pub struct ClockSeries {
 pub struct Dots {
     pub all: Vec<PlotPoint>,
     pyramid: Pyramid,
-    /// The least and the greatest (ms); none where there is no dot.
+    /// Least and greatest value (ms); `None` without dots.
     pub range_ms: Option<[f64; 2]>,
 }
 
@@ -71,7 +71,7 @@ impl Dots {
         &self.pyramid
     }
 
-    /// Dots that stand for those within a window (s since the first measurement).
+    /// Returns dots that represent those within a window (s since the first measurement).
     pub fn visible(&self, [from_s, to_s]: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let from = self.all.partition_point(|dot| dot.x < from_s);
         let to = self.all.partition_point(|dot| dot.x <= to_s).max(from);

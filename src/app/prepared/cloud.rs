@@ -1,4 +1,4 @@
-//! Points by the million: where they are never changes while their colours and who is shown do.
+//! Clouds of millions of points: their positions never change, their colours and visibility do.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,25 +8,25 @@ use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, Track};
 use resect_core::pipeline::Triplets;
 
-/// What the GPU counts time from (s, in the stations' clock): a reading in the middle of the drive. Its numbers are short;
-/// counted from the first reading, one stray stamp years before the drive would leave them minutes wide.
+/// Returns the origin of the GPU's time (s, in the stations' clock): a reading in the middle of the drive. Single precision needs short
+/// numbers: counted from the first reading, one stray stamp years before the drive would reduce the resolution to minutes.
 pub fn time_origin_s(deployment: &Deployment) -> f64 {
     let middle = |track: &Track| track.measurements.get(track.measurements.len() / 2).copied();
     deployment.tracks.iter().find_map(middle).map_or(0.0, |reading| reading.time_s)
 }
 
-/// Points of the three stations, one station after the other, each in its own order of time.
+/// Points of the three stations, one station after the other, each in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Cloud {
     pub points: Vec<TimedPoint>,
-    /// Which of the points are each station's.
+    /// Range of each station's points.
     pub ranges: [Range<usize>; 3],
-    /// Trees of each station's points, to find what is under the pointer.
+    /// Trees of each station's points, for picking.
     pub trees: [PointTree; 3],
 }
 
 impl Cloud {
-    /// Every raw reading. A jump may throw a reading anywhere, so their trees are sorted by place.
+    /// Returns the cloud of all raw readings. Outliers may be at any position, so their trees are sorted by position.
     pub fn of_readings(deployment: &Deployment) -> Self {
         let origin_s = time_origin_s(deployment);
         let stations = deployment.tracks.each_ref().map(|track| {
@@ -39,7 +39,7 @@ impl Cloud {
         Self::of(&stations, PointTree::by_place)
     }
 
-    /// The interpolated tracks. Neighbours in time are neighbours in space.
+    /// Returns the cloud of the interpolated tracks. Neighbours in time are neighbours in space.
     pub fn of_triplets(triplets: &Triplets, origin_s: f64) -> Self {
         let stations = triplets.points_m.each_ref().map(|points_m| {
             let point = |(p, time_s): (&nalgebra::Vector3<f64>, &f64)| TimedPoint {
@@ -65,8 +65,8 @@ impl Cloud {
         &self.points[self.ranges[station].clone()]
     }
 
-    /// Which of the points a station's line through a span of time goes along (s, as the points count it): from the last
-    /// before it to the first behind it.
+    /// Returns the range of a station's points whose line covers a span (s, in
+    /// the time of the points): from the last before it to the first after it.
     pub fn along(&self, station: usize, [from_s, to_s]: [f32; 2]) -> Range<usize> {
         let points = self.station(station);
         let first = points.partition_point(|point| point.time_s <= from_s).saturating_sub(1);
@@ -76,14 +76,14 @@ impl Cloud {
     }
 }
 
-/// What the scene draws by the million, of one analysis.
+/// The clouds of one analysis.
 #[derive(Clone, Debug, Default)]
 pub struct Clouds {
     pub raw: Arc<Cloud>,
     pub tracks: Arc<Cloud>,
 }
 
-/// Makes the clouds of one deployment, and only those anew that changed.
+/// Builds the clouds of one deployment, and rebuilds only those that changed.
 #[derive(Default)]
 pub struct CloudMaker {
     raw: Option<Arc<Cloud>>,
@@ -91,7 +91,7 @@ pub struct CloudMaker {
 }
 
 impl CloudMaker {
-    /// Turns and sorts every reading the first time: not for the thread that draws.
+    /// Builds the clouds. The first call transforms and sorts every reading: too slow for the thread that draws.
     pub fn make(&mut self, deployment: &Deployment, analysis: &Analysis) -> Clouds {
         let raw = self.raw.get_or_insert_with(|| Arc::new(Cloud::of_readings(deployment)));
         let triplets = analysis.triplets();
@@ -104,7 +104,7 @@ impl CloudMaker {
     }
 }
 
-/// The nearest triplet in time for each reading of a station, `None` where none is within half a second.
+/// Returns the nearest triplet in time for each reading of a station; `None` if none is within half a second.
 pub fn nearest_triplets<'a>(
     deployment: &'a Deployment,
     analysis: &'a Analysis,
@@ -113,7 +113,7 @@ pub fn nearest_triplets<'a>(
     let time_s = &analysis.triplets().time_s;
     let mut next = 0;
     deployment.tracks[station].measurements.iter().map(move |m| {
-        // Readings are in order of time: the search goes on where it stopped.
+        // Readings are in order of time: the search continues from the last one.
         while next < time_s.len() && time_s[next] < m.time_s {
             next += 1;
         }
@@ -125,7 +125,7 @@ pub fn nearest_triplets<'a>(
     })
 }
 
-/// How far a triplet may be in time from its reading (s), as [`Triplets::nearest`] has it.
+/// Greatest difference in time between a reading and its triplet (s), as in [`Triplets::nearest`].
 const NEAR_S: f64 = 0.5;
 
 #[cfg(test)]

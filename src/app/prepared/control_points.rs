@@ -1,4 +1,4 @@
-//! What an answer leaves at the control points.
+//! Residuals of a calibration at the control points.
 
 use nalgebra::Vector3;
 
@@ -6,27 +6,27 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::{Calibration, Details, Method};
 use resect_core::deployment::{ControlPoint, ControlPointSet, Deployment};
 
-/// A control point by an answer: where each station sees it, against the mean of them all.
+/// A control point by a calibration: its position by each station, relative to their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointResidual {
-    /// The letter of the point's set, and its number in there: "P3".
+    /// Letter of the point's set, and its number in the set: "P3".
     pub name: String,
     pub file: String,
     pub pillar: bool,
-    /// Mean of what the stations make of it (m, in station 1's frame).
+    /// Mean of its positions by the stations (m, station 1's frame).
     pub mean_m: Vector3<f64>,
-    /// What each station makes of it, from the mean (m); `None` where the station did not measure it.
+    /// The point's position by each station, relative to the mean (m); `None` if the station did not measure it.
     pub residuals_m: [Option<Vector3<f64>>; 3],
-    /// Whether the answer rests on it; else it tells something that the answer did not know.
+    /// True if the calibration is estimated from it; otherwise it is an independent check.
     pub used: bool,
 }
 
-/// The letter by which a set is named in the scene and in the table: P to Z, then numbers. A to D are the methods'.
+/// Returns the letter of a set in the scene and in the table: P to Z, then numbers. A to D are the methods.
 pub fn set_letter(set: usize) -> String {
     ('P'..='Z').nth(set).map_or_else(|| format!("{}·", set + 1), String::from)
 }
 
-/// The name of a point: its number alone where there is one set only.
+/// Returns the name of a point: its number alone if there is only one set.
 pub fn point_name(deployment: &Deployment, set: usize, marker: i64) -> String {
     if deployment.control_points.len() > 1 {
         format!("{}{marker}", set_letter(set))
@@ -35,7 +35,7 @@ pub fn point_name(deployment: &Deployment, set: usize, marker: i64) -> String {
     }
 }
 
-/// Every control point that at least two stations measured; none where the answer does not place them.
+/// Returns every control point that at least two stations measured; empty if the calibration does not determine their positions.
 pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResidual> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let calibration = &answer.calibration;
@@ -67,7 +67,7 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResid
     all
 }
 
-/// Whether an answer comes from this point: A from two of them, B from all but pillars, the others from the drive.
+/// Returns true if a calibration is estimated from this point: A from two of them, B from all but pillars, the others from the drive.
 fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoint) -> bool {
     match (&calibration.details, calibration.method) {
         (Details::TwoPoint(details), _) => {
@@ -111,7 +111,7 @@ mod tests {
             let median_mm = median(apart_mm).expect("points");
             assert!((median_mm - metric.spread.median).abs() < 1e-6, "{median_mm} {metric:?}");
         }
-        // They add up to nothing: the mean is between them.
+        // Their sum is zero, since they are relative to the mean.
         for point in &found {
             let sum: Vector3<f64> = point.residuals_m.iter().flatten().sum();
             assert!(sum.norm() < 1e-9, "{point:?}");

@@ -9,9 +9,9 @@ pub enum Dimension {
     LengthSigma,
     /// Stored in radians.
     Angle,
-    /// A standard deviation of an angle: stored in radians, shown in thousandths or seconds.
+    /// A standard deviation of an angle: stored in radians, shown in milliradians or arcseconds.
     AngleSigma,
-    /// Stored in degrees a second, as the thresholds are.
+    /// Stored in degrees per second, as the thresholds are.
     AngleRate,
     /// Stored and shown in a unit of its own.
     Other(&'static str),

@@ -1,25 +1,24 @@
-//! When the stations were silent, and what is left between: made once for each answer by the worker.
+//! Gaps in the stations' readings, and the intervals between: computed once for each analysis by the worker.
 
 use super::raw_readings::RawReadings;
 use resect_core::analysis::Analysis;
 use resect_core::pipeline::{FilteredTrack, Interval};
 
-/// Times are seconds since the first measurement of any station.
+/// Gaps and intervals of a drive. Times are seconds since the first measurement of any station.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
-    /// Times of each station longer than τ_s without a reading that the outlier filter kept, also before its
-    /// first and after its last.
+    /// Intervals of each station longer than τ_s without a reading that the outlier filter kept, also before its first and after its last.
     pub outages: [Vec<Interval>; 3],
-    /// When each station gave a reading that the outlier filter rejected (s).
+    /// Times of each station's readings that the outlier filter rejected (s).
     pub rejected_s: [Vec<f64>; 3],
-    /// When each station gave a reading that the user left out (s).
+    /// Times of each station's readings that the user excluded (s).
     pub left_out_s: [Vec<f64>; 3],
-    /// Spans in which all three measured, in order: longer than τ_l, and not.
+    /// Spans in which all three stations measured, in order: longer than τ_l, and shorter ones.
     pub kept: Vec<Interval>,
     pub short: Vec<Interval>,
-    /// How long each station was silent between two readings that the filter kept.
+    /// Lengths of each station's gaps between two readings that the filter kept.
     pub lengths: [LogHistogram; 3],
-    /// How long the spans are, kept and short.
+    /// Lengths of the spans, kept and short.
     pub interval_lengths: LogHistogram,
 }
 
@@ -61,26 +60,26 @@ impl Gaps {
     }
 }
 
-/// Times without a reading, however short, in order; of a station without any the whole.
+/// Returns the spans before, between and after the readings, in order; the whole drive for a station without readings.
 fn silences(track: &FilteredTrack, [start_s, end_s]: [f64; 2]) -> impl Iterator<Item = Interval> {
     let before = std::iter::once(start_s).chain(track.time_s.iter().copied());
     let after = track.time_s.iter().copied().chain([end_s]);
     before.zip(after).map(|(start_s, end_s)| Interval { start_s, end_s })
 }
 
-/// Counts in equal bins of the common logarithm.
+/// Histogram in equal bins of the common logarithm.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LogHistogram {
-    /// The lowest bin, counted from 1.
+    /// Index of the lowest bin; bin 0 begins at 1.
     first: i32,
     counts: Vec<usize>,
 }
 
-/// Bins in a decade.
+/// Bins per decade.
 const BINS: f64 = 10.0;
 
 impl LogHistogram {
-    /// A histogram of positive values; others are left out.
+    /// Returns the histogram of the positive values; ignores others.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let bins: Vec<i32> = values
             .filter(|value| *value > 0.0 && value.is_finite())
@@ -96,7 +95,7 @@ impl LogHistogram {
         Self { first: *low, counts }
     }
 
-    /// Each bin that is not empty: its ends (log10) and its count.
+    /// Returns each non-empty bin: its ends (log10) and its count.
     pub fn bins(&self) -> impl Iterator<Item = ([f64; 2], usize)> {
         (self.first..)
             .zip(&self.counts)
@@ -105,8 +104,8 @@ impl LogHistogram {
     }
 }
 
-/// What is seen of a list of spans in order of time: each that is wider than `least_s`, and those closer together
-/// than that as one. Takes time for what is drawn, not for what there is.
+/// Merges sorted spans for drawing: a span and the following ones that end within `least_s` of its start become one. The run time
+/// grows with the number of drawn spans, not of all spans.
 pub fn visible(spans: &[Interval], window_s: [f64; 2], least_s: f64) -> Vec<Seen> {
     let mut at = spans.partition_point(|span| span.end_s < window_s[0]);
     let mut seen = Vec::new();
@@ -121,8 +120,8 @@ pub fn visible(spans: &[Interval], window_s: [f64; 2], least_s: f64) -> Vec<Seen
     seen
 }
 
-/// Index of the first item from an index on that is not before, looked for in ever longer steps: of a million items in
-/// order the next is mostly near, and far ones would have to be fetched from memory.
+/// Returns the first index at or after `from` whose item is not before. Exponential search: among a million sorted items the next
+/// is usually near, and distant ones are not in the cache.
 pub fn first_from<T>(items: &[T], from: usize, is_before: impl Fn(&T) -> bool) -> usize {
     let (mut low, mut step) = (from.min(items.len()), 1);
     while items.get(low + step).is_some_and(&is_before) {
@@ -133,7 +132,7 @@ pub fn first_from<T>(items: &[T], from: usize, is_before: impl Fn(&T) -> bool) -
     low + items[low..high].partition_point(is_before)
 }
 
-/// A span, or some that are too close together to be told apart.
+/// A span, or several merged ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     pub span: Interval,
@@ -161,7 +160,7 @@ mod tests {
         assert!(gaps.outages.iter().any(|outages| !outages.is_empty()));
         let holds =
             |spans: &[Interval], t: f64| spans.iter().any(|s| s.start_s <= t && t <= s.end_s);
-        // Not within τ_s of the ends, where a station may be a little late.
+        // Not within τ_s of the ends, where a station may start late.
         for step in 0..2000 {
             let t = 1.0 + (readings.length_s() - 2.0) * f64::from(step) / 2000.0;
             let common = holds(&gaps.kept, t) || holds(&gaps.short, t);

@@ -1,5 +1,4 @@
-//! What is computed once so that drawing is quick: series of the plots in several finenesses, gaps, clouds of points and
-//! the trees that find the point under the pointer.
+//! Precomputed data for fast drawing: series of the plots at several resolutions, gaps, clouds of points, and the trees for picking.
 
 pub mod analyser;
 pub mod beside;

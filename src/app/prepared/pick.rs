@@ -1,26 +1,26 @@
-//! What is under the pointer, found among millions without looking at each.
+//! Picking among millions of points without a search of all.
 //!
-//! Points are grouped in boxes, boxes in boxes; a box is opened only if its picture reaches the pointer.
+//! Points are grouped in boxes, boxes in larger boxes; the search opens a box only if its projection reaches the pointer.
 
 use egui::{Pos2, Rect};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rayon::prelude::*;
 
-/// A point in its station's frame, as the GPU reads it.
+/// A point in its station's frame, as the GPU stores it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TimedPoint {
     pub position_m: [f32; 3],
-    /// Time since [`time_origin_s`] (s).
+    /// Time since [`super::time_origin_s`] (s).
     pub time_s: f32,
 }
 
 /// Points in the smallest boxes, and boxes in each larger one.
 const LEAF: usize = 64;
 const BRANCH: usize = 8;
-/// Steps along each axis by which points are sorted: as many as three times 21 bits hold.
+/// Steps along each axis in the order of the points: 21 bits each for three axes.
 const STEPS: f32 = 2_097_151.0;
-/// Points this near to the pointer are all under it; the nearest to the eye is meant.
+/// Distance within which all points count as under the pointer; the one nearest to the eye is chosen (points).
 const UNDER_POINTS: f32 = 2.0;
 
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +29,10 @@ struct Aabb {
     high: Vector3<f32>,
 }
 
-/// One station's points, grouped.
+/// One station's points, grouped in boxes.
 #[derive(Clone, Debug, Default)]
 pub struct PointTree {
-    /// The points in the order in which they are grouped; empty for their own order.
+    /// The points in the order of the boxes; empty for their own order.
     order: Vec<u32>,
     /// Boxes by level, from the smallest to the largest.
     levels: Vec<Vec<Aabb>>,
@@ -45,12 +45,12 @@ pub struct Hit {
     pub index: usize,
     /// Distance from the pointer on the screen (points), at least [`UNDER_POINTS`].
     pub distance_points: f32,
-    /// Depth before the eye (clip z): grows with the distance, in parallel projection too.
+    /// Depth from the eye (clip z): increases with the distance, in parallel projection too.
     pub depth: f32,
 }
 
 impl Hit {
-    /// Nearer to the pointer, or in front.
+    /// Returns true if it is nearer to the pointer, or as near and in front.
     pub fn beats(&self, other: Option<&Self>) -> bool {
         other.is_none_or(|other| {
             (self.distance_points, self.depth) < (other.distance_points, other.depth)
@@ -58,18 +58,18 @@ impl Hit {
     }
 }
 
-/// The picture that points are sought in.
+/// The view for picking.
 pub struct PickView {
-    /// Clip coordinates from the frame of the points.
+    /// Transform from the frame of the points to clip coordinates.
     pub clip_from_points: Matrix4<f32>,
     pub rect: Rect,
     pub pointer: Pos2,
-    /// Points further from the pointer than this (egui's points) are not meant.
+    /// Greatest distance of a point from the pointer (egui's points).
     pub reach_points: f32,
 }
 
 impl PickView {
-    /// Where a place is seen; `None` in front of the near plane and beyond the far one, where nothing is drawn.
+    /// Projects a point; `None` in front of the near plane or beyond the far one, where nothing is drawn.
     fn see(&self, index: usize, position_m: [f32; 3]) -> Option<Hit> {
         let [x, y, z] = position_m;
         let clip = self.clip_from_points * Vector4::new(x, y, z, 1.0);
@@ -86,7 +86,7 @@ impl PickView {
         self.rect.center() + egui::vec2(clip.x / clip.w * half.x, -clip.y / clip.w * half.y)
     }
 
-    /// No point of a box is seen nearer to the pointer than this; `None` if none is seen at all.
+    /// Returns a lower bound of the distance from the pointer to a box's points; `None` if none is visible.
     fn least_distance(&self, aabb: &Aabb) -> Option<f32> {
         let mut seen = Rect::NOTHING;
         let (mut before, mut behind) = (false, false);
@@ -94,7 +94,6 @@ impl PickView {
             let side = |axis: usize| if corner >> axis & 1 == 0 { aabb.low } else { aabb.high };
             let corner = Vector4::new(side(0).x, side(1).y, side(2).z, 1.0);
             let clip = self.clip_from_points * corner;
-            // A box on both sides of the eye may be seen anywhere.
             if clip.w > 1e-6 {
                 before = true;
                 seen.extend_with(self.on_screen(&clip));
@@ -104,6 +103,7 @@ impl PickView {
         }
         match (before, behind) {
             (false, _) => None,
+            // A box on both sides of the eye may be visible anywhere.
             (true, true) => Some(0.0),
             // Rounding must not lose a point on the edge.
             (true, false) => Some((seen.distance_to_pos(self.pointer) - 0.5).max(0.0)),
@@ -112,13 +112,13 @@ impl PickView {
 }
 
 impl PointTree {
-    /// Groups points in the order they are in.
+    /// Groups points in the given order.
     pub fn by_time(points: &[TimedPoint]) -> Self {
         Self::grouped(points, Vec::new())
     }
 
-    /// Groups points that are near each other: along the curve that interleaves the bits of their coordinates (Morton
-    /// 1966, "A computer oriented geodetic data base").
+    /// Groups neighbouring points: along the curve that interleaves the bits of
+    /// their coordinates (Morton 1966, "A computer oriented geodetic data base").
     pub fn by_place(points: &[TimedPoint]) -> Self {
         let Some(all) = Aabb::around(points.iter()) else { return Self::default() };
         let size = (all.high - all.low).map(|side| side.max(1e-3));
@@ -153,13 +153,13 @@ impl PointTree {
         tree
     }
 
-    /// Indices of the points in one of the smallest boxes.
+    /// Returns the indices of the points in one of the smallest boxes.
     fn leaf(&self, leaf: usize, count: usize) -> impl Iterator<Item = usize> + '_ {
         let range = leaf * LEAF..((leaf + 1) * LEAF).min(count);
         range.map(|place| self.order.get(place).map_or(place, |index| *index as usize))
     }
 
-    /// The point that is meant by the pointer, of those that are shown; `points` are those that the tree was made of.
+    /// Returns the visible point under the pointer; `points` are those from which the tree was built.
     pub fn nearest(
         &self,
         points: &[TimedPoint],
@@ -208,7 +208,7 @@ impl Aabb {
     }
 }
 
-/// Two empty bits after each of the lowest 21.
+/// Inserts two zero bits after each of the lowest 21.
 fn spread(bits: u64) -> u64 {
     [
         (32, 0x001f_0000_0000_ffff),
@@ -227,7 +227,7 @@ mod tests {
     use crate::app::model::Camera;
     use proptest::prelude::*;
 
-    /// A drive of loops, some of whose readings jumped away.
+    /// A drive of loops with some outliers.
     fn drive(count: usize) -> Vec<TimedPoint> {
         (0..count)
             .map(|i| {
@@ -251,12 +251,12 @@ mod tests {
         fn the_trees_find_what_a_look_at_every_point_finds(
             count in 0..3000_usize,
             (yaw_rad, pitch_rad) in (-3.0..3.0_f32, -1.5..1.5_f32),
-            // From amid the points to far away.
+            // From among the points to far away.
             distance_m in 0.2..150.0_f32,
             (parallel, vertical) in (proptest::bool::ANY, 1.0..10.0_f32),
             at in 0..3000_usize,
             (x, y) in (-20.0..20.0_f32, -20.0..20.0_f32),
-            // Every third is hidden, or none.
+            // Every third point is hidden, or none.
             hidden in 0..4_usize,
         ) {
             let points = drive(count);
@@ -278,7 +278,7 @@ mod tests {
             }
             for tree in [PointTree::by_place(&points), PointTree::by_time(&points)] {
                 let found = tree.nearest(&points, &view, shown);
-                // Of points in the very same place either will do.
+                // Either of two points at the same position is correct.
                 let place = |hit: Option<Hit>| hit.map(|hit| (hit.distance_points, hit.depth));
                 prop_assert_eq!(place(found), place(brute));
             }

@@ -1,4 +1,4 @@
-//! What the plots draw, made once for each answer by the worker: no frame goes through all residuals.
+//! Data of the plots, computed once for each analysis by the worker: no frame iterates over all residuals.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,25 +18,24 @@ use resect_report::residual_chart::{histogram, range_mm};
 
 const BINS: usize = 40;
 
-/// Ready to draw; errors in mm, times in s since the first measurement.
+/// Data of all plots; errors in mm, times in s since the first measurement.
 #[derive(Clone, Debug, Default)]
 pub struct PreparedPlots {
-    /// The range that shows nearly all errors: outliers must not squeeze the rest into a line. About zero, or from
-    /// zero up where no error is negative.
+    /// Range of nearly all errors: outliers must not compress the rest into a line.
+    /// It is symmetric about zero, or begins at zero if no error is negative.
     pub range_mm: [f64; 2],
     /// Distance errors of each pair.
     pub residuals: [Residuals; 3],
-    /// The errors of all pairs in order of size.
+    /// Sorted errors of all pairs.
     sorted_mm: Vec<f64>,
-    /// Twice the standard deviation that the interpolation states for each pair's distance, one band an interval;
-    /// empty where it states none.
+    /// Band of two standard deviations of each pair's distance by the interpolation, one band for each interval; empty without a σ.
     pub bands: [Vec<Band>; 3],
-    /// How the errors are distributed over the range.
+    /// Distribution of the errors over the range.
     pub distributions: Distributions,
     pub gaps: Gaps,
-    /// Where the prisms were, and how fast.
+    /// Positions of the prisms, and speed.
     pub track: TrackSeries,
-    /// What is plotted of the raw readings, the same for every answer.
+    /// Plotted data of the raw readings, the same for every calibration.
     pub readings: Arc<RawReadings>,
 }
 
@@ -50,36 +49,36 @@ pub struct Residuals {
     pub running: Running,
 }
 
-/// How the errors of each pair are distributed.
+/// Distribution of the errors of each pair.
 #[derive(Clone, Debug, Default)]
 pub struct Distributions {
     /// Outline of each pair's histogram: errors (mm), and the share of the pair's errors in each bin (%).
     pub outlines: [Vec<PlotPoint>; 3],
-    /// The highest bin of all (%).
+    /// Height of the highest bin of all (%).
     pub highest_percent: f64,
     pub bin_width_mm: f64,
-    /// |error| of each pair (mm), and of all together.
+    /// Spread of |error| of each pair (mm), and of all together.
     pub by_pair_mm: [Option<Spread>; 3],
     pub all_mm: Option<Spread>,
 }
 
-/// A band about zero.
+/// A symmetric band about zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Band {
-    /// Since the first measurement.
+    /// Times since the first measurement.
     pub times_s: Vec<f64>,
     pub half_widths_mm: Vec<f64>,
 }
 
-/// So many dots of a pair are all drawn, also where the plot is narrow.
+/// Number of dots of a pair up to which all are drawn, even in a narrow plot.
 const WHOLE_CLOUD: usize = 3150;
-/// Most corners of a band for each pair: more say nothing more to the eye.
+/// Greatest number of a band's corners for each pair; more are not visible.
 const MOST_BAND_CORNERS: usize = 1000;
-/// Triplets of a stretch at least: a second of them.
+/// Least number of triplets in a segment: one second of them.
 const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
-    /// The plots of an analysis; without an answer there are no errors.
+    /// Returns the plots of an analysis; without a calibration there are no errors.
     pub fn of(deployment: &Deployment, analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
         let (gaps, readings) = (Gaps::of(analysis, readings), Arc::clone(readings));
         let track = TrackSeries::of(deployment, analysis, readings.start_s);
@@ -111,7 +110,7 @@ impl PreparedPlots {
         }
     }
 
-    /// How the errors of a span of time (s since the first measurement) are distributed.
+    /// Returns the distribution of the errors of a span of time (s since the first measurement).
     pub fn distributions_within(&self, span_s: [f64; 2]) -> Distributions {
         let errors = self.residuals.each_ref().map(|residuals| {
             residuals.dots[residuals.within(span_s)].iter().map(|dot| dot.y).collect()
@@ -119,14 +118,14 @@ impl PreparedPlots {
         Distributions::of(&errors, self.range_mm)
     }
 
-    /// How many of the errors of all pairs are outside a range (mm), and how many there are.
+    /// Returns the number of all pairs' errors outside a range (mm), and the number of all errors.
     pub fn outside(&self, [low, high]: [f64; 2]) -> [usize; 2] {
         let below = self.sorted_mm.partition_point(|error| *error < low);
         let up_to = self.sorted_mm.partition_point(|error| *error <= high);
         [self.sorted_mm.len() - (up_to - below), self.sorted_mm.len()]
     }
 
-    /// The least and the greatest error (mm), with some room about them.
+    /// Returns the least and the greatest error (mm), with a margin.
     pub fn all_mm(&self) -> [f64; 2] {
         let [low, high] = self.range_mm;
         let low = self.sorted_mm.first().map_or(low, |least| least.min(low));
@@ -136,14 +135,14 @@ impl PreparedPlots {
 }
 
 impl Residuals {
-    /// Dots that stand for those within a window (s since the first measurement) of so many columns: of a cloud that is not
-    /// too large all, of a larger one its edges and some between them.
+    /// Returns dots that represent those within a window (s since the first measurement)
+    /// of so many columns: all of a small cloud, the outline and a sample of a large one.
     pub fn cloud(&self, window_s: [f64; 2], columns: usize) -> Vec<PlotPoint> {
         let is_whole = self.within(window_s).len() <= WHOLE_CLOUD;
         self.visible(window_s, if is_whole { WHOLE_CLOUD } else { columns })
     }
 
-    /// Dots that stand for those within a window, by about so many runs.
+    /// Returns dots that represent those within a window, from about `runs` runs.
     pub fn visible(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let indices = self.pyramid.visible(self.within(window_s), runs);
         indices.into_iter().map(|index| self.dots[index]).collect()
@@ -172,7 +171,7 @@ impl Distributions {
     }
 }
 
-/// The widest of each stretch of some triplets: between readings σ rises and falls many times a second.
+/// Returns the greatest half-width of each segment of some triplets: between readings σ rises and falls many times a second.
 fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     let triplets = analysis.triplets();
     let transforms = &answer.calibration.station1_from_station;
@@ -234,7 +233,7 @@ mod tests {
         assert_eq!(plots.outside(plots.all_mm())[0], 0);
     }
 
-    /// Control points alone give an answer, without a rig whose distances errors would be of.
+    /// Control points alone give a calibration, without a rig to compare distances with.
     #[test]
     fn an_answer_without_a_rig_has_no_errors_to_draw() {
         let mut deployment = Sample::Warthog.open().expect("built in");
@@ -258,7 +257,7 @@ mod tests {
         let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
         let plots = PreparedPlots::of(&deployment, &analysis, &readings);
         let answer = analysis.answer.as_ref().expect("an answer");
-        // All of the drive is what the result states.
+        // The distribution over the whole drive equals that of the result.
         let whole = plots.distributions_within([f64::MIN, f64::MAX]);
         assert_eq!(whole.all_mm, answer.evaluation.inter_prism_mm);
         assert_eq!(whole.by_pair_mm, answer.evaluation.inter_prism_by_pair_mm);
@@ -267,7 +266,7 @@ mod tests {
         let since_s = analysis.triplets().time_s.iter().map(|t| t - readings.start_s);
         assert_eq!(n, since_s.filter(|t| (100.0..=200.0).contains(t)).count());
         assert!(n > 100 && part.all_mm.expect("some").n == 3 * n);
-        // Every bin has two corners; what is beyond the range is counted, and in no bin.
+        // Every bin has two corners; errors beyond the range count, but are in no bin.
         for outline in &part.outlines {
             let sum: f64 = outline.iter().map(|corner| corner.y / 2.0).sum();
             assert!((90.0..=100.0 + 1e-9).contains(&sum), "{sum}");

@@ -1,20 +1,20 @@
-//! Least and greatest values of ever longer runs of a series, so that a plot draws a million values as a few.
+//! Least and greatest values of increasingly long runs of a series, so that a plot represents a million values by a few.
 
 use std::ops::Range;
 
-/// Values of a run of the lowest level; each level's runs are twice as long as those of the one below.
+/// Number of values in a run of the lowest level; each level's runs are twice as long as those of the one below.
 const SHORTEST_RUN: usize = 8;
 
-/// Says which values of a series to draw: where there are too many, the extremes of runs of them.
+/// Selects the values of a series to draw: all of a few, or the extremes of runs of many.
 #[derive(Clone, Debug, Default)]
 pub struct Pyramid {
     len: usize,
-    /// Indices of the least and greatest value, for each level and run. A last run that is not full is left out.
+    /// Indices of the least and greatest value, for each level and run. An incomplete last run is omitted.
     levels: Vec<Vec<[u32; 2]>>,
 }
 
 impl Pyramid {
-    /// The pyramid of a series of fewer than 2³² values, none of them NaN; takes time linear in their number.
+    /// Builds the pyramid of a series of fewer than 2³² values, none of them NaN, in linear time.
     pub fn of(values: &[f64]) -> Self {
         let extremes = |indices: &mut dyn Iterator<Item = u32>| {
             let first = indices.next().unwrap_or(0);
@@ -41,9 +41,9 @@ impl Pyramid {
         Self { len: values.len(), levels }
     }
 
-    /// Indices of a part of the series that stand for all of it, in order: all of them while there are no more than
-    /// three for each of `runs`, and otherwise of about that many runs the extremes, and the value in the middle so
-    /// that not only what is unusual is seen. The least and the greatest value of the part are always among them.
+    /// Returns indices, in order, that represent a range of the series. If it has at most three values for each of `runs`, these are all
+    /// indices. Otherwise they are the extremes of about that many runs, and the middle value of each, so that usual values are visible
+    /// too. They always include the least and the greatest value of the range.
     pub fn visible(&self, part: Range<usize>, runs: usize) -> Vec<usize> {
         let part = part.start.min(self.len)..part.end.min(self.len);
         let runs = runs.max(1);
@@ -58,7 +58,7 @@ impl Pyramid {
         indices
     }
 
-    /// Covers a part by runs of a level, and its ends, which cut a run, by shorter ones. Level 0 are the values.
+    /// Covers a range by runs of a level, and its partial runs at both ends by shorter ones. Level 0 is the values.
     fn cover(&self, part: Range<usize>, level: usize, indices: &mut Vec<usize>) {
         let Some(below) = level.checked_sub(1) else {
             indices.extend(part);
@@ -82,7 +82,7 @@ impl Pyramid {
     }
 }
 
-/// Values in order of time with their pyramid.
+/// Values in order of time, with their pyramid.
 #[derive(Clone, Debug, Default)]
 pub struct Values {
     pub values: Vec<f64>,
@@ -95,7 +95,7 @@ impl Values {
     }
 }
 
-/// Values of a run of a level above 0.
+/// Returns the number of values in a run of a level above 0.
 fn run_length(level: usize) -> usize {
     SHORTEST_RUN << (level - 1)
 }
@@ -106,7 +106,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Agrees with brute force: whatever is looked at, the extremes are drawn, in order, and not too many.
+        /// Compares with brute force: in any range, the extremes are drawn, in order, and the number is limited.
         #[test]
         fn extremes_are_never_lost(
             values in proptest::collection::vec(-1e3..1e3f64, 1..3000),
@@ -118,7 +118,7 @@ mod tests {
             let drawn = Pyramid::of(&values).visible(part.clone(), runs);
             prop_assert!(drawn.windows(2).all(|pair| pair[0] < pair[1]));
             prop_assert!(drawn.iter().all(|index| part.contains(index)));
-            // Three for each run, and what covers the two ends.
+            // Three for each run, and the runs at both ends.
             prop_assert!(drawn.len() <= 3 * runs + 2 * (7 + 3 * 10), "{} of {}", drawn.len(), runs);
             if !part.is_empty() {
                 let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -139,7 +139,7 @@ mod tests {
         assert!(drawn.len() <= 2800 && drawn.contains(&512_345), "{}", drawn.len());
         let usual = drawn.iter().filter(|index| values[**index].abs() < 0.9).count();
         assert!(usual > 200, "{usual}");
-        // Close up there is room for each.
+        // A short range has room for each value.
         assert_eq!(pyramid.visible(512_000..513_000, 900).len(), 1000);
     }
 

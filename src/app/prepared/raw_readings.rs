@@ -1,4 +1,4 @@
-//! How fast the raw readings change, made once for each deployment by the worker: no setting changes it.
+//! Rates of the raw readings, computed once for each deployment by the worker: they do not depend on the settings.
 
 use super::clock_series::ClockSeries;
 use super::pyramid::Values;
@@ -7,7 +7,7 @@ use resect_core::pipeline::outlier_filter::{Rates, rates};
 use resect_core::pipeline::{OutlierReason, Thresholds};
 use resect_core::statistics::quantile_of_sorted;
 
-/// What is measured, each with its rate and its threshold.
+/// A measured quantity, with its rate and its threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Range,
@@ -35,7 +35,7 @@ impl Quantity {
         }
     }
 
-    /// What a reading is rejected for.
+    /// Returns the reason for which a reading is rejected by this quantity.
     pub fn reason(self) -> OutlierReason {
         match self {
             Self::Range => OutlierReason::Range,
@@ -44,7 +44,7 @@ impl Quantity {
         }
     }
 
-    /// The quantity's threshold (m/s, °/s).
+    /// Returns the quantity's threshold (m/s, °/s).
     pub fn threshold(self, thresholds: &mut Thresholds) -> &mut f64 {
         match self {
             Self::Range => &mut thresholds.tau_r_m_per_s,
@@ -62,33 +62,33 @@ impl Quantity {
     }
 }
 
-/// Raw readings of all three stations, as plots need them.
+/// Raw readings of all three stations, for the plots.
 #[derive(Clone, Debug, Default)]
 pub struct RawReadings {
-    /// Time of the first measurement of any (s, in the stations' clock).
+    /// Time of the first measurement of any station (s, in the stations' clock).
     pub start_s: f64,
     pub stations: [StationReadings; 3],
-    /// What their own clocks said.
+    /// Differences of the stations' own clocks.
     pub clocks: [ClockSeries; 3],
-    /// Rates that a plot of each quantity shows by itself; none is beyond the upper.
+    /// Default range of each quantity's rates in a plot; no rate exceeds the upper end.
     pub shown: [[f64; 2]; 3],
 }
 
-/// Raw readings of one station, as plots need them.
+/// Raw readings of one station, for the plots.
 #[derive(Clone, Debug, Default)]
 pub struct StationReadings {
     /// Time of each raw reading, since the first measurement of any station (s).
     pub time_s: Vec<f64>,
-    /// Whether each reading was left out by the user, as in [`Track::left_out`].
+    /// True for each reading that the user excluded, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
     /// Range (m), azimuth and zenith angle (rad) of each raw reading, as measured.
     pub measured: [Values; 3],
-    /// The rates of each quantity.
+    /// Rates of each quantity.
     pub rates: [RateSeries; 3],
 }
 
-/// Absolute rates of each raw reading since the one before it, in the quantity's unit; 0 of the first. What the user
-/// left out has none, and none is since it.
+/// Absolute rates of each raw reading since the previous one, in the quantity's unit; 0
+/// for the first. Excluded readings have no rate and are skipped as previous readings.
 #[derive(Clone, Debug, Default)]
 pub struct RateSeries {
     pub values: Values,
@@ -110,7 +110,7 @@ impl RawReadings {
             let of_each = |share: f64| {
                 stations.iter().filter_map(move |s| s.rates[quantity as usize].quantile(share))
             };
-            // A decade below what is usual; slower ones say no more than that the vehicle stood.
+            // A decade below the usual rate; slower rates only mean that the vehicle stood still.
             let usual = of_each(0.6).fold(f64::INFINITY, f64::min);
             let low = (usual / 10.0).clamp(paper / 500.0, paper / 10.0);
             let high = of_each(1.0).fold(3.0 * paper, f64::max);
@@ -119,7 +119,7 @@ impl RawReadings {
         Self { start_s, stations, clocks, shown }
     }
 
-    /// Time from the first measurement of any station to the last (s).
+    /// Returns the time from the first measurement of any station to the last (s).
     pub fn length_s(&self) -> f64 {
         self.stations.iter().filter_map(|own| own.time_s.last()).copied().fold(0.0, f64::max)
     }
@@ -156,7 +156,7 @@ impl StationReadings {
         }
     }
 
-    /// Rates of a reading, without signs.
+    /// Returns the absolute rates of a reading.
     pub fn rates_at(&self, index: usize) -> Rates {
         let [range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s] =
             self.rates.each_ref().map(|series| series.values.values[index]);
@@ -167,7 +167,7 @@ impl StationReadings {
         self.left_out.get(index).copied().unwrap_or(false)
     }
 
-    /// Indices of the readings within a window (s since the first measurement).
+    /// Returns the indices of the readings within a window (s since the first measurement).
     pub fn within(&self, [from_s, to_s]: [f64; 2]) -> std::ops::Range<usize> {
         let from = self.time_s.partition_point(|t| *t < from_s);
         from..self.time_s.partition_point(|t| *t <= to_s).max(from)
@@ -181,7 +181,7 @@ impl RateSeries {
         Self { values: Values::of(values), sorted }
     }
 
-    /// How many are above a threshold.
+    /// Returns the number of rates above a threshold.
     pub fn above(&self, threshold: f64) -> usize {
         self.sorted.len() - self.sorted.partition_point(|value| *value <= threshold)
     }
@@ -199,11 +199,11 @@ mod tests {
     use resect_core::pipeline::{PipelineSettings, SampleFate};
     use resect_io::sample::Sample;
 
-    /// What the plots mark and count is what the pipeline rejects.
+    /// The plots mark and count the readings that the pipeline rejects.
     #[test]
     fn the_lines_reject_what_the_pipeline_rejects() {
         let mut deployment = Sample::Warthog.open().expect("built in");
-        // One in seven is left out: no rate is since those.
+        // Every seventh reading is excluded: no rate refers to it.
         for track in &mut deployment.tracks {
             track.left_out = (0..track.measurements.len()).map(|index| index % 7 == 3).collect();
         }
@@ -228,7 +228,7 @@ mod tests {
                     let rejected = out.count(station, SampleFate::Rejected(quantity.reason()));
                     let above =
                         own.rates[quantity as usize].above(*quantity.threshold(&mut thresholds));
-                    // Only the first of the three is asked about every reading.
+                    // Only the first of the three is tested for every reading.
                     assert!(rejected <= above);
                     assert!(quantity != Quantity::Range || rejected == above);
                 }

@@ -1,4 +1,4 @@
-//! Where the prisms are at any time: together by a triplet, or each as it was last read.
+//! Positions of the prisms at any time: together by a triplet, or each at its last reading.
 
 use nalgebra::Vector3;
 
@@ -6,31 +6,31 @@ use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, Track};
 use resect_core::pipeline::{SampleFate, Triplets};
 
-/// How long a reading stands for its prism (s): after a few seconds the vehicle is elsewhere.
+/// Age up to which a reading represents its prism (s): after a few seconds the vehicle is elsewhere.
 pub const LAST_READ_S: f64 = 3.0;
 
 /// The three prisms at a time, each in its own station's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigAt {
-    /// One instant, of a triplet or between two.
+    /// At one instant, of a triplet or between two.
     Together(Triplets),
-    /// There is no triplet: nobody knows where the rig is, only where each prism was, unless that is too long ago.
+    /// Without a triplet: the last reading of each prism; `None` if it is too old.
     LastRead([Option<LastRead>; 3]),
 }
 
 /// The newest reading of a prism that is not later than the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastRead {
-    /// Where the prism was (m, in the station's frame).
+    /// Position of the prism (m, station's frame).
     pub position_m: Vector3<f64>,
-    /// How long ago it was read (s).
+    /// Age of the reading (s).
     pub age_s: f64,
-    /// Whether the outlier filter or the user takes it for wrong.
+    /// True if the outlier filter or the user rejected it.
     pub rejected: bool,
 }
 
-/// Finds the prisms at a time (s, in the stations' clock), by searches in sorted times. Between triplets they are
-/// interpolated as far as the pipeline itself goes across a gap.
+/// Returns the prisms at a time (s, in the stations' clock), by binary search. Between
+/// triplets they are interpolated across gaps no longer than those that the pipeline bridges.
 pub fn rig_at(deployment: &Deployment, analysis: &Analysis, time_s: f64) -> RigAt {
     match analysis.triplets().at(time_s, longest_s(analysis)) {
         Some(triplet) => RigAt::Together(triplet),
@@ -41,7 +41,7 @@ pub fn rig_at(deployment: &Deployment, analysis: &Analysis, time_s: f64) -> RigA
     }
 }
 
-/// Whether the prisms are known together at a time (s, in the stations' clock): by a triplet, or between two.
+/// Returns true if the prisms are known together at a time (s, in the stations' clock): by a triplet, or between two.
 pub fn are_together_at(analysis: &Analysis, time_s: f64) -> bool {
     analysis.triplets().at(time_s, longest_s(analysis)).is_some()
 }
@@ -91,7 +91,7 @@ mod tests {
             for station in 0..3 {
                 let points_m = &triplets.points_m[station];
                 let middle = 0.5 * (points_m[index - 1] + points_m[index]);
-                // Stamps are held to a quarter of a microsecond.
+                // Stamps have a resolution of a quarter of a microsecond.
                 assert!((now.triplet_m(0)[station] - middle).norm() < 1e-6);
             }
         }
@@ -111,7 +111,7 @@ mod tests {
                     panic!("a pose across a gap at {time_s}")
                 };
                 for (track, prism) in deployment.tracks.iter().zip(prisms) {
-                    // The straightforward way.
+                    // Brute force.
                     let mut before = track.measurements.iter().filter(|m| m.time_s <= time_s);
                     let newest = before.next_back().expect("in the middle of the drive");
                     let expected = (time_s - newest.time_s <= LAST_READ_S)

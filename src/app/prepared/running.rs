@@ -1,32 +1,32 @@
-//! What is usual in ever longer runs of a series: a line through a cloud of dots, and a band about it.
+//! Running quartiles of a series at several resolutions: a line through a cloud of dots, and a band about it.
 
 use std::ops::Range;
 
 use resect_core::statistics::quantiles;
 
-/// Values of a run of the lowest level; each level's runs are twice as long as those of the one below.
+/// Number of values in a run of the lowest level; each level's runs are twice as long as those of the one below.
 const SHORTEST_RUN: usize = 16;
-/// The fewest runs that are drawn, however little room there is: longer ones are not made.
+/// Least number of drawn runs, in any plot width: longer runs are not computed.
 const FEWEST_RUNS: usize = 48;
 
-/// A running median with its quartiles, in several finenesses.
+/// A running median with its quartiles, at several resolutions.
 #[derive(Clone, Debug, Default)]
 pub struct Running {
-    levels: Vec<Vec<Run>>,
+    levels: Vec<Vec<RunningQuartiles>>,
 }
 
 /// Quartiles of the values of a span of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
-    /// Which unbroken piece of the series the run is of.
+pub struct RunningQuartiles {
+    /// Number of the continuous segment of the series that contains the run.
     piece: u32,
     pub from_s: f64,
     pub to_s: f64,
-    /// The values below which a quarter, a half and three quarters of its values are.
+    /// The lower quartile, the median and the upper quartile.
     pub quartiles: [f64; 3],
 }
 
-/// Corners of the line and the band of an unbroken piece.
+/// Corners of the line and the band of a continuous segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piece {
     pub times_s: Vec<f64>,
@@ -36,23 +36,22 @@ pub struct Piece {
 }
 
 impl Running {
-    /// The running quartiles of a series in order of time, whose pieces are told by their numbers. No run reaches over the
-    /// end of a piece, unless there are too many pieces to be told apart. Nothing where there is no value, as of errors of
-    /// distances that nobody knows.
+    /// Computes the running quartiles of a series in order of time; `pieces` are the numbers of its segments. No run crosses the end of a
+    /// segment, unless there are too many segments to draw. Empty without values, as for errors of unknown distances.
     pub fn of(times_s: &[f64], values: &[f64], pieces: &[u32]) -> Self {
         if values.is_empty() {
             return Self::default();
         }
-        let run = |range: &Range<usize>, piece: u32| -> Option<Run> {
+        let run = |range: &Range<usize>, piece: u32| -> Option<RunningQuartiles> {
             let quartiles = quantiles(values[range.clone()].iter().copied(), [0.25, 0.5, 0.75])?;
             let (from_s, to_s) = (times_s[range.start], times_s[range.end - 1]);
-            Some(Run { piece, from_s, to_s, quartiles })
+            Some(RunningQuartiles { piece, from_s, to_s, quartiles })
         };
         let mut whole = whole_pieces(pieces);
-        let mut levels: Vec<Vec<Run>> = Vec::new();
+        let mut levels: Vec<Vec<RunningQuartiles>> = Vec::new();
         let mut length = SHORTEST_RUN;
         loop {
-            let runs: Vec<Run> = (whole.iter())
+            let runs: Vec<RunningQuartiles> = (whole.iter())
                 .flat_map(|piece| in_equal_parts(piece, length))
                 .filter_map(|range| run(&range, pieces[range.start]))
                 .collect();
@@ -69,28 +68,29 @@ impl Running {
                 break;
             }
             whole = joined;
-            let mut runs: Vec<Run> = whole.iter().filter_map(|range| run(range, 0)).collect();
+            let mut runs: Vec<RunningQuartiles> =
+                whole.iter().filter_map(|range| run(range, 0)).collect();
             number_joined(&mut runs);
             levels.push(runs);
         }
         Self { levels }
     }
 
-    /// What is seen in a window, of about so many runs at most.
+    /// Returns the segments within a window, of at most about `most` runs.
     pub fn visible(&self, [from_s, to_s]: [f64; 2], most: usize) -> Vec<Piece> {
-        let seen = |runs: &[Run]| {
+        let seen = |runs: &[RunningQuartiles]| {
             let from = runs.partition_point(|run| run.to_s < from_s);
             from..runs.partition_point(|run| run.from_s <= to_s).max(from)
         };
         let few = self.levels.iter().find(|runs| seen(runs).len() <= most);
         let Some(runs) = few.or(self.levels.last()) else { return Vec::new() };
         let part = seen(runs);
-        // The line goes on to what is just out of sight.
+        // The line continues to the runs just outside of the window.
         pieces(&runs[part.start.saturating_sub(1)..(part.end + 1).min(runs.len())])
     }
 }
 
-/// The indices of each unbroken piece.
+/// Returns the index range of each continuous segment.
 fn whole_pieces(pieces: &[u32]) -> Vec<Range<usize>> {
     let mut start = 0;
     (pieces.chunk_by(|a, b| a == b))
@@ -101,14 +101,14 @@ fn whole_pieces(pieces: &[u32]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Parts of a piece of about a length: equal, so that none at an end is of a few values only.
+/// Splits a segment into ranges of about a length: equal ones, so that none at an end has only a few values.
 fn in_equal_parts(piece: &Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
     let (start, len) = (piece.start, piece.len());
     let count = (len / length).max(1);
     (0..count).map(move |part| start + part * len / count..start + (part + 1) * len / count)
 }
 
-/// Neighbouring parts of a series joined, but for those that a gap parts which is longer than either.
+/// Joins neighbouring ranges of a series, except across a gap that is longer than either.
 fn joined_by_twos(parts: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
     let ends_s = |part: &Range<usize>| [times_s[part.start], times_s[part.end - 1]];
     let mut joined: Vec<Range<usize>> = Vec::new();
@@ -126,14 +126,14 @@ fn joined_by_twos(parts: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> 
     joined
 }
 
-/// Whether the gap between two spans of time (s) is no longer than the longer of them.
+/// Returns true if the gap between two spans of time (s) is no longer than the longer of them.
 fn are_close(before_s: [f64; 2], after_s: [f64; 2]) -> bool {
     let longest_s = (before_s[1] - before_s[0]).max(after_s[1] - after_s[0]);
     after_s[0] - before_s[1] <= longest_s
 }
 
-/// Gives runs of many pieces one number as long as they follow each other closely.
-fn number_joined(runs: &mut [Run]) {
+/// Gives runs of many segments one number as long as they follow each other closely.
+fn number_joined(runs: &mut [RunningQuartiles]) {
     for index in 1..runs.len() {
         let [before, run] = [runs[index - 1], runs[index]];
         let close = are_close([before.from_s, before.to_s], [run.from_s, run.to_s]);
@@ -141,8 +141,8 @@ fn number_joined(runs: &mut [Run]) {
     }
 }
 
-/// From the first moment of each piece to its last, through the middles of its runs.
-fn pieces(runs: &[Run]) -> Vec<Piece> {
+/// Returns the corners of each segment, from its first time to its last, through the middles of its runs.
+fn pieces(runs: &[RunningQuartiles]) -> Vec<Piece> {
     runs.chunk_by(|a, b| a.piece == b.piece)
         .map(|runs| {
             let mut piece = Piece::default();
@@ -167,7 +167,7 @@ fn pieces(runs: &[Run]) -> Vec<Piece> {
 mod tests {
     use super::*;
 
-    /// Two pieces of a slow wave with wild values among them.
+    /// Two segments of a slow wave with outliers.
     fn series(count: usize) -> (Vec<f64>, Vec<f64>, Vec<u32>) {
         let times_s: Vec<f64> = (0..count).map(|i| 0.1 * i as f64).collect();
         let wave =
@@ -205,14 +205,14 @@ mod tests {
             running.visible(window_s, 100).iter().map(|piece| piece.times_s.len()).sum()
         };
         assert!(corners([0.0, 1e5]) < 110, "{}", corners([0.0, 1e5]));
-        // A hundred seconds are a thousand values, of which sixteen are a run.
+        // A hundred seconds are a thousand values; a run has sixteen.
         assert!((55..75).contains(&corners([500.0, 600.0])), "{}", corners([500.0, 600.0]));
     }
 
-    /// A plot draws each piece by itself, which costs the more the more there are.
+    /// A plot draws each segment separately, at a cost for each.
     #[test]
     fn thousands_of_pieces_are_joined_but_over_long_gaps() {
-        // Ten thousand pieces of ten seconds, a second apart, and an hour's gap half-way.
+        // Ten thousand segments of ten seconds, a second apart, and a gap of some hours in the middle.
         let piece = |i: usize| i / 100;
         let times_s: Vec<f64> = (0..1_000_000)
             .map(|i| 0.1 * i as f64 + piece(i) as f64 + if i < 500_000 { 0.0 } else { 2e4 })

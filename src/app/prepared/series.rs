@@ -1,4 +1,4 @@
-//! A series over time, which can be read at any time and plotted against another one.
+//! A series over time, which can be interpolated at any time and plotted against another one.
 
 use std::ops::Range;
 
@@ -9,22 +9,22 @@ use super::way::{Instant, Way};
 use resect_core::calibration::Estimate;
 use resect_core::statistics::tables::NORMAL_95;
 
-/// Reads a value with σ off an instant of the vehicle's way, if it is determined.
+/// Function that reads a value with σ at an instant of the vehicle's path; `None` if it is not determined.
 pub type InstantValue = fn(&Instant) -> Option<Estimate>;
 
-/// Values in order of time, wherever they are kept.
+/// Values in order of time, in any storage.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<'a> {
     data: Data<'a>,
-    /// `None` for the few values of a vehicle's way, which are looked at one by one.
+    /// `None` for the few values of a vehicle's path, which are all iterated over.
     pyramid: Option<&'a Pyramid>,
-    /// Whether its values are angles that begin again after a full turn.
+    /// True if its values are angles that wrap after a full turn.
     turns: bool,
-    /// Values further apart than this are not joined (s).
+    /// Greatest time between two values that are joined (s).
     longest_step_s: f64,
 }
 
-/// One place of a line with the band of ±1.96 σ, which may sum up several values.
+/// A corner of a line with its band of ±1.96 σ, which may represent several values.
 pub struct Corner {
     pub since_s: f64,
     pub value: f64,
@@ -32,10 +32,10 @@ pub struct Corner {
     pub high: f64,
 }
 
-/// A value in a file.
+/// A row of a file.
 pub struct Row {
     pub since_s: f64,
-    /// The value that it is plotted against at the same time.
+    /// The value of the other series at the same time.
     pub other: Option<f64>,
     pub value: f64,
     pub sigma: Option<f64>,
@@ -48,7 +48,7 @@ enum Data<'a> {
     Vehicle { instants: &'a [Instant], start_s: f64, value: InstantValue },
 }
 
-/// Readings and triplets further apart than this are not joined (s).
+/// Greatest time between two readings or triplets that are joined (s).
 const LONGEST_STEP_S: f64 = 1.0;
 
 impl<'a> Series<'a> {
@@ -71,7 +71,7 @@ impl<'a> Series<'a> {
         })
     }
 
-    /// Returns a value of the vehicle; `None` where it is not determined at any instant.
+    /// Returns a series of the vehicle; `None` if it is not determined at any instant.
     pub fn of_vehicle(
         way: &'a Way,
         start_s: f64,
@@ -103,7 +103,7 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// NaN where a value of the vehicle is not determined.
+    /// Returns a value; NaN for a value of the vehicle that is not determined.
     fn value(&self, index: usize) -> f64 {
         match self.data {
             Data::Lists { values, .. } => values[index],
@@ -124,7 +124,7 @@ impl<'a> Series<'a> {
         matches!(self.data, Data::Vehicle { .. })
     }
 
-    /// Index of the first value that is not before a time.
+    /// Returns the index of the first value that is not before a time.
     fn first_from(&self, since_s: f64) -> usize {
         match self.data {
             Data::Lists { since_s: all, .. } => all.partition_point(|t| *t < since_s),
@@ -140,18 +140,18 @@ impl<'a> Series<'a> {
         from..self.first_from(to_s.next_up()).min(self.len()).max(from)
     }
 
-    /// How many values are within a window.
+    /// Returns the number of values within a window.
     pub fn count(&self, window_s: [f64; 2]) -> usize {
         self.within(window_s).len()
     }
 
-    /// Dots over time that stand for those within a window.
+    /// Returns dots over time that represent those within a window.
     pub fn over_time(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let indices = self.visible(self.within(window_s), runs).into_iter();
         indices.map(|i| PlotPoint::new(self.since_s(i), self.value(i))).collect()
     }
 
-    /// Indices of values that stand for a range of them, extremes included.
+    /// Returns indices of values that represent a range, extremes included.
     fn visible(&self, range: Range<usize>, runs: usize) -> Vec<usize> {
         match self.pyramid {
             Some(pyramid) => pyramid.visible(range, runs),
@@ -159,8 +159,8 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// Returns lines with bands that stand for the values within a window and those beside it, at most about so many
-    /// corners. A line ends at a gap, where the value is not determined, and where an angle jumps by a full turn.
+    /// Returns lines with bands that represent the values within a window and the adjacent ones, with at most about `most_corners` corners.
+    /// A line ends at a gap, at an undetermined value, and at a jump of an angle by a full turn.
     pub fn lines(&self, window_s: [f64; 2], most_corners: usize) -> Vec<Vec<Corner>> {
         let within = self.within(window_s);
         let range = within.start.saturating_sub(1)..(within.end + 1).min(self.len());
@@ -186,8 +186,7 @@ impl<'a> Series<'a> {
         known.chunk_by(is_joined).map(|line| line.chunks(stride).map(corner).collect()).collect()
     }
 
-    /// Dots that stand for those within a window, each against another series at the same time. Extremes of both are
-    /// among them.
+    /// Returns dots that represent those within a window, each against another series at the same time. They include the extremes of both.
     pub fn against(&self, other: &Series<'_>, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let part = self.within(window_s);
         let mut indices = self.visible(part.clone(), runs);
@@ -202,7 +201,7 @@ impl<'a> Series<'a> {
             .collect()
     }
 
-    /// The value at a time, on a straight line between two that are not far apart.
+    /// Returns the value at a time, linearly interpolated; `None` in a gap.
     pub fn at(&self, since_s: f64) -> Option<f64> {
         let after = self.first_from(since_s);
         if after < self.len() && self.since_s(after) <= since_s {
@@ -218,7 +217,7 @@ impl<'a> Series<'a> {
         (joined && !turned && between.is_finite()).then_some(between)
     }
 
-    /// Each value within a window.
+    /// Returns each value within a window as a row.
     pub fn rows(&self, other: Option<Self>, window_s: [f64; 2]) -> impl Iterator<Item = Row> {
         let rows = self.within(window_s).map(move |index| {
             let since_s = self.since_s(index);
@@ -242,7 +241,7 @@ mod tests {
         assert_eq!(at, [Some(1.0), Some(2.0), Some(5.0), None, Some(50.0), None, None]);
         assert_eq!(series.count([0.5, 9.0]), 3);
         assert_eq!(series.over_time([0.4, 1.0], 10).len(), 2);
-        // Between 359° and 1° is not 180°.
+        // The mean of 359° and 1° is not 180°.
         let values = Values::of(vec![6.25, 0.25]);
         let series = |turns| Series::of(&[0.0, 0.5], &values, turns).expect("some");
         assert_eq!([true, false].map(|turns| series(turns).at(0.25)), [None, Some(3.25)]);

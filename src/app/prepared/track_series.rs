@@ -1,18 +1,18 @@
-//! Where the prisms were and how fast, by an answer, ready to be plotted.
+//! Positions of the prisms and speed by a calibration, ready to be plotted.
 
 use super::placing::placed_tracks;
 use super::pyramid::Values;
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 
-/// Where the prisms were at each triplet, and how fast; lists are empty where nothing tells.
+/// Positions of the prisms at each triplet, and speed; lists are empty without a calibration.
 #[derive(Clone, Debug, Default)]
 pub struct TrackSeries {
-    /// Since the first measurement (s).
+    /// Times since the first measurement (s).
     pub since_s: Vec<f64>,
-    /// x, y and z of each prism (m, in station 1's frame).
+    /// x, y and z of each prism (m, station 1's frame).
     pub places_m: [[Values; 3]; 3],
-    /// How fast prism 1 moves.
+    /// Speed of prism 1.
     pub speed_m_per_s: Values,
 }
 

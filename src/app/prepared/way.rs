@@ -1,4 +1,4 @@
-//! The vehicle's way for plots and scene: position, attitude and speed, each with σ.
+//! The vehicle's path for plots and scene: position, attitude and speed, each with σ.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -9,24 +9,24 @@ use resect_core::evaluation::trajectory::{Attitude, Pose, speed_of};
 use resect_core::evaluation::vehicle::{Instants, prism_by, trajectory_by};
 use resect_core::geometry::wrap_to_pi;
 
-/// So many instants a second, and so many in all at most.
+/// Rate of the instants (1/s), and their greatest number.
 const RATE_HZ: f64 = 10.0;
 const MOST: f64 = 40_000.0;
-/// Instants further apart than this many steps are on both sides of a gap.
+/// Time between neighbours from which there is a gap, in steps.
 const GAP_STEPS: f64 = 1.5;
 
-/// The way by one answer.
+/// The path by one calibration.
 #[derive(Clone, Debug, Default)]
 pub struct Way {
-    /// In order of time.
+    /// Instants in order of time.
     pub instants: Vec<Instant>,
-    /// Time between neighbours within a piece, at most (s).
+    /// Greatest time between neighbours within a segment (s).
     pub step_s: f64,
-    /// Why there is none.
+    /// Reason for the absence of a path.
     pub why_not: Option<String>,
 }
 
-/// The vehicle, or the one prism, at one instant, in station 1's frame.
+/// The vehicle, or the one prism, at one instant (station 1's frame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
     pub time_s: f64,
@@ -34,12 +34,12 @@ pub struct Instant {
     pub position_covariance_m2: Matrix3<f64>,
     pub speed_m_per_s: Option<Estimate>,
     pub attitude: Option<Attitude>,
-    /// Root of the mean variance of the three axes (rad).
+    /// Square root of the mean variance of the rotation about the three axes (rad).
     pub turn_sigma_rad: Option<f64>,
 }
 
 impl Way {
-    /// The way by an answer, from the joint estimate's motion at even steps; by other methods at some of the triplets.
+    /// Returns the path by a calibration: the joint estimate's motion at even steps; with other methods, some of the triplets.
     pub fn of(deployment: &Deployment, analysis: &Analysis) -> Self {
         let answer = match &analysis.answer {
             Ok(answer) => answer,
@@ -48,7 +48,7 @@ impl Way {
         let (calibration, triplets) = (&answer.calibration, analysis.triplets());
         let times_s = &triplets.time_s;
         let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else {
-            return Self::none("no instant is read by all stations".to_owned());
+            return Self::none("no triplet: no time with readings of all stations".to_owned());
         };
         let rate_hz = RATE_HZ.min(MOST / (last_s - first_s).max(1.0));
         let is_motion = calibration.joint().is_some();
@@ -75,7 +75,7 @@ impl Way {
                 instants.collect::<Vec<Instant>>()
             })
         } else {
-            // Where the readings contradict the rig is for the reader to see.
+            // Poses whose readings contradict the rig stay visible.
             let limit_m = f64::INFINITY;
             trajectory_by(deployment, triplets, targets, calibration, wanted, limit_m)
                 .map(|(trajectory, _)| trajectory.poses.iter().map(Instant::of).collect())
@@ -86,7 +86,7 @@ impl Way {
         }
     }
 
-    /// Longest time between neighbours that are not on both sides of a gap (s).
+    /// Returns the longest time between neighbours without a gap (s).
     pub fn longest_step_s(&self) -> f64 {
         GAP_STEPS * self.step_s
     }
@@ -95,7 +95,8 @@ impl Way {
         Self { why_not: Some(why), ..Self::default() }
     }
 
-    /// The vehicle at a time, on a line between two neighbours; at the end of a piece as it was there, and `None` in a gap.
+    /// Returns the vehicle at a time, linearly interpolated between two
+    /// neighbours; at the end of a segment its last state, and `None` in a gap.
     pub fn at(&self, time_s: f64) -> Option<Instant> {
         let after = self.instants.partition_point(|at| at.time_s < time_s);
         let around = &self.instants[after.saturating_sub(1)..self.instants.len().min(after + 1)];
@@ -111,7 +112,7 @@ impl Way {
         (distance(&nearest) <= most_s).then_some(*nearest)
     }
 
-    /// Pieces without a gap that reach into a span, each with the instants beside it.
+    /// Returns the segments without a gap that overlap a span, each with the adjacent instants.
     pub fn pieces(&self, span_s: [f64; 2]) -> impl Iterator<Item = &[Instant]> {
         let from = self.instants.partition_point(|at| at.time_s < span_s[0]).saturating_sub(1);
         let to = self.instants.partition_point(|at| at.time_s <= span_s[1]);
@@ -128,12 +129,12 @@ impl Instant {
         Estimate { value: self.position_m.z, sigma }
     }
 
-    /// Returns the root of the mean variance of the three axes.
+    /// Returns the square root of the mean variance of the three axes.
     pub fn position_sigma_m(&self) -> f64 {
         (self.position_covariance_m2.trace() / 3.0).max(0.0).sqrt()
     }
 
-    /// So far on the line to a neighbour: 0 here, 1 there.
+    /// Interpolates linearly to a neighbour: share 0 is here, 1 is there.
     fn towards(&self, other: &Self, share: f64) -> Self {
         let between = |from: f64, to: f64| from + share * (to - from);
         let number = |from: Estimate, to: Estimate| Estimate {
@@ -202,12 +203,12 @@ mod tests {
             let value = channel.of_vehicle(&middle).expect("there");
             assert!(value.value.is_finite() && value.sigma >= 0.0, "{channel:?} {value:?}");
         }
-        // A few of a long drive see what is around their window too.
+        // A short window of a long drive includes the adjacent instants.
         let some = way.pieces([middle.time_s, middle.time_s + 1.0]).map(<[_]>::len).sum::<usize>();
         assert!((10..=13).contains(&some), "{some}");
     }
 
-    /// The scene reads the vehicle off the motion at the time of the cursor, the pane of channels off its way.
+    /// The scene reads the vehicle from the motion at the cursor's time, the channels pane from its path.
     #[test]
     fn at_the_cursor_the_way_is_where_the_scene_has_the_vehicle() {
         let deployment = Sample::Warthog.open().expect("built in");
@@ -225,7 +226,7 @@ mod tests {
             off_sigmas.push(wrap_to_pi(vehicle.yaw_rad() - heading.value).abs() / heading.sigma);
         }
         off_sigmas.sort_by(f64::total_cmp);
-        // Where it begins to turn, a line of a tenth of a second is up to 0.9 σ off.
+        // At the beginning of a turn, a linear interpolation over a tenth of a second deviates by up to 0.9 σ.
         let share = |percent: usize| off_sigmas[off_sigmas.len() * percent / 100];
         assert!(share(50) < 0.05 && share(98) < 0.5, "{} σ, {} σ", share(50), share(98));
     }

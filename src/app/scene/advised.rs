@@ -1,4 +1,4 @@
-//! What to drive next in a live deployment: an arrow along the way from where the vehicle is.
+//! The advised next move in a live deployment: an arrow along the path from the vehicle's position.
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
@@ -7,12 +7,12 @@ use super::vertices::{LineVertex, WORLD, f32s, opaque};
 use resect_core::palette;
 
 const WIDTH_POINTS: f32 = 4.0;
-/// Length of the arrow's head (m), and half its opening (rad).
+/// Length of the arrow's head (m), and half its opening angle (rad).
 const HEAD_M: f64 = 1.2;
 const OPENING_RAD: f64 = 0.5;
 
 impl SceneContent {
-    /// Draws the way to drive at a height (m), in the frame of station 1; an empty one takes it away.
+    /// Draws the path to drive at a height (m), in the frame of station 1; an empty path removes it.
     pub fn set_advised(&mut self, way_m: &[Vector2<f64>], height_m: f64) {
         self.advised.clear();
         for pair in way_m.windows(2) {

@@ -1,16 +1,16 @@
-//! Where the vehicle went in other open runs, a line each in the frame of the active one.
+//! Paths of the vehicle in other open runs, one line each in the frame of the active run.
 
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s, opaque};
 use crate::app::prepared::beside::RunBeside;
 use resect_core::palette;
 
-/// So many lines of one run at most.
+/// Greatest number of line segments of one run.
 const MOST_LINES: usize = 20_000;
 const WIDTH_POINTS: f32 = 2.0;
 
 impl SceneContent {
-    /// Draws the ways of other runs; none takes them away.
+    /// Draws the paths of other runs; an empty slice removes them.
     pub fn set_beside(&mut self, runs: &[RunBeside]) {
         self.beside.clear();
         for (number, run) in runs.iter().enumerate() {

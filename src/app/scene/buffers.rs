@@ -1,4 +1,4 @@
-//! Vertex buffers, written when what they hold changes.
+//! Vertex buffers, rewritten when their content changes.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub struct LayerBuffers {
     pub lines: VertexBuffer,
 }
 
-/// Places and colours of a cloud, each written without the other.
+/// Positions and colours of a cloud, each written independently of the other.
 #[derive(Default)]
 pub struct CloudBuffers {
     version: Option<u64>,
@@ -62,21 +62,21 @@ impl CloudBuffers {
         }
     }
 
-    /// Draws some of the points, each as an instance.
+    /// Draws a range of points, each as an instance.
     pub fn draw_points(&self, pass: &mut wgpu::RenderPass<'_>, range: &Range<usize>) {
         self.draw(pass, range.len(), &[(&self.points, range.start), (&self.colours, range.start)]);
     }
 
-    /// Draws the lines between some of the points and the next ones; the shader leaves out those that are not joined.
+    /// Draws the lines from each point of a range to the next; the shader omits pairs that are not joined.
     pub fn draw_lines(&self, pass: &mut wgpu::RenderPass<'_>, range: &Range<usize>) {
         let next = range.start + 1;
         let from = [(&self.points, range.start), (&self.points, next), (&self.colours, next)];
         self.draw(pass, range.len().saturating_sub(1), &from);
     }
 
-    /// Instances whose attributes come from several buffers, each from some element on.
+    /// Draws instances whose attributes come from several buffers, each from an offset on.
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, count: usize, from: &[(&VertexBuffer, usize)]) {
-        // A cloud and its colours are of the same analysis; were they not, nothing would be read beyond an end.
+        // Clouds and colours belong to the same analysis; this check prevents a read beyond the end if they ever do not.
         let there = |(vertices, start): &(&VertexBuffer, usize)| {
             vertices.buffer.is_some() && start + count <= vertices.count as usize
         };
@@ -94,7 +94,7 @@ impl CloudBuffers {
 }
 
 impl VertexBuffer {
-    /// Keeps the buffer while the vertices fit.
+    /// Writes vertices; reuses the buffer while they fit.
     fn write<V: bytemuck::Pod>(
         &mut self,
         device: &wgpu::Device,
@@ -121,7 +121,7 @@ impl VertexBuffer {
         }
     }
 
-    /// Draws all, each vertex as an instance.
+    /// Draws all vertices, each as an instance.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(buffer) = self.buffer.as_ref().filter(|_| self.count > 0) {
             pass.set_vertex_buffer(0, buffer.slice(..));

@@ -1,4 +1,4 @@
-//! What the colours of readings and tracks mean, and the colours themselves.
+//! Colours of readings and tracks, and their meaning.
 
 use rayon::prelude::*;
 
@@ -13,42 +13,42 @@ use resect_core::pipeline::SampleFate;
 /// The colours of a continuous scale, from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// The name of the quantity, with its unit.
+    /// Name of the quantity, with its unit.
     pub title: &'static str,
     pub low: f64,
     pub high: f64,
-    /// Whether values above `high` are there; they have its colour.
+    /// True if some values exceed `high`; they have its colour.
     pub exceeded: bool,
 }
 
-/// Red, green, blue, and what else the shader must know of a point.
+/// Red, green, blue, and flags of the point for the shader.
 pub type PointColour = [u8; 4];
 
-/// Bit of a large point; in the last byte of a colour the lowest two bits are the station's number.
+/// Bit of a large point. The lowest two bits of a colour's last byte are the station's index.
 const LARGE: u8 = 4;
-/// The track goes on from the point before.
+/// Bit of a point that is joined to the one before.
 const JOINED: u8 = 8;
-/// Above these bits a reading has the number of its fate.
+/// Bits above this one are the number of a reading's fate.
 const FATE_SHIFT: u8 = 4;
 
-/// The fate of a reading of this colour, as its place in [`SampleFate::ALL`].
+/// Returns the fate of a reading of this colour, as its index in [`SampleFate::ALL`].
 pub fn fate_of(colour: PointColour) -> usize {
     usize::from(colour[3] >> FATE_SHIFT)
 }
 
-/// Colours of every reading and of every point of the tracks, in the clouds' order.
+/// Colours of every reading and of every point of the tracks, in the order of the clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Colours {
     pub raw: Vec<PointColour>,
     pub tracks: Vec<PointColour>,
     pub scale: Option<Scale>,
-    /// Whether some have no value, and are grey.
+    /// True if some points have no value and are grey.
     pub some_without_value: bool,
 }
 
 impl Colours {
-    /// Goes once through all points, each station on a thread of its own: 10 to 40 ms for a million readings and as many
-    /// triplets, which is why it is not done in every frame.
+    /// Computes the colours of all points, one thread for each station. It takes 10 to
+    /// 40 ms for a million readings and as many triplets, too long for every frame.
     pub fn of(deployment: &Deployment, analysis: &Analysis, colouring: Colouring) -> Self {
         match colouring {
             Colouring::Fate => Self::by_group(
@@ -85,7 +85,7 @@ impl Colours {
         }
     }
 
-    /// Colours of what each station's readings and tracks have.
+    /// Computes the colours of each station's readings and tracks.
     fn by_station(
         analysis: &Analysis,
         raw: impl Fn(usize) -> Vec<PointColour> + Sync,
@@ -128,7 +128,7 @@ impl Colours {
         Self::by_station(analysis, raw, track)
     }
 
-    /// Colours by values that each station has at every triplet; a reading has that of the nearest one.
+    /// Computes colours from values of each station at every triplet; a reading has the value of the nearest triplet.
     fn by_triplet(
         deployment: &Deployment,
         analysis: &Analysis,
@@ -168,7 +168,7 @@ impl Colours {
     }
 }
 
-/// A scale in as many steps as the eye can tell apart, worked out once.
+/// A colour scale with as many steps as the eye can distinguish, tabulated.
 struct Ramp {
     low: f64,
     steps_per_unit: f64,
@@ -183,7 +183,7 @@ impl Ramp {
     }
 
     fn colour(&self, value: f64) -> Rgb {
-        // The cast ends at 0 and 255.
+        // The cast saturates at 0 and 255.
         self.steps[usize::from(((value - self.low) * self.steps_per_unit + 0.5) as u8)]
     }
 }
@@ -192,7 +192,7 @@ fn point([r, g, b]: Rgb, station: usize, style: u8) -> PointColour {
     [r, g, b, station as u8 | style]
 }
 
-/// The kept interval of each reading that interpolation uses.
+/// Returns the kept interval of each reading that interpolation uses.
 fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Vec<Option<u32>> {
     let kept = &analysis.pipeline.kept_intervals;
     let fates = &analysis.pipeline.fates[station].each;
@@ -200,7 +200,7 @@ fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Ve
     (deployment.tracks[station].measurements.iter().zip(fates))
         .map(|(m, fate)| {
             while at + 1 < kept.len() && m.time_s > kept[at].end_s {
-                // The reading that brackets the end is still this interval's.
+                // The reading that brackets the end still belongs to this interval.
                 if *fate == SampleFate::Kept && m.time_s < kept[at + 1].start_s {
                     let (after, before) =
                         (m.time_s - kept[at].end_s, kept[at + 1].start_s - m.time_s);
@@ -215,8 +215,8 @@ fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Ve
         .collect()
 }
 
-/// Larger |distance error| of the two pairs that each prism is part of, at every triplet (mm); empty where
-/// there is no answer, or no distance to compare with.
+/// Larger |distance error| of the two pairs that contain a prism, at every triplet
+/// (mm); empty without a calibration, or without a distance to compare with.
 fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
     let Ok(answer) = &analysis.answer else { return Default::default() };
     let errors = &answer.evaluation.distance_errors_mm;
@@ -229,11 +229,11 @@ fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
     })
 }
 
-/// Values to look at, at most, and the share of them that the scale spans.
+/// Greatest number of values to sample, and the share of them that the scale spans.
 const MOST_LOOKED_AT: usize = 20_000;
 const SPANNED: f64 = 0.98;
 
-/// A scale from zero to what nearly all values stay below: a few wild ones must not make the rest one colour.
+/// Returns a scale from zero to a bound of nearly all values: a few outliers must not give the rest one colour.
 fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
     let count: usize = values.iter().map(|values| values.len()).sum();
     let step = count.div_ceil(MOST_LOOKED_AT).max(1);
@@ -244,7 +244,7 @@ fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
     Scale { title, low: 0.0, high, exceeded: some.last().is_some_and(|most| *most > high) }
 }
 
-/// The next number of two digits.
+/// Rounds up to two significant digits.
 fn round_up(value: f64) -> f64 {
     let unit = 10_f64.powf(value.max(1e-6).log10().floor() - 1.0);
     (value / unit).ceil() * unit
@@ -314,7 +314,7 @@ mod tests {
                 let inside = kept.iter().position(|i| i.start_s <= m.time_s && m.time_s <= i.end_s);
                 let Some(owner) = owner else { continue };
                 seen[owner as usize] = true;
-                // Those that bracket an interval are its own, and lie just outside.
+                // Readings that bracket an interval belong to it, and lie just outside.
                 let own = kept[owner as usize];
                 let beside = (own.start_s - m.time_s).max(m.time_s - own.end_s);
                 assert!(inside == Some(owner as usize) || beside < 2.0, "{beside}");

@@ -1,4 +1,4 @@
-//! What is drawn: points and lines, each in the frame of its station. [`super::rebuild`] makes it.
+//! Content of the scene: points and lines, each in the frame of its station. [`super::rebuild`] builds it.
 
 use std::sync::Arc;
 
@@ -19,39 +19,39 @@ use resect_core::geometry::RigidTransform;
 /// Everything in the scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneContent {
-    /// Readings and tracks, with the number of their newest change.
+    /// Readings and tracks, with their version number.
     pub clouds: Clouds,
     pub clouds_version: u64,
-    /// Colours of the readings and tracks, with the number of their newest change.
+    /// Colours of the readings and tracks, with their version number.
     pub colours: Colours,
     pub colours_version: u64,
     /// The stations whose readings, and whose tracks, are drawn.
     pub raw_shown: [bool; 3],
     pub tracks_shown: [bool; 3],
-    /// A bit for each fate whose readings are drawn.
+    /// Bit mask of the fates whose readings are drawn.
     pub shown_fates: u32,
-    /// What stands out (s since the first measurement).
+    /// Highlighted span of time (s since the first measurement).
     pub selection_s: Option<[f32; 2]>,
     /// The selected span in the stations' clock (s).
     pub(super) selected_s: Option<[f64; 2]>,
-    /// The vehicle along its way.
+    /// Poses of the vehicle along its path.
     pub(super) poses: Vec<VehicleAt>,
     pub along: Layer,
-    /// How well the vehicle's way is known.
+    /// Uncertainty of the vehicle's path.
     pub tube: Layer,
-    /// What to drive next in a live deployment.
+    /// Advised next move in a live deployment.
     pub advised: Layer,
-    /// Where the vehicle went in other open runs.
+    /// Paths of the vehicle in other open runs.
     pub beside: Layer,
     /// Trajectories of other systems, coloured by their errors.
     pub estimates: Layer,
-    /// Their names, each where it ends.
+    /// Names of these trajectories, each at its end.
     pub(super) estimate_labels: Vec<Label>,
-    /// The error at the end of their colours (m); `None` where there are none.
+    /// Error at the upper end of their colour scale (m); `None` without trajectories.
     pub worst_m: Option<f64>,
-    /// The grid; changes with the camera.
+    /// The grid; depends on the camera.
     pub ground: Layer,
-    /// Changes with the analysis and the visibility.
+    /// Depends on the analysis and the visibility.
     pub data: Layer,
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
@@ -61,32 +61,32 @@ pub struct SceneContent {
     /// The prism triangle at the time under the pointer.
     pub hover: Layer,
     pub ruler: Layer,
-    /// Frames of stations 1–3 into the world, which is station 1's frame; `None` without a place.
+    /// Transforms from the frames of stations 1–3 to the world, which is station 1's frame; `None` if unknown.
     pub station1_from_station: [Option<RigidTransform>; 3],
-    /// Frames of their tracks into the world: none where the answer is about another frame than theirs.
+    /// Transforms from the frames of their tracks to the world: `None` if the calibration is of another frame than theirs.
     pub station1_from_tracks: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
     pub landmarks: Vec<Landmark>,
-    /// Corners of the box around stations and readings, shown or not (m); `None` when there is nothing.
+    /// Corners of the bounding box of stations and readings, shown or not (m); `None` if there are none.
     pub bounds_m: Option<(Vector3<f32>, Vector3<f32>)>,
-    /// A sample of what is shown, for the camera to look at.
+    /// A sample of the visible points, for fitting the camera.
     pub outline_m: Vec<Vector3<f32>>,
     pub grid: Option<Grid>,
-    /// The three prisms at the cursor in station 1's frame, where all have a place.
+    /// The three prisms at the cursor (m, station 1's frame); `None` unless all have a position.
     pub prisms_m: Option<[Vector3<f64>; 3]>,
-    /// The middle of the prisms at the cursor, ghosts too (m, in station 1's frame): what the camera goes with.
+    /// Mean of the prisms at the cursor, ghosts included (m, station 1's frame), which the camera follows.
     pub middle_m: Option<Vector3<f64>>,
-    /// The vehicle's pose at the cursor, where the rig is known.
+    /// Pose of the vehicle at the cursor, if the rig is known.
     pub pose: Option<VehicleAt>,
-    /// Whether ellipsoids of the interpolation are drawn, and of the stations.
+    /// True if ellipsoids of the interpolation, and of the stations, are drawn.
     pub track_ellipsoids: bool,
     pub station_ellipsoids: bool,
-    /// How many arrows of the control points' residuals are longer than they are drawn; `None` where there are none.
+    /// Number of residual arrows of control points that are cut short; `None` without arrows.
     pub residuals: Option<usize>,
 }
 
 impl SceneContent {
-    /// Takes in clouds; nothing is done with those that are there already.
+    /// Replaces the clouds; does nothing if they are the same.
     pub fn set_clouds(&mut self, clouds: &Clouds) {
         let same = Arc::ptr_eq(&self.clouds.raw, &clouds.raw)
             && Arc::ptr_eq(&self.clouds.tracks, &clouds.tracks);
@@ -96,7 +96,7 @@ impl SceneContent {
         }
     }
 
-    /// Whether a reading is drawn.
+    /// Returns true if a reading is drawn.
     pub fn shows_reading(&self, picked: Picked) -> bool {
         let (cloud, Picked { station, index }) = (&self.clouds.raw, picked);
         let shown = self.raw_shown.get(station).copied().unwrap_or(false);
@@ -104,7 +104,7 @@ impl SceneContent {
         colour.is_some_and(|colour| self.shown_fates >> fate_of(*colour) & 1 == 1)
     }
 
-    /// Goes through all points; to be called when analysis or colouring changed.
+    /// Recomputes the colours of all points; to be called when the analysis or the colouring has changed.
     pub fn colour(&mut self, deployment: &Deployment, analysis: &Analysis, colouring: Colouring) {
         self.colours = Colours::of(deployment, analysis, colouring);
         self.colours_version += 1;

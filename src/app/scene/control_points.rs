@@ -1,4 +1,4 @@
-//! Control points as each station sees them, and how far these versions are from their mean.
+//! Control points as observed by each station, and the deviations of these positions from their mean.
 
 use nalgebra::Vector3;
 
@@ -12,15 +12,15 @@ use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
 
-/// Half the length of a cross (m), of one size so that the stations' versions of a point can be told apart.
+/// Half the length of a cross (m); constant, so that the stations' observations of a point can be distinguished.
 const ARM_M: f32 = 0.35;
-/// Length of an arrow's head over that of the arrow.
+/// Length of an arrow's head relative to the arrow.
 const HEAD: f32 = 0.2;
-/// Greatest length of an arrow over the extent of all points.
+/// Greatest length of an arrow relative to the extent of all points.
 const LONGEST: f64 = 0.05;
 
 impl SceneContent {
-    /// Adds what a station makes of the control points, each with its name.
+    /// Adds the positions of the control points as observed by a station, each with its name.
     pub fn add_control_points(
         &mut self,
         deployment: &Deployment,
@@ -55,10 +55,10 @@ impl SceneContent {
         }
     }
 
-    /// Adds arrows from each point's mean to what the visible stations make of it, so many times longer than true.
+    /// Adds arrows from each point's mean to its position by each visible station, enlarged by a factor.
     ///
-    /// Arrows of a wrong answer would cover everything: longer ones are cut, and have no head. Gives how many; `None` where
-    /// there are no arrows.
+    /// Arrows of a wrong calibration would cover everything: longer ones are cut
+    /// and have no head. Returns the number of cut arrows; `None` without arrows.
     pub fn add_residuals(
         &mut self,
         deployment: &Deployment,
@@ -91,7 +91,7 @@ impl SceneContent {
     fn add_arrow(&mut self, [from, tip]: [Vector3<f32>; 2], colour: Rgb) {
         self.add_arrow_line([from, tip], colour);
         let Some(back) = (from - tip).try_normalize(1e-6) else { return };
-        // Any side will do for an arrow that points up.
+        // Any side is suitable for a vertical arrow.
         let side = back.cross(&Vector3::z()).try_normalize(0.1).unwrap_or_else(Vector3::x);
         for side in [side, -side] {
             let barb = tip + HEAD * (from - tip).norm() * (back + 0.5 * side);

@@ -1,4 +1,4 @@
-//! Buttons in the scene's corner: where to look from, the ruler, and what colours mean.
+//! Buttons in the scene's corner: view presets, the ruler, and the colouring.
 
 use egui::{Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
@@ -7,11 +7,11 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::palette;
 
-/// Wide enough for all in one row beside the legend; narrower pictures have two.
+/// Least width for all controls in one row beside the legend (points); narrower pictures have two rows.
 const ONE_ROW_POINTS: f32 = 860.0;
 const MARGIN: f32 = 8.0;
 
-/// Shows the controls in the upper right corner; gives the place they take, whose size is `size`.
+/// Shows the controls in the upper right corner; returns their rectangle. `size` is their size in the last frame.
 pub fn ui(
     ui: &mut egui::Ui,
     rect: Rect,
@@ -21,7 +21,7 @@ pub fn ui(
 ) -> Rect {
     let corner = Pos2::new(rect.right() - MARGIN - size.x, rect.top() + 6.0);
     let room = Rect::from_min_max(corner, rect.right_bottom());
-    // Left to right, so that Tab goes the way people read; the width is known once it was drawn.
+    // Left to right, so that Tab follows the reading order; the width is known after the first frame.
     let response = ui.scope_builder(egui::UiBuilder::new().max_rect(room), |ui| {
         ui.spacing_mut().item_spacing = Vec2::splat(4.0);
         if rect.width() >= ONE_ROW_POINTS {
@@ -55,10 +55,10 @@ pub fn ui(
 
 type Preset = (&'static str, ViewPreset, &'static str);
 
-/// Name, what it does, hint.
+/// Name, preset, hint.
 const PRESETS: [Preset; 5] = [
     ("Fit", ViewPreset::Fit, "Show all that is not hidden (F, or double-click)"),
-    ("3D", ViewPreset::Slanted, "From above at a slant, in perspective (D)"),
+    ("3D", ViewPreset::Slanted, "Oblique view from above, in perspective (D)"),
     ("Top", ViewPreset::Top, "Look down, x to the right, all lengths true (T)"),
     ("Front", ViewPreset::Front, "Look along y, x to the right, all lengths true (R)"),
     ("Side", ViewPreset::Side, "Look against x, y to the right, all lengths true (S)"),
@@ -87,7 +87,7 @@ fn stations(ui: &mut egui::Ui, commands: &mut Commands) {
 }
 
 fn ruler(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let hint = "Click two places to measure between them: readings, tracks, stations, control points, prisms at the \
+    let hint = "Click two points to measure between them: readings, tracks, stations, control points, prisms at the \
                 cursor. Esc clears";
     let active = state.scene.ruler.active;
     let button = ui.add(egui::Button::selectable(active, "Ruler").frame_when_inactive(true));
@@ -128,7 +128,7 @@ fn heights(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             }
         });
     combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Heights drawn"));
-    combo.response.on_hover_text("How many times higher than true everything is drawn");
+    combo.response.on_hover_text("Vertical exaggeration of the drawing");
     if scale != state.scene.options.height_scale {
         commands.push(
             SceneCommand::SetOptions(SceneOptions { height_scale: scale, ..state.scene.options })

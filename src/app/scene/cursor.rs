@@ -12,7 +12,7 @@ use resect_core::palette;
 use resect_core::palette::Rgb;
 
 impl SceneContent {
-    /// Puts the rig at a time (s, in the stations' clock), or takes it away.
+    /// Draws the rig at a time (s, in the stations' clock), or removes it.
     pub fn set_cursor(
         &mut self,
         deployment: &Deployment,
@@ -42,7 +42,7 @@ impl SceneContent {
             }
             RigAt::LastRead(prisms) => {
                 self.ghosts = ghosts::placed(&prisms, &transforms);
-                // A reading that was rejected may be anywhere.
+                // A rejected reading may be at any position.
                 self.ghosts.map(|ghost| Some(ghost.filter(|it| !it.rejected)?.position_m))
             }
         };
@@ -52,7 +52,7 @@ impl SceneContent {
         }
     }
 
-    /// Puts a faint triangle where another pane's pointer is in time, or takes it away.
+    /// Draws a faint triangle at the time under another pane's pointer, or removes it.
     pub fn set_hover(&mut self, analysis: &Analysis, instant: Option<usize>, colour: Rgb) {
         if instant.is_none() && self.hover.points.is_empty() {
             return;
@@ -65,7 +65,7 @@ impl SceneContent {
         self.hover.lines.extend(lines);
     }
 
-    /// The prisms whose stations have a place, joined where all have one.
+    /// Returns the prisms whose stations have a pose, joined if all three have one.
     fn triangle(
         &self,
         corners_m: &[Vector3<f64>; 3],
@@ -125,7 +125,7 @@ mod tests {
             Self { deployment, analysis, content }
         }
 
-        /// What is drawn of the rig at a time: discs, lines, ghosts.
+        /// Counts of the discs, lines and ghosts of the rig at a time.
         fn at(&mut self, time_s: f64) -> [usize; 3] {
             self.content.set_cursor(&self.deployment, &self.analysis, Some(time_s), [0; 3]);
             let Self { content, .. } = self;
@@ -133,7 +133,7 @@ mod tests {
             [content.cursor.points.len(), content.cursor.lines.len(), ghosts]
         }
 
-        /// The longest gap between two intervals (s).
+        /// Returns start and end of the longest gap between two intervals (s).
         fn gap_s(&self) -> [f64; 2] {
             let intervals = &self.analysis.pipeline.kept_intervals;
             let gaps = intervals.windows(2).map(|two| [two[0].end_s, two[1].start_s]);

@@ -1,4 +1,4 @@
-//! Trajectories of other systems in the scene: where they say the vehicle was, coloured by how far off that is.
+//! Trajectories of other systems in the scene, coloured by their errors.
 
 use super::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, f32s, opaque};
@@ -7,18 +7,18 @@ use resect_core::estimates::errors::EpochError;
 use resect_core::palette;
 use resect_core::statistics::quantiles;
 
-/// The colours end at this share of all errors: one outlier must not make the rest one colour.
+/// Share of all errors that the colours span: one outlier must not give the rest one colour.
 const SHOWN: f64 = 0.98;
-/// A line is broken where there is no ground truth for longer (s).
+/// Longest gap in the ground truth that a line bridges (s).
 const GAP_S: f64 = 1.0;
-/// So many lines of one trajectory at most.
+/// Greatest number of line segments of one trajectory.
 const MOST_LINES: usize = 20_000;
-/// Wider than the tracks, which lie on it where it is right; about it a line in the trajectory's own colour.
+/// Line width, wider than the tracks, which a correct trajectory covers; the outline has the trajectory's own colour.
 const WIDTH_POINTS: f32 = 5.0;
 const OUTLINE_POINTS: f32 = 8.0;
 
 impl SceneContent {
-    /// Draws trajectories that were judged, aligned, where there is ground truth; each with the number of its colour.
+    /// Draws evaluated trajectories, aligned, where there is ground truth; each with the number of its colour.
     pub fn set_estimates(&mut self, judged: &[(usize, &Judged)]) {
         self.estimates.clear();
         self.estimate_labels.clear();
@@ -28,7 +28,7 @@ impl SceneContent {
         let Some(worst_m) = self.worst_m else { return };
         let by_error =
             |error: &EpochError| palette::continuous((error.position_m.norm() / worst_m) as f32);
-        // What is drawn later lies on what was: the errors of all on the outlines of all.
+        // Later lines cover earlier ones: first all outlines, then all errors.
         for (number, one) in judged {
             let outline = palette::estimate(*number);
             self.add_estimate(&one.errors, OUTLINE_POINTS, |_| outline);

@@ -1,4 +1,4 @@
-//! How far the scene reaches, and what of it the camera has to get into the picture.
+//! Extent of the scene, and the sample of it to which the camera fits.
 
 use nalgebra::Vector3;
 
@@ -7,13 +7,13 @@ use crate::app::model::{Picked, Visibility};
 use resect_core::analysis::Analysis;
 use resect_core::pipeline::SampleFate;
 
-/// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
+/// Number of points to which the camera fits, and number of points sampled from a station.
 const OUTLINE_POINTS: usize = 2000;
 const ASKED_POINTS: usize = 4000;
 
 impl SceneContent {
-    /// Finds the box around stations and readings, shown or not: hiding something moves neither the grid nor the limits of
-    /// the camera.
+    /// Computes the bounding box of stations and readings, shown or not, so that
+    /// hiding something moves neither the grid nor the limits of the camera.
     pub fn find_bounds(&mut self, analysis: &Analysis) {
         let stations = self.station1_from_station.iter().flatten();
         let mut all: Vec<Vector3<f32>> = stations.map(|t| t.translation_m.cast::<f32>()).collect();
@@ -26,7 +26,7 @@ impl SceneContent {
         self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
     }
 
-    /// Finds the outline of what is shown; of everything, where nothing is.
+    /// Samples the outline of the visible points; of all points if none is visible.
     pub fn find_outline(&mut self, analysis: &Analysis, visibility: &Visibility) {
         let fitted_in = self.landmarks.iter().filter(|landmark| landmark.fitted_in);
         let mut seen: Vec<Vector3<f32>> =
@@ -43,7 +43,7 @@ impl SceneContent {
             seen.extend(self.readings_m(station, |index| shown(index) && !is_wild(index)));
             wild.extend(self.readings_m(station, |index| shown(index) && is_wild(index)));
         }
-        // Outliers may lie anywhere; they must not push the rest into a corner, unless there is no rest.
+        // Outliers may be at any position; they count only if there is nothing else.
         if seen.len() == landmarks {
             seen.append(&mut wild);
         }
@@ -51,7 +51,7 @@ impl SceneContent {
             seen.extend(self.bounds_m.iter().flat_map(|(low, high)| [*low, *high]));
         }
         let step = seen.len().div_ceil(OUTLINE_POINTS).max(1);
-        // Thinning must lose neither a station nor a control point: they come first.
+        // Thinning must keep every station and control point: they come first.
         let (landmarks, points) = seen.split_at(landmarks);
         self.outline_m = landmarks.iter().chain(points.iter().step_by(step)).copied().collect();
     }
@@ -67,7 +67,7 @@ impl SceneContent {
         matches!(fate, Some(SampleFate::Rejected(_) | SampleFate::LeftOut))
     }
 
-    /// Some of a station's readings in station 1's frame, where they have a place.
+    /// Returns some of a station's readings in station 1's frame; empty if the station has no pose.
     fn readings_m(&self, station: usize, wanted: impl Fn(usize) -> bool) -> Vec<Vector3<f32>> {
         let Some(transform) = self.station1_from_tracks[station] else { return Vec::new() };
         let points = self.clouds.raw.station(station);

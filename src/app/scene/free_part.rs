@@ -1,10 +1,10 @@
-//! What of the picture is not covered by the controls and the legend.
+//! The rectangle of the picture that controls and legend do not cover.
 
 use egui::Rect;
 
 use crate::app::model::Frame;
 
-/// The largest part of a picture that stays when a side is cut off for each thing that lies over it.
+/// Returns the largest free rectangle of a picture after cutting off one side for each overlay.
 pub fn free_part(picture: Rect, over: &[Rect]) -> Rect {
     over.iter().fold(picture, |free, over| {
         if !free.intersects(*over) {
@@ -21,9 +21,9 @@ pub fn free_part(picture: Rect, over: &[Rect]) -> Rect {
     })
 }
 
-/// A picture and its free part as the camera takes them.
+/// Returns a picture and its free rectangle as the camera's frame.
 pub fn frame(picture: Rect, free: Rect) -> Frame {
-    // Where next to nothing is free, the camera looks as if nothing were covered.
+    // If almost nothing is free, the camera ignores the overlays.
     let [least_width, least_height] = [picture.width(), picture.height()].map(|side| 0.2 * side);
     let free =
         if free.width() < least_width || free.height() < least_height { picture } else { free };

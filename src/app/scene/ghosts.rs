@@ -1,4 +1,4 @@
-//! Ghosts: prisms at a time of which there is no triplet, each where it was last read.
+//! Ghosts: prisms at a time without a triplet, each at its last reading.
 
 use egui::{Painter, Pos2, Shape, Stroke, Vec2};
 use nalgebra::Vector3;
@@ -9,18 +9,18 @@ use crate::app::theme;
 use resect_core::geometry::RigidTransform;
 use resect_core::palette;
 
-/// A prism where it was last read.
+/// A prism at its last reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
-    /// Where it was (m, in station 1's frame).
+    /// Position of the prism (m, station 1's frame).
     pub position_m: Vector3<f64>,
-    /// How long ago it was read (s).
+    /// Age of the reading (s).
     pub age_s: f64,
-    /// Whether the reading was rejected: the prism was hardly there.
+    /// True if the reading was rejected: the prism was probably elsewhere.
     pub rejected: bool,
 }
 
-/// Ghosts of what was last read, where the tracks have a place.
+/// Returns the ghosts of the last readings, for tracks with a pose.
 pub fn placed(
     last_read: &[Option<LastRead>; 3],
     station1_from_tracks: &[Option<RigidTransform>; 3],
@@ -32,13 +32,13 @@ pub fn placed(
     })
 }
 
-/// Radius of a ghost, larger than the disc of a prism, and its line (points).
+/// Radius of a ghost, larger than the disc of a prism, and width of its line (points).
 const RADIUS: f32 = 7.0;
 const WIDTH: f32 = 2.0;
-/// How much of its colour is inside, and how much of all is left when it goes.
+/// Opacity of the inside, and of the whole ghost at its greatest age.
 const INSIDE: f32 = 0.25;
 const LEFT_AT_LAST: f32 = 0.35;
-/// Dashes around a ghost, and corners of each.
+/// Number of dashes around a ghost, and of corners of each.
 const DASHES: usize = 6;
 const CORNERS: usize = 4;
 
@@ -50,7 +50,7 @@ pub fn paint(painter: &Painter, projection: &Projection, ghosts: &[Option<Ghost>
         let age = (ghost.age_s / LAST_READ_S) as f32;
         let left = 1.0 - (1.0 - LEFT_AT_LAST) * age;
         let colour = theme::readable(palette::STATIONS[station], dark).gamma_multiply(left);
-        // What lies below must not fill the spaces between the dashes.
+        // The background must not show through between the dashes.
         let ground = theme::scene_background(dark).gamma_multiply(0.8 * left);
         painter.circle_stroke(at, RADIUS, Stroke::new(WIDTH + 2.0, ground));
         painter.circle_filled(at, RADIUS, colour.gamma_multiply(INSIDE));
@@ -59,7 +59,7 @@ pub fn paint(painter: &Painter, projection: &Projection, ghosts: &[Option<Ghost>
 }
 
 fn dashed_ring(painter: &Painter, at: Pos2, stroke: Stroke) {
-    // Spaces half as long as the dashes.
+    // Gaps half as long as the dashes.
     let turn_rad = std::f32::consts::TAU / DASHES as f32;
     let step_rad = turn_rad * 2.0 / 3.0 / CORNERS as f32;
     for dash in 0..DASHES {

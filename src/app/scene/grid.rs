@@ -1,5 +1,4 @@
-//! The grid behind the data: lines at round metres of station 1's frame, as near to each other as the zoom has room for, and
-//! the numbers along its edges.
+//! The grid behind the data: lines at round metres of station 1's frame, as dense as the zoom permits, and numbers along its edges.
 
 use egui::{Pos2, Rect, Vec2};
 use nalgebra::Vector3;
@@ -8,34 +7,34 @@ use super::projection::Projection;
 use super::vertices::{LineVertex, WORLD};
 use crate::app::model::Camera;
 
-/// Lines are at least this far apart where the camera looks (points on the screen), and so many on each side of it.
+/// Least distance of the lines at the camera's target (points), and number of lines on each side of it.
 const SQUARE: f32 = 64.0;
 const LINES: f32 = 16.0;
-/// A view that is less steep than this, from a side, has the grid upright.
+/// Steepness of a side view below which the grid is upright.
 const UPRIGHT: f32 = 0.1;
-/// Numbers stand this far outside of their line, and this far from each other (points on the screen).
+/// Distance of a number from its line, and from the next number (points).
 const NUMBER_OUT: f32 = 12.0;
 const NUMBERS_APART: f32 = 46.0;
-/// What a number takes that says which axis it is on (points on the screen).
+/// Size of a number that names its axis (points).
 const NAMED: Vec2 = Vec2::new(70.0, 14.0);
-/// A line that has this part of the numbers that another has is mostly in the picture.
+/// Share of numbers in view, relative to another line, from which a line counts as mostly in view.
 const MOSTLY: f32 = 0.6;
 
-/// Lines at whole multiples of the spacing, in a plane along two of the axes.
+/// Grid lines at whole multiples of the spacing, in a plane along two of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The axes along the plane, and the one across it (0 for x to 2 for z).
+    /// The axes of the plane, and the one normal to it (0 for x to 2 for z).
     along: [usize; 2],
     across: usize,
     /// Spacing of the lines for each axis along the plane (m): 1, 2 or 5 times a power of ten.
     pub spacing_m: [f32; 2],
-    /// Numbers of the first and last line for each axis.
+    /// Indices of the first and last line for each axis.
     lines: [[i32; 2]; 2],
-    /// Where the plane stands on the axis across it.
+    /// Coordinate of the plane on its normal axis.
     level_m: f32,
 }
 
-/// Text where it is seen.
+/// A text and its position on the screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridNumber {
     pub at: Pos2,
@@ -43,7 +42,7 @@ pub struct GridNumber {
 }
 
 impl Grid {
-    /// The grid around what a camera looks at: on the ground under everything in a box, or behind it in a view from a side.
+    /// Returns the grid around a camera's target: on the ground under a box, or behind it in a view from a side.
     pub fn of(
         camera: &Camera,
         viewport_height: f32,
@@ -69,7 +68,7 @@ impl Grid {
         let lines = std::array::from_fn(|of| {
             let (axis, spacing) = (along[of], spacing_m[of]);
             let target = camera.target_m[axis];
-            // As far as there is something, and where the camera went.
+            // From the data's extent to the camera's target.
             let first = (low[axis].min(target) / spacing).floor() - 1.0;
             let last = (high[axis].max(target) / spacing).ceil() + 1.0;
             let middle = (target / spacing).round();
@@ -101,9 +100,9 @@ impl Grid {
         }));
     }
 
-    /// The spacing in words: one number, or one for each axis.
+    /// Returns the spacing in words: one number, or one for each axis.
     pub fn spacing(&self) -> String {
-        // A tenth in single precision is none when it is written out.
+        // Rounded, since 0.1 in single precision has spurious digits.
         let [first, second] = self.spacing_m.map(|metres| (f64::from(metres) * 1e6).round() / 1e6);
         if first == second {
             return format!("{first} m");
@@ -112,10 +111,10 @@ impl Grid {
         format!("{u} {first} m, {v} {second} m")
     }
 
-    /// Coordinates along a line near each of the two edges that face the eye: the outermost line that is mostly in the
-    /// picture, where the edge itself is not.
+    /// Returns the coordinates along a line near each of the two edges that face the
+    /// eye: the outermost line that is mostly in view, if the edge itself is not.
     ///
-    /// The one of each axis that names it stands where nothing that lies over the picture covers it.
+    /// The number that names its axis is where no overlay covers it.
     pub fn numbers(
         &self,
         projection: &Projection,
@@ -141,8 +140,7 @@ impl Grid {
             .collect()
     }
 
-    /// Numbers along one of the plane's axes beside one of the lines in its direction, as far as they are in the picture;
-    /// the last says what they are.
+    /// Returns the visible numbers along one of the plane's axes, beside a line in its direction; the last names the axis.
     fn row(
         &self,
         projection: &Projection,
@@ -182,15 +180,15 @@ impl Grid {
         numbers.into_iter().map(|(_, number)| number).collect()
     }
 
-    /// The coordinate of a line, with as many decimals as the spacing needs.
+    /// Returns the coordinate of a line, with as many decimals as the spacing needs.
     fn number(&self, of: usize, line: i32) -> String {
-        // Rounded to the millimetre, below which no grid goes.
+        // Rounded to the millimetre, the finest grid.
         let metres = (f64::from(line) * f64::from(self.spacing_m[of]) * 1e3).round() / 1e3;
         metres.to_string()
     }
 }
 
-/// The next longer of 1, 2 and 5 times a power of ten, at least a millimetre.
+/// Rounds up to 1, 2 or 5 times a power of ten, at least a millimetre.
 fn round_up(length_m: f32) -> f32 {
     let length_m = length_m.max(1e-3);
     let decade = 10_f32.powf(length_m.log10().floor());
@@ -198,7 +196,7 @@ fn round_up(length_m: f32) -> f32 {
     steps.into_iter().find(|step| *step >= 0.999 * length_m).unwrap_or(10.0 * decade)
 }
 
-/// Every how manieth line has room for its number, where neighbouring ones are this far apart.
+/// Returns the step between labelled lines, for lines at this distance (points).
 fn step_between(square: f32) -> i32 {
     [1, 2, 5, 10].into_iter().find(|step| *step as f32 * square >= NUMBERS_APART).unwrap_or(20)
 }
@@ -233,7 +231,7 @@ mod tests {
             }
             for (index, number) in numbers.iter().enumerate() {
                 let apart = |other: &GridNumber| other.at.distance(number.at);
-                // The last of x and the first of y may meet in the corner; the placer sees to that.
+                // The last number of x and the first of y may overlap in the corner; the placer prevents that.
                 let next = numbers.get(index + 1).filter(|_| !number.text.contains('='));
                 assert!(next.is_none_or(|next| apart(next) > 0.9 * NUMBERS_APART));
             }
@@ -267,7 +265,7 @@ mod tests {
             camera.zoom(0.85);
             let spacing_m = seen(&camera).0.spacing_m[0];
             let square = spacing_m / camera.metres_per_point(800.0);
-            // Of 1, 2, 5 and 10 each is two and a half times the last at most.
+            // Consecutive spacings of the series 1, 2, 5, 10 differ by a factor of 2.5 at most.
             assert!(square > 0.99 * SQUARE && square < 2.6 * SQUARE, "{square}");
             let digit = spacing_m / 10_f32.powf((1.001 * spacing_m).log10().floor());
             assert!([1.0, 2.0, 5.0].iter().any(|d| (digit - d).abs() < 1e-3), "{spacing_m}");

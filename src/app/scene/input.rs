@@ -1,4 +1,4 @@
-//! What mouse and keyboard do to the camera, and what a click means.
+//! Camera control by mouse and keyboard, and the effects of clicks.
 
 use egui::{EventFilter, Key, Modifiers, Rect};
 
@@ -8,7 +8,7 @@ use super::under_pointer::UnderPointer;
 use crate::app::model::{Commands, SceneCommand, TimeCommand, View, ViewPreset};
 use crate::app::state::State;
 
-/// A press of a key turns or moves the camera as far as a drag so long (points).
+/// Length of the drag to which one key press corresponds (points).
 const KEY_DRAG: f32 = 14.0;
 const KEY_ZOOM: f32 = 1.15;
 
@@ -41,7 +41,7 @@ pub fn move_camera(
             view.flight = None;
             let factor = (-0.004 * scroll).exp() / pinch;
             view.camera.zoom(factor);
-            // What is under the pointer stays there, unless the camera goes with the rig.
+            // The point under the pointer stays there, unless the camera follows the rig.
             if let Some(pointer) = response.hover_pos().filter(|_| !state.scene.options.follow) {
                 let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
                 view.camera.pan(shift.into(), rect.height());
@@ -50,7 +50,7 @@ pub fn move_camera(
     }
 }
 
-/// Keys while the scene has the focus: arrows turn, with shift they move, + and − zoom, Esc clears the ruler.
+/// Handles keys while the scene has the focus: arrows rotate, with shift they pan, + and − zoom, Esc clears the ruler.
 pub fn take_keys(
     view: &mut View,
     ui: &egui::Ui,
@@ -63,7 +63,7 @@ pub fn take_keys(
         return;
     }
     let measuring = state.scene.ruler.active || !state.scene.ruler.ends.is_empty();
-    // Without a ruler Esc leaves the scene, as everywhere.
+    // Without a ruler Esc leaves the scene, as in other panes.
     let filter = EventFilter {
         horizontal_arrows: true,
         vertical_arrows: true,
@@ -76,14 +76,14 @@ pub fn take_keys(
         let of = |less, more| presses(modifiers, more) - presses(modifiers, less);
         [of(Key::ArrowLeft, Key::ArrowRight), of(Key::ArrowUp, Key::ArrowDown)]
     };
-    // With shift first: plain arrows match whatever is held beside them.
+    // Shift first: plain arrows match with any modifier.
     let pan = arrows(Modifiers::SHIFT);
     let orbit = arrows(Modifiers::NONE);
     let closer = presses(Modifiers::NONE, Key::Plus) + presses(Modifiers::NONE, Key::Equals);
     let further = presses(Modifiers::NONE, Key::Minus);
     if pan != [0.0; 2] || orbit != [0.0; 2] || closer != further {
         view.flight = None;
-        // The scene goes the way of the arrow when it turns, the camera when it moves.
+        // Orbiting moves the scene in the direction of the arrow, panning moves the camera.
         view.camera.orbit(orbit.map(|presses| KEY_DRAG * presses));
         view.camera.pan(pan.map(|presses| -KEY_DRAG * presses), rect.height());
         view.camera.zoom(KEY_ZOOM.powf(further - closer));
@@ -93,9 +93,8 @@ pub fn take_keys(
     }
 }
 
-/// A click sets an end of the ruler while that is in use; otherwise it picks a reading, moves the cursor to a point
-/// of a track, or beside everything lets go of what was picked. A double-click comes to what it is on, or beside everything
-/// fits all of it in.
+/// Handles a click. It sets an end of the ruler while that is active. Otherwise it picks a reading, moves the cursor to a point of a track,
+/// or on the background clears the selection. A double-click flies to the point under it, or on the background fits everything.
 pub fn click(
     content: &SceneContent,
     response: &egui::Response,

@@ -1,4 +1,4 @@
-//! Text over the picture, none on top of another.
+//! Labels over the picture, placed without overlap.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
 
@@ -8,26 +8,26 @@ use super::projection::Projection;
 use super::vertices::{Label, Rank};
 use crate::app::theme;
 
-/// The part of the picture that a station's point covers.
+/// Size of a station's point in the picture.
 const STATION: Vec2 = Vec2::splat(9.0);
 
-/// Gives out places that are still free.
+/// Assigns free rectangles to labels.
 pub struct Placer {
     area: Rect,
-    /// What lies over the picture.
+    /// Overlays on the picture.
     over: Vec<Rect>,
     taken: Vec<Rect>,
-    /// What is covered only where there is no other room.
+    /// Rectangles to cover only if there is no other room.
     spared: Vec<Rect>,
 }
 
 impl Placer {
-    /// A placer that places nothing outside of the area, or on what lies over it.
+    /// Returns a placer that avoids the overlays and everything outside of the area.
     pub fn new(area: Rect, over: Vec<Rect>) -> Self {
         Self { area: area.shrink(4.0), taken: over.clone(), over, spared: Vec::new() }
     }
 
-    /// The first of some places that is free; it is taken from now on.
+    /// Returns the first free rectangle of a list, and marks it as taken.
     pub fn place(&mut self, places: impl IntoIterator<Item = Rect>) -> Option<Rect> {
         let is_on = |some: &[Rect], place: &Rect| some.iter().any(|it| it.intersects(*place));
         let free = places
@@ -39,13 +39,13 @@ impl Placer {
         Some(place)
     }
 
-    /// A place beside a point, moved so that nothing is cut off; none where something lies over the point itself.
+    /// Returns a rectangle beside a point, shifted into the area; `None` if an overlay covers the point itself.
     pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
         let is_seen = !self.over.iter().any(|over| over.contains(at));
         is_seen.then(|| self.place_about(at, size, &PLACES[..6])).flatten()
     }
 
-    /// A place beside a point, or where others are there already a little further off.
+    /// Returns a rectangle beside a point, or a little further off if others are there already.
     pub fn near(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
         self.place_about(at, size, &PLACES)
     }
@@ -61,8 +61,7 @@ impl Placer {
     }
 }
 
-/// Where a label stands by its point: which part of it is how far from there (points). The last ones are for labels that must be
-/// seen.
+/// Positions of a label relative to its point: anchor and offset (points). The last ones are for labels that must be visible.
 const PLACES: [(Align2, Vec2); 16] = [
     (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
     (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
@@ -82,19 +81,19 @@ const PLACES: [(Align2, Vec2); 16] = [
     (Align2::CENTER_TOP, Vec2::new(0.0, 46.0)),
 ];
 
-/// A place, moved into an area.
+/// Shifts a rectangle into an area.
 pub fn inside(place: Rect, area: Rect) -> Rect {
     let over = (area.min - place.min).max(Vec2::ZERO) + (area.max - place.max).min(Vec2::ZERO);
     place.translate(over)
 }
 
-/// Ground on which text is read over the picture.
+/// Returns a background for text over the picture.
 pub fn ground_shape(place: Rect, dark: bool) -> Shape {
     let colour = theme::scene_background(dark).gamma_multiply(0.85);
     Shape::rect_filled(place, 4.0, colour)
 }
 
-/// Paints names of stations, of the axes and of points, as far as there is room, and then the grid's numbers.
+/// Paints the names of stations, axes and points as far as there is room, then the grid's numbers.
 pub fn paint(
     painter: &Painter,
     projection: &Projection,
@@ -119,14 +118,14 @@ pub fn paint(
     let (names, numbers): (Vec<_>, Vec<_>) =
         numbers.into_iter().partition(|number| number.text.contains('='));
     let colour = theme::faint(dark);
-    // Numbers say nothing where nothing says of which axis they are.
+    // Numbers are useless without the name of their axis.
     for name in names {
         text_at(painter, placer, name.at, name.text, 10.0, colour);
     }
     for label in &content.estimate_labels {
         beside_its_point(painter, projection, placer, label, 10.5, dark);
     }
-    // Names of directions have a ground of their own and would hide what was driven, which is projected once for all of them.
+    // Names of directions have an opaque background and would hide the path, which is projected once for all of them.
     if !directions.is_empty() {
         let before = placer.spared.len();
         let outline = content.outline_m.iter().filter_map(|place_m| projection.screen(place_m));
@@ -144,7 +143,7 @@ pub fn paint(
     }
 }
 
-/// Paints a name beside what it names, if there is room.
+/// Paints a name beside its point, if there is room.
 fn beside_its_point(
     painter: &Painter,
     projection: &Projection,
@@ -162,14 +161,14 @@ fn beside_its_point(
     };
     if let Some(place) = place {
         if matches!(label.rank, Rank::Station | Rank::Direction) {
-            // Tracks and arrows may cross it, where stations stand among them.
+            // Tracks and arrows may cross it among the stations.
             painter.add(ground_shape(place, dark));
         }
         painter.galley(place.min, galley, colour);
     }
 }
 
-/// Paints a line in the middle of the picture.
+/// Paints a line of text in the middle of the picture.
 pub fn paint_in_the_middle(painter: &Painter, rect: Rect, text: &str, dark: bool) {
     let colour = theme::rgb(theme::cursor(dark));
     let galley = painter.layout(text.to_owned(), FontId::proportional(13.0), colour, rect.width());
@@ -178,7 +177,7 @@ pub fn paint_in_the_middle(painter: &Painter, rect: Rect, text: &str, dark: bool
     painter.galley(place.min, galley, colour);
 }
 
-/// Paints text in the middle of a point, if there is room.
+/// Paints text centred on a point, if there is room.
 fn text_at(
     painter: &Painter,
     placer: &mut Placer,
@@ -205,7 +204,7 @@ mod tests {
         let mut placer = Placer::new(area, vec![button]);
         let mut places = vec![button];
         for i in 0..40_u8 {
-            // Ten points, again and again; some under the button.
+            // Ten points repeatedly; some under the button.
             let at = Pos2::new(f32::from(i % 10) * 33.0, 20.0 + f32::from(i % 3) * 15.0);
             places.extend(placer.beside(at, Vec2::new(40.0, 12.0)));
         }
@@ -214,7 +213,7 @@ mod tests {
             assert!(area.contains_rect(*place));
             assert!(places[..index].iter().all(|other| !other.intersects(*place)), "{place}");
         }
-        // A station's point is covered only where everything else is taken.
+        // A label covers a station's point only if everything else is taken.
         let mut placer = Placer::new(area, Vec::new());
         let at = Pos2::new(100.0, 100.0);
         let above = placer.beside(at, Vec2::new(40.0, 12.0)).expect("room");
@@ -225,7 +224,7 @@ mod tests {
         let mut placer = Placer::new(area, Vec::new());
         placer.spared.push(area);
         assert_eq!(placer.beside(at, Vec2::new(40.0, 12.0)), Some(above));
-        // A station is named where it stands among others, too.
+        // A station among others has its name, too.
         for steps in [[6.0, 4.0], [-6.0, 1.5], [0.0, 0.0], [0.0, 7.0], [9.0, -1.0]] {
             let mut placer = Placer::new(area, Vec::new());
             let at = |station: u8| Pos2::new(150.0, 100.0) + Vec2::from(steps) * f32::from(station);
@@ -235,7 +234,7 @@ mod tests {
                 (0..3).filter_map(|station| placer.near(at(station), Vec2::new(52.0, 16.0)));
             assert_eq!(named.count(), 3, "{steps:?}");
         }
-        // What is not in the picture has no label.
+        // Points outside of the picture have no label.
         assert_eq!(placer.beside(Pos2::new(150.0, -30.0), Vec2::new(40.0, 12.0)), None);
     }
 }

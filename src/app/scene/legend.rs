@@ -1,8 +1,8 @@
-//! Which colour is what in the scene, with counts; a click on a row shows or hides what it names.
+//! The legend of the scene, with counts; a click on a row shows or hides its subject.
 
 use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
-use super::legend_rows::{self, Row, Swatch};
+use super::legend_rows::{self, LegendRow, Swatch};
 use super::{SceneContent, labels};
 use crate::app::model::{
     Added, Commands, JudgingCommand, OpenDeployment, SceneCommand, SceneOptions,
@@ -15,14 +15,14 @@ use resect_core::analysis::Analysis;
 use resect_report::glossary;
 use resect_report::glossary::Term;
 
-/// In a smaller picture the legend starts folded.
+/// Size of the picture below which the legend starts folded (points).
 const ROOM: Vec2 = Vec2::new(700.0, 420.0);
-/// As wide whatever the counts: the camera looks beside it.
+/// Constant width for any counts, since the camera looks beside the legend (points).
 const WIDTH: f32 = 206.0;
 const ROW: f32 = 18.0;
 const MARGIN: f32 = 8.0;
 
-/// Shows the legend in the upper left corner; gives the place it takes.
+/// Shows the legend in the upper left corner; returns its rectangle.
 pub fn ui(
     ui: &mut egui::Ui,
     picture: Rect,
@@ -38,7 +38,7 @@ pub fn ui(
     let width = if unfolded { WIDTH } else { picture.width() - 2.0 * MARGIN };
     let size = Vec2::new(width, (picture.height() - 2.0 * MARGIN).max(ROW));
     let room = Rect::from_min_size(picture.min + Vec2::splat(MARGIN), size);
-    // What is done beside its rows is not meant for what lies below.
+    // Clicks and drags between the rows must not reach the scene below.
     let builder =
         egui::UiBuilder::new().max_rect(room).sense(Sense::CLICK | Sense::DRAG).id_salt("legend");
     let response = ui.scope_builder(builder, |ui| {
@@ -65,12 +65,12 @@ pub fn ui(
     Some(response.inner)
 }
 
-/// Whether the legend is unfolded in a picture of this size.
+/// Returns true if the legend is unfolded in a picture of this size.
 pub fn is_open(options: &SceneOptions, size: Vec2) -> bool {
     options.legend_open.unwrap_or(size.x >= ROOM.x && size.y >= ROOM.y)
 }
 
-/// Folds and unfolds; says how much is hidden, and brings it back.
+/// Shows the header: it folds and unfolds, counts the hidden items, and shows them again.
 fn header(
     ui: &mut egui::Ui,
     open: &OpenDeployment,
@@ -91,7 +91,7 @@ fn header(
         let colour = ui.style().interact(&response).text_color();
         let (at, align) = (icon.left_center() + Vec2::new(17.0, 0.0), egui::Align2::LEFT_CENTER);
         ui.painter().text(at, align, "Legend", egui::FontId::proportional(12.0), colour);
-        let hint = if unfolded { "Fold the legend" } else { "Which colour is what" };
+        let hint = if unfolded { "Fold the legend" } else { "Unfold the legend" };
         if response.on_hover_text(hint).clicked() {
             let options = SceneOptions { legend_open: Some(!unfolded), ..state.scene.options };
             commands.push(SceneCommand::SetOptions(options).into());
@@ -155,7 +155,7 @@ fn rows(
     }
 }
 
-/// What F1 explains of a row: what it shows and hides, and the words in its name.
+/// Returns the glossary terms of a row for F1: its subject, and the words in its name.
 fn terms(name: &str) -> Vec<&'static Term> {
     let what: Option<&'static Term> = match name {
         name if name.starts_with("Show readings") => Some(&glossary::FATE),
@@ -173,8 +173,8 @@ fn small(text: &str) -> RichText {
     RichText::new(text).size(11.5).weak()
 }
 
-/// A dot, full where the thing is shown, and its name; what is hidden is struck through.
-fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
+/// Shows a dot, filled if the subject is shown, and its name, struck through if hidden.
+fn row(ui: &mut egui::Ui, row: &LegendRow, size: Vec2, commands: &mut Commands) {
     let clickable = row.click.is_some();
     let sense = if clickable { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(size, sense);
@@ -230,7 +230,7 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
     }
 }
 
-/// Lets the user choose how many times larger than true errors are drawn.
+/// Lets the user choose the enlargement of the drawn errors.
 fn scale(
     ui: &mut egui::Ui,
     (what, name): (&str, &str),
@@ -250,7 +250,7 @@ fn scale(
                 }
             });
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
-        combo.response.on_hover_text("How many times larger than true; an answer never changes it");
+        combo.response.on_hover_text("Magnification of the drawing; results do not change it");
         if scale != now {
             commands.push(SceneCommand::SetOptions(set(scale)).into());
         }

@@ -1,4 +1,4 @@
-//! What the legend lists, and what of the scene is hidden, in words.
+//! Rows of the legend, and descriptions of the hidden parts of the scene.
 
 use egui::Color32;
 
@@ -15,34 +15,34 @@ use resect_core::deployment::ControlPointSet;
 use resect_core::palette;
 use resect_core::pipeline::SampleFate;
 
-/// A line of the legend, or one of a few in a line.
-pub struct Row {
+/// A row of the legend, or one of several in a line.
+pub struct LegendRow {
     pub swatch: Swatch,
     pub text: String,
-    /// What it is about, said without colour and place.
+    /// Accessible name, which describes the row without colour and position.
     pub name: String,
     pub shown: bool,
-    /// What a click does; `None` where nothing can be hidden.
+    /// Command of a click; `None` if nothing can be hidden.
     pub click: Option<Command>,
 }
 
 #[derive(Clone, Copy)]
 pub enum Swatch {
     Colour(Color32),
-    /// What is seen within a line of the second colour.
+    /// A colour with an outline of the second colour.
     Outlined(Color32, Color32),
     None,
 }
 
-/// Rows that belong together.
+/// Rows on one subject.
 pub struct Group {
     pub title: &'static str,
-    /// Whether they stand in one line.
+    /// True if the rows share one line.
     pub chips: bool,
-    pub rows: Vec<Row>,
+    pub rows: Vec<LegendRow>,
 }
 
-/// Everything that the scene's colours mean, and all that can be hidden.
+/// Returns all groups: the meaning of the scene's colours, and the switches.
 pub fn groups(
     open: &OpenDeployment,
     analysis: &Analysis,
@@ -52,14 +52,14 @@ pub fn groups(
 ) -> Vec<Group> {
     let visibility = &state.scene.visibility;
     let by_station = matches!(state.scene.colouring, Colouring::Fate | Colouring::Station);
-    let stations = (0..3).map(|station| Row {
+    let stations = (0..3).map(|station| LegendRow {
         swatch: Swatch::Colour(theme::rgb(palette::STATIONS[station])),
         text: (station + 1).to_string(),
         name: format!("Show station {}", station + 1),
         shown: visibility.stations[station],
         click: shows(visibility.with_station_toggled(station)),
     });
-    let tracks = (0..3).map(|prism| Row {
+    let tracks = (0..3).map(|prism| LegendRow {
         swatch: Swatch::Colour(if by_station {
             theme::rgb(palette::STATIONS[prism])
         } else {
@@ -82,7 +82,7 @@ pub fn groups(
     if !open.deployment.control_points.is_empty() {
         let mut toggled = *visibility;
         toggled.control_points ^= true;
-        let mut rows = vec![Row {
+        let mut rows = vec![LegendRow {
             swatch: Swatch::Colour(faint),
             text: "control points".to_owned(),
             name: "Show control points".to_owned(),
@@ -91,7 +91,7 @@ pub fn groups(
         }];
         rows.extend(of_sets(open, visibility));
         if has_residuals(open, analysis) {
-            rows.push(Row {
+            rows.push(LegendRow {
                 swatch: Swatch::Colour(faint),
                 text: "arrows: station − mean".to_owned(),
                 name: "Show residuals at control points".to_owned(),
@@ -110,18 +110,18 @@ pub fn groups(
     groups
 }
 
-/// The click that has this shown.
+/// Returns the command that sets this visibility.
 fn shows(visibility: Visibility) -> Option<Command> {
     Some(Command::Scene(SceneCommand::Show(visibility)))
 }
 
-/// Readings of the stations that are shown, by what became of them.
-fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<Row> {
+/// Returns the rows of the visible stations' readings by fate.
+fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<LegendRow> {
     let visibility = &state.scene.visibility;
     let row = |(place, fate): (usize, SampleFate)| {
         let count = count(analysis, visibility, fate);
         let coloured = state.scene.colouring == Colouring::Fate;
-        (count > 0).then(|| Row {
+        (count > 0).then(|| LegendRow {
             swatch: Swatch::Colour(if coloured { theme::rgb(palette::fate(fate)) } else { faint }),
             text: format!("{}  {count}", fate.label()),
             name: format!("Show readings: {}", fate.label()),
@@ -137,9 +137,9 @@ fn count(analysis: &Analysis, visibility: &Visibility, fate: SampleFate) -> usiz
     shown.map(|station| analysis.pipeline.count(station, fate)).sum()
 }
 
-/// What the colouring adds: a key that hides nothing.
-fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec<Row> {
-    let key = |colour: palette::Rgb, text: &str| Row {
+/// Returns the key of the colouring, which hides nothing.
+fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec<LegendRow> {
+    let key = |colour: palette::Rgb, text: &str| LegendRow {
         swatch: Swatch::Colour(theme::rgb(colour)),
         text: text.to_owned(),
         name: text.to_owned(),
@@ -154,17 +154,19 @@ fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec
                 .map(|(colour, text)| key(colour, &text)),
         ),
         Colouring::Residual if content.colours.scale.is_none() => {
-            rows.push(key(palette::NO_VALUE, "no distances to compare with"));
+            rows.push(key(palette::NO_VALUE, "no known distances"));
         }
-        Colouring::Residual | Colouring::Speed | Colouring::Time => rows
-            .push(Row { swatch: Swatch::None, ..key(palette::NO_VALUE, "colours: scale below") }),
+        Colouring::Residual | Colouring::Speed | Colouring::Time => rows.push(LegendRow {
+            swatch: Swatch::None,
+            ..key(palette::NO_VALUE, "colours: scale below")
+        }),
         Colouring::Fate | Colouring::Station => {}
     }
     if content.colours.some_without_value && state.scene.visibility.raw {
         rows.push(key(
             palette::NO_VALUE,
             match state.scene.colouring {
-                Colouring::Interval => "in no interval that was kept",
+                Colouring::Interval => "in no kept interval",
                 _ => "no triplet within 0.5 s",
             },
         ));
@@ -172,7 +174,7 @@ fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec
     rows
 }
 
-/// Colours repeat: "intervals 1, 8, 15".
+/// Returns the key of the intervals, whose colours repeat: "intervals 1, 8, 15".
 fn of_intervals(count: usize) -> Vec<(palette::Rgb, String)> {
     let colours = palette::INTERVALS.len();
     (0..count.min(colours))
@@ -189,35 +191,35 @@ fn of_intervals(count: usize) -> Vec<(palette::Rgb, String)> {
         .collect()
 }
 
-/// The letter of each set of control points, where there are several.
-fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<Row> {
+/// Returns the letter of each set of control points, if there are several.
+fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<LegendRow> {
     let sets = &open.deployment.control_points;
     let row = |(number, set): (usize, &ControlPointSet)| {
         let (letter, count) = (set_letter(number), set.points.len());
         let text = format!("{letter}  {}  {count}", set.file);
-        Row { swatch: Swatch::None, name: text.clone(), text, shown: true, click: None }
+        LegendRow { swatch: Swatch::None, name: text.clone(), text, shown: true, click: None }
     };
     let named = sets.len() > 1 && visibility.control_points;
     sets.iter().enumerate().filter(|_| named).map(row).collect()
 }
 
-/// Trajectories of other systems: the scale of their errors, and each by the line about it.
+/// Returns rows for trajectories of other systems: the scale of their errors, and each with its outline colour.
 fn of_estimates(
     open: &OpenDeployment,
     visibility: &Visibility,
     content: &SceneContent,
-) -> Vec<Row> {
+) -> Vec<LegendRow> {
     let judging = &open.judging;
     if judging.judgement.newest.is_none() {
         return Vec::new();
     }
     let shown = visibility.estimates;
     let text = match content.worst_m {
-        Some(worst_m) => format!("trajectories: to {:.0} mm off", 1e3 * worst_m),
+        Some(worst_m) => format!("trajectory errors ≤ {:.0} mm", 1e3 * worst_m),
         None => "trajectories".to_owned(),
     };
     let worst = theme::rgb(palette::continuous(1.0));
-    let mut rows = vec![Row {
+    let mut rows = vec![LegendRow {
         swatch: Swatch::Colour(worst),
         text,
         name: "Show trajectories of other systems".to_owned(),
@@ -228,26 +230,26 @@ fn of_estimates(
     for (index, one) in judging.added.iter().enumerate().filter(|(_, one)| has_lines(one)) {
         let mut toggled = judging.added.clone();
         toggled[index].shown ^= true;
-        rows.push(Row {
+        rows.push(LegendRow {
             swatch: Swatch::Outlined(worst, theme::rgb(palette::estimate(one.colour))),
             text: one.estimate.name.clone(),
             name: format!("Show the trajectory {}", one.estimate.name),
             shown: shown && one.shown,
-            // Where none is seen, the switch of all is what hides it.
+            // If none is visible, the switch of the group hides it.
             click: shown.then_some(Command::Judging(JudgingCommand::Set(toggled))),
         });
     }
     rows
 }
 
-/// The ways of other open runs, a colour each; one that is not drawn says why under the pointer.
-fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<Row> {
+/// Returns rows for the paths of other open runs, a colour each; the tooltip gives the reason for a run that is not drawn.
+fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<LegendRow> {
     if state.deployments.open.len() < 2 {
         return Vec::new();
     }
     let visibility = &state.scene.visibility;
     let shown = visibility.runs_beside;
-    let mut rows = vec![Row {
+    let mut rows = vec![LegendRow {
         swatch: Swatch::Colour(faint),
         text: "other open runs".to_owned(),
         name: "Show other open runs in this one's frame".to_owned(),
@@ -263,7 +265,7 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
             }
             Err(_) => (Swatch::None, format!("not drawn: {}", run.name)),
         };
-        rows.push(Row {
+        rows.push(LegendRow {
             swatch,
             text,
             name: run.in_words(&|angle| state.workspace.units.told(angle)),
@@ -274,27 +276,37 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
     rows
 }
 
-/// Whether the answer leaves residuals at control points.
+/// Returns true if the calibration has residuals at control points.
 pub fn has_residuals(open: &OpenDeployment, analysis: &Analysis) -> bool {
     let answer = analysis.answer.as_ref().ok();
     !open.deployment.control_points.is_empty()
         && answer.is_some_and(|a| a.calibration.placing_control_points(&open.deployment).is_some())
 }
 
-/// Whether the answer or the interpolation states how large its errors are.
+/// Returns true if the calibration or the interpolation states standard deviations.
 pub fn states_errors(analysis: &Analysis) -> bool {
     let answer = analysis.answer.as_ref().ok();
     analysis.triplets().sigma_m.is_some()
         || answer.is_some_and(|answer| answer.calibration.covariance.is_some())
 }
 
-/// What is drawn of how well stations 2 and 3 and the tracks are known.
-fn of_what_is_known(analysis: &Analysis, visibility: &Visibility, faint: Color32) -> Vec<Row> {
+/// Returns the rows for the drawn uncertainties of stations 2 and 3 and of the tracks.
+fn of_what_is_known(
+    analysis: &Analysis,
+    visibility: &Visibility,
+    faint: Color32,
+) -> Vec<LegendRow> {
     let calibration = analysis.answer.as_ref().ok().map(|answer| &answer.calibration);
     let mut rows = Vec::new();
     let mut push = |colour, text: &str, name: &str, shown, toggled| {
         let (text, name) = (text.to_owned(), name.to_owned());
-        rows.push(Row { swatch: Swatch::Colour(colour), text, name, shown, click: shows(toggled) });
+        rows.push(LegendRow {
+            swatch: Swatch::Colour(colour),
+            text,
+            name,
+            shown,
+            click: shows(toggled),
+        });
     };
     if calibration.is_some_and(|calibration| calibration.covariance.is_some()) {
         let shown = visibility.station_ellipsoids;
@@ -325,7 +337,7 @@ fn of_what_is_known(analysis: &Analysis, visibility: &Visibility, faint: Color32
     rows
 }
 
-/// What of the scene is hidden, in words; what is not there at all is not hidden.
+/// Describes the hidden parts of the scene; absent data is not hidden.
 pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibility) -> Vec<String> {
     let mut hidden = Vec::new();
     let numbers = |shown: &[bool; 3]| {

@@ -1,21 +1,20 @@
 //! The scene: tracks, stations and control points in 3D.
 //!
-//! [`view`] is the pane. What it shows comes in two kinds:
-//! - readings and tracks, by the million: [`cloud`] puts them on the GPU once (in the worker, before the frame that
-//!   shows them), [`colouring`] gives them colours, and [`pick`] finds the one under the pointer;
+//! [`view`] is the pane. It shows two kinds of content:
+//! - readings and tracks, by the million: [`cloud`] uploads them to the GPU once (in the worker, before the frame that
+//!   shows them), [`colouring`] computes their colours, and [`pick`] finds the one under the pointer;
 //! - everything else, by the hundred: [`content`] with [`overlays`], [`vehicle`], [`station_uncertainty`], [`control_points`],
 //!   [`cursor`] (with [`ghosts`] where there is no triplet) and [`grid`],
-//!   made by [`refresh`] and [`rebuild`] when the state changes; [`extent`] says how far all of it reaches.
+//!   built by [`refresh`] and [`rebuild`] when the state changes; [`extent`] computes the extent of all of it.
 //!
-//! [`camera`] looks at them ([`flight`] moves it, [`input`] steers it), [`renderer`] draws them with wgpu into a texture of
-//! its own (depth, four samples), and [`projection`] tells where on the screen a place is, for what is written over the
-//! picture: [`labels`] and what is [`under_pointer`]. [`legend`] and [`controls`] lie over it and leave a [`free_part`];
-//! the [`strip`] under it says the rest.
+//! [`camera`] defines the view ([`flight`] moves it, [`input`] steers it). [`renderer`] draws it with wgpu into a texture of its own
+//! (depth, four samples). [`projection`] gives the positions on the screen of everything written over the picture: [`labels`] and the item
+//! [`under_pointer`]. [`legend`] and [`controls`] lie over it and leave a [`free_part`]; the [`strip`] under it shows further text.
 //!
-//! The [`trail`] is part of the tracks, drawn once more.
+//! The [`trail`] is a segment of the tracks, drawn a second time.
 //!
-//! Points stay in their station's frame on the GPU; the three transforms are uniforms. A new calibration of
-//! the same triplets moves no point. No frame goes through all points.
+//! Points stay in their station's frame on the GPU; the three transforms are uniforms. A
+//! new calibration of the same triplets moves no point. No frame iterates over all points.
 
 mod advised;
 mod beside;

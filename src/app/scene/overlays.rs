@@ -1,4 +1,4 @@
-//! What an answer adds to the tracks: the vehicle's frame along its way, and how well each point is known.
+//! Overlays of a calibration on the tracks: the vehicle's frame along its path, and the uncertainty of each point.
 
 use nalgebra::Vector3;
 
@@ -9,9 +9,9 @@ use resect_core::analysis::Analysis;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
-/// Length of the axes of the vehicle's frame along the way (m).
+/// Length of the axes of the vehicle's frame along the path (m).
 const POSE_AXIS_M: f64 = 0.8;
-/// Ellipsoids a station, and corners of each of their ellipses.
+/// Greatest number of ellipsoids of a station, and corners of each of their ellipses.
 const MOST_ELLIPSOIDS: usize = 240;
 const CORNERS: usize = 12;
 
@@ -22,7 +22,7 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(0.0, 0.0, 1.0), [70, 130, 220]),
 ];
 
-/// Adds the axes of poses along the way; outside of what is selected they are faint.
+/// Adds the axes of poses along the path, faint outside of the selection.
 pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[VehicleAt], selection_s: Option<[f64; 2]>) {
     for pose in poses {
         let selected = selection_s.is_none_or(|[a, b]| (a..=b).contains(&pose.time_s));
@@ -30,7 +30,7 @@ pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[VehicleAt], selection_s: 
     }
 }
 
-/// Adds the axes of one pose, larger than those along the way.
+/// Adds the axes of one pose, larger than those along the path.
 pub fn add_pose(lines: &mut Vec<LineVertex>, pose: &VehicleAt) {
     add_axes(lines, pose, 2.0 * POSE_AXIS_M, 2.5, 255);
 }
@@ -55,8 +55,7 @@ fn add_axes(
     }
 }
 
-/// Adds 2 σ ellipsoids, so many times larger than true and each as three ellipses, at even steps of the stations' tracks;
-/// gives whether there are any.
+/// Adds 2 σ ellipsoids at even steps of the stations' tracks, enlarged by a factor, each as three ellipses; returns true if there are any.
 pub fn add_uncertainty(
     content: &mut SceneContent,
     analysis: &Analysis,

@@ -1,4 +1,4 @@
-//! The five ways in which the scene's vertices become pixels.
+//! The five render pipelines of the scene.
 
 use wgpu;
 
@@ -7,11 +7,11 @@ use super::vertices::{LineVertex, PointVertex};
 use crate::app::prepared::TimedPoint;
 
 pub const SAMPLES: u32 = 4;
-/// Format of the texture: egui shows native textures of no other.
+/// Format of the texture: egui supports no other for native textures.
 pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Each named as its functions in the shader.
+/// Pipelines, each with the name of its functions in the shader.
 pub struct Pipelines {
     pub point: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
@@ -19,7 +19,7 @@ pub struct Pipelines {
     pub reading: wgpu::RenderPipeline,
     /// Draws tracks, from each point to the next.
     pub track: wgpu::RenderPipeline,
-    /// Draws what of them is the trail.
+    /// Draws the segment of the tracks that is the trail.
     pub trail: wgpu::RenderPipeline,
 }
 
@@ -71,7 +71,7 @@ impl Pipelines {
 /// Bytes of an instance, and its attributes.
 type Buffer<'a> = (usize, &'a [wgpu::VertexAttribute]);
 
-/// A pipeline from the functions of the shader that have these names.
+/// Returns a pipeline from the functions of the shader with this name.
 fn pipeline(
     device: &wgpu::Device,
     layout: &wgpu::PipelineLayout,

@@ -7,18 +7,18 @@ use crate::app::model::Camera;
 use crate::app::prepared::pick::PickView;
 use resect_core::geometry::RigidTransform;
 
-/// What the camera sees in a rectangle of the window.
+/// Projection of the camera into a rectangle of the window.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     clip_from_world: Matrix4<f32>,
     pub rect: Rect,
-    /// Whether a metre is as long near as far.
+    /// True for a parallel projection.
     pub parallel: bool,
-    /// Size of a metre (points on the screen) at the camera's target.
+    /// Scale at the camera's target (points on the screen a metre).
     pub points_per_metre: f32,
 }
 
-/// Nothing this near to the eye (m) has a place on the screen.
+/// Distance from the eye below which a point has no position on the screen (m).
 const NEAREST_M: f32 = 1e-3;
 
 impl Projection {
@@ -31,7 +31,7 @@ impl Projection {
         }
     }
 
-    /// Screen position of a place, if it is in front of the camera.
+    /// Returns the screen position of a point; `None` behind the camera.
     pub fn screen(&self, position_m: &Vector3<f32>) -> Option<Pos2> {
         let clip =
             self.clip_from_world * Vector4::new(position_m.x, position_m.y, position_m.z, 1.0);
@@ -42,12 +42,12 @@ impl Projection {
         Some(self.rect.center() + 0.5 * ndc * self.rect.size())
     }
 
-    /// Screen position of a place, if it is inside the picture.
+    /// Returns the screen position of a point; `None` outside of the picture.
     pub fn visible(&self, position_m: &Vector3<f64>) -> Option<Pos2> {
         self.screen(&position_m.cast::<f32>()).filter(|at| self.rect.contains(*at))
     }
 
-    /// The view in which it is found what of a station's points is under the pointer.
+    /// Returns the view for picking among the points of a station.
     pub fn pick_view(
         &self,
         station1_from_station: &RigidTransform,

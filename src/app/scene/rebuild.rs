@@ -1,4 +1,4 @@
-//! Everything in the scene made anew from an answer: stations, control points, poses, and what is known how well.
+//! Rebuilds the scene from a calibration: stations, control points, poses, and their uncertainties.
 
 use nalgebra::Vector3;
 
@@ -19,7 +19,7 @@ use resect_core::pipeline::SampleFate;
 const AXIS_M: f32 = 1.5;
 
 impl SceneContent {
-    /// Makes the readings, tracks and poses of a span of time stand out (s, in the stations' clock).
+    /// Highlights the readings, tracks and poses of a span of time (s, in the stations' clock).
     pub fn set_selection(&mut self, selected_s: Option<[f64; 2]>, origin_s: f64) {
         self.selection_s = selected_s.map(|span_s| span_s.map(|t| (t - origin_s) as f32));
         if self.selected_s != selected_s {
@@ -29,7 +29,7 @@ impl SceneContent {
         }
     }
 
-    /// Rebuilds everything but readings and tracks, from which it asks for some.
+    /// Rebuilds everything but readings and tracks, of which it samples some points.
     pub fn rebuild(
         &mut self,
         deployment: &Deployment,
@@ -59,7 +59,7 @@ impl SceneContent {
             Err(_) => true,
         };
         if visibility.uncertainty {
-            // With a track its ellipsoids go.
+            // A hidden track has no ellipsoids.
             let drawn = |station: &usize| track_shown(*station) && visibility.prisms[*station];
             let stations: Vec<usize> = (0..3).filter(drawn).collect();
             let scale = f64::from(options.ellipsoid_scale);
@@ -83,11 +83,11 @@ impl SceneContent {
         overlays::add_poses(&mut self.along.lines, &self.poses, self.selected_s);
         self.find_outline(analysis, visibility);
         self.add_what_is_known(analysis, visibility, options);
-        // The last of equals was placed first while there were only control points and stations.
+        // Among equal ranks the last is placed first, as when there were only control points and stations.
         self.labels.sort_by_key(|label| label.rank);
     }
 
-    /// Puts the grid where the camera needs it, if it is not there.
+    /// Rebuilds the grid if the camera needs another one.
     pub fn set_grid(&mut self, camera: &Camera, viewport_height: f32, colour: [u8; 4]) {
         let grid = self.bounds_m.map(|(low, high)| Grid::of(camera, viewport_height, &low, &high));
         let drawn = self.ground.lines.first().map(|line| line.colour);
@@ -101,7 +101,7 @@ impl SceneContent {
         self.grid = grid;
     }
 
-    /// How well the stations are known.
+    /// Adds the uncertainties of the stations.
     fn add_what_is_known(
         &mut self,
         analysis: &Analysis,
@@ -123,7 +123,7 @@ impl SceneContent {
         }
     }
 
-    /// A tripod with its frame's axes, x red, y green, z blue, and the name.
+    /// Adds a tripod with its frame's axes, x red, y green, z blue, and the name.
     fn add_station(&mut self, station: usize, transform: &RigidTransform) {
         let origin = transform.translation_m.cast::<f32>();
         let turn = |v: Vector3<f64>| transform.rotate(&v).cast::<f32>();

@@ -1,4 +1,4 @@
-//! Making what the scene shows anew, as far as the state has changed.
+//! Updates of the scene after changes of the state.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 
 impl SceneView {
-    /// Rebuilds what the state has changed.
+    /// Rebuilds the content whose state has changed.
     pub(super) fn refresh(&mut self, ui: &egui::Ui, state: &State, view: &mut View) {
         let dark = ui.visuals().dark_mode;
         let Some((open, analysis)) = state.analysed() else {
@@ -31,7 +31,7 @@ impl SceneView {
         self.refresh_times(state, (open, analysis), dark, rebuilt);
     }
 
-    /// The tracks, the residuals and their colours; returns whether they were rebuilt.
+    /// Updates the tracks, the residuals and their colours; returns true if they were rebuilt.
     fn refresh_tracks(
         &mut self,
         state: &State,
@@ -70,7 +70,7 @@ impl SceneView {
         rebuilt
     }
 
-    /// The tube of the vehicle's uncertainty, the tracks of other runs, and trajectories of other systems.
+    /// Updates the tube of the vehicle's uncertainty, the tracks of other runs, and trajectories of other systems.
     fn refresh_overlays(&mut self, state: &State, open: &OpenDeployment) {
         let way = open.way.newest.clone().filter(|_| state.scene.visibility.tube);
         let wanted = way.map(|way| (way, state.scene.options.ellipsoid_scale));
@@ -90,7 +90,7 @@ impl SceneView {
         let wanted =
             open.judging.judgement.newest.clone().filter(|_| state.scene.visibility.estimates);
         let wanted = wanted.map(|judgement| (open.judging.drawn(&judgement), judgement));
-        let of = |drawn: &Option<(Vec<Option<usize>>, Arc<Judgement>)>| {
+        let of = |drawn: &Option<(Vec<Option<usize>>, Arc<EstimatesJudgement>)>| {
             drawn.as_ref().map(|(colours, judgement)| (colours.clone(), Arc::as_ptr(judgement)))
         };
         if of(&self.judgement) != of(&wanted) {
@@ -103,7 +103,7 @@ impl SceneView {
         }
     }
 
-    /// The move that is advised in a live drive.
+    /// Updates the advised move of a live drive.
     fn refresh_advised(&mut self, state: &State, open: &OpenDeployment, analysis: &Analysis) {
         let live = state.live.view.as_deref().filter(|_| state.live.id == Some(open.id));
         let best = live.and_then(|view| view.moves.first());
@@ -116,7 +116,7 @@ impl SceneView {
         }
     }
 
-    /// The selection, the trail, the cursor, the hovered instant and the ruler.
+    /// Updates the selection, the trail, the cursor, the hovered instant and the ruler.
     fn refresh_times(
         &mut self,
         state: &State,
@@ -128,7 +128,7 @@ impl SceneView {
         let origin_s = time_origin_s(&open.deployment);
         self.content.set_selection(open.timeline.selection_s, origin_s);
         let cursor_s = open.timeline.cursor_s;
-        // The tracks themselves may be hidden.
+        // The trail is independent of the visibility of the tracks themselves.
         let trailing = [0, 1, 2].map(|station| {
             state.scene.visibility.stations[station]
                 && self.content.station1_from_tracks[station].is_some()

@@ -1,8 +1,8 @@
-//! Draws the scene into a texture of its own, which egui shows as an image.
+//! Renderer of the scene into a texture of its own, which egui shows as an image.
 //!
-//! egui's own render pass has neither depth nor, in the test harness, samples; a texture with its own depth buffer
-//! and four samples looks the same everywhere. Vertex buffers are written when their layer's version changes,
-//! and the picture is drawn only when something in it changed.
+//! egui's own render pass has no depth buffer and, in the test harness, no multisampling; a
+//! texture with its own depth buffer and four samples looks the same everywhere. Vertex buffers
+//! are written when their layer's version changes, and the picture is drawn only after a change.
 
 use std::sync::Arc;
 
@@ -24,16 +24,16 @@ struct Uniforms {
     world_from_frame: [[[f32; 4]; 4]; 4],
     background: [f32; 4],
     viewport_pixels: [f32; 2],
-    /// Readings and tracks at other times are dimmed.
+    /// Selected span (s); readings and tracks at other times are dimmed.
     selection_s: [f32; 2],
     pixels_per_point: f32,
-    /// A bit for each fate that is shown.
+    /// Bit mask of the fates that are shown.
     shown_fates: u32,
-    /// When the trail begins and ends.
+    /// Start and end of the trail (s).
     trail_s: [f32; 2],
 }
 
-/// How many layers there are: buffers that are fewer would leave the last ones out in silence.
+/// Number of layers; with fewer buffers the last layers would be silently omitted.
 const LAYERS: usize = 10;
 
 /// Pipelines, buffers and the texture.
@@ -49,12 +49,12 @@ pub struct SceneRenderer {
     /// Buffers of the [`layers`], in their order.
     layers: [LayerBuffers; LAYERS],
     target: Option<Target>,
-    drawn: Option<Drawn>,
+    drawn: Option<RenderedPicture>,
 }
 
-/// What the present picture shows.
+/// State of the content of the present picture.
 #[derive(PartialEq)]
-struct Drawn {
+struct RenderedPicture {
     uniforms: Uniforms,
     /// Version numbers of clouds and colours, then of each layer.
     versions: [u64; 2 + LAYERS],
@@ -117,7 +117,7 @@ impl SceneRenderer {
         }
     }
 
-    /// Draws if anything changed; gives the texture to show.
+    /// Draws if anything has changed; returns the texture to show.
     pub fn draw(
         &mut self,
         content: &SceneContent,
@@ -134,7 +134,7 @@ impl SceneRenderer {
         let mut versions = [0; 2 + LAYERS];
         versions[..2].copy_from_slice(&[content.clouds_version, content.colours_version]);
         versions[2..].copy_from_slice(&layers(content).map(|layer| layer.version));
-        let wanted = Drawn {
+        let wanted = RenderedPicture {
             uniforms: uniforms(content, camera, size, pixels_per_point, background),
             versions,
             shown: [content.raw_shown, content.tracks_shown],
@@ -196,7 +196,7 @@ impl SceneRenderer {
             ..Default::default()
         });
         pass.set_bind_group(0, &self.bind_group, &[]);
-        // Lines first: points stand on them.
+        // Lines first: points cover them.
         pass.set_pipeline(&self.pipelines.track);
         for station in (0..3).filter(|station| content.tracks_shown[*station]) {
             self.tracks.draw_lines(&mut pass, &content.clouds.tracks.ranges[station]);
@@ -252,7 +252,7 @@ impl SceneRenderer {
     }
 }
 
-/// The layers in the order they are drawn.
+/// Returns the layers in drawing order.
 fn layers(content: &SceneContent) -> [&Layer; LAYERS] {
     [
         &content.ground,

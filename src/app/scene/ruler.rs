@@ -1,4 +1,4 @@
-//! The ruler in the picture, and what its ends snap to.
+//! The ruler in the picture, and the snapping of its ends.
 
 use super::content::SceneContent;
 use super::projection::Projection;
@@ -7,11 +7,11 @@ use crate::app::model::{Ruler, RulerEnd};
 use egui::Pos2;
 use resect_core::palette::Rgb;
 
-/// A click this near (points) to a prism, a station or a control point means it, even where readings are nearer.
+/// Distance from a prism, a station or a control point within which a click selects it, even if readings are nearer (points).
 const SNAP_POINTS: f32 = 11.0;
 
 impl SceneContent {
-    /// Draws the line between the ends, if it is not what is drawn.
+    /// Draws the line between the ends, if it has changed.
     pub fn set_ruler(&mut self, ruler: &Ruler, colour: Rgb) {
         let ends_m = ruler.ends_m(self.prisms_m.as_ref());
         let points: Vec<PointVertex> = ends_m
@@ -38,7 +38,7 @@ impl SceneContent {
         self.ruler.points = points;
     }
 
-    /// The prism, station or control point at a place on the screen.
+    /// Returns the prism, station or control point at a position on the screen.
     pub fn snap(&self, projection: &Projection, at: Pos2) -> Option<RulerEnd> {
         let prisms = self.prisms_m.iter().flatten().enumerate().map(|(prism, position_m)| {
             let what = format!("prism {}", prism + 1);

@@ -1,5 +1,4 @@
-//! How well stations 2 and 3 stand where they are drawn: ellipsoids of their covariance, and double arrows along the
-//! directions that the drive leaves free or weak.
+//! Uncertainties of stations 2 and 3: ellipsoids of their covariance, and double arrows along the unconstrained or weak directions.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,21 +9,20 @@ use resect_core::calibration::inter_prism::observability::{Hold, Observability, 
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
-/// Semi-axes of the ellipsoid that holds 95 % of a normal distribution in space, over its standard deviations: the root
-/// of χ² with three degrees of freedom.
+/// Semi-axes of the 95 % confidence ellipsoid of a three-dimensional normal distribution, in
+/// standard deviations: the square root of the quantile of χ² with three degrees of freedom.
 const SIGMAS_95: f64 = 2.7955;
 /// Corners of each of an ellipsoid's three ellipses.
 const CORNERS: usize = 32;
-/// Half the length of the longest arrow of a direction, as a share of the scene; a station that moves less than the
-/// second, over the one that moves more, has none.
+/// Half the length of a direction's longest arrow, as a share of the scene; and the
+/// least displacement of a station, relative to the larger one, that has an arrow.
 const ARROW: f32 = 0.07;
 const SHORTEST_ARROW: f64 = 0.15;
-/// A station turns visibly when the track's points move this much of the whole by its yaw.
+/// Displacement of the track's points by a station's yaw, as a share of the whole, from which an arc is drawn.
 const TURNS: f64 = 0.5;
 const ARC_RAD: f32 = 0.9;
 
-/// Adds the ellipsoids of the visible stations, so many times larger than true; gives whether there are any: without a
-/// covariance there are none.
+/// Adds the ellipsoids of the visible stations, enlarged by a factor; returns true if there are any: without a covariance there are none.
 pub fn add_ellipsoids(
     content: &mut SceneContent,
     calibration: &Calibration,
@@ -48,7 +46,7 @@ pub fn add_ellipsoids(
     shown[1] || shown[2]
 }
 
-/// Semi-axes of the ellipsoid in which a point lies with 95 % probability, the shortest first.
+/// Returns the semi-axes of the 95 % confidence ellipsoid, the shortest first.
 fn semi_axes_m(covariance_m2: &Matrix3<f64>) -> [Vector3<f64>; 3] {
     let eigen = covariance_m2.symmetric_eigen();
     let mut axes = [0, 1, 2].map(|k| {
@@ -59,7 +57,7 @@ fn semi_axes_m(covariance_m2: &Matrix3<f64>) -> [Vector3<f64>; 3] {
     axes
 }
 
-/// Adds arrows along what is free or weak, with the words at the station that moves most.
+/// Adds arrows along unconstrained or weak directions, with a label at the station that moves most.
 pub fn add_weak_directions(
     content: &mut SceneContent,
     calibration: &Calibration,
@@ -67,7 +65,7 @@ pub fn add_weak_directions(
     shown: &[bool; 3],
 ) {
     let Some(extent_m) = extent_m(content) else { return };
-    // Names are placed from the last to the first: what is least held, which sentences name, must find room.
+    // Labels are placed from the last to the first: the least constrained direction, which the findings name, must find room.
     for direction in observed.directions.iter().rev().filter(|d| d.hold != Hold::Held) {
         let colour = palette::hold(direction.hold);
         let moves = direction.motion.map(|motion| motion.translation_m.norm());
@@ -81,7 +79,7 @@ pub fn add_weak_directions(
                 let half = (translation_m / most).cast::<f32>() * (ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &[origin - half, origin + half], colour);
                 tip = origin + half;
-                // So that the camera fits them in.
+                // The camera fits them in.
                 content.outline_m.extend([origin - half, tip]);
             }
             if yaw_rad.abs() * observed.track_radius_m > TURNS {
@@ -97,7 +95,7 @@ pub fn add_weak_directions(
     }
 }
 
-/// An arc about a station's vertical, on the side of the scene's middle.
+/// Returns an arc about a station's vertical, on the side of the scene's middle.
 fn arc_towards(content: &SceneContent, origin: Vector3<f32>, radius_m: f32) -> Vec<Vector3<f32>> {
     let (low, high) = content.bounds_m.unwrap_or((origin, origin));
     let to_middle = (low + high) / 2.0 - origin;
@@ -110,14 +108,14 @@ fn arc_towards(content: &SceneContent, origin: Vector3<f32>, radius_m: f32) -> V
         .collect()
 }
 
-/// A path with a head at both ends.
+/// Adds a path with an arrowhead at both ends.
 fn add_double_arrow(lines: &mut Vec<LineVertex>, path: &[Vector3<f32>], colour: Rgb) {
     add_path(lines, path, colour, 2.5);
     let length: f32 = path.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     let last = path.len() - 1;
     for (tip, before) in [(path[0], path[1]), (path[last], path[last - 1])] {
         let Some(back) = (before - tip).try_normalize(1e-6) else { continue };
-        // Any side will do for an arrow that points up.
+        // Any side is suitable for a vertical arrow.
         let side = back.cross(&Vector3::z()).try_normalize(0.1).unwrap_or_else(Vector3::x);
         for side in [side, -side] {
             let barb = tip + 0.12 * length * (back + 0.5 * side);
@@ -137,7 +135,7 @@ fn add_path(lines: &mut Vec<LineVertex>, path: &[Vector3<f32>], colour: Rgb, wid
     }));
 }
 
-/// The longer side of the scene on the ground (m).
+/// Returns the longer horizontal side of the scene (m).
 fn extent_m(content: &SceneContent) -> Option<f32> {
     let (low, high) = content.bounds_m?;
     Some((high.x - low.x).max(high.y - low.y).max(1.0))
@@ -150,7 +148,7 @@ mod tests {
 
     #[test]
     fn the_axes_of_a_known_covariance() {
-        // σ 1, 2 and 4 mm, the longest turned by 30° about z from x.
+        // σ 1, 2 and 4 mm, the longest rotated by 30° about z from x.
         let turn =
             *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_6)
                 .matrix();

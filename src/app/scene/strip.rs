@@ -1,4 +1,4 @@
-//! The strip under the picture: how long a metre is, what is at the cursor, what was measured, what is hidden or not to scale.
+//! The strip under the picture: scale bar, position at the cursor, measured distance, and notes on hidden or enlarged content.
 
 use std::sync::Arc;
 
@@ -18,17 +18,16 @@ use resect_core::palette;
 const ROW: f32 = 17.0;
 const MARGIN: Vec2 = Vec2::new(8.0, 3.0);
 const BETWEEN: f32 = 16.0;
-/// Room at the end of the last row for how much more there is to read.
+/// Room at the end of the last row for the number of omitted texts (points).
 const MORE: f32 = 46.0;
 const FONT: f32 = 11.5;
-/// Wanted length of the bar that says how long a metre is (points).
+/// Wanted length of the scale bar (points).
 const BAR_POINTS: f32 = 90.0;
-/// Size of the bar of the colours, and how many pieces it is painted in.
+/// Size of the colour bar, and number of segments in which it is painted.
 const COLOURS: Vec2 = Vec2::new(96.0, 9.0);
 const PIECES: usize = 24;
 
-/// As many rows as a pane of this size spares. What the strip says must not change it: the picture would change with every
-/// digit.
+/// Returns the height of the strip, by the size of the pane. It must not depend on the text, or the picture would change with every digit.
 pub fn height(pane: Vec2) -> f32 {
     let rows = match pane {
         Vec2 { x, .. } if x >= 760.0 => 2.0,
@@ -38,7 +37,7 @@ pub fn height(pane: Vec2) -> f32 {
     rows * ROW + 2.0 * MARGIN.y
 }
 
-/// Something that the strip says.
+/// An item of the strip.
 enum Item {
     Text(Arc<Galley>),
     Colours { title: Arc<Galley>, low: Arc<Galley>, high: Arc<Galley> },
@@ -55,7 +54,7 @@ impl Item {
     }
 }
 
-/// Paints the strip; what finds no room in it is said on hovering.
+/// Paints the strip; a tooltip shows the texts that do not fit.
 pub fn ui(
     ui: &mut egui::Ui,
     rect: Rect,
@@ -79,11 +78,11 @@ pub fn ui(
         job.wrap = egui::text::TextWrapping::truncate_at_width(area.width() - MORE);
         painter.layout_job(job)
     };
-    // Each with what it says, should it find no room.
+    // Each item with its text, for the tooltip if it does not fit.
     let mut items = Vec::new();
     let texts = strip_text::texts(open, analysis, state, content);
     for text in &texts {
-        // What stands out says that the picture is not what it seems.
+        // A text that stands out says that the picture is not to scale.
         let colour = if text.faint { faint } else { colour };
         items.push((text.text.clone(), Item::Text(layout(&text.text, colour))));
     }
@@ -94,10 +93,10 @@ pub fn ui(
         let said = format!("{}: {low} to {high}", scale.title);
         let [low, high] = [low, high].map(|end| layout(&end, colour));
         let title = layout(scale.title, colour);
-        // Right behind what matters most.
+        // Right behind the most important texts.
         items.insert(items.len().min(2), (said, Item::Colours { title, low, high }));
     }
-    // Each goes into the first row that has room.
+    // Each item is placed in the first row with room.
     let count = (area.height() / ROW).round() as usize;
     let mut ends = vec![area.left(); count];
     let mut left_out = Vec::new();
@@ -120,7 +119,7 @@ pub fn ui(
         paint(&painter, Pos2::new(ends[row], area.top() + row as f32 * ROW), &item, colour);
         ends[row] += item.width() + BETWEEN;
     }
-    // A picture that is kept can't be hovered.
+    // A saved picture has no tooltip.
     if !left_out.is_empty() && !state.scene.picturing {
         let more = format!("+{} more", left_out.len());
         painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, more, font.clone(), faint);
@@ -170,7 +169,7 @@ fn ends_of(scale: &Scale) -> [String; 2] {
     [number(scale.low), format!("{more}{}", number(scale.high))]
 }
 
-/// The value with three digits.
+/// Formats a value with three significant digits.
 fn number(value: f64) -> String {
     let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
     let text = format!("{value:.decimals$}");
@@ -181,8 +180,8 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Paints a bar of a round length on the right of the first row; gives the place kept for it, which is the same for every
-/// length.
+/// Paints a scale bar of a round length on the right of the first row;
+/// returns the rectangle reserved for it, which is the same for every length.
 fn paint_bar(painter: &Painter, area: Rect, projection: &Projection, colour: Color32) -> Rect {
     let length_m = round_length(BAR_POINTS / projection.points_per_metre);
     let length = length_m * projection.points_per_metre;
@@ -193,8 +192,8 @@ fn paint_bar(painter: &Painter, area: Rect, projection: &Projection, colour: Col
     for end in [left, right] {
         painter.line_segment([end - Vec2::new(0.0, 4.0), end + Vec2::new(0.0, 4.0)], stroke);
     }
-    // In perspective a metre is as long only where the target is.
-    let where_it_is = if projection.parallel { "" } else { " in the middle" };
+    // In perspective the scale is correct only at the target.
+    let where_it_is = if projection.parallel { "" } else { " at view centre" };
     let text = format!("{length_m} m{where_it_is}");
     let at = Pos2::new(left.x - 6.0, y);
     painter.text(at, Align2::RIGHT_CENTER, text, FontId::proportional(FONT), colour);
@@ -205,7 +204,7 @@ fn paint_bar(painter: &Painter, area: Rect, projection: &Projection, colour: Col
     )
 }
 
-/// The next shorter of 1, 2 and 5 times a power of ten.
+/// Rounds down to 1, 2 or 5 times a power of ten.
 fn round_length(length_m: f32) -> f32 {
     let decade = 10_f32.powf(length_m.max(1e-4).log10().floor());
     [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|m| *m <= length_m).unwrap_or(decade)

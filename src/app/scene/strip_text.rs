@@ -1,4 +1,4 @@
-//! What the strip under the picture says, in words, what matters most first.
+//! Texts of the strip under the picture, the most important first.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -16,7 +16,7 @@ use resect_core::geometry::RigidTransform;
 
 pub struct Text {
     pub text: String,
-    /// Whether it may be overlooked.
+    /// True if the text is of minor importance.
     pub faint: bool,
 }
 
@@ -38,7 +38,7 @@ pub fn texts(
     }
     plain.extend(ellipsoids(state, content));
     if let Some(cut) = content.residuals {
-        let cut = if cut > 0 { format!(", {cut} cut short") } else { String::new() };
+        let cut = if cut > 0 { format!(", {cut} truncated") } else { String::new() };
         plain.push(format!("residuals ×{}{cut}", state.scene.options.residual_scale));
     }
     plain.extend(cursor);
@@ -49,14 +49,14 @@ pub fn texts(
     plain.chain(faint.into_iter().map(|text| Text { text, faint: true })).collect()
 }
 
-/// What the ruler measures, or what it waits for.
+/// Describes the ruler's measurement, or the end that is missing.
 fn ruler(open: &OpenDeployment, state: &State, content: &SceneContent) -> Vec<String> {
     let Ruler { active, ends } = &state.scene.ruler;
     let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
     match &ends[..] {
-        [] if *active => vec!["ruler: click its first end".to_owned()],
+        [] if *active => vec!["ruler: click the first point".to_owned()],
         [] => Vec::new(),
-        [end] => vec![format!("ruler: from {}; click its other end", end.what)],
+        [end] => vec![format!("ruler: from {}; click the second point", end.what)],
         [from, .., to] => {
             let lines = state.scene.ruler.lines(
                 content.prisms_m.as_ref(),
@@ -69,7 +69,7 @@ fn ruler(open: &OpenDeployment, state: &State, content: &SceneContent) -> Vec<St
     }
 }
 
-/// Time and position at the cursor, then the attitude, then what both are from.
+/// Describes time and position at the cursor, then the attitude, then their source.
 fn cursor(
     open: &OpenDeployment,
     analysis: &Analysis,
@@ -81,8 +81,8 @@ fn cursor(
     let Some(prisms_m) = &content.prisms_m else {
         let answer = analysis.answer.as_ref().map(|answer| &answer.calibration);
         let why = match answer.map(|answer| answer.placing_tracks(&open.deployment)) {
-            Err(_) => "no result places the prisms",
-            Ok(None) => "the tracks are in another frame than this answer",
+            Err(_) => "prism positions not determined",
+            Ok(None) => "the tracks are in another frame than this result",
             Ok(Some(_)) => return vec![format!("{time}  {}", last_read(&content.ghosts))],
         };
         return vec![format!("{time}  {why}")];
@@ -90,12 +90,12 @@ fn cursor(
     let Some(pose) = &content.pose else {
         let joint = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
         let is_rig = analysis.offer.targets != Targets::OnePrism;
-        let why = if joint && is_rig { ", too short a stretch for a motion" } else { "" };
+        let why = if joint && is_rig { ", segment too short for a pose" } else { "" };
         return vec![format!("{time}  prism 1 {}{why}", position(&prisms_m[0], units))];
     };
     let (sigma, by) = match &pose.by {
         PoseBy::Motion => (sigma_by_way(open, cursor_s), "by the joint estimate"),
-        // Without a σ of the interpolation, that of one pose is a guess from three distances.
+        // Without a σ of the interpolation, the σ of a single pose would be a guess from three distances.
         PoseBy::Triplet(sigma) => {
             (analysis.triplets().sigma_m.as_ref().map(|_| *sigma), "by one triplet")
         }
@@ -113,7 +113,7 @@ fn cursor(
     lines
 }
 
-/// How well the motion of the joint estimate is known at an instant, once that has been made of this answer.
+/// Returns σ of the joint estimate's motion at an instant, once it is computed for this calibration.
 fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
     let way = open.way.newest.as_deref().filter(|_| open.way.is_of((open.analysis_run, 0)))?;
     let at = way.at(time_s)?;
@@ -121,7 +121,7 @@ fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
     Some(PoseSigma { position_m, orientation_rad: at.turn_sigma_rad? })
 }
 
-/// How old what is drawn is, where there is no triplet.
+/// Describes the age of the last readings, where there is no triplet.
 fn last_read(ghosts: &[Option<Ghost>; 3]) -> String {
     let read = ghosts.iter().enumerate().filter_map(|(prism, ghost)| Some((prism, (*ghost)?)));
     let (prisms, ages): (Vec<String>, Vec<String>) = read
@@ -149,7 +149,7 @@ fn attitude(station1_from_vehicle: &Rotation3<f64>, units: Units) -> String {
     format!("heading {yaw}  roll {roll}  pitch {pitch} {}", units.angle.name())
 }
 
-/// How much larger than true the ellipsoids are that are drawn.
+/// Describes the enlargement of the ellipsoids.
 fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
     let mut of = Vec::new();
     if content.station_ellipsoids {
@@ -165,7 +165,7 @@ fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
     (!of.is_empty()).then(|| format!("ellipsoids ×{scale}: {}", of.join(", ")))
 }
 
-/// How much of the readings and tracks is drawn.
+/// Describes the numbers of drawn readings and tracks.
 fn counts(analysis: &Analysis, content: &SceneContent) -> String {
     use resect_core::pipeline::SampleFate;
     let stations = |shown: &[bool; 3]| (0..3).filter(|station| shown[*station]).collect::<Vec<_>>();

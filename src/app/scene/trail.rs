@@ -1,20 +1,20 @@
-//! The trail: what of its way lies behind each prism at the time cursor.
+//! The trail: the recent segment of each prism's path up to the time cursor.
 
 use std::ops::Range;
 
 use crate::app::prepared::Cloud;
 
-/// Part of the tracks that is drawn once more, wider and fading out into the past.
+/// Segment of the tracks that is drawn a second time, wider and fading into the past.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trail {
-    /// From when to when (s, as the points count it).
+    /// Start and end (s, in the time of the points).
     pub span_s: [f32; 2],
-    /// The points of each station's track that it goes along; none where it is not drawn.
+    /// Range of the trail's points in each station's track; empty if it is not drawn.
     pub ranges: [Range<usize>; 3],
 }
 
 impl Trail {
-    /// The trail behind a time, of the tracks that have one, by searches in their times (s, as the points count it).
+    /// Returns the trail up to a time (s, in the time of the points), by binary search in the tracks.
     pub fn behind(time_s: f64, length_s: u32, tracks: &Cloud, drawn: [bool; 3]) -> Self {
         let span_s = [time_s - f64::from(length_s), time_s].map(|t| t as f32);
         let range =
@@ -29,7 +29,7 @@ mod tests {
     use nalgebra::Vector3;
     use resect_core::pipeline::Triplets;
 
-    /// A minute of triplets, two a second, and another after a gap of a minute.
+    /// A minute of triplets, two a second, and another minute of them after a gap of a minute.
     fn tracks() -> Cloud {
         let time_s: Vec<f64> = (0..=120).chain(240..=360).map(|i| 0.5 * f64::from(i)).collect();
         let points_m = [0.0; 3].map(|_| vec![Vector3::zeros(); time_s.len()]);
@@ -37,7 +37,7 @@ mod tests {
         Cloud::of_triplets(&Triplets::new(time_s, interval, points_m), 0.0)
     }
 
-    /// Times of the points that each prism's trail goes along (s).
+    /// Returns the times of each trail's points (s).
     fn times_s(trail: &Trail) -> [Vec<f32>; 3] {
         let points = tracks().points;
         trail.ranges.clone().map(|range| points[range].iter().map(|p| p.time_s).collect())
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn it_reaches_back_so_many_seconds_and_not_beyond_the_cursor() {
-        // On triplets, and between two: their line is cut where the span ends.
+        // At triplets, and between two: the line is cut at the end of the span.
         for (cursor_s, from_s, to_s) in [(30.0, 20.0, 30.0), (30.2, 20.0, 30.5), (4.0, 0.0, 4.0)] {
             let trail = Trail::behind(cursor_s, 10, &tracks(), [true; 3]);
             assert_eq!(trail.span_s, [cursor_s - 10.0, cursor_s].map(|t| t as f32));

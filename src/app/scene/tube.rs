@@ -1,4 +1,4 @@
-//! How well the vehicle's way is known, as a tube about it: rings that hold 95 % across the way, drawn larger than true.
+//! Uncertainty of the vehicle's path as a tube about it: rings of the 95 % confidence region across the path, enlarged.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
@@ -7,17 +7,17 @@ use super::vertices::{LineVertex, WORLD, f32s};
 use crate::app::prepared::way::{Instant, Way};
 use resect_core::palette;
 
-/// Radius of the circle that holds 95 % of a normal distribution in a plane, over its σ: the root of χ² with two degrees of
-/// freedom.
+/// Radius of the 95 % confidence circle of a normal distribution in a plane,
+/// in σ: the square root of the quantile of χ² with two degrees of freedom.
 const SIGMAS_95: f64 = 2.4477;
-/// Rings along the way at most, and corners of each.
+/// Greatest number of rings along the path, and corners of each.
 const MOST_RINGS: usize = 600;
 const CORNERS: usize = 12;
-/// From one place to the next the vehicle moved by this at least (m): at rest the way has no direction.
+/// Least displacement between two rings (m): at rest the path has no direction.
 const SHORTEST_M: f64 = 0.02;
 
 impl SceneContent {
-    /// Draws the tube, so many times as wide as true; none takes it away.
+    /// Draws the tube, enlarged by a factor; `None` removes it.
     pub fn set_tube(&mut self, way: Option<&Way>, scale: f64) {
         self.tube.clear();
         let Some(way) = way else { return };
@@ -58,7 +58,7 @@ impl SceneContent {
     }
 }
 
-/// Corners of the ellipse across a direction that holds 95 % of where the vehicle may be there.
+/// Returns the corners of the 95 % confidence ellipse of the position, across a direction.
 fn ring(at: &Instant, ahead_m: &Vector3<f64>, scale: f64) -> Option<[Vector3<f64>; CORNERS]> {
     let side = Vector3::z().cross(ahead_m).try_normalize(1e-9)?;
     let up = ahead_m.cross(&side).normalize();
@@ -71,7 +71,7 @@ fn ring(at: &Instant, ahead_m: &Vector3<f64>, scale: f64) -> Option<[Vector3<f64
     }))
 }
 
-/// What of a covariance is in the plane of two directions.
+/// Returns the covariance in the plane of two directions.
 fn across(covariance: &Matrix3<f64>, side: &Vector3<f64>, up: &Vector3<f64>) -> Matrix2<f64> {
     let between = |a: &Vector3<f64>, b: &Vector3<f64>| a.dot(&(covariance * b));
     Matrix2::new(between(side, side), between(side, up), between(up, side), between(up, up))
@@ -81,7 +81,7 @@ fn across(covariance: &Matrix3<f64>, side: &Vector3<f64>, up: &Vector3<f64>) -> 
 mod tests {
     use super::*;
 
-    /// A drive along x whose height is three times as uncertain as its side: the ring is so wide and so high.
+    /// A drive along x whose height is three times as uncertain as its lateral position: the ring has these proportions.
     #[test]
     fn a_ring_is_as_wide_as_the_covariance_across_the_way() {
         let instant = |index: u32| Instant {

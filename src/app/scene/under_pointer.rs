@@ -1,4 +1,4 @@
-//! What the pointer is on, and what is said about it.
+//! The item under the pointer, and its tooltip.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 use nalgebra::Vector3;
@@ -12,15 +12,15 @@ use crate::app::prepared::pick::Hit;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
 
-/// The pointer is on a reading within so many points on the screen, and on a track within more.
+/// Distance on the screen within which the pointer is on a reading, and on a track (points).
 const READING_REACH: f32 = 7.0;
 const TRACK_REACH: f32 = 14.0;
 
-/// A thing that was measured, or interpolated between measurements.
+/// A reading, or a point interpolated between readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UnderPointer {
     Reading(Picked),
-    /// A triplet's point.
+    /// The point of a triplet.
     Track {
         station: usize,
         index: usize,
@@ -28,7 +28,7 @@ pub enum UnderPointer {
 }
 
 impl UnderPointer {
-    /// Finds what is under the pointer, of what is shown. A reading comes before the track that was made from it.
+    /// Finds the visible item under the pointer. A reading takes precedence over a track.
     pub fn find(content: &SceneContent, projection: &Projection, at: Pos2) -> Option<Self> {
         let raw = nearest_reading(content, projection, at, READING_REACH);
         let track = || nearest_on_tracks(content, projection, at, TRACK_REACH);
@@ -36,7 +36,7 @@ impl UnderPointer {
             .or_else(|| track().map(|(station, index)| Self::Track { station, index }))
     }
 
-    /// When it was there (s, in the stations' clock).
+    /// Returns the time of the item (s, in the stations' clock).
     pub fn time_s(&self, open: &OpenDeployment, analysis: &Analysis) -> Option<f64> {
         match self {
             Self::Reading(picked) => picked.time_s(&open.deployment),
@@ -44,7 +44,7 @@ impl UnderPointer {
         }
     }
 
-    /// Where it is, in station 1's frame.
+    /// Returns the position of the item (m, station 1's frame).
     pub fn position_m(
         &self,
         open: &OpenDeployment,
@@ -60,7 +60,7 @@ impl UnderPointer {
         }
     }
 
-    /// The reading or track point as an end of the ruler.
+    /// Returns the reading or track point as an end of the ruler.
     pub fn ruler_end(
         &self,
         open: &OpenDeployment,
@@ -78,7 +78,7 @@ impl UnderPointer {
     }
 }
 
-/// The reading that is shown nearest to a place on the screen, within so many points.
+/// Returns the visible reading nearest to a position on the screen, within a distance (points).
 fn nearest_reading(
     content: &SceneContent,
     projection: &Projection,
@@ -91,7 +91,7 @@ fn nearest_reading(
         .map(|(station, index)| Picked { station, index })
 }
 
-/// The nearest reading of the tracks.
+/// Returns the nearest point of the tracks.
 fn nearest_on_tracks(
     content: &SceneContent,
     projection: &Projection,
@@ -123,10 +123,10 @@ fn nearest(
     best.map(|(station, hit)| (station, hit.index))
 }
 
-/// Whether anything that is shown is in the picture.
+/// Returns true if anything visible is in the picture.
 pub fn is_anything_in_sight(content: &SceneContent, projection: &Projection) -> bool {
     let visible = |p: &Vector3<f32>| projection.visible(&p.cast::<f64>()).is_some();
-    // The outline has some of the points; all of them are asked only where none of those is seen.
+    // The outline is a sample; all points are searched only if none of the sample is in the picture.
     content.outline_m.iter().any(visible) || {
         let (middle, reach) = (projection.rect.center(), 0.5 * projection.rect.size().min_elem());
         nearest_reading(content, projection, middle, reach).is_some()
@@ -134,7 +134,7 @@ pub fn is_anything_in_sight(content: &SceneContent, projection: &Projection) -> 
     }
 }
 
-/// What is said about a reading, in lines.
+/// Returns the lines of a reading's tooltip.
 pub fn reading_lines(
     open: &OpenDeployment,
     analysis: &Analysis,
@@ -162,14 +162,14 @@ pub fn reading_lines(
     ]
 }
 
-/// Rings a place: what was picked, and what would be.
+/// Paints a ring around the picked or the hovered position.
 pub fn ring(painter: &Painter, at: Pos2, radius: f32, dark: bool) {
     let (inner, outer) = (theme::rgb(theme::cursor(dark)), theme::scene_background(dark));
     painter.circle_stroke(at, radius, Stroke::new(4.0, outer.gamma_multiply(0.8)));
     painter.circle_stroke(at, radius, Stroke::new(2.0, inner));
 }
 
-/// A small box of text beside the pointer, inside of the picture.
+/// Paints a tooltip beside the pointer, inside of the picture.
 pub fn tooltip(painter: &Painter, rect: Rect, at: Pos2, lines: &[String], dark: bool) {
     let colour = theme::rgb(theme::cursor(dark));
     let galley = painter.layout_no_wrap(lines.join("\n"), FontId::proportional(11.5), colour);

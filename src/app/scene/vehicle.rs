@@ -1,4 +1,4 @@
-//! Where the vehicle is: along its way, and at the cursor.
+//! The vehicle's poses along its path, and at the cursor.
 
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
@@ -7,10 +7,10 @@ use resect_core::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle
 use resect_core::geometry::RigidTransform;
 use resect_core::pipeline::Triplets;
 
-/// The vehicle's frame is drawn so many times along the way.
+/// Greatest number of vehicle frames drawn along the path.
 const MOST_POSES: usize = 150;
 
-/// The vehicle at an instant.
+/// Pose of the vehicle at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleAt {
     pub time_s: f64,
@@ -18,16 +18,16 @@ pub struct VehicleAt {
     pub by: PoseBy,
 }
 
-/// What says where the vehicle is.
+/// Source of a vehicle's pose.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PoseBy {
-    /// The motion of the joint estimate, which rests on the readings around; its σ is made beside the window.
+    /// The motion of the joint estimate, estimated from the readings around; its σ is computed in the background.
     Motion,
-    /// One triplet, by three distances.
+    /// One triplet, by its three distances.
     Triplet(PoseSigma),
 }
 
-/// The vehicle at some instants; nowhere where there is no rig or no answer.
+/// Returns the vehicle's poses at some instants; empty without a rig or a calibration.
 fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<VehicleAt> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let calibration = &answer.calibration;
@@ -51,15 +51,15 @@ fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Ve
     found.map_or(Vec::new(), |(trajectory, _)| trajectory.poses.iter().map(at).collect())
 }
 
-/// The vehicle at even steps along the way.
+/// Returns the vehicle's poses at even steps along the path.
 pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<VehicleAt> {
     let count = analysis.triplets().len();
     let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
     vehicles(deployment, analysis, &analysis.triplets().select(&instants))
 }
 
-/// The vehicle at the instant of one triplet; `None` where there is no rig and no answer, and where one triplet alone would
-/// have to say it and contradicts the rig.
+/// Returns the vehicle's pose at the instant of one triplet; `None` without a rig or a
+/// calibration, or if the pose depends on one triplet alone that contradicts the rig.
 pub fn pose_of(
     deployment: &Deployment,
     analysis: &Analysis,

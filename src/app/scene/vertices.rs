@@ -1,10 +1,10 @@
-//! Points, lines and texts of the scene as the graphics card and the labels take them.
+//! Points, lines and labels of the scene, as input of the GPU and of the label placement.
 
 use nalgebra::Vector3;
 
 use resect_core::palette::Rgb;
 
-/// Index of the frame in which a vertex stands: stations 1–3 are 0–2, the world (station 1) is 3.
+/// Index of a vertex's frame: stations 1–3 are 0–2, the world (station 1) is 3.
 pub const WORLD: u32 = 3;
 
 /// A disc of constant size on the screen.
@@ -29,7 +29,7 @@ pub struct LineVertex {
     pub width_points: f32,
 }
 
-/// Which label gives way where there is no room for all; the last is placed first.
+/// Priority of a label where there is no room for all; the last is placed first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rank {
     ControlPoint,
@@ -38,7 +38,7 @@ pub enum Rank {
     Station,
 }
 
-/// Text at a place.
+/// Text at a position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
     pub position_m: Vector3<f32>,
@@ -47,17 +47,17 @@ pub struct Label {
     pub rank: Rank,
 }
 
-/// What a measurement can end at, beside readings and tracks.
+/// A possible end of a measurement, beside readings and tracks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmark {
-    /// Where the landmark is (m, in station 1's frame).
+    /// Position of the landmark (m, station 1's frame).
     pub position_m: Vector3<f64>,
     pub name: String,
-    /// Whether the camera cares: geodetic pillars stand anywhere, and would make the rest small.
+    /// True if the camera fits it in; geodetic pillars are excluded, since distant ones would make the rest small.
     pub fitted_in: bool,
 }
 
-/// A list of vertices and a number that changes when they do.
+/// A list of vertices, and a number that changes with them.
 #[derive(Clone, Debug, Default)]
 pub struct Layer {
     pub points: Vec<PointVertex>,

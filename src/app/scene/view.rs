@@ -1,4 +1,4 @@
-//! The scene pane: the picture, what is written over it, and what was hovered.
+//! The scene pane: the picture, its overlays and its hovered item.
 
 use std::sync::Arc;
 
@@ -21,45 +21,45 @@ use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 
-/// What the folded legend takes of a picture's width, with the margins of both (points).
+/// Width of the folded legend with the margins of both sides (points).
 const LEGEND_FOLDED: f32 = 116.0;
-/// Radius of the ring around what was picked, and around what would be (points).
+/// Radius of the ring around the picked item, and around the hovered one (points).
 const PICKED_RING: f32 = 9.0;
 const HOVERED_RING: f32 = 6.0;
 
-const NOTHING_IN_SIGHT: &str = "Nothing is in sight here. Fit (F) brings back all that is shown";
+const NOTHING_IN_SIGHT: &str = "Nothing in view. Fit (F) shows the whole scene";
 
-/// What the scene is drawn from, and what was under the pointer.
+/// State of the pane: renderer, content, and the keys from which each was built.
 pub struct SceneView {
     renderer: Option<SceneRenderer>,
     pub(super) content: SceneContent,
-    /// What the content was made from.
+    /// Key of the state from which the content was built.
     pub(super) built: Option<Built>,
     pub(super) coloured: Option<(u64, u64, Colouring)>,
     pub(super) cursor: Option<(u64, f64)>,
     pub(super) hover: Option<(u64, usize)>,
-    /// What the tube is drawn of, and how much wider than true.
+    /// Path of the drawn tube, and its enlargement.
     pub(super) tube: Option<(Arc<Way>, u32)>,
-    /// The way that is advised, and the answer at whose last height it is drawn.
+    /// The advised path, and the analysis whose last height it is drawn at.
     pub(super) advised: (Vec<Vector2<f64>>, u64),
-    /// What the ways of other runs are drawn of.
+    /// The drawn paths of other runs.
     pub(super) beside: Option<Arc<Vec<RunBeside>>>,
-    /// What the trajectories of other systems are drawn of, and the number of each one's colour, if it is drawn.
-    pub(super) judgement: Option<(Vec<Option<usize>>, Arc<Judgement>)>,
+    /// Colour number of each drawn trajectory of another system, and their evaluation.
+    pub(super) judgement: Option<(Vec<Option<usize>>, Arc<EstimatesJudgement>)>,
     place: Option<Rect>,
-    /// What the controls took in the last frame.
+    /// Size of the controls in the last frame.
     controls_size: Vec2,
 }
 
-/// What the content was made from.
+/// Key of the state from which the content was built.
 #[derive(PartialEq)]
 pub struct Built {
     pub(super) deployment: u64,
     pub(super) analysis: u64,
     pub(super) visibility: Visibility,
-    /// How many times as large ellipsoids, and arrows of residuals, are drawn.
+    /// Enlargement of ellipsoids, and of residual arrows.
     pub(super) scales: [u32; 2],
     pub(super) dark: bool,
 }
@@ -82,7 +82,7 @@ impl SceneView {
         }
     }
 
-    /// Where the scene was drawn since this was asked last, in the window (points).
+    /// Returns the scene's rectangle in the window, if it was drawn since the last call (points).
     pub fn take_place(&mut self) -> Option<Rect> {
         self.place.take()
     }
@@ -104,7 +104,7 @@ impl SceneView {
         let before = view.camera;
         move_camera(view, ui, &response, rect, state);
         take_keys(view, ui, &response, rect, state, commands);
-        // Who moves the camera from the rig wants to look elsewhere.
+        // A user who moves the camera away from the rig stops following it.
         let following = state.scene.options.follow && view.camera.target_m == before.target_m;
         if following != state.scene.options.follow {
             commands.push(
@@ -116,7 +116,7 @@ impl SceneView {
             view.camera.stay_near([low_m, high_m]);
         }
         let painter = ui.painter_at(rect);
-        // The picture lies under the controls, whose place decides what it shows.
+        // The picture lies under the controls, whose rectangles determine its content.
         let picture = painter.add(egui::Shape::Noop);
         let over = self.overlays(ui, rect, state, commands);
         let frame = free_part::frame(rect, free_part::free_part(rect, &over));
@@ -146,7 +146,7 @@ impl SceneView {
         }
     }
 
-    /// Shows what lies over the picture; gives the places it takes.
+    /// Shows the overlays on the picture; returns their rectangles.
     fn overlays(
         &mut self,
         ui: &mut egui::Ui,
@@ -156,7 +156,7 @@ impl SceneView {
     ) -> Vec<Rect> {
         let Some((open, analysis)) = state.analysed() else { return Vec::new() };
         let mut over = Vec::new();
-        // The legend comes first for Tab; folded it leaves room for the controls beside it, or stands below them.
+        // The legend comes first for Tab; folded it leaves room for the controls beside it, or is below them.
         let is_beside = rect.width() - self.controls_size.x > LEGEND_FOLDED;
         let below = if is_beside || state.scene.picturing { 0.0 } else { self.controls_size.y };
         let picture = rect.with_min_y(rect.top() + below);
@@ -167,7 +167,7 @@ impl SceneView {
         over
     }
 
-    /// Does what was asked of the camera since the last frame.
+    /// Executes the camera commands since the last frame.
     fn look_and_fly(&self, view: &mut View, ui: &egui::Ui, frame: Frame, state: &State) {
         let vertical = state.scene.options.height_scale.max(1) as f32;
         if view.camera.vertical != vertical {
@@ -203,7 +203,7 @@ impl SceneView {
         }
     }
 
-    /// Goes with the rig, as far as it is known where that is.
+    /// Follows the rig, as far as its position is known.
     fn follow(&self, view: &mut View, ui: &egui::Ui, following: bool) {
         if !following {
             view.follow = Follow::default();
@@ -262,7 +262,7 @@ impl SceneView {
         }
     }
 
-    /// Says what is under the pointer, here and to the other panes.
+    /// Shows the hovered item here, and reports it to the other panes.
     fn show_hovered(
         &self,
         ui: &egui::Ui,
@@ -272,7 +272,7 @@ impl SceneView {
         commands: &mut Commands,
     ) {
         let Some((open, analysis)) = state.analysed() else { return };
-        // While the camera is turned nothing is meant.
+        // No item is hovered while the camera moves.
         let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
         let Some(under) = UnderPointer::find(&self.content, projection, pointer) else { return };
         commands

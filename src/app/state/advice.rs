@@ -1,10 +1,10 @@
-//! Showing what a finding is about.
+//! Display of the subject of a finding.
 
 use super::State;
 use crate::app::model::{Pane, Picked};
 
 impl State {
-    /// Selects a span of time (s) with some room beside it, and looks at where station 1 saw its prism then.
+    /// Selects a time interval (s), shows it with a margin, and points the camera at station 1's reading there.
     pub(super) fn look_at_times(&mut self, span_s: [f64; 2]) {
         let room_s = 0.5 * (span_s[1] - span_s[0]);
         self.with_timeline(|timeline, _| {
@@ -21,7 +21,7 @@ impl State {
         }
     }
 
-    /// Brings a control point before the camera, as the first station that measured it places it.
+    /// Points the camera at a control point, at its position from the first station that measured it.
     pub(super) fn look_at_point(&mut self, file: &str, marker: i64) {
         let Some((open, analysis)) = self.analysed() else { return };
         let answer = analysis.answer.as_ref().ok();
@@ -36,7 +36,7 @@ impl State {
         });
         let Some(position_m) = position_m else {
             self.toasts.error(&format!(
-                "point {marker} of {file} has no place in the scene: no station placed it"
+                "point {marker} of {file} cannot be shown in the scene: its position is not determined"
             ));
             return;
         };

@@ -1,12 +1,11 @@
-//! What the user is asked before the window goes on: what only he can tell of the data, what files are for, and whether
-//! a file of his is changed.
+//! Questions to the user: facts about the data that no file contains, the purpose of files, and confirmation before a file is changed.
 
 use std::path::{Path, PathBuf};
 
 use super::State;
+use super::corrections::one_or_many;
 use super::deployments::Then;
 use super::dialogs::PendingQuestion;
-use super::put_right::one_or_many;
 use crate::app::model::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedTracks, StationsAre,
     TableHead,
@@ -16,7 +15,7 @@ use resect_io::error::{Question, Topic};
 use resect_io::format::mapped_csv;
 use resect_io::source::{Extras, Source};
 
-/// Bytes of a file's beginning that are read: more than the preview shows.
+/// Bytes read from the head of a file, more than the preview shows.
 const HEAD_BYTES: u64 = 16 << 10;
 
 impl State {
@@ -24,13 +23,13 @@ impl State {
         self.dialogs.asked.push_back(PendingQuestion { asked, reading });
     }
 
-    /// Asks what a reader could not know of a source, and opens it with the answer.
+    /// Asks a reader's question about a source, and opens the source with the answer.
     pub fn ask_of_data(&mut self, question: Question, source: Source) {
         let then = Then::Show(self.deployments.start_settings);
         self.ask_and_read(question, source, then);
     }
 
-    /// Asks the question, and goes on as was meant once it is answered.
+    /// Asks a reader's question, and continues the reading with the answer.
     pub(super) fn ask_and_read(&mut self, question: Question, source: Source, then: Then) {
         let asked = match question {
             Question::Tracks { folder, files } => {
@@ -51,16 +50,16 @@ impl State {
             }
             Question::Columns { file, path, .. } => {
                 let request = self.read_head(path.clone());
-                let put_right = &source.extras.put_right;
+                let corrections = &source.extras.corrections;
                 Asked::Columns(Box::new(AskedColumns {
                     file,
                     path,
                     request,
                     head: None,
                     trouble: None,
-                    mapping: put_right.columns.clone().unwrap_or_default(),
-                    azimuth: put_right.azimuth.unwrap_or_default(),
-                    ranges_include_prism_constant: put_right
+                    mapping: corrections.columns.clone().unwrap_or_default(),
+                    azimuth: corrections.azimuth.unwrap_or_default(),
+                    ranges_include_prism_constant: corrections
                         .ranges_include_prism_constant
                         .unwrap_or(false),
                     files: None,
@@ -71,9 +70,9 @@ impl State {
         self.ask_user(asked, Some((source, then)));
     }
 
-    /// Asks what a rig or control points are for that came without tracks.
+    /// Asks for the deployment of a rig or control points that came without tracks.
     pub(super) fn ask_what_for(&mut self, extras: Extras, folders: Vec<PathBuf>) {
-        // What comes while it is asked is for the same.
+        // Further files are added to the pending question.
         for waiting in &mut self.dialogs.asked {
             if let Asked::Files(asked) = &mut waiting.asked {
                 asked.extras.add(extras);
@@ -86,7 +85,7 @@ impl State {
             self.deployments.open.iter().map(|open| open.id).zip(self.names()).collect();
         let target = targets.iter().position(|(id, _)| Some(*id) == shown).unwrap_or(0);
         if targets.is_empty() && folders.is_empty() {
-            let line = "these files describe a deployment, but none is open; open its tracks first";
+            let line = "no deployment is open for these files; open its tracks first";
             self.toasts.error(line);
             return;
         }
@@ -94,7 +93,7 @@ impl State {
         self.ask_user(Asked::Files(Box::new(files)), None);
     }
 
-    /// Reads the beginning of a table beside the window.
+    /// Reads the head of a table in the background.
     fn read_head(&mut self, path: PathBuf) -> u64 {
         let number = self.jobs.start(move || read_head(&path), Self::take_head);
         self.path_requests.push(number);
@@ -110,7 +109,7 @@ impl State {
         match (asked, head) {
             (Some(asked), Ok(head)) => asked.take_head(head),
             (Some(asked), Err(line)) => asked.trouble = Some(line),
-            // It is no longer asked.
+            // The question was withdrawn.
             (None, _) => {}
         }
     }
@@ -131,11 +130,11 @@ impl State {
     pub(super) fn cancel_asked(&mut self) {
         let Some(PendingQuestion { reading, .. }) = self.dialogs.asked.pop_front() else { return };
         if let Some((source, Then::Restore)) = reading {
-            self.not_restored(&format!("{}: what was asked has no answer", source.title()));
+            self.not_restored(&format!("{}: the question about it was cancelled", source.title()));
         }
     }
 
-    /// What a session has opened until now is no longer wanted, nor what had to be asked for it.
+    /// Withdraws the questions about the session that is being restored.
     pub(super) fn ask_nothing_of_restoring(&mut self) {
         let of_restoring =
             |waiting: &PendingQuestion| matches!(waiting.reading, Some((_, Then::Restore)));
@@ -150,7 +149,7 @@ impl State {
         let Some(PendingQuestion { asked, reading }) = self.dialogs.asked.pop_front() else {
             return;
         };
-        let mut put_right = Overrides::default();
+        let mut corrections = Overrides::default();
         match asked {
             Asked::Toml(proposed) => self.write_deployment_toml(proposed),
             Asked::Files(files) => match answer {
@@ -167,31 +166,31 @@ impl State {
             },
             Asked::Tracks(AskedTracks { files, chosen, .. }) => {
                 let files = files.into_iter().zip(chosen).filter(|(_, chosen)| *chosen);
-                put_right.tracks = Some(one_or_many(files.map(|(file, _)| file).collect()));
+                corrections.tracks = Some(one_or_many(files.map(|(file, _)| file).collect()));
             }
             Asked::Stations(AskedStations { are, choices, stations, .. }) => {
                 let names = stations.map(|index| choices[index].0.clone());
                 match are {
-                    StationsAre::Topics => put_right.topics = Some(names),
-                    StationsAre::Files => put_right.tracks = Some(one_or_many(names.to_vec())),
+                    StationsAre::Topics => corrections.topics = Some(names),
+                    StationsAre::Files => corrections.tracks = Some(one_or_many(names.to_vec())),
                 }
             }
             Asked::Columns(columns) => {
                 let AskedColumns { mapping, azimuth, ranges_include_prism_constant, .. } =
                     &*columns;
-                put_right.columns = Some(mapping.clone());
-                put_right.azimuth =
+                corrections.columns = Some(mapping.clone());
+                corrections.azimuth =
                     Some(*azimuth).filter(|sense| *sense != AzimuthSense::default());
-                put_right.ranges_include_prism_constant =
+                corrections.ranges_include_prism_constant =
                     Some(*ranges_include_prism_constant).filter(|include| *include);
                 if let (Some(head), Some(files)) = (&columns.head, columns.files) {
                     let names = files.map(|index| head.alike[index].clone());
-                    put_right.tracks = Some(one_or_many(names.to_vec()));
+                    corrections.tracks = Some(one_or_many(names.to_vec()));
                 }
             }
         }
         if let Some((mut source, then)) = reading {
-            source.extras.add(Extras { put_right, ..Extras::default() });
+            source.extras.add(Extras { corrections, ..Extras::default() });
             match then {
                 Then::Restore => self.restore_with(source),
                 then => self.read(source, then),
@@ -208,7 +207,7 @@ fn read_head(path: &Path) -> Result<TableHead, String> {
         let whole = file.metadata()?.len() <= HEAD_BYTES;
         file.take(HEAD_BYTES).read_to_end(&mut bytes)?;
         let text = String::from_utf8_lossy(&bytes).into_owned();
-        // Half a line is no row.
+        // Drops an incomplete last line.
         let end =
             if whole { text.len() } else { text.rfind('\n').map_or(text.len(), |end| end + 1) };
         Ok(text[..end].to_owned())

@@ -1,4 +1,4 @@
-//! Asking for a path, by the system's dialog or in the window.
+//! Path dialogs, of the system or inside the window.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
@@ -10,7 +10,7 @@ use crate::app::file_dialog::{
 };
 
 impl State {
-    /// Asks for a path. A prompt that is still open is cancelled.
+    /// Asks for a path. Cancels a prompt that is still open.
     pub(super) fn ask(&mut self, question: Question) -> Answer {
         if !self.dialogs.asks_in_window {
             return Answer::OfSystem(system::ask(&question));
@@ -26,7 +26,7 @@ impl State {
         Answer::OfWindow(receiver)
     }
 
-    /// Where such a path was chosen last. What is written does not go among the data by itself.
+    /// Returns the last folder chosen for this purpose. Files are not saved to the data's folder by default.
     fn last_folder(&mut self, wanted: &Wanted) -> &mut Option<PathBuf> {
         match wanted {
             Wanted::ToOpen { .. } => &mut self.dialogs.last_folder_opened,
@@ -58,10 +58,10 @@ impl State {
             }
             PromptStep::Chosen(path) => {
                 if let Some(prompt) = self.dialogs.prompt.take() {
-                    // Typed in one go, it is in a folder that was never shown.
+                    // A typed path may be in a folder that was not listed.
                     *self.last_folder(&prompt.shown.question.wanted) =
                         path.parent().map(Path::to_owned);
-                    // Whoever asked may have gone.
+                    // The receiver may be gone.
                     prompt.answer.send(path).ok();
                 }
             }

@@ -1,4 +1,4 @@
-//! The values of the pane of channels, as a table for other programs.
+//! CSV export of the channels pane.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,16 +11,16 @@ use resect_io::atomic;
 use resect_report::csv::io_error;
 
 /// The values to be written.
-struct Table {
+struct ChannelTable {
     plots: ChannelPlots,
     visible: Visibility,
-    /// Since the first measurement (s).
+    /// Time since the first measurement (s).
     window_s: [f64; 2],
 }
 
 impl State {
-    /// Asks for a file and writes every value within the window of time: metres, radians and seconds of the stations'
-    /// clock, as in all files.
+    /// Asks for a file and writes all values within the time window, in metres, radians and seconds of the stations' clock
+    /// as in all files.
     pub(super) fn save_channels(&mut self) {
         let Some((open, _)) = self.analysed() else {
             self.toasts.error("there is nothing to save yet; open a deployment first");
@@ -30,15 +30,15 @@ impl State {
         let sources = open.sources();
         if plots.channels().all(|channel| plots.seen(channel, sources, &visible).is_empty()) {
             self.toasts.error(
-                "no channel with values is shown; choose one under Show… in the pane Channels",
+                "no channel with values is shown; choose one under Show… in the Channels pane",
             );
             return;
         }
         let (prepared, way) = (Arc::clone(&open.plots), open.way.newest.clone());
         let start_s = open.start_s();
         let window_s = open.timeline.window_s.map(|time_s| time_s - start_s);
-        let table = Table { plots, visible, window_s };
-        // Several of one deployment are saved beside each other.
+        let table = ChannelTable { plots, visible, window_s };
+        // The name distinguishes several tables of one deployment.
         let (what, of) = (plots.in_words(), open.deployment.name.clone());
         let title = format!("Save {what} (CSV)");
         let answer = self.ask(Question::new_file(&title, &format!("{of} {what}"), "csv"));
@@ -51,8 +51,8 @@ impl State {
     }
 }
 
-/// Writes one channel under the name of its column, several as rows with their names; returns the number of rows.
-fn write(path: &Path, sources: Sources<'_>, table: &Table) -> Result<usize, String> {
+/// Writes one channel under the name of its column, or several as rows with their names; returns the number of rows.
+fn write(path: &Path, sources: Sources<'_>, table: &ChannelTable) -> Result<usize, String> {
     let plots = table.plots;
     let channels: Vec<Channel> = plots.channels().collect();
     let has_sigma = channels.iter().any(|channel| channel.subject() == Subject::Vehicle);
@@ -92,7 +92,7 @@ fn write(path: &Path, sources: Sources<'_>, table: &Table) -> Result<usize, Stri
     written.map(|()| rows).map_err(|error| error.to_string())
 }
 
-/// An empty cell where there is no value.
+/// Formats a value; an empty cell for `None`.
 fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -1,4 +1,4 @@
-//! What is put right, written into the folder's own `deployment.toml`.
+//! Writing of the corrections to the folder's own `deployment.toml`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use resect_io::override_changes::override_changes;
 use resect_io::source::{Extras, Source};
 
 impl State {
-    /// Finds out what would be written, beside the window.
+    /// Prepares the new content of the file in the background.
     pub(super) fn propose_deployment_toml(&mut self) {
         let Some(open) = self.active() else { return };
         let Some(source) = open.source.clone() else { return };
@@ -31,7 +31,7 @@ impl State {
     ) {
         self.path_requests.retain(|looking| *looking != number);
         match proposed {
-            // Nothing is lost where there was no file.
+            // Without an existing file nothing can be lost.
             Ok(proposed) if proposed.before.is_none() => self.write_deployment_toml(proposed),
             Ok(proposed) => self.ask_user(Asked::Toml(proposed), None),
             Err(line) => self.toasts.error(&line),
@@ -69,8 +69,9 @@ impl State {
 
 fn propose(id: u64, source: &Source, deployment: &Deployment) -> Result<AskedToml, String> {
     let Some(path) = source.path() else {
-        return Err("a built-in sample has no folder; save the session to keep what is put right"
-            .to_owned());
+        return Err(
+            "a built-in sample has no folder; save the session to keep the corrections".to_owned()
+        );
     };
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
     let folder = folder.canonicalize().map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -94,16 +95,17 @@ fn propose(id: u64, source: &Source, deployment: &Deployment) -> Result<AskedTom
     Ok(AskedToml { id, path, before, after, said, stays })
 }
 
-/// Splits what a deployment is read with into what its folder can say, and what stays in the session: files that do not
-/// lie in it. `sets` are the files of control points that are in use.
+/// Splits extras into those that the folder's file can contain, and those that stay in the session: files outside the folder.
+///
+/// `sets` are the files of control points in use.
 fn into_folder(
     extras: &Extras,
     as_read: &Overrides,
     sets: &[String],
     folder: &Path,
 ) -> (Overrides, Extras) {
-    let mut writes = extras.put_right.clone();
-    let mut stays = Extras { put_right: Overrides::default(), ..extras.clone() };
+    let mut writes = extras.corrections.clone();
+    let mut stays = Extras { corrections: Overrides::default(), ..extras.clone() };
     let below = |path: &PathBuf| {
         let path = path.canonicalize().ok()?;
         let name = path.strip_prefix(folder).ok()?.to_str()?.to_owned();
@@ -123,7 +125,7 @@ fn into_folder(
         writes.control_points = match listed {
             _ if extras.gcp_instead => Some(named),
             Some(listed) => Some([listed, named].concat()),
-            // All that lies in the folder is used anyway.
+            // All files in the folder are used anyway.
             None => None,
         };
         (stays.gcp, stays.gcp_instead) = (Vec::new(), false);
@@ -134,7 +136,7 @@ fn into_folder(
 fn write(proposed: &AskedToml) -> Result<(), String> {
     let AskedToml { path, before, after, .. } = proposed;
     if std::fs::read_to_string(path).ok() != *before {
-        return Err(format!("{} was changed meanwhile; write it once more", path.display()));
+        return Err(format!("{} was changed in the meantime; write it again", path.display()));
     }
     atomic::write(path, after).map_err(|error| error.to_string())
 }

@@ -11,17 +11,17 @@ use resect_io::source::Source;
 use resect_io::what_is::Sorted;
 
 pub struct Dialogs {
-    /// The command palette, the sheet of shortcuts or the glossary.
+    /// The command palette, the shortcut sheet or the glossary.
     pub overlay: Overlay,
-    /// The dialog for a path inside the window.
+    /// The path dialog inside the window.
     pub prompt: Option<OpenPrompt>,
-    /// Questions to the user, one after the other.
+    /// Pending questions to the user, answered in turn.
     pub(super) asked: VecDeque<PendingQuestion>,
-    /// Whether paths are asked for inside the window: the system has no dialog.
+    /// True if path dialogs are inside the window, because the system has none.
     pub asks_in_window: bool,
-    /// Folder of the last path that was chosen to open something.
+    /// Folder of the last path chosen for opening.
     pub(super) last_folder_opened: Option<PathBuf>,
-    /// Folder of the last path that was chosen to save something.
+    /// Folder of the last path chosen for saving.
     pub(super) last_folder_saved: Option<PathBuf>,
     pub hovering: Hovering,
 }
@@ -40,7 +40,7 @@ impl Default for Dialogs {
     }
 }
 
-/// The dialog for a path inside the window, and the channel of its answer.
+/// The path dialog inside the window, and the channel for its answer.
 pub struct OpenPrompt {
     pub shown: PathPrompt,
     pub(super) answer: Sender<PathBuf>,
@@ -52,12 +52,12 @@ pub(super) struct PendingQuestion {
     pub reading: Option<(Source, Then)>,
 }
 
-/// Files that hovered over the window last.
+/// The files that last hovered over the window.
 #[derive(Debug, Default)]
 pub struct Hovering {
     pub paths: Vec<PathBuf>,
-    /// Their kinds, once they are known.
+    /// The files by kind; `None` until the kinds are known.
     pub sorted: Option<Sorted>,
-    /// Number of the request that finds it out.
+    /// Number of the request that determines the kinds.
     pub(super) asked: Option<u64>,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
-use super::put_right::{self, Extra};
+use super::corrections::{self, Extra};
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Analysing, DeploymentCommand, Pane, Timeline};
 use resect_core::analysis::Settings;
@@ -35,10 +35,10 @@ impl State {
                 let step = self.deployments.undo.redo().cloned();
                 self.go(step.map_or_else(Vec::new, |step| step.changes), 1);
             }
-            Command::PutRight(extras) => self.put_right(extras),
-            Command::ShowPutRight => {
+            Command::Correct(extras) => self.apply_corrections(extras),
+            Command::ShowCorrections => {
                 self.workspace.layout.show(Pane::Deployment);
-                put_right::unfold(ctx);
+                corrections::unfold(ctx);
             }
             Command::ChooseRigDialog => self.choose_extra_dialog(Extra::Rig),
             Command::AddControlPointsDialog => self.choose_extra_dialog(Extra::ControlPoints),
@@ -54,7 +54,7 @@ impl State {
     }
 
     fn undo(&mut self) {
-        // A change that is still being read is taken back first.
+        // Undo first cancels a change whose reading is still running.
         if self.take_back_pending() {
             return;
         }
@@ -62,14 +62,14 @@ impl State {
         self.go(step.map_or_else(Vec::new, |step| step.changes), 0);
     }
 
-    /// Shows an open deployment. What was played or measured in another means nothing in it.
+    /// Activates an open deployment. Stops the playback and clears the ruler, which belong to the previous one.
     pub(super) fn show(&mut self, index: usize) {
         self.deployments.active = index;
         self.time.playback.playing = false;
         self.scene.ruler.ends.clear();
     }
 
-    /// Gives the active deployment new settings; without one, the next that is opened.
+    /// Changes the settings of the active deployment; without one, those of the next.
     pub(super) fn change_active(&mut self, settings: Settings, moment: Moment) {
         match self.active().map(|open| open.id) {
             Some(id) => self.change(&[id], settings, moment),
@@ -77,7 +77,7 @@ impl State {
         }
     }
 
-    /// Gives deployments new settings as one step that can be undone.
+    /// Changes the settings of deployments as one undoable step.
     pub(super) fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
@@ -93,9 +93,9 @@ impl State {
         self.deployments.undo.record(changes, moment);
     }
 
-    /// Goes to one side of a step's changes: 0 is before them, 1 is after.
+    /// Applies one side of a step's changes: 0 is before them, 1 is after.
     fn go(&mut self, changes: Vec<Change>, side: usize) {
-        // What changes is seen to change.
+        // Activates the changed deployment, so that the change is visible.
         let shown = self.active().map(|open| open.id);
         let first = changes.first().map(|change| change.id);
         let unseen = changes.iter().all(|change| Some(change.id) != shown);
@@ -139,7 +139,7 @@ impl State {
         self.session.files.remove(&id);
         self.deployments.undo.forget(id);
         self.toasts.closed(id);
-        // The one shown stays shown; of a closed one, its neighbour.
+        // The active deployment does not change; if it was closed, its neighbour becomes active.
         if index == self.deployments.active {
             self.show(index.min(self.deployments.open.len().saturating_sub(1)));
         } else if index < self.deployments.active {
@@ -157,7 +157,7 @@ impl State {
         let Some(open) = self.deployments.open.get_mut(index) else { return };
         let number = self.jobs.next_number();
         self.analyser.analyse(number, open.id, Arc::clone(&open.deployment), open.settings);
-        // The clock of a first request keeps running while newer ones replace it, until something is shown.
+        // The time of the first request counts until a result is shown, even if newer requests replace it.
         let awaited = open.analysing.filter(|analysing| !analysing.joint_follows);
         let since = awaited.map_or_else(Instant::now, |analysing| analysing.since);
         open.analysing = Some(Analysing { number, since, joint_follows: false });

@@ -1,4 +1,4 @@
-//! Content of the scene, and its camera: where it looks, and when it stops following the rig.
+//! Content of the scene, its camera, and the end of following the rig.
 
 use nalgebra::Vector3;
 
@@ -24,7 +24,8 @@ impl State {
         }
     }
 
-    /// Looks another way. A camera that follows the rig only turns; standing at a station and fitting all in end that.
+    /// Applies a view preset. While the camera follows the rig, a direction only rotates it; fitting or a station's view
+    /// ends the following.
     pub(super) fn look(&mut self, preset: ViewPreset) {
         use ViewPreset::{Fit, Front, Side, Slanted, Station, Top};
         match preset {
@@ -38,13 +39,13 @@ impl State {
         }
     }
 
-    /// The camera glides to a place (m, in station 1's frame), and leaves the rig.
+    /// Moves the camera smoothly to a position (m, station 1's frame), and stops following the rig.
     pub(super) fn come_to(&mut self, position_m: &Vector3<f64>) {
         self.scene.options.follow = false;
         self.scene.view.fly_to(position_m);
     }
 
-    /// The camera glides to a reading of the active deployment, if it has a place.
+    /// Moves the camera smoothly to a reading of the active deployment, if its position is known.
     pub(super) fn fly_to(&mut self, picked: Picked) {
         let Some((open, analysis)) = self.analysed() else { return };
         if let Some(position_m) = picked.place_m(&open.deployment, analysis) {

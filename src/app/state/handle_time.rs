@@ -28,7 +28,7 @@ impl State {
             }
             Command::SetPlaySpeed(speed) => self.time.playback.speed = speed,
             Command::PickInScene(picked) => {
-                // The user asks about the reading; a pane for it is not forced upon a layout without one.
+                // A layout without the pane Reading is not changed.
                 if self.workspace.layout.holds(Pane::Reading) {
                     self.workspace.layout.show(Pane::Reading);
                 }
@@ -58,7 +58,7 @@ impl State {
         });
     }
 
-    /// Moves the time cursor so many triplets further on; without triplets by tenths of a second.
+    /// Moves the time cursor by this number of triplets, or of tenths of a second without triplets.
     fn step_cursor(&mut self, steps: i32) {
         let Some(open) = self.deployments.active_mut() else { return };
         let timeline = &mut open.timeline;
@@ -66,7 +66,7 @@ impl State {
         let time_s = open.analysis.as_ref().map(|analysis| &analysis.triplets().time_s);
         let to_s = match time_s.filter(|time_s| !time_s.is_empty()) {
             Some(time_s) => {
-                // The first after the cursor, or the last before it, is one step away.
+                // The first triplet after the cursor, or the last before it, is one step away.
                 let after = time_s.partition_point(|t| *t <= from_s) as i64;
                 let before = time_s.partition_point(|t| *t < from_s) as i64;
                 let steps = i64::from(steps);

@@ -1,4 +1,4 @@
-//! Files that hover over the window: what they are is found out beside the worker, as for those that are dropped.
+//! Files that hover over the window; their kinds are determined in the background, as for dropped files.
 
 use std::path::PathBuf;
 

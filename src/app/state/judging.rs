@@ -1,5 +1,5 @@
-//! What is made beside the window of an answer: the vehicle's way, those of other runs in its frame, and how trajectories of
-//! other systems compare with it.
+//! Computations on results in the background: the vehicle's trajectory, those of other runs in its frame, and the evaluation
+//! of estimated trajectories.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
-use resect_core::estimates::{Estimate, Judgement, judge};
+use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, judge};
 use resect_io::estimate_file;
 
 impl State {
@@ -24,7 +24,7 @@ impl State {
         }
     }
 
-    /// Starts what is to be made anew for those who look at it; to be called in every frame.
+    /// Starts missing computations for visible panes; called in every frame.
     pub(super) fn make_what_is_looked_at(&mut self) {
         let shows_scene = self.workspace.layout.place(Pane::Scene).is_some();
         let shows_tube = self.scene.visibility.tube && shows_scene;
@@ -38,7 +38,8 @@ impl State {
         };
         let Some(analysis) = open.analysis.clone() else { return };
         let (id, of) = (open.id, (open.analysis_run, 0));
-        // The scene says how well the pose at the cursor is known; while a drive grows, the next answer is there before anybody asks.
+        // The scene shows the uncertainty of the pose at the cursor, but not while a live deployment grows, as its next
+        // result comes too soon.
         let is_motion = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
         let grows = self.live.id == Some(open.id) && self.live.is_running();
         let shows_pose = shows_scene && is_motion && !grows && open.timeline.cursor_s.is_some();
@@ -59,10 +60,11 @@ impl State {
             let added = open.judging.added.clone();
             let number = self.jobs.start(
                 move || {
-                    let own = |one: &Added| (Estimate::clone(&one.estimate), one.options);
+                    let own =
+                        |one: &Added| (EstimatedTrajectory::clone(&one.estimate), one.options);
                     judge(&deployment, &analysis, added.iter().map(own).collect())
                 },
-                move |state: &mut Self, number, judgement: Judgement| {
+                move |state: &mut Self, number, judgement: EstimatesJudgement| {
                     state.with_open(id, |open| open.judging.judgement.take(number, judgement));
                 },
             );
@@ -70,7 +72,7 @@ impl State {
         }
     }
 
-    /// Starts to bring the other open runs into the frame of the active one, once all of them have their answers.
+    /// Starts to transform the other open runs to the frame of the active one, once all of them have results.
     fn make_beside(&mut self) {
         if self.deployments.open.iter().any(|open| open.analysing.is_some()) {
             return;
@@ -123,18 +125,17 @@ impl State {
         }
     }
 
-    /// Reads trajectories beside the window and adds them to the active deployment.
+    /// Reads trajectories in the background and adds them to the active deployment.
     pub(super) fn add_estimates(&mut self, paths: Vec<PathBuf>) {
         let Some(id) = self.active().map(|open| open.id) else {
-            self.toasts.error(
-                "a trajectory is judged by a deployment, and none is open; open its tracks first",
-            );
+            self.toasts
+                .error("no deployment is open to evaluate the trajectory; open its tracks first");
             return;
         };
         self.read_estimates(id, paths);
     }
 
-    /// Reads trajectories and has them judged by an open deployment, which is a step that can be undone.
+    /// Reads trajectories and adds them to an open deployment as an undoable step.
     fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>) {
         self.start_reading(paths, move |state, read, _| {
             let Some(open) = state.deployments.get(id) else { return };
@@ -149,7 +150,7 @@ impl State {
         });
     }
 
-    /// Reads the trajectories of a session, which change nothing that is looked at; it keeps those that it could not read.
+    /// Reads the trajectories of a session without changing the panes; the session keeps those that could not be read.
     pub(super) fn read_saved_estimates(&mut self, id: u64, saved: Vec<SavedEstimate>) {
         let mut paths: Vec<PathBuf> = Vec::new();
         for one in &saved {
@@ -166,11 +167,11 @@ impl State {
         });
     }
 
-    /// Reads trajectories beside the window; `take` gets them, and the paths that could not be read, which are said.
+    /// Reads trajectories in the background. `take` receives them and the unreadable paths, which are also reported.
     fn start_reading(
         &mut self,
         paths: Vec<PathBuf>,
-        take: impl FnOnce(&mut Self, Vec<Arc<Estimate>>, Vec<PathBuf>) + Send + 'static,
+        take: impl FnOnce(&mut Self, Vec<Arc<EstimatedTrajectory>>, Vec<PathBuf>) + Send + 'static,
     ) {
         let number = self.jobs.start(
             move || {
@@ -195,7 +196,7 @@ impl State {
         self.path_requests.push(number);
     }
 
-    /// Has these trajectories held against the active deployment.
+    /// Replaces the trajectories of the active deployment.
     pub(super) fn judge(&mut self, added: Vec<Added>, moment: Moment) {
         if let Some(id) = self.active().map(|open| open.id) {
             self.judge_by(id, added, moment);
@@ -210,7 +211,7 @@ impl State {
         let words = change_in_words(&open.judging.added, &added);
         let both = Box::new([open.judging.added.clone(), added.clone()]);
         open.judging.set(added);
-        // Who judges by it is at work with it.
+        // A deployment used for evaluation is no placeholder any more.
         open.placeholder = false;
         let what = Changed::Judged { both, words };
         self.deployments.undo.record(vec![Change { id, what }], moment);
@@ -218,7 +219,7 @@ impl State {
 
     pub(super) fn add_estimate_dialog(&mut self) {
         let Some(id) = self.active().map(|open| open.id) else { return };
-        let title = "Choose a trajectory to judge (TUM, EuRoC, KITTI, CSV, bag)";
+        let title = "Choose a trajectory to evaluate (TUM, EuRoC, KITTI, CSV, bag)";
         let answer = self.ask(Question::new(title, Wanted::ToOpen { folder: false }));
         self.jobs.start_unnumbered(
             move || answer.wait(),

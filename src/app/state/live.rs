@@ -1,4 +1,4 @@
-//! The live deployment: it is begun and ended beside the window, and what it gives grows in the open deployment.
+//! The live deployment: it is started and stopped in the background, and its data extends the open deployment.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ impl State {
     pub(super) fn handle_live(&mut self, command: LiveCommand) {
         match command {
             LiveCommand::Show => {
-                // An arrangement of the user's own is left as it is.
+                // A layout that the user has changed is kept.
                 if self.workspace.layout.is_as_chosen() {
                     self.workspace.layout = Layout::from(LayoutPreset::Live);
                 }
@@ -37,7 +37,7 @@ impl State {
             LiveCommand::ChooseReplay => {
                 let wanted = WantedPath::ToOpen { folder: true };
                 let question = Question::new("Replay a deployment", wanted);
-                // It is on disk already.
+                // A replay is on disk already.
                 self.ask_for_live(question, |form, path| {
                     (form.replay, form.records) = (Some(path), false);
                 });
@@ -48,7 +48,7 @@ impl State {
                 self.ask_for_live(question, |form, path| form.known = Some(path));
             }
             LiveCommand::ChooseRecord => {
-                let question = Question::new_file("Record what comes in", &record_name(), "mcap");
+                let question = Question::new_file("Record the stream", &record_name(), "mcap");
                 self.ask_for_live(question, |form, path| form.record = Some(path));
             }
             LiveCommand::Connect => self.connect(),
@@ -64,7 +64,7 @@ impl State {
         );
     }
 
-    /// Begins to listen, beside the window: names of computers and large deployments take their time.
+    /// Starts the session in the background, as name resolution and large deployments take time.
     fn connect(&mut self) {
         if self.live.is_running() || self.live.is_changing {
             return;
@@ -89,7 +89,7 @@ impl State {
         );
     }
 
-    /// Ends it beside the window: what is on its way is taken in, and the recording is ended.
+    /// Stops the session in the background, after it has processed the data in transit and closed the recording.
     fn stop_live(&mut self) {
         let Some(session) = self.live.session.take() else { return };
         (self.live.is_changing, self.live.is_ending) = (true, true);
@@ -104,11 +104,11 @@ impl State {
         );
     }
 
-    /// Waits until nothing is recorded any more: the window is closed.
+    /// Waits until the recording is closed, before the window closes.
     pub(super) fn finish_live(&mut self) {
         self.live.session = None;
         while self.live.is_ending && self.wait_for_outcome() {}
-        // One that has just begun is not listened to.
+        // A session that was just started is dropped.
         self.live.session = None;
     }
 
@@ -127,16 +127,16 @@ impl State {
         }
     }
 
-    /// Where what is recorded can be read again, whether or not it is still written: a window that is killed opens it again.
+    /// Returns the source of the recording, even while it is written, so that it can be reopened if the window is killed.
     fn recorded_source(&self) -> Option<Source> {
         let path = self.live.view.as_ref()?.recorded.as_ref()?.path.clone();
-        // What was replayed has its rig beside it.
+        // A replay has its rig beside it.
         let LiveForm { known, replay, .. } = &self.live.form;
         let rig = replay.clone().or_else(|| known.clone());
         Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
     }
 
-    /// Looks at what listens, once a frame, at a time of the window's clock (s); tells whether anything does.
+    /// Polls the session once a frame, at a time of the window's clock (s); returns true while there is one.
     pub fn follow_live(&mut self, now_s: f64) -> bool {
         let Some(session) = &self.live.session else { return self.live.is_changing };
         self.live.view = Some(session.view());
@@ -146,13 +146,13 @@ impl State {
         if let Some(open) = growing {
             session.set(&open.settings);
         }
-        // Who closes it wants no more of it; what was recorded by then is kept.
+        // Closing the deployment stops the session; the recording up to then is kept.
         if growing.is_none() && id.is_some() {
             self.live.was_closed = true;
             self.stop_live();
             return true;
         }
-        // The next snapshot is taken once the last one has its answer, the joint estimate's too, and a rest after that.
+        // The next snapshot follows once the last one has its joint estimate, after a pause.
         if growing.is_none_or(|open| open.analysing.is_none()) {
             self.live.pace.end(now_s);
             if self.live.pace.is_free(now_s)
@@ -168,14 +168,14 @@ impl State {
         true
     }
 
-    /// The deployment has more readings than the one that is open; its answer takes the place of that one's with it.
+    /// Extends the open deployment to more readings. The old data stays until the new result is computed.
     fn grow(&mut self, deployment: Arc<Deployment>) {
         let id = self.live.id;
         let Some(index) = self.deployments.open.iter().position(|open| Some(open.id) == id) else {
             let source = self.recorded_source();
             self.add(deployment, source);
             self.live.id = Some(self.deployments.newest_id);
-            // The cursor follows what comes until it is moved.
+            // The cursor follows the newest data until the user moves it.
             if let Some(open) = self.deployments.open.last_mut() {
                 open.timeline.move_cursor(open.now_s());
             }
@@ -183,37 +183,37 @@ impl State {
         };
         let number = self.jobs.next_number();
         let open = &mut self.deployments.open[index];
-        // What is remembered of fewer readings must not answer for more.
+        // Cached results of fewer readings are not valid for more.
         self.analyser.forget(open.id);
         self.analyser.analyse(number, open.id, Arc::clone(&deployment), open.settings);
         self.session.files.insert(open.id, Files::of(&deployment));
         open.more = Some(deployment);
-        // An answer is shown meanwhile, which is not wrong, but of fewer readings.
+        // The displayed result stays valid meanwhile, but for fewer readings.
         open.analysing = Some(Analysing { number, since: Instant::now(), joint_follows: true });
     }
 
-    /// Has a growing deployment read with what its source says now, what comes from now on too. Beside the window, for files are read.
-    pub(super) fn put_right_live(&mut self, id: u64, source: Source, step: bool) {
+    /// Applies a new source to a growing deployment, including its future readings; in the background, since it reads files.
+    pub(super) fn apply_live_corrections(&mut self, id: u64, source: Source, step: bool) {
         let Some(wanted) = self.live.wanted.clone() else { return };
         let mut extras = source.extras.clone();
-        // What lies where the readings come from, or was named before, is read there.
+        // A rig at the form's path, and topics that are not given, are taken from the session's parameters.
         let LiveForm { known, replay, .. } = &self.live.form;
         if extras.rig == *replay || extras.rig == *known {
             extras.rig = wanted.extras.rig.clone();
         }
-        let topics = wanted.extras.put_right.topics.clone();
-        extras.put_right.topics = extras.put_right.topics.take().or(topics);
+        let topics = wanted.extras.corrections.topics.clone();
+        extras.corrections.topics = extras.corrections.topics.take().or(topics);
         let Some(open) = self.deployments.get_mut(id) else { return };
         let before = open.source.replace(source.clone());
         self.jobs.start_unnumbered(
             move || Some(resect_live::around(&wanted, &extras).map_err(|error| error.to_string())),
             move |state: &mut Self, read| {
-                state.take_put_right(id, [before, Some(source)], step, read);
+                state.accept_live_corrections(id, [before, Some(source)], step, read);
             },
         );
     }
 
-    fn take_put_right(
+    fn accept_live_corrections(
         &mut self,
         id: u64,
         [before, after]: [Option<Source>; 2],
@@ -221,7 +221,7 @@ impl State {
         read: Result<Growing, String>,
     ) {
         let Some(open) = self.deployments.get_mut(id) else { return };
-        // What was put right since then counts.
+        // A newer correction has priority.
         let is_newest = open.source == after;
         let around = match read {
             Ok(around) => around,
@@ -240,12 +240,13 @@ impl State {
         match &self.live.session {
             _ if !is_newest => {}
             Some(session) if !session.has_ended() => session.read_with(around),
-            // It is read as any other.
+            // Replaced as any other deployment.
             _ => self.replace_by(id, after, false),
         }
     }
 
-    /// An answer to the growing deployment, for the coach; the first of the settings after the end is to all readings.
+    /// Passes a result of the growing deployment to the coach. `is_first` marks a preliminary result; the first final one
+    /// after the end covers all readings.
     pub(super) fn tell_live(&mut self, id: u64, analysis: &Arc<Analysis>, is_first: bool) {
         let growing =
             self.deployments.open.iter().find(|open| open.id == id && Some(id) == self.live.id);
@@ -260,7 +261,7 @@ impl State {
     }
 }
 
-/// A name for a recording that is begun now.
+/// Returns a name for a recording that starts now.
 fn record_name() -> String {
     let now = jiff::Zoned::now();
     format!("live {}", now.strftime("%Y-%m-%d %H-%M-%S"))
@@ -271,7 +272,7 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
         Some(path) => Feed::Replay { source: Box::new(Source::at(path)), speed: form.speed },
         None => Feed::Url(form.address.clone()),
     };
-    // A folder says more than its rig.
+    // A folder contains more than its rig.
     let (deployment, rig) = match &form.known {
         Some(path) if path.is_dir() => (Some(path.clone()), None),
         known => (None, known.clone()),
@@ -280,7 +281,7 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
     let names: Vec<String> = form.stations.split(',').map(|name| name.trim().to_owned()).collect();
     let mut instruments = <[String; 3]>::try_from(names).ok();
     if instruments.as_ref().is_some_and(|names| names.iter().all(|name| name.starts_with('/'))) {
-        extras.put_right.topics = instruments.take();
+        extras.corrections.topics = instruments.take();
     }
     let home = || {
         let folders = directories::UserDirs::new();

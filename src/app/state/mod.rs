@@ -1,9 +1,10 @@
-//! The window's state, and the one place where it changes.
+//! State of the window. Only this module changes it.
 
 mod advice;
 mod asked;
 mod asking;
 mod channels_csv;
+pub mod corrections;
 mod deployment_toml;
 mod deployments;
 mod dialogs;
@@ -20,7 +21,6 @@ mod opening;
 mod outcomes;
 mod picture;
 mod planning;
-pub mod put_right;
 mod restoring;
 mod results;
 mod saving;

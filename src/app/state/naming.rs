@@ -1,4 +1,4 @@
-//! By which names the open deployments are told apart, and what the window's title says.
+//! Unique names of the open deployments, and the window's title.
 
 use super::State;
 use super::session_state::title_of_each;
@@ -8,11 +8,11 @@ use resect_core::deployment::names::told_apart;
 use resect_io::source::Source;
 
 impl State {
-    /// The names of the open deployments, which tell them apart.
+    /// Returns unique names of the open deployments.
     pub fn names(&self) -> Vec<String> {
         let named = self.deployments.open.iter().map(|open| {
             let name = &open.deployment.name;
-            // What is replayed may be open beside it.
+            // The replayed deployment may be open as well.
             let name = match self.live.id == Some(open.id) {
                 true => format!("{name} (live)"),
                 false => name.clone(),
@@ -22,23 +22,23 @@ impl State {
         told_apart(&named.collect::<Vec<_>>())
     }
 
-    /// The name of an open deployment among the others, by its id.
+    /// Returns the unique name of an open deployment, by its id.
     pub fn name_of(&self, id: u64) -> Option<String> {
         let index = self.deployments.index_of(id)?;
         self.names().into_iter().nth(index)
     }
 
-    /// The names of what is being read, which tell them apart.
+    /// Returns unique names of the deployments that are being read.
     pub fn opening_names(&self) -> Vec<String> {
         title_of_each(self.deployments.opening.iter().map(|opening| &opening.source))
     }
 
-    /// Whether anyone would miss what is open: settings, pins or drives that no session's file has.
+    /// Returns true if closing would lose work: settings, pins or drives that no session's file contains.
     pub(super) fn is_unsaved(&self) -> bool {
         let now = self.session();
         match &self.session.kept {
             Some(kept) => !kept.is_same_work(&now),
-            // As the program opens data by itself, it is opened again at any time.
+            // Data that the program opens by itself can be reopened at any time.
             None => {
                 let is_tuned = |saved: &SavedDeployment| {
                     saved.settings != Settings::default() || !saved.estimates.is_empty()
@@ -48,7 +48,7 @@ impl State {
         }
     }
 
-    /// Which deployment is shown, in which session, and whether that is saved as it is.
+    /// Returns the window's title: active deployment, session, and if the session was changed since it was saved.
     pub fn title(&self) -> String {
         let now = self.session();
         let path = self.session.path.as_ref();

@@ -1,12 +1,12 @@
-//! Opening deployments: each beside the worker, so that a large one holds up nothing, and with its progress.
+//! Opening of deployments: each in the background with its progress, so that a large one blocks nothing.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
+use super::corrections::use_rig;
 use super::deployments::{Opening, Then};
-use super::put_right::use_rig;
 use crate::app::model::OpenDeployment;
 use crate::app::model::undo::Moment;
 use crate::app::persist::hashes::HashCache;
@@ -20,7 +20,7 @@ use resect_io::source::{Extras, Source};
 use resect_io::what_is::{Sorted, sort};
 
 impl State {
-    /// Shows a deployment and calibrates it; `source` is where it can be read again.
+    /// Adds a deployment and starts its calibration; `source` is where it can be read again.
     pub fn add(&mut self, deployment: Arc<Deployment>, source: Option<Source>) {
         self.add_with(deployment, source, self.deployments.start_settings);
     }
@@ -53,22 +53,22 @@ impl State {
         self.draw_pins();
     }
 
-    /// Opens the sample that is there until the user opens something.
+    /// Opens the sample that is shown until the user opens something.
     pub fn open_placeholder(&mut self, sample: Sample) {
         self.read(Source::sample(sample), Then::Placeholder);
     }
 
-    /// Opens what is at a place, with the settings that the next deployment starts with.
+    /// Opens a source with the settings of the next deployment, or reads it again if it is open.
     pub(super) fn open_source(&mut self, source: Source) {
         let same = |open: &OpenDeployment| {
             !open.placeholder && open.source.as_ref().is_some_and(|own| own.place == source.place)
         };
         match self.deployments.open.iter().position(same) {
-            // Read again, it keeps its settings and its place.
+            // Reading again keeps its settings and its position.
             Some(index) => {
                 self.show(index);
                 let id = self.deployments.open[index].id;
-                // What the user named and put right before still holds.
+                // Earlier extras and corrections of the user are kept.
                 let mut extras =
                     self.wanted_source(id).map_or_else(Extras::default, |own| own.extras.clone());
                 extras.add(source.extras);
@@ -79,12 +79,12 @@ impl State {
         }
     }
 
-    /// Reads an open deployment again, for its own place.
+    /// Reads an open deployment again and replaces it.
     pub(super) fn replace_by(&mut self, id: u64, source: Source, step: bool) {
         self.read(source, Then::Replace { id, step });
     }
 
-    /// A newer reading of a deployment takes the place of one that is under way; tells whether there was one.
+    /// Cancels the running readings that would replace a deployment; returns true if there were any.
     pub(super) fn give_up_replacing(&mut self, id: u64) -> bool {
         let before = self.deployments.opening.len();
         for opening in
@@ -104,7 +104,7 @@ impl State {
         self.deployments.opening.push(Opening { number, since, progress, source, then });
     }
 
-    /// Opens a deployment of a session, and finds out which of its files changed since.
+    /// Opens a deployment of a session, and determines which of its files have changed since.
     pub(super) fn read_again(&mut self, saved: &SavedDeployment, cache: Arc<HashCache>) {
         let progress = Arc::new(Progress::default());
         let (again, shared) = (saved.clone(), Arc::clone(&progress));
@@ -114,7 +114,7 @@ impl State {
         self.deployments.opening.push(Opening { number, since, progress, source, then });
     }
 
-    /// What a session has opened until now is no longer wanted.
+    /// Cancels the restoring of a session.
     pub(super) fn give_up_restoring(&mut self) {
         let (restoring, others) = std::mem::take(&mut self.deployments.opening)
             .into_iter()
@@ -124,7 +124,7 @@ impl State {
         self.ask_nothing_of_restoring();
     }
 
-    /// A bug stopped the reading.
+    /// Ends a reading that failed because of a bug.
     pub(super) fn opening_failed(&mut self, number: u64) {
         let failed = |opening: &Opening| opening.number == number;
         let restoring = |opening: &Opening| failed(opening) && opening.then == Then::Restore;
@@ -173,7 +173,7 @@ impl State {
                 }
                 self.tell_of_reading(self.deployments.active);
             }
-            // What the user opened meanwhile has no need of it.
+            // The sample is superseded by what the user opened in the meantime.
             Then::Placeholder if !self.deployments.open.is_empty() => {}
             Then::Placeholder => {
                 self.add(deployment, Some(source));
@@ -194,13 +194,13 @@ impl State {
         if let Some(before) = before.filter(|_| step) {
             self.record_extras(id, before, after);
         }
-        // What is remembered of the old data must not answer for the new.
+        // Cached results of the old data are not valid for the new.
         self.analyser.forget(id);
         self.analyse(index);
         self.tell_of_reading(index);
     }
 
-    /// What the readers noticed and the user was not told yet.
+    /// Shows the readers' findings that were not shown yet.
     pub(super) fn tell_of_reading(&mut self, index: usize) {
         let Some(name) = self.names().into_iter().nth(index) else { return };
         let open = &mut self.deployments.open[index];
@@ -208,7 +208,7 @@ impl State {
         self.toasts.findings((open.id, &name), findings, &mut open.told);
     }
 
-    /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.
+    /// Determines the kinds of paths in the background, as a folder may be on a slow disk.
     pub(super) fn look_at(&mut self, paths: Vec<PathBuf>) {
         let number = self.jobs.start(
             move || sort(paths.iter().map(PathBuf::as_path)),
@@ -223,7 +223,7 @@ impl State {
         self.path_requests.push(number);
     }
 
-    /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.
+    /// Opens dropped or chosen files: deployments with their extras, or else extras for the active one.
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.path_requests.retain(|looking| *looking != number);
         let Sorted { deployments, extras, folders, sessions, settings, estimates, unknown } =
@@ -256,7 +256,7 @@ impl State {
         }
     }
 
-    /// Reads a deployment again, with further files. Those that are still being added are not forgotten.
+    /// Reads a deployment again with further files, including those of readings that are still running.
     pub(super) fn add_files(&mut self, id: u64, added: Extras) {
         let mut extras =
             self.wanted_source(id).map_or_else(Extras::default, |source| source.extras.clone());
@@ -267,7 +267,7 @@ impl State {
         self.read_with(id, extras, true);
     }
 
-    /// Stops reading a deployment, by its request's number.
+    /// Cancels the reading of a deployment, by the number of its request.
     pub(super) fn cancel_opening(&mut self, number: u64) {
         if let Some(opening) =
             self.deployments.opening.iter().find(|opening| opening.number == number)
@@ -277,7 +277,7 @@ impl State {
     }
 }
 
-/// Settings as `--config` reads them, or why not.
+/// Reads and checks settings as `--config` does.
 fn read_settings(path: &Path) -> Result<Settings, String> {
     let settings = resect_io::settings_file::read(path).map_err(|error| error.to_string())?;
     settings.check().map_err(|what| format!("{}: {what}", path.display()))?;

@@ -1,4 +1,4 @@
-//! What came of the work beside the window, taken in.
+//! Outcomes of background jobs.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use crate::app::prepared::analyser::Answered;
 use resect_report::summary::ResultSummary;
 
 impl State {
-    /// Takes in what was done since the last frame.
+    /// Applies the outcomes since the last frame.
     pub fn take_outcomes(&mut self) {
         while let Some(outcome) = self.jobs.outcome() {
             outcome(self);
         }
     }
 
-    /// Waits until nothing is under way; for pictures and tests.
+    /// Waits until no job is running; for pictures and tests.
     pub fn settle(&mut self) {
         while self.is_busy() {
             match self.jobs.wait() {
@@ -26,12 +26,12 @@ impl State {
         }
     }
 
-    /// Waits for the next outcome of a job and applies it; false where none comes. For tests of jobs that nobody counts.
+    /// Waits for the next outcome of a job and applies it; returns false if there is none. For tests of jobs that are not counted.
     pub fn wait_for_outcome(&mut self) -> bool {
         self.jobs.wait().map(|outcome| outcome(self)).is_some()
     }
 
-    /// A job, by its number, ended in a bug of the program.
+    /// Ends a job, by its number, that failed because of a bug.
     pub(super) fn failed(&mut self, number: u64) {
         self.opening_failed(number);
         self.path_requests.retain(|looking| *looking != number);
@@ -53,7 +53,7 @@ impl State {
         );
     }
 
-    /// The residuals of a pinned result.
+    /// Stores the residuals of a pinned result.
     pub(super) fn take_drawn_pin(&mut self, id: u64, plots: Arc<PreparedPlots>) {
         if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
             pin.plots = Some(plots);
@@ -66,8 +66,8 @@ impl State {
         let Some(name) = self.name_of(id) else { return };
         let Some(open) = self.deployments.get_mut(id) else { return };
         let analysis = Arc::clone(&answered.analysis);
-        // While it grows, the paper's answer to what is new does not take the place of the joint estimate for a moment: what is
-        // said of an answer and what is drawn of it are of one.
+        // While a deployment grows, a preliminary result of the paper's method does not replace the joint estimate. Findings
+        // and drawing must belong to the same result.
         if answered.joint_follows
             && open.answered
             && let Some(more) = open.more.as_ref()
@@ -81,14 +81,14 @@ impl State {
         if !open.take(answered) {
             return;
         }
-        // What is new each second is told where it grows.
+        // The live pane already shows the findings of each second.
         let is_live = self.live.is_running() && self.live.id == Some(id);
         if !joint_follows && !is_live {
             let of_answer = analysis.answer.as_ref().map(|answer| &answer.calibration.findings[..]);
             let now = open.deployment.findings.iter().chain(of_answer.unwrap_or_default());
             self.toasts.update((id, &name), &now);
             match of_answer {
-                // The result's pane tells them; news is what a change of the settings brings.
+                // The result pane shows the first findings; toasts show only those that a change of the settings adds.
                 Ok(findings) if first => {
                     new_findings(findings, &mut open.told);
                 }
@@ -101,15 +101,15 @@ impl State {
         }
         let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);
         if stations(&before) != stations(&open.summary) && Some(id) == shown {
-            // Prisms are found anew; everything else stands elsewhere now.
+            // The frame has changed; only ends on prisms are still valid.
             self.scene.ruler.ends.retain(|end| end.prism.is_some());
         }
         self.tell_live(id, &analysis, joint_follows);
         if let Some(look) = self.scene.view.last_look.filter(|_| is_live && Some(id) == shown) {
-            // The track grows out of what is seen.
+            // Keeps the growing track in view.
             self.scene.view.look_again(look);
         }
-        // What is told, remembered and pinned is the joint estimate.
+        // Only the joint estimate is reported, remembered and pinned, not the preliminary result.
         if !joint_follows {
             self.remember_run(id, &analysis);
         }
@@ -123,7 +123,7 @@ mod tests {
     use resect_core::calibration::Method;
     use resect_io::sample::Sample;
 
-    /// Takes what comes next.
+    /// Applies the next outcome.
     fn take_next(state: &mut State) {
         let outcome = state.jobs.wait().expect("an outcome");
         outcome(state);

@@ -1,16 +1,16 @@
-//! The scene as a picture, with what is written over it: the window's own pixels, cut to the pane.
+//! Screenshot of the scene with its labels: the window's pixels, cropped to the pane.
 
 use super::State;
 use crate::app::model::PictureTo;
 
 impl State {
-    /// Begins a picture that is wanted; called before a frame is drawn, which may become it. Some systems take the
-    /// frame after the one that asked, so all of them may until the picture is there.
+    /// Prepares the frame for a requested picture; called before it is drawn. Some systems capture the frame after the
+    /// requested one, so all frames are prepared until the picture arrives.
     pub fn begin_picture(&mut self) {
         self.scene.picturing |= self.scene.wanted_picture.is_some();
     }
 
-    /// Asks the window system for its pixels in the part of the window where the scene was drawn in this frame (points).
+    /// Requests the window's pixels within the scene's rectangle of this frame (points).
     pub fn take_picture(&mut self, ctx: &egui::Context, scene: Option<egui::Rect>) {
         let Some(to) = self.scene.wanted_picture.take() else { return };
         let Some(scene) = scene else {
@@ -29,7 +29,7 @@ impl State {
     pub(super) fn take_pictured(&mut self, to: PictureTo, image: Option<egui::ColorImage>) {
         self.scene.picturing = false;
         let Some(image) = image else {
-            self.toasts.error("nothing of the scene is in the window; make room for its pane");
+            self.toasts.error("the scene is outside the window; make room for its pane");
             return;
         };
         match to {
@@ -48,7 +48,7 @@ impl State {
     }
 }
 
-/// The pixels of a part of the window (points); `None` if nothing of it is in the picture.
+/// Crops the picture to a rectangle of the window (points); `None` if they do not overlap.
 fn cut(
     window: &egui::ColorImage,
     part: egui::Rect,

@@ -1,4 +1,4 @@
-//! Changes of the plan, its files, and what is foreseen of it beside the window.
+//! Changes of the plan, its files, and its prediction in the background.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use resect_core::planning::{Plan, improvements, predict};
 use resect_io::atomic;
 use resect_io::plan_file;
 
-/// The plan is nobody's deployment, and no deployment has this id.
+/// Id for the plan in the undo stack; no deployment has it.
 const NO_DEPLOYMENT: u64 = 0;
 
 impl State {
@@ -31,16 +31,16 @@ impl State {
             PlanCommand::SaveDialog => self.save_plan(),
             PlanCommand::FromDeployment => {
                 let Some((open, analysis)) = self.analysed() else {
-                    self.toasts.error("nothing was driven yet; open a deployment first");
+                    self.toasts.error("there is no drive yet; open a deployment first");
                     return;
                 };
                 match Plan::from_analysis(&open.deployment, analysis) {
-                    Ok(plan) => self.show_plan(plan, None, "as it was driven"),
+                    Ok(plan) => self.show_plan(plan, None, "plan from the drive"),
                     Err(why) => self.toasts.error(&why.to_string()),
                 }
             }
             PlanCommand::FromPreset(preset) => {
-                self.show_plan(Plan::from_preset(preset, 1), None, "of a preset");
+                self.show_plan(Plan::from_preset(preset, 1), None, "plan from a preset");
             }
         }
     }
@@ -49,9 +49,9 @@ impl State {
         if plan == self.planning.plan {
             return;
         }
-        // What cannot be is never the plan: a session would not take it either.
+        // An invalid plan is rejected, as a session would not load it either.
         if let Err((what, remedy)) = plan.check() {
-            self.toasts.warning(&format!("the plan stays as it was: {what}; {remedy}"));
+            self.toasts.warning(&format!("the plan is unchanged: {what}; {remedy}"));
             return;
         }
         let both = Box::new([self.planning.plan.clone(), plan.clone()]);
@@ -60,7 +60,7 @@ impl State {
         self.planning.set(plan);
     }
 
-    /// Shows a plan from elsewhere, in panes that are made for it.
+    /// Shows another plan, in the layout for planning if the map is not visible.
     fn show_plan(&mut self, plan: Plan, path: Option<PathBuf>, words: &'static str) {
         self.set_plan(plan, words, Moment::NEVER);
         self.planning.path = path;
@@ -75,7 +75,7 @@ impl State {
             |state: &mut Self, number, (read, path)| {
                 state.path_requests.retain(|looking| *looking != number);
                 match read {
-                    Ok(plan) => state.show_plan(plan, Some(path), "from a file"),
+                    Ok(plan) => state.show_plan(plan, Some(path), "plan from a file"),
                     Err(why) => state.toasts.error(&why.to_string()),
                 }
             },
@@ -99,10 +99,10 @@ impl State {
         });
     }
 
-    /// Starts what is to be foreseen anew for those who look at it; to be called in every frame.
+    /// Starts missing predictions for visible panes; called in every frame.
     ///
-    /// While a handle is dragged the newest plan is asked for as soon as the one before has its answer; what would improve it
-    /// takes longer, and waits until the hand is off.
+    /// During a drag, each prediction starts when the last one is finished. The search for improvements takes longer, and
+    /// waits until the button is released.
     pub(super) fn foresee(&mut self, hand_is_on: bool) {
         let shown = [Pane::PlanMap, Pane::Prediction]
             .map(|pane| self.workspace.layout.place(pane).is_some());

@@ -1,4 +1,4 @@
-//! A session's deployments, opened one after the other; what cannot be opened stays in it.
+//! Restoring of a session's deployments in turn; those that cannot be opened stay in the session.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use resect_core::deployment::Deployment;
 use resect_io::source::Source;
 
 impl State {
-    /// Restores what was open when the program stopped, `when`, and offers to discard it.
+    /// Restores the session of a crash at the time `when`, and offers to discard it.
     pub fn recover(&mut self, session: Session, when: &str) {
         let names = title_of_each(session.deployments.iter().map(|saved| &saved.source));
         let pins = match session.pins.len() {
@@ -19,21 +19,21 @@ impl State {
             several => Some(format!("{several} pinned results")),
         };
         let what = names.into_iter().chain(pins).collect::<Vec<_>>().join(", ");
-        let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
+        let line = format!("restored the session from before the crash: {what}; saved {when}");
         self.toasts.offer(&line, ("Discard", Command::Session(SessionCommand::DiscardRecovered)));
         self.session.recovered = true;
         self.restore(session);
     }
 
-    /// Closes what was restored after a crash.
+    /// Closes the deployments restored after a crash.
     pub(super) fn discard_recovered(&mut self) {
         if self.session.recovered {
             self.clear();
-            self.toasts.done("discarded; File › Reopen what was open last brings it back");
+            self.toasts.done("discarded; File › Reopen the last session brings it back");
         }
     }
 
-    /// The next deployment of the session that is being restored.
+    /// Opens the next deployment of the session.
     pub(super) fn restore_next(&mut self) {
         if self.session.restoring.is_none()
             && let Some(next) = self.session.waiting.pop_front()
@@ -46,7 +46,7 @@ impl State {
         }
     }
 
-    /// Reads the deployment that is being restored once more, with what the user answered.
+    /// Reads the deployment that is being restored again, with the user's answer.
     pub(super) fn restore_with(&mut self, source: Source) {
         let Some(restoring) = &mut self.session.restoring else { return };
         restoring.saved.source = source;
@@ -54,7 +54,7 @@ impl State {
         self.read_again(&saved, cache);
     }
 
-    /// A deployment of the session is open: back to where the user was in it.
+    /// Adds a restored deployment with its window, cursor and other saved state.
     pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
         let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
         self.add_with(deployment, Some(saved.source), saved.settings);
@@ -82,7 +82,7 @@ impl State {
         self.restore_next();
     }
 
-    /// A deployment of the session cannot be opened; it stays in it.
+    /// Records that a deployment could not be opened; it stays in the session.
     pub(super) fn not_restored(&mut self, why: &str) {
         let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
         self.toasts.not_opened(&saved.source.place, &format!("{why} (it stays in the session)"));
@@ -90,7 +90,7 @@ impl State {
         self.restore_next();
     }
 
-    /// Tries those that could not be opened once more.
+    /// Retries the deployments that could not be opened.
     pub fn retry_missing(&mut self) {
         let missing = std::mem::take(&mut self.session.missing);
         let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
@@ -98,7 +98,7 @@ impl State {
         self.restore_next();
     }
 
-    /// Takes a deployment that could not be opened out of the session, by its place among those.
+    /// Removes a deployment that could not be opened from the session, by its index among those.
     pub(super) fn forget_missing(&mut self, index: usize) {
         if index < self.session.missing.len() {
             let missing = self.session.missing.remove(index);

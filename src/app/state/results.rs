@@ -1,4 +1,4 @@
-//! Results of the session: each run, and those that were pinned to compare later ones with.
+//! Results of the session: runs, and pinned results for comparison.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,7 +11,7 @@ use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::Method;
 use resect_report::summary::ResultSummary;
 
-/// Most runs that are kept: more are not looked at again; the oldest go.
+/// Largest number of runs kept; the oldest are removed.
 const MOST_RUNS: usize = 200;
 
 impl State {
@@ -50,22 +50,21 @@ impl State {
         }
     }
 
-    /// The pinned result that the active deployment's answer is compared with: the last of the same data, else the
-    /// last of all.
+    /// Returns the pinned result to compare the active deployment with: the last of the same data, or else the last of all.
     pub fn compared_with(&self) -> Option<&Pin> {
         let now = self.active()?.summary.as_ref()?;
         let pins = &self.results.pins;
         pins.iter().rev().find(|pin| pin.summary.has_same_data(now)).or(pins.last())
     }
 
-    /// The name of what a result is of, which tells it from the others that are open.
+    /// Returns the unique name of a result's deployment.
     pub fn name_of_result(&self, summary: &ResultSummary) -> String {
         let mut of = self.deployments.open.iter().filter(|open| summary.is_of(&open.deployment));
         let only = of.next().filter(|_| of.next().is_none());
         only.and_then(|open| self.name_of(open.id)).unwrap_or_else(|| summary.deployment.clone())
     }
 
-    /// Stops an analysis; the settings are again those of the answer that is shown, if there is one.
+    /// Cancels a calibration and restores the settings of the displayed result, if there is one.
     pub(super) fn cancel_analysis(&mut self, id: u64) {
         let Some(open) = self.deployments.get_mut(id) else { return };
         if open.analysing.take().is_none() {
@@ -78,7 +77,7 @@ impl State {
             Some(settings) => {
                 self.change(&[id], settings, Moment::NEVER);
                 self.toasts
-                    .done("stopped; the settings are again those of the answer that is shown");
+                    .done("calibration stopped; the settings of the shown result are restored");
             }
             None => self
                 .toasts
@@ -86,17 +85,17 @@ impl State {
         }
     }
 
-    /// The settings that lead to a pinned result.
+    /// Returns the settings of a pinned result.
     pub fn settings_of_pin(&self, id: u64) -> Option<Settings> {
         let summary = &self.results.pins.iter().find(|pin| pin.id == id)?.summary;
         let mut settings = summary.settings;
-        // What no named method means may have been another when it was pinned.
+        // The default method may have been another one when the result was pinned.
         let method = summary.method;
         settings.calibration.method = (method != Method::default()).then_some(method);
         Some(settings)
     }
 
-    /// Remembers what an analysis led to. One drag is one run.
+    /// Records the result of an analysis as a run; a drag is one run.
     pub(super) fn remember_run(&mut self, deployment: u64, analysis: &Analysis) {
         let Some(open) = self.deployments.open.iter().find(|open| open.id == deployment) else {
             return;
@@ -121,7 +120,7 @@ impl State {
         self.results.runs.push(run);
     }
 
-    /// What changed against the run before of the same deployment, in words; `None` for its first.
+    /// Describes the change of settings since the previous run of the deployment; `None` for its first.
     pub fn run_change(&self, run: &Run) -> Option<String> {
         let before = self.results.runs.iter().rev();
         let before = before.skip_while(|other| other.id != run.id).skip(1);
@@ -143,8 +142,8 @@ impl State {
         }
     }
 
-    /// Has the residuals of pinned results computed where they are missing and the data is open: those of a deployment
-    /// one after the other, which shares what their settings share.
+    /// Computes missing residuals of pinned results whose data is open. The results of one deployment are computed in turn,
+    /// to reuse common intermediate results.
     pub(super) fn draw_pins(&mut self) {
         for open in &self.deployments.open {
             let missing = |pin: &&mut Pin| {
@@ -154,7 +153,7 @@ impl State {
                 .map(|pin| {
                     pin.drawing = true;
                     let mut settings = pin.summary.settings;
-                    // What no named method means may have been another when it was pinned.
+                    // The default method may have been another one when the result was pinned.
                     settings.calibration.method = Some(pin.summary.method);
                     (pin.id, settings)
                 })

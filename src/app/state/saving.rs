@@ -1,4 +1,4 @@
-//! Dialogs, and what they save.
+//! Save dialogs, and the files that they write.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use resect_report::report;
 use resect_report::report::Chapter;
 use resect_report::trajectory::{FileKind, STATION1};
 
-/// A line for the user, or why it failed; `None` where the user thought better of it.
+/// A line for the user, or the error; `None` if the user cancelled.
 type Told = Option<Result<String, String>>;
 
 impl State {
@@ -113,7 +113,7 @@ impl State {
         });
     }
 
-    /// Asks for a file and has it written from the active deployment's answer.
+    /// Asks for a file and writes it from the active deployment's result.
     fn save_of_analysis(
         &mut self,
         title: &str,
@@ -121,7 +121,7 @@ impl State {
         write: impl FnOnce(&Path, Arc<Deployment>, Arc<Analysis>) -> Result<(), String> + Send + 'static,
     ) {
         if self.analysed().is_none() {
-            self.toasts.error("there is no answer to save yet; open a deployment first");
+            self.toasts.error("there is no result to save yet; open a deployment first");
             return;
         }
         let answer = self.ask_where(title, extension);
@@ -142,7 +142,7 @@ impl State {
         }
     }
 
-    /// Runs something beside the window, and tells the user what came of it.
+    /// Runs a job in the background, and shows its result to the user.
     pub(super) fn tell_when_done(&self, job: impl FnOnce() -> Told + Send + 'static) {
         self.jobs.start_unnumbered(job, |state: &mut Self, told| match told {
             Ok(line) => state.toasts.done(line),

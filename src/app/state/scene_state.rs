@@ -9,8 +9,8 @@ pub struct SceneState {
     pub options: SceneOptions,
     pub view: View,
     pub ruler: Ruler,
-    /// Requested in the last frame; taken in the next, when the menu of the request is gone.
+    /// Set by the request in one frame and used in the next, in which the menu is closed.
     pub(super) wanted_picture: Option<PictureTo>,
-    /// Whether this frame may become a picture: controls are not part of it.
+    /// True if this frame may become a picture, in which controls are not drawn.
     pub picturing: bool,
 }

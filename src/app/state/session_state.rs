@@ -1,4 +1,4 @@
-//! The session beside the open deployments: its file, and the deployments that are still to be opened or are missing.
+//! The session: its file, and the deployments that are not opened yet or missing.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
@@ -13,34 +13,34 @@ use resect_io::source::Source;
 
 #[derive(Default)]
 pub struct SessionState {
-    /// The session's file, once it was saved or opened.
+    /// The session's file; `None` until it is saved or opened.
     pub path: Option<PathBuf>,
-    /// What is in that file.
+    /// Content of that file.
     pub(super) kept: Option<Session>,
-    /// Whether what is open was restored after a crash, and the user has not decided about it.
+    /// True if the open deployments were restored after a crash, and the user has not decided about them.
     pub recovered: bool,
-    /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
+    /// Deployments that could not be opened; the next save keeps them.
     pub missing: Vec<Missing>,
-    /// Opened before, in this window or another; the newest first.
+    /// Deployments opened earlier, in this window or another; the newest first.
     pub recent: Vec<Recent>,
-    /// What was open before, in this window or another; none of windows that keep nothing.
+    /// The previous session, of this window or another; `None` for windows that save nothing.
     pub last: Option<LastSession>,
-    /// Deployments yet to be opened, in order.
+    /// Deployments still to be opened, in order.
     pub(super) waiting: VecDeque<Waiting>,
-    /// The one that is being opened.
+    /// The deployment that is being opened.
     pub(super) restoring: Option<Waiting>,
-    /// Id of the deployment that stays shown while others are opened.
+    /// Id of the deployment that stays active while others are opened.
     pub(super) shown: Option<u64>,
-    /// What the session that was just opened took the place of, until the window has it kept.
+    /// The session that the present one replaced, until it is saved.
     pub(super) replaced: Option<Session>,
-    /// How many sessions were opened; tells the present one from those before it.
+    /// Number of opened sessions; identifies the present one.
     pub(super) opened: u64,
     /// Requests that read a session's file.
     pub(super) reading: Vec<u64>,
-    /// Requests that write a session, and which of those that were opened it is.
+    /// Requests that write a session, each with the number of that session.
     pub(super) writing: Vec<(u64, u64)>,
     pub(super) cache: Arc<HashCache>,
-    /// What each open deployment was read from, by its id.
+    /// Files of each open deployment, by its id.
     pub(super) files: BTreeMap<u64, Files>,
 }
 
@@ -48,38 +48,38 @@ pub struct SessionState {
 pub struct Missing {
     pub saved: SavedDeployment,
     pub why: String,
-    /// The deployment's place among the session's deployments, from 0.
+    /// Index in the session's deployments, from 0.
     pub(super) place: usize,
 }
 
 /// A deployment of the session that is yet to be opened.
 pub(super) struct Waiting {
     pub saved: SavedDeployment,
-    /// Whether it is the one to be shown.
+    /// True if it becomes the active one.
     pub shown: bool,
-    /// The deployment's place among the session's deployments, from 0.
+    /// Index in the session's deployments, from 0.
     pub place: usize,
 }
 
 impl SessionState {
-    /// Uses the hashes of files that were computed already.
+    /// Shares a cache of file hashes.
     pub fn share(&mut self, cache: Arc<HashCache>) {
         self.cache = cache;
     }
 
-    /// Whether a session is being read or written.
+    /// Returns true while a session is read or written.
     pub(super) fn is_busy(&self) -> bool {
         !self.reading.is_empty() || !self.writing.is_empty()
     }
 
-    /// A request has ended; gives which of the opened sessions it wrote, if it wrote one.
+    /// Ends a request; returns the number of the session that it wrote, if it wrote one.
     pub(super) fn done(&mut self, number: u64) -> Option<u64> {
         self.reading.retain(|reading| *reading != number);
         let index = self.writing.iter().position(|(writing, _)| *writing == number)?;
         Some(self.writing.swap_remove(index).1)
     }
 
-    /// The user chose what is shown: what is still being opened does not take its place.
+    /// Keeps the deployment that the user selected active while others are opened.
     pub(super) fn keep_shown(&mut self, id: u64) {
         for waiting in self.restoring.iter_mut().chain(&mut self.waiting) {
             waiting.shown = false;
@@ -87,23 +87,23 @@ impl SessionState {
         }
     }
 
-    /// The names of what was opened before, which tell them apart.
+    /// Returns unique names of the deployments opened earlier.
     pub fn recent_names(&self) -> Vec<String> {
         title_of_each(self.recent.iter().map(|recent| &recent.source))
     }
 
-    /// The names of what could not be opened, which tell them apart.
+    /// Returns unique names of the deployments that could not be opened.
     pub fn missing_names(&self) -> Vec<String> {
         title_of_each(self.missing.iter().map(|missing| &missing.saved.source))
     }
 
-    /// A deployment was opened that can be opened again.
+    /// Adds a deployment to those opened earlier.
     pub(super) fn opened(&mut self, source: &Source) {
         remember(&mut self.recent, source);
     }
 }
 
-/// The names of deployments that are not open, which tell them apart.
+/// Returns unique names of deployments that are not open.
 pub(super) fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
     told_apart(&sources.map(|source| (source.title(), source.path())).collect::<Vec<_>>())
 }

@@ -1,4 +1,4 @@
-//! The window's state as a session, and a session as the window's state.
+//! Conversion between the window's state and a session.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -29,8 +29,8 @@ impl State {
         }
     }
 
-    /// All that is open, still to be restored or missing, and how it is looked at. What the user has just asked to open
-    /// is not part of it before it is read.
+    /// Returns the session: open, waiting and missing deployments, and the view. Deployments whose reading was just
+    /// requested are not included.
     pub fn session(&self) -> Session {
         let shown = self.active().map(|open| open.id);
         let mut active = None;
@@ -48,7 +48,7 @@ impl State {
             }
             deployments.push(waiting.saved.clone());
         }
-        // The first comes first: the places of the others count it.
+        // In ascending order, since each index counts the missing deployments before it.
         let mut missing: Vec<&Missing> = self.session.missing.iter().collect();
         missing.sort_by_key(|missing| missing.place);
         for missing in missing {
@@ -91,7 +91,7 @@ impl State {
         }
     }
 
-    /// Opens a session's deployments one after the other, and sets what it has set.
+    /// Opens a session's deployments in turn, and applies its view.
     pub fn restore(&mut self, session: Session) {
         self.scene.visibility = session.view.visibility;
         self.scene.colouring = session.view.colouring;
@@ -123,7 +123,7 @@ impl State {
         self.restore_next();
     }
 
-    /// Reads a session's file, which then takes the place of everything that is open.
+    /// Reads a session's file, whose content then replaces everything that is open.
     pub fn open_session(&mut self, path: PathBuf) {
         let from = path.clone();
         let number = self.jobs.start(
@@ -133,7 +133,7 @@ impl State {
         self.session.reading.push(number);
     }
 
-    /// Opens what was open before; what is open now can be opened again in the same way.
+    /// Reopens the previous session; the present one can then be reopened likewise.
     pub(super) fn reopen_last(&mut self) {
         if let Some(path) = self.session.last.as_ref().and_then(LastSession::path) {
             self.open_session(path.to_owned());
@@ -152,10 +152,10 @@ impl State {
                 let unsaved = self.is_unsaved();
                 self.clear();
                 if unsaved {
-                    let kept = "what was open had changes that were not saved; File › Reopen what was open last brings it back";
+                    let kept = "the previous session had unsaved changes; reopen it with File › Reopen the last session";
                     self.toasts.warning(kept);
                 }
-                // The program's own file is not where the user saves.
+                // The file of the last session belongs to the program. Saving asks for another path.
                 let last = self.session.last.as_ref().and_then(LastSession::path);
                 self.session.path = (last != Some(path.as_path())).then_some(path);
                 self.session.kept = Some(session.clone());
@@ -166,7 +166,7 @@ impl State {
         }
     }
 
-    /// Closes everything; it can be opened again.
+    /// Closes everything, so that it can be reopened.
     pub(super) fn clear(&mut self) {
         let replaced = self.session();
         if !replaced.is_empty() {
@@ -189,7 +189,7 @@ impl State {
         self.toasts.withdraw_offer();
     }
 
-    /// Keeps what a session took the place of, to be opened again.
+    /// Saves the replaced session for reopening.
     pub fn keep_replaced(&mut self) {
         let Some(replaced) = self.session.replaced.take() else { return };
         let Some(last) = self.session.last.clone() else { return };
@@ -209,7 +209,7 @@ impl State {
         }
     }
 
-    /// Saves to the session's file, or asks for one where there is none yet or another is wanted.
+    /// Saves to the session's file; asks for a path if there is none, or if `ask` is true.
     pub fn save_session(&mut self, ask: bool) {
         let (session, which) = (self.session(), self.session.opened);
         match self.session.path.clone().filter(|_| !ask) {
@@ -224,7 +224,7 @@ impl State {
         }
     }
 
-    /// Writes a session; `which` tells which of those that were opened it is.
+    /// Writes a session; `which` is its number among the opened sessions.
     pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
         let cache = Arc::clone(&self.session.cache);
         let to = path.clone();
@@ -248,7 +248,7 @@ impl State {
         match result {
             Ok(session) => {
                 self.toasts.done(format!("session saved to {}", path.display()));
-                // Another may have been opened meanwhile, which has a file of its own.
+                // Another session, with its own file, may have been opened in the meantime.
                 if which == Some(self.session.opened) {
                     (self.session.path, self.session.kept) = (Some(path), Some(session));
                 }
@@ -257,7 +257,7 @@ impl State {
         }
     }
 
-    /// Waits for what is being written: the window is closed.
+    /// Waits for running writes before the window closes.
     pub fn finish(&mut self) {
         self.take_outcomes();
         self.finish_live();
@@ -269,7 +269,7 @@ impl State {
         }
     }
 
-    /// Says what was found on the way, where that is anything.
+    /// Shows findings as warnings.
     pub fn tell(&mut self, findings: &[Finding]) {
         for finding in findings {
             self.toasts.warning(&finding.to_string());

@@ -20,7 +20,7 @@ fn saved(source: Source) -> SavedDeployment {
     }
 }
 
-/// The samples around one that is not there; the second sample is shown.
+/// Two samples around a missing deployment; the second sample is active.
 fn session() -> Session {
     let sources = [
         Source::sample(Sample::Warthog),

@@ -1,4 +1,4 @@
-//! Playback, the time under the pointer, and the values that are plotted over time.
+//! Playback, the time under the pointer, and the channel plots.
 //!
 //! The time cursor and the selection belong to each deployment: `OpenDeployment::timeline`.
 
@@ -7,8 +7,8 @@ use crate::app::model::{ChannelPlots, Playback};
 #[derive(Default)]
 pub struct TimeState {
     pub playback: Playback,
-    /// Time under the pointer in the last frame, in any pane (s, in the stations' clock).
+    /// Time under the pointer in the last frame, in any pane (s, the stations' clock).
     pub hover_s: Option<f64>,
-    /// Plots of the pane of channels.
+    /// Plots of the channels pane.
     pub plots: ChannelPlots,
 }

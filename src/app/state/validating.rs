@@ -1,4 +1,4 @@
-//! Whether the calibration of one open deployment holds for the others: what was asked, and what was found.
+//! Validation of one open deployment's calibration on the others: requests and results.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use resect_core::progress::{Cancelled, Progress};
 use resect_core::validation::{Earlier, Validation, drive_alone, validate};
 
 impl State {
-    /// What was found of the active deployment's calibration, as long as neither answer has changed since.
+    /// Returns the validations of the active deployment's calibration whose two results are still the newest.
     pub fn validations(&self) -> impl Iterator<Item = &Validation> {
         self.validated().map(|(_, found)| found)
     }
 
-    /// Validations with the names of their runs, which tell them apart.
+    /// Returns the validations, each with its run's unique name.
     pub fn validated(&self) -> impl Iterator<Item = (String, &Validation)> {
         let is_newest = |(id, run): AnswerOf| {
             self.deployments.open.iter().any(|open| open.id == id && open.analysis_run == run)
@@ -29,7 +29,7 @@ impl State {
         })
     }
 
-    /// Whether there is a calibration, and another run that it can be held against.
+    /// Returns true if there is a calibration, and another run to validate it on.
     pub fn can_validate(&self) -> bool {
         let has_answer = self.analysed().is_some_and(|(open, analysis)| {
             analysis.answer.is_ok() && !open.joint_follows() && !self.is_stale()
@@ -37,7 +37,7 @@ impl State {
         has_answer && self.deployments.open.len() > 1 && self.results.validations.running.is_none()
     }
 
-    /// Holds the active deployment's calibration against all others that are open, beside the window.
+    /// Validates the active deployment's calibration on all other open ones, in the background.
     pub(super) fn validate_others(&mut self) {
         let Some((active, analysis)) = self.analysed().filter(|_| self.can_validate()) else {
             return;
@@ -78,7 +78,7 @@ fn newest(open: &OpenDeployment) -> AnswerOf {
     (open.id, open.analysis_run)
 }
 
-/// A run's own answer is the joint estimate, whatever is shown of it.
+/// A run is always compared by its joint estimate, whichever method is shown.
 fn jointly(settings: Settings) -> Settings {
     Settings { calibration: settings.calibration.with_method(Method::Joint), ..settings }
 }

@@ -1,8 +1,8 @@
-//! The window's state, by its parts.
+//! The window's state, by component.
 //!
-//! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames. A
-//! part is plain data in a file of its own; the handlers of its commands are methods of [`State`], since most of them start
-//! jobs or change another part too.
+//! Panes read the state and add [`Command`]s to a list; [`State::handle`] executes them between frames. Each component is
+//! plain data in its own file. The handlers of its commands are methods of [`State`], since most of them start jobs or
+//! change other components.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,7 +23,7 @@ use resect_core::analysis::{Analysis, Settings};
 use resect_core::progress::Progress;
 use resect_report::of_run;
 
-/// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
+/// Age of a pending request at which the result is dimmed; a slider with immediate results must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
 
 pub struct State {
@@ -39,7 +39,7 @@ pub struct State {
     pub dialogs: Dialogs,
     pub workspace: Workspace,
     pub toasts: Toasts,
-    /// Requests that read files for another part: kinds of paths, tables, trajectories, plans.
+    /// Requests that read files for another component: kinds of paths, tables, trajectories, plans.
     pub(super) path_requests: Vec<u64>,
 }
 
@@ -71,7 +71,7 @@ impl State {
         }
     }
 
-    /// Carries out a command.
+    /// Executes a command.
     pub fn handle(&mut self, command: impl Into<Command>, ctx: &egui::Context) {
         let moment = Moment::now(ctx);
         match command.into() {
@@ -88,28 +88,28 @@ impl State {
         }
     }
 
-    /// What the panes show.
+    /// Returns the active deployment.
     pub fn active(&self) -> Option<&OpenDeployment> {
         self.deployments.active()
     }
 
-    /// The active deployment with its newest answer, once there is one.
+    /// Returns the active deployment with its newest result; `None` without a result.
     pub fn analysed(&self) -> Option<(&OpenDeployment, &Arc<Analysis>)> {
         let active = self.active()?;
         Some((active, active.analysis.as_ref()?))
     }
 
-    /// The settings of the active deployment, or what the next one starts with.
+    /// Returns the settings of the active deployment, or those of the next one.
     pub fn settings(&self) -> &Settings {
         self.deployments.settings()
     }
 
-    /// What the user is asked, if anything.
+    /// Returns the current question to the user.
     pub fn asked(&self) -> Option<&Asked> {
         self.dialogs.asked.front().map(|waiting| &waiting.asked)
     }
 
-    /// Whether anything is being opened, saved as a session, calibrated, studied or validated.
+    /// Returns true while anything is opened, saved as a session, calibrated, studied or validated.
     pub fn is_busy(&self) -> bool {
         let analysing = self.deployments.open.iter().any(|open| open.analysing.is_some());
         let listing = self.dialogs.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
@@ -125,7 +125,7 @@ impl State {
             || self.deployments.open.iter().any(OpenDeployment::is_making)
     }
 
-    /// What is being calibrated for longer than this, and how far it is.
+    /// Returns the deployments whose calibration takes longer than this, each with its progress.
     pub fn calibrating(
         &self,
         longer_than: Duration,
@@ -137,17 +137,17 @@ impl State {
         long.filter_map(move |open| Some((open, self.analyser.progress(open.id)?)))
     }
 
-    /// Whether the answer shown is old enough to be dimmed.
+    /// Returns true if the displayed result is stale enough to be dimmed.
     pub fn is_stale(&self) -> bool {
         let Some(open) = self.active() else { return false };
         match open.analysing {
             Some(analysing) => !analysing.joint_follows && analysing.since.elapsed() > DIM_AFTER,
-            // A calculation that failed leaves the answer of other settings.
+            // A failed computation leaves the result of other settings.
             None => open.analysis.as_ref().is_some_and(|a| a.settings != open.settings),
         }
     }
 
-    /// How long the answer took (ms), once there is one, and unless the picture is to be compared.
+    /// Returns the computation time of the result (ms); `None` without a result, or for pictures that are compared.
     pub fn elapsed_ms(&self) -> Option<f64> {
         let (_, analysis) = self.analysed()?;
         self.workspace
@@ -155,12 +155,12 @@ impl State {
             .or_else(|| of_run::tells_durations().then(|| analysis.total_ms()))
     }
 
-    /// Time of the active deployment's first measurement (s).
+    /// Returns the time of the active deployment's first measurement (s).
     pub fn start_s(&self) -> f64 {
         self.active().map_or(0.0, OpenDeployment::start_s)
     }
 
-    /// Moves what moves by itself on to this time of the window's clock (s); gives when something will go next.
+    /// Advances playback, computations and toasts to a time (s, the window's clock); returns the time at which the next toast expires.
     pub fn advance(&mut self, now_s: f64) -> Option<f64> {
         if let Some(open) = self.deployments.active_mut() {
             self.time.playback.advance(&mut open.timeline, now_s);

@@ -1,4 +1,4 @@
-//! The window itself: arrangement of the panes, units and colours.
+//! The window itself: layout, units and colours.
 
 use crate::app::layout::Layout;
 use crate::app::model::Units;
@@ -8,8 +8,8 @@ pub struct Workspace {
     pub layout: Layout,
     pub units: Units,
     pub theme: egui::ThemePreference,
-    /// Whether type is large and contrast full.
+    /// True for large type and full contrast.
     pub in_the_sun: bool,
-    /// Pictures that are compared byte for byte show this instead of the measured time (ms).
+    /// Fixed computation time (ms), displayed in pictures that are compared byte for byte.
     pub fixed_elapsed_ms: Option<f64>,
 }

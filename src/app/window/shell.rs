@@ -1,39 +1,39 @@
-//! The window among those of the system: how large it opens, and what its title says.
+//! Size and title of the system's window.
 
 use egui::{PointerState, Vec2, ViewportCommand};
 
-/// How large the window opens where nobody chose a size, and how small it may be made (points).
+/// Default and least size of the window (points).
 pub const FIRST_POINTS: [f32; 2] = [1600.0, 1000.0];
 pub const LEAST_POINTS: [f32; 2] = [480.0, 300.0];
-/// What the bars of the system and the window's own edges take of a screen (points).
+/// Size of the system's bars and of the window's edges (points).
 const BARS: Vec2 = Vec2::new(16.0, 96.0);
 
-/// What the system was told of the window.
+/// Properties that the system already has.
 #[derive(Default)]
 pub struct Shell {
     title: String,
     fitted: bool,
-    /// The next frame is drawn before the system shows the window.
+    /// True until the first frame, which is drawn before the system shows the window.
     unseen: bool,
-    /// The frame in which a dialog opened that is open.
+    /// Frame in which the open dialog opened; `None` without a dialog.
     asking_since: Option<u64>,
-    /// The pointer, while the panes are drawn as if there were none.
+    /// The real pointer, while the panes are drawn without one.
     pointer: Option<PointerState>,
 }
 
 impl Shell {
-    /// Makes the shell of a window that the system shows after its first frame, as eframe does.
+    /// Creates the shell of a window that the system shows after its first frame, as eframe does.
     pub fn of_system() -> Self {
         Self { unseen: true, ..Self::default() }
     }
 
-    /// Whether nobody will see this frame: without a graphics card, one takes a tenth of a second.
+    /// Returns true if nobody will see this frame. Without a graphics card, a frame takes a tenth of a second.
     pub fn take_unseen(&mut self) -> bool {
         std::mem::take(&mut self.unseen)
     }
 
-    /// Has the panes drawn as if there were no pointer while a dialog opens, which takes several passes: egui keeps a tooltip for as long as the
-    /// pointer rests on what it is about, and it would lie over a dialog that a key opened.
+    /// Hides the pointer from the panes while a dialog opens, which takes several passes. egui shows a tooltip as long as the pointer rests
+    /// on its widget, and the tooltip would cover a dialog opened by a key.
     pub fn hide_pointer(&mut self, ctx: &egui::Context, is_asking: bool) {
         let now = ctx.cumulative_frame_nr();
         let since = self.asking_since.filter(|_| is_asking).unwrap_or(now);
@@ -43,20 +43,20 @@ impl Shell {
         }
     }
 
-    /// Gives back the pointer that was hidden, for the dialogs.
+    /// Restores the hidden pointer, for the dialogs.
     pub fn show_pointer(&mut self, ctx: &egui::Context) {
         if let Some(pointer) = self.pointer.take() {
             ctx.input_mut(|input| input.pointer = pointer);
         }
     }
 
-    /// Tells the system what is another than before.
+    /// Sends changed properties to the system.
     pub fn frame(&mut self, ctx: &egui::Context, title: String) {
         if title != self.title {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-        // Once, when the screen is known: later the size is the user's.
+        // Runs once, when the screen is known: later the size is the user's.
         let sizes = ctx.input(|input| {
             let viewport = input.viewport();
             Some((viewport.inner_rect?.size(), viewport.monitor_size?))
@@ -65,16 +65,16 @@ impl Shell {
             self.fitted = true;
             if let Some(size) = fitting(inner, screen) {
                 ctx.send_viewport_cmd(ViewportCommand::InnerSize(size));
-                // The system knows best where its bars are.
+                // The system knows the size of its bars best.
                 ctx.send_viewport_cmd(ViewportCommand::Maximized(true));
             }
         }
     }
 }
 
-/// The size that a window gets on a screen that has no room for the one it wants; `None` where it has.
+/// Returns the largest size that fits on a screen; `None` if the wanted size fits.
 fn fitting(wanted: Vec2, screen: Vec2) -> Option<Vec2> {
-    // What some systems say of a screen that they do not know.
+    // Some systems report a degenerate size for an unknown screen.
     let is_screen = screen.min_elem() > 1.0;
     let room = (screen - BARS).max(Vec2::from(LEAST_POINTS).min(screen));
     (is_screen && (wanted.x > room.x || wanted.y > room.y)).then(|| wanted.min(room))

@@ -1,4 +1,4 @@
-//! Options for what instruments get wrong beyond noise, and how they go into a scenario.
+//! Options for systematic errors of the instruments, and their application to a scenario.
 
 use std::slice::from_mut;
 
@@ -13,62 +13,63 @@ use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
 #[derive(Args)]
 #[command(next_help_heading = "Errors of instruments")]
 pub struct ErrorArguments {
-    /// All that follow, drawn from the seed as large as in the field; an option given beside it overrules it
+    /// All of the following errors, drawn from the seed with the sizes seen in the field; an explicit option takes precedence
     #[arg(long)]
     field_errors: bool,
-    /// A station that turns, moves and maybe leans about x and y, from a time on and over so long; may be repeated
+    /// Settling of a station: rotation, displacement and optional tilt about
+    /// x and y, from a start time and over a duration; may be repeated
     #[arg(
         long,
         value_name = "STATION,FROM_S,OVER_S,TURN_MRAD,MOVE_X_MM,MOVE_Y_MM,MOVE_Z_MM[,ARCSEC,ARCSEC]",
         allow_hyphen_values = true
     )]
     settle: Vec<List>,
-    /// Added to the ranges of stations 1, 2, 3 (mm)
+    /// Offset added to the ranges of stations 1, 2, 3 (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     range_offset: Vec<f64>,
-    /// By how much of itself they measure a range too long (parts per million)
+    /// Relative excess of their ranges (parts per million)
     #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_hyphen_values = true)]
     range_scale: Vec<f64>,
-    /// Added to the ranges to prisms 1, 2, 3 (mm)
+    /// Offset added to the ranges to prisms 1, 2, 3 (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     prism_offset: Vec<f64>,
     /// Error of the prism constant (mm)
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     prism_constant_error: Option<f64>,
-    /// Errors of ranges that last: 1 σ (mm), and after how long 37 % of one is left (s)
+    /// Time-correlated errors of ranges: 1 σ (mm), and the time after which the correlation falls to 37 % (s)
     #[arg(long, value_name = "MM,S", value_delimiter = ',', allow_hyphen_values = true)]
     range_wander: Vec<f64>,
-    /// How much earlier than its range stations 1, 2, 3 take the angles of a reading (ms)
+    /// Latency of the angles relative to the range for stations 1, 2, 3 (ms): the angles are earlier
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
     latency: Vec<f64>,
-    /// Error of every stamp on its own, 1 σ (ms)
+    /// Independent error of every stamp, 1 σ (ms)
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     stamp_jitter: Option<f64>,
-    /// By how much the stamps of stations 1, 2, 3 are late (ms)
+    /// Delay of the stamps of stations 1, 2, 3 (ms)
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
     clock_offset: Vec<f64>,
-    /// How fast they fall behind (parts per million)
+    /// Rate at which they fall behind (parts per million)
     #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_hyphen_values = true)]
     clock_drift: Vec<f64>,
-    /// A station whose stamps jump, by how much (ms) and when (s, halfway if left out): 3,20; may be repeated
+    /// Step of a station's stamps: station, size (ms) and time (s, halfway if omitted): 3,20; may be repeated
     #[arg(long, value_name = "STATION,MS[,S]", allow_hyphen_values = true)]
     clock_step: Vec<List>,
-    /// From when to when nothing is recorded (s); may be repeated
+    /// Start and end of a pause without readings (s); may be repeated
     #[arg(long, value_name = "FROM_S,TO_S", allow_hyphen_values = true)]
     pause: Vec<List>,
-    /// Added to the zenith angles of stations 1, 2, 3 (arcseconds)
+    /// Vertical index error, added to the zenith angles of stations 1, 2, 3 (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     index: Vec<f64>,
-    /// How far off square their lines of sight are to their horizontal axes (arcseconds)
+    /// Collimation error of their lines of sight (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     collimation: Vec<f64>,
-    /// Lean of stations 1, 2, 3 about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
+    /// Tilt of stations 1, 2, 3 about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     tilt: Vec<f64>,
-    /// A round earth, whose plumb lines part and where light is bent by a coefficient (0.13 if left out)
+    /// Earth curvature with diverging plumb lines, and refraction with this coefficient (0.13 if omitted)
     #[arg(long, value_name = "K", num_args = 0..=1, allow_negative_numbers = true)]
     curvature: Option<Option<f64>>,
-    /// Errors of the inter-prism distances 12, 13, 23 that are written (mm)
+    /// Errors of the written inter-prism distances 12, 13, 23 (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     distance_error: Vec<f64>,
 }
@@ -76,7 +77,7 @@ pub struct ErrorArguments {
 const MILLI: f64 = 1e-3;
 const SECONDS: Limits = Limits::up_to(100_000.0, 1.0);
 const MILLISECONDS: Limits = Limits::either_way(1000.0, MILLI);
-/// Clocks that nobody set are off by anything.
+/// Unsynchronised clocks may have any offset.
 const CLOCK_MILLISECONDS: Limits = Limits::either_way(1e7, MILLI);
 const MILLIMETRES: Limits = Limits::either_way(1000.0, MILLI);
 const PARTS_PER_MILLION: Limits = Limits::either_way(1000.0, 1e-6);
@@ -85,7 +86,7 @@ const ARCSECONDS: Limits = Limits::either_way(3600.0, ARCSECOND_RAD);
 const STATION: Limits = Limits { low: 1.0, high: 3.0, unit: 1.0 };
 
 impl ErrorArguments {
-    /// Draws the errors that are to be drawn, then puts those in their place that are given.
+    /// Draws the random errors if asked for, then replaces those that are given.
     pub fn apply(&self, scenario: Scenario, seed: u64) -> Result<Scenario, Failure> {
         let mut scenario = if self.field_errors {
             scenario.with_field_errors(seed)
@@ -97,7 +98,7 @@ impl ErrorArguments {
         Ok(scenario)
     }
 
-    /// Errors that are the same during all of the drive.
+    /// Replaces errors that are constant during the drive.
     fn replace_constant(&self, scenario: &mut Scenario) -> Result<(), Failure> {
         let errors = &mut scenario.errors;
         let prism_constant = self.prism_constant_error.as_slice();
@@ -144,10 +145,10 @@ impl ErrorArguments {
         Ok(())
     }
 
-    /// Errors that begin at some time, any number of them.
+    /// Replaces errors that begin at some time, any number of them.
     fn replace_at_times(&self, scenario: &mut Scenario) -> Result<(), Failure> {
         let duration_s = scenario.duration_s;
-        // What is outside of the drive would do nothing.
+        // An error outside the drive would have no effect.
         let moment = Limits::up_to(duration_s, 1.0);
         let settling = self.settle.iter().map(|given| {
             let station = station("settle", given)?;
@@ -199,7 +200,7 @@ impl ErrorArguments {
     }
 }
 
-/// Puts a list in place of another; an empty one leaves it as it is.
+/// Replaces a list by the given one; an empty one changes nothing.
 fn replace_all<T>(
     given: impl ExactSizeIterator<Item = Result<T, Failure>>,
     to: &mut Vec<T>,

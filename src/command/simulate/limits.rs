@@ -1,10 +1,10 @@
-//! Numbers on the command line: how many an option takes, what each may be, and its unit.
+//! Numbers on the command line: their count, limits and unit.
 
 use std::str::FromStr;
 
 use super::super::Failure;
 
-/// What a number may be, and how much of the scenario's unit it counts.
+/// Limits of a number, and its unit in units of the scenario.
 #[derive(Clone, Copy)]
 pub struct Limits {
     pub low: f64,
@@ -13,7 +13,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Limits as far below zero as above.
+    /// Symmetric limits about zero.
     pub const fn either_way(most: f64, unit: f64) -> Self {
         Self { low: -most, high: most, unit }
     }
@@ -23,7 +23,7 @@ impl Limits {
     }
 }
 
-/// Numbers with commas between them, for options that may be given again.
+/// Numbers separated by commas, for options that may be repeated.
 #[derive(Clone)]
 pub struct List(pub Vec<f64>);
 
@@ -35,7 +35,7 @@ impl FromStr for List {
     }
 }
 
-/// Puts the numbers of an option, all of one sort, in place of those of the scenario; none leave them as they are.
+/// Replaces numbers of the scenario by those of an option, all with the same limits; an absent option changes nothing.
 pub fn replace(name: &str, given: &[f64], limits: Limits, to: &mut [f64]) -> Result<(), Failure> {
     if given.is_empty() {
         return Ok(());
@@ -44,7 +44,7 @@ pub fn replace(name: &str, given: &[f64], limits: Limits, to: &mut [f64]) -> Res
     replace_row(name, given, to.len(), &row, to)
 }
 
-/// Puts a row of numbers, each with limits of its own, in place of others; those after the least ones may be left out.
+/// Replaces a row of numbers, each with its own limits; either all of them, or the first `least`, are given.
 pub fn replace_row(
     name: &str,
     given: &[f64],
@@ -69,7 +69,7 @@ pub fn replace_row(
     Ok(())
 }
 
-/// The index of a station that an option names first in its list.
+/// Returns the index of the station that is the first number of an option's list.
 pub fn station(name: &str, given: &List) -> Result<usize, Failure> {
     let number = given.0.first().copied().unwrap_or_default();
     (0..3).find(|index| number == (index + 1) as f64).ok_or_else(|| {

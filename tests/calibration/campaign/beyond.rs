@@ -1,8 +1,8 @@
-//! Errors beyond those that the field is known for: one kind at a time, a few times to a hundred times as large, at any time,
-//! on top of all the usual ones.
+//! Errors beyond those known from the field: one kind at a time, a few times to
+//! a hundred times as large, at any time, in addition to all the usual ones.
 //!
-//! What leaves no trace in the readings of a drive on flat ground (a vertical index, a line of sight, an axis that are off) is
-//! no more than twice as large: no estimate can tell it, which is what "not independently checked" says.
+//! Some errors leave no trace in the readings of a drive on flat ground: vertical index, line of sight, axis. They are at most twice as
+//! large, since no estimate can detect them, which the finding "not independently checked" states.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
 
 type Spoil = fn(&mut Scenario, &mut ChaCha8Rng);
 
-/// What goes wrong, and how.
+/// Kinds of errors, and the functions that apply them.
 pub const KINDS: [(&str, Spoil); 22] = [
     ("turn at once", |scenario, rng| {
         let turn_rad = sign(rng) * size(50e-6, 2e-3, rng);
@@ -129,7 +129,7 @@ fn settle(
     scenario.errors.settling.push(settling);
 }
 
-/// As likely in every octave.
+/// Draws a size, log-uniformly.
 fn size(from: f64, to: f64, rng: &mut ChaCha8Rng) -> f64 {
     rng.random_range(from.ln()..to.ln()).exp()
 }
@@ -142,7 +142,7 @@ fn any(rng: &mut ChaCha8Rng) -> usize {
     rng.random_range(0..3)
 }
 
-/// Level, mostly.
+/// Draws a unit vector, mostly level.
 fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     let towards_rad = rng.random_range(0.0..2.0 * PI);
     Vector3::new(towards_rad.cos(), towards_rad.sin(), rng.random_range(-0.5..0.5)).normalize()

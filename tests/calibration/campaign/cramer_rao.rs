@@ -1,9 +1,8 @@
-//! The Cramér–Rao bound of a simulated drive: what no unbiased estimate of its extrinsics can be better than.
+//! The Cramér–Rao bound of a simulated drive: the least covariance of an unbiased estimate of its extrinsics.
 //!
-//! Of the same drive, read by the three stations at the same instants, with the poses of the rig free: of nine numbers
-//! an instant, six go into the pose, and the three distances are left. That is their Fisher information, with the noise
-//! that was simulated and with priors of what was drawn at random. Derivatives are differences: nothing is shared with
-//! the estimator.
+//! It assumes the same drive, observed by the three stations at the same instants, with free poses of the rig: of nine measurements an
+//! instant, six determine the pose, and the three distances remain. The bound is their Fisher information with the simulated noise, and
+//! priors for the randomly drawn parameters. Derivatives are finite differences: the bound shares no code with the estimator.
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use resect_core::analysis::Analysis;
@@ -11,7 +10,7 @@ use resect_core::deployment::PAIRS;
 use resect_core::geometry::Polar;
 use resect_core::simulation::{EPOCH_S, Simulated};
 
-/// (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant, drifts.
+/// Parameters: (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant, drifts.
 const UNKNOWNS: usize = 22;
 const CLOCKS: usize = 8;
 const TILTS: usize = 10;
@@ -21,7 +20,7 @@ const DRIFTS: usize = 20;
 
 type Unknowns = SVector<f64, UNKNOWNS>;
 
-/// One standard deviation of what a campaign draws at random.
+/// Standard deviations of the parameters that a campaign draws at random.
 #[derive(Clone, Copy)]
 pub struct Drawn {
     pub tilt_rad: f64,
@@ -30,8 +29,8 @@ pub struct Drawn {
     pub drift: f64,
 }
 
-/// Bound of the covariance of (x, y, z, yaw) of stations 2 and 3, over the instants that the pipeline keeps.
-/// `None` where a direction is free.
+/// Bound of the covariance of (x, y, z, yaw) of stations 2 and 3, over the
+/// instants that the pipeline keeps. `None` if a direction is unconstrained.
 pub fn bound(
     simulated: &Simulated,
     analysis: &Analysis,
@@ -60,7 +59,7 @@ pub fn bound(
     Some(covariance.fixed_view::<8, 8>(0, 0).into_owned())
 }
 
-/// Information of one instant.
+/// Returns the information of one instant.
 fn at(simulated: &Simulated, time_s: f64) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     let truth = &simulated.truth;
     let seen = |time_s: f64| -> [Vector3<f64>; 3] {
@@ -128,7 +127,7 @@ fn at(simulated: &Simulated, time_s: f64) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     slopes.transpose() * weight * slopes
 }
 
-/// From the noise of range and angles, by differences.
+/// Propagates the noise of range and angles, by finite differences.
 fn reading_covariance_m2(simulated: &Simulated, point_m: &Vector3<f64>) -> Matrix3<f64> {
     let polar = Polar::from_cartesian(*point_m);
     let noise = &simulated.scenario.noise;

@@ -1,5 +1,5 @@
-//! Poses against the truth: how accurate they are beside those of straight lines between readings, and how often their 95 %
-//! regions cover it, along straight parts, in sharp turns and near gaps.
+//! Poses compared with the truth: accuracy relative to linear interpolation between readings,
+//! and coverage of their 95 % regions, on straight segments, in sharp turns and near gaps.
 
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 use rand::SeedableRng;
@@ -16,15 +16,15 @@ use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
 use super::{PRESETS, WELL_POSED};
 use crate::common::{analyse, by};
 
-/// Turning faster than this is a sharp turn (rad/s).
+/// Yaw rate above which a turn is sharp (rad/s).
 const SHARP_RAD_PER_S: f64 = 0.25;
-/// Instants this near to one without readings are near a gap (s).
+/// Distance from an instant without readings that counts as near a gap (s).
 const NEAR_GAP_S: f64 = 0.6;
 
-/// One standard deviation of where a prism is in the vehicle's frame, along any axis (m).
+/// Standard deviation of a prism's position in the vehicle's frame, along any axis (m).
 const RIG_SIGMA_M: f64 = 0.0007;
 
-/// Where in a drive an instant is.
+/// Part of a drive in which an instant is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Place {
     Straight,
@@ -36,7 +36,7 @@ struct Seen {
     place: Place,
     covers_position: bool,
     covers_rotation: bool,
-    /// Squared errors in position (m²) and rotation (rad²), and those of straight lines.
+    /// Squared errors in position (m²) and rotation (rad²), and those of linear interpolation.
     squares: [f64; 2],
     of_lines: [f64; 2],
 }
@@ -47,7 +47,7 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
         ErrorKind::ALL.into_iter().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
     let simulated = simulate_scenario(&scenario, seed);
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
-    // The vehicle's frame is that of the truth, in which prisms are measured as well as the distances between them are.
+    // The vehicle's frame is that of the truth; the prisms in it are measured as accurately as the distances between them.
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x0719);
     let given_m = simulated.truth.prisms_m.map(|prism_m| {
         prism_m.map(|value| {
@@ -124,7 +124,7 @@ fn is_near_gap(analysis: &Analysis, time_s: f64) -> bool {
 struct Summary {
     covers_position: f64,
     covers_rotation: f64,
-    /// Root mean square errors over those of straight lines.
+    /// Root mean square errors relative to those of linear interpolation.
     over_lines: [f64; 2],
 }
 
@@ -153,7 +153,7 @@ fn summarise(name: &str, all: &[&Seen]) -> Summary {
     summary
 }
 
-/// Simulates so many drives; gives what their poses are worth by place, and all of them.
+/// Simulates drives; returns the statistics of their poses by part of the drive, and of all.
 fn campaign(count: u64, rig_sigma_m: f64) -> (Vec<(Place, Summary)>, Summary) {
     let all: Vec<(usize, Seen)> = (0..count)
         .into_par_iter()
@@ -177,7 +177,7 @@ fn campaign(count: u64, rig_sigma_m: f64) -> (Vec<(Place, Summary)>, Summary) {
 
 #[test]
 fn poses_are_as_certain_as_they_say_in_a_short_campaign() {
-    // What is off in a rig is off during a whole drive, and some drives tell little of how often.
+    // An error of the rig is constant during a drive, and some drives determine its frequency poorly.
     let (places, all) = campaign(24, 0.0);
     for (place, found) in places {
         assert!(found.covers_position > 0.90, "{place:?}: {:.3}", found.covers_position);
@@ -194,7 +194,7 @@ fn poses_are_as_certain_as_they_say_in_three_hundred_drives() {
         assert!((0.92..=0.98).contains(&found.covers_position), "{place:?}");
         assert!((0.92..=0.98).contains(&found.covers_rotation), "{place:?}");
     }
-    // Where the rig is known: what is off in it is off by lines as well.
+    // With a known rig: its errors affect linear interpolation as well.
     let (_, all) = campaign(300, 0.0);
     assert!(all.over_lines.iter().all(|over| *over < 0.7), "{:?}", all.over_lines);
 }

@@ -7,14 +7,14 @@ use resect_core::simulation::{Preset, Scenario, simulate_scenario};
 use super::told::{Answered, tell};
 use Method::{DynamicGcp, InterPrism, Joint, StaticGcp, TwoPoint};
 
-/// A deployment, what it is, and the methods that it allows.
+/// A deployment, its name, and the methods that it allows.
 pub struct Case {
     pub name: &'static str,
     pub deployment: Deployment,
     pub methods: &'static [Method],
 }
 
-/// A drive of a preset that is cut short.
+/// Returns a preset's drive, shortened.
 fn short(preset: Preset, duration_s: f64, seed: u64) -> Deployment {
     let scenario = Scenario { duration_s, ..preset.scenario() };
     let mut deployment =
@@ -46,7 +46,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// What is wrong with what each method says of each case, once something was done to the deployment.
+/// Returns the violations in each method's results for each case, after a change of the deployment.
 pub fn complaints(
     change: impl Fn(&mut Deployment),
     each: impl Fn(&Answered, &Answered, Method) -> Vec<String>,

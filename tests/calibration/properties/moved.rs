@@ -1,4 +1,4 @@
-//! Stations that are turned about their verticals, and clocks that begin elsewhere.
+//! Stations rotated about their verticals, and clocks with other origins.
 
 use nalgebra::{SMatrix, Vector3};
 use resect_core::deployment::Deployment;
@@ -8,7 +8,7 @@ use resect_core::simulation::EPOCH_S;
 use super::cases::complaints;
 use super::told::{OF_STAMPS, in_another_frame};
 
-/// Turns a station's zero direction: its azimuths grow, its points turn clockwise.
+/// Rotates a station's zero direction: its azimuths increase, its points rotate clockwise.
 fn turn_station(deployment: &mut Deployment, station: usize, by_rad: f64) {
     for m in &mut deployment.tracks[station].measurements {
         m.azimuth_rad += by_rad;
@@ -20,7 +20,7 @@ fn turn_station(deployment: &mut Deployment, station: usize, by_rad: f64) {
     }
 }
 
-/// The covariance of an answer in a frame that is turned.
+/// Returns the covariance of a calibration in a rotated frame.
 fn turned(covariance: &SMatrix<f64, 8, 8>, new_from_old: &RigidTransform) -> SMatrix<f64, 8, 8> {
     let mut turn = SMatrix::<f64, 8, 8>::identity();
     for from in [0, 4] {
@@ -29,7 +29,7 @@ fn turned(covariance: &SMatrix<f64, 8, 8>, new_from_old: &RigidTransform) -> SMa
     turn * covariance * turn.transpose()
 }
 
-/// What is wrong once stations were turned by these angles.
+/// Returns the violations after rotations of the stations by these angles.
 fn complaints_of_turning(by_rad: [f64; 3]) -> Vec<String> {
     complaints(
         |deployment| (0..3).for_each(|station| turn_station(deployment, station, by_rad[station])),
@@ -52,7 +52,7 @@ fn complaints_of_turning(by_rad: [f64; 3]) -> Vec<String> {
 
 #[test]
 fn turning_stations_2_and_3_turns_their_transforms_back_and_nothing_else() {
-    // Across the cut of azimuths, and beyond half a turn.
+    // Across the wrap of azimuths, and beyond half a turn.
     for by_rad in [[0.0, -2.0, 3.1], [0.0, 0.3, -4.0]] {
         let complaints = complaints_of_turning(by_rad);
         assert!(complaints.is_empty(), "{by_rad:?}: {complaints:#?}");
@@ -61,9 +61,9 @@ fn turning_stations_2_and_3_turns_their_transforms_back_and_nothing_else() {
 
 #[test]
 fn turning_station_1_turns_the_whole_answer() {
-    // What dominates σ is said along x and y, which are others now.
+    // The dominant source of σ is reported along x and y, which have other directions now.
     let mut complaints = complaints_of_turning([1.2, 0.5, 0.0]);
-    complaints.retain(|what| !what.contains("what dominates σ"));
+    complaints.retain(|what| !what.contains("largest part of σ"));
     assert!(complaints.is_empty(), "{complaints:#?}");
 }
 

@@ -1,4 +1,4 @@
-//! Stations that have other numbers, their prisms with them.
+//! Stations with other numbers, and their prisms.
 
 use nalgebra::SMatrix;
 use resect_core::calibration::Method;
@@ -7,7 +7,7 @@ use resect_core::deployment::{Deployment, PAIRS};
 use super::cases::complaints;
 use super::told::{OF_PROBES, ROUNDING, Within, in_another_frame};
 
-/// Gives each place the station that had another number: place `i` gets station `from[i]`.
+/// Renumbers the stations: station `i` is the former station `from[i]`.
 fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
     deployment.tracks = from.map(|station| deployment.tracks[station].clone());
     deployment.time_corrections = from.map(|station| deployment.time_corrections[station].clone());
@@ -25,14 +25,14 @@ fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
     }
 }
 
-/// What is wrong once the stations have other numbers.
+/// Returns the violations after renumbering the stations.
 fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> Vec<String> {
     complaints(
         |deployment| renumber(deployment, from),
         |before, after, method| {
             let old_first = before.transforms[from[0]].inverse();
             let expected = from.map(|station| old_first.then_from(&before.transforms[station]));
-            // Where station 1 is another one, σ are about another frame.
+            // With another station 1, σ refer to another frame.
             let swapped = before
                 .covariance
                 .map(|covariance| SMatrix::from_fn(|i, j| covariance[((i + 4) % 8, (j + 4) % 8)]));
@@ -51,13 +51,13 @@ fn stations_2_and_3_change_places_with_their_numbers() {
     assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
-/// How near answers about another station 1 have to be.
+/// Tolerances for calibrations relative to another station 1.
 fn about_another_station(method: Method) -> Within {
     match method {
-        // The clock and the plumb line that all else is held against, by priors of their own, are another station's.
+        // The reference clock and plumb line, relative to which the priors are defined, are another station's.
         Method::Joint => Within { sigmas: 0.5, millimetres: 1.0, ..OF_PROBES },
-        // Each station is aligned to station 1 by itself; that one alignment after another is the third holds to the first
-        // order of the noise.
+        // Each station is aligned to station 1 separately; the composition of
+        // two alignments equals the third to the first order of the noise.
         Method::StaticGcp | Method::DynamicGcp => {
             Within { sigmas: 1e-3, millimetres: 1e-3, ..ROUNDING }
         }
@@ -67,12 +67,11 @@ fn about_another_station(method: Method) -> Within {
 
 #[test]
 fn another_station_1_leaves_the_stations_where_they_stood() {
-    // What is said against station 1 is said against another one, and of two solutions that nothing tells apart either may
-    // fit better.
+    // Findings relative to station 1 refer to another one now, and of two indistinguishable solutions either may fit better.
     let about_station_1 = [
         "stamps are",
         "least certain",
-        "what dominates σ",
+        "largest part of σ",
         "measured distance",
         "another minimum fits better",
     ];

@@ -1,4 +1,4 @@
-//! What the program tells of a deployment by each method, and how two tellings are held against each other.
+//! Results of each method for a deployment, and their comparison.
 
 use nalgebra::SMatrix;
 use resect_core::analysis::Analyst;
@@ -8,7 +8,7 @@ use resect_core::geometry::{RigidTransform, wrap_to_pi};
 
 use crate::common::by;
 
-/// What a method says, without what no number of it can be compared.
+/// Results of a method, without numbers that cannot be compared.
 #[derive(Clone, Debug)]
 pub struct Answered {
     pub transforms: [RigidTransform; 3],
@@ -16,24 +16,24 @@ pub struct Answered {
     pub verdict: Verdict,
     pub checked_by: Vec<Witness>,
     pub findings: Vec<Said>,
-    /// Distance errors and the medians of the control points (mm).
+    /// Distance errors, and medians of the control points (mm).
     pub metrics_mm: Vec<f64>,
-    /// Of a joint estimate: the same of the paper's answer beside it.
+    /// The paper's calibration beside a joint estimate.
     pub published: Option<Box<Answered>>,
 }
 
-/// A finding with its words and its numbers apart.
+/// A finding, split into words and numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Said {
     pub severity: Severity,
     pub doubt: bool,
     pub words: String,
     pub numbers: Vec<f64>,
-    /// How many remedies it has, and of what kind.
+    /// Number and kinds of its remedies.
     pub remedies: Vec<String>,
 }
 
-/// What every method says of a deployment, or why it has no answer.
+/// Returns the results of every method for a deployment, or the errors.
 pub fn tell(deployment: &Deployment, methods: &[Method]) -> Vec<Result<Answered, String>> {
     let mut analyst = Analyst::new(deployment.clone().into());
     let each = methods.iter().map(|method| {
@@ -55,7 +55,7 @@ pub fn tell(deployment: &Deployment, methods: &[Method]) -> Vec<Result<Answered,
 fn answered(calibration: &Calibration) -> Answered {
     let said = calibration.findings.iter().map(|finding| {
         let (words, numbers) = split(&finding.to_string());
-        // What a remedy shows or says has numbers of its own.
+        // The content of a remedy has numbers of its own.
         let remedies =
             finding.remedies.iter().map(|remedy| split(&format!("{remedy:?}")).0).collect();
         Said {
@@ -77,7 +77,7 @@ fn answered(calibration: &Calibration) -> Answered {
     }
 }
 
-/// A text with `#` in place of each number, and the numbers.
+/// Returns a text with `#` in place of each number, and the numbers.
 fn split(text: &str) -> (String, Vec<f64>) {
     let (mut words, mut numbers, mut digits) = (String::new(), Vec::new(), String::new());
     for character in text.chars().chain(['\n']) {
@@ -98,38 +98,38 @@ fn split(text: &str) -> (String, Vec<f64>) {
     (words, numbers)
 }
 
-/// How near two tellings have to be.
+/// Tolerances between two results.
 #[derive(Clone, Copy)]
 pub struct Within {
-    /// Of a place or a yaw: in σ, or where that is less in metres and radians.
+    /// Tolerance of a position or a yaw: the larger one of this many σ and this many metres or radians.
     pub sigmas: f64,
     pub metres: f64,
-    /// Of the covariance, in products of σ.
+    /// Tolerance of the covariance, in products of σ.
     pub covariance: f64,
-    /// Of distance errors (mm).
+    /// Tolerance of distance errors (mm).
     pub millimetres: f64,
 }
 
-/// What rounding does to the same numbers.
+/// Tolerances for rounding.
 pub const ROUNDING: Within =
     Within { sigmas: 1e-6, metres: 1e-9, covariance: 1e-5, millimetres: 1e-6 };
 
-/// Stamps of today are held to a quarter of a microsecond, in which a vehicle goes a quarter of a micrometre.
+/// Present stamps have a resolution of a quarter of a microsecond, in which a vehicle moves a quarter of a micrometre.
 pub const OF_STAMPS: Within =
     Within { sigmas: 1e-3, metres: 1e-6, covariance: 1e-3, millimetres: 1e-3 };
 
-/// The joint estimate learns its noise by random probes along the axes of station 1 and prism by prism: in another frame, or
-/// with other numbers, it draws others, which moves the answer by thousandths of σ.
+/// The joint estimate estimates its noise with random probes along the axes of station 1 and prism by prism. In another frame, or with
+/// other numbers, it draws others, which changes the result by thousandths of σ.
 pub const OF_PROBES: Within =
     Within { sigmas: 0.03, metres: 1e-9, covariance: 0.03, millimetres: 0.03 };
 
-/// How near an answer in another frame, or with other numbers, has to be.
+/// Returns the tolerances for a calibration in another frame, or with other numbers.
 pub fn in_another_frame(method: Method) -> Within {
     if method == Method::Joint { OF_PROBES } else { ROUNDING }
 }
 
 impl Answered {
-    /// Where this says something else than another, but for frames and numbers of the stations.
+    /// Returns the differences from another result, apart from frames and numbers of the stations.
     pub fn says_else(&self, other: &Self, within: Within) -> Vec<String> {
         let mut all = Vec::new();
         if self.verdict != other.verdict {
@@ -138,7 +138,7 @@ impl Answered {
         if self.checked_by != other.checked_by {
             all.push(format!("checked by {:?}, not {:?}", self.checked_by, other.checked_by));
         }
-        // Where a direction is free, any place along it is as good, and what is said of that place is of no other.
+        // With an unconstrained direction, any position along it is equally good, and findings for that position apply to no other.
         if self.verdict == Verdict::Degenerate {
             return all;
         }
@@ -168,7 +168,7 @@ impl Answered {
         all
     }
 
-    /// Where the findings tell other numbers, beyond one in the last digit or a hundredth.
+    /// Returns the findings with other numbers, beyond one in the last digit or a hundredth.
     pub fn tells_other_numbers(&self, other: &Self) -> Vec<String> {
         let far = |(a, b): &(&Said, &Said)| {
             let both = a.numbers.iter().zip(&b.numbers);
@@ -178,7 +178,7 @@ impl Answered {
         both.map(|(a, b)| format!("{a:?}, not {b:?}")).collect()
     }
 
-    /// Where it does not stand where it is expected.
+    /// Returns the differences from the expected transforms.
     pub fn stands_elsewhere(
         &self,
         transforms: &[RigidTransform; 3],

@@ -63,7 +63,7 @@ fn text_of<'a>(files: &'a mut Files, name: &str) -> &'a mut String {
     &mut files.iter_mut().find(|(own, _)| own == name).expect("there").1
 }
 
-/// The lines below the header, in another order.
+/// Reorders the lines below the header.
 fn reorder(text: &mut String, order: impl Fn(&mut Vec<&str>)) {
     let mut lines: Vec<_> = text.lines().collect();
     let header = lines.remove(0);
@@ -97,7 +97,7 @@ fn rows_in_any_order_are_the_same_readings_and_are_told() {
     assert!(after.findings.iter().any(|f| f.kind == FindingKind::StampsOutOfOrder), "{after:?}");
 }
 
-/// The readings as another program would write them, with what `deployment.toml` says of it.
+/// Returns the readings in another program's layout, with its description in `deployment.toml`.
 fn as_table(files: &Files, columns: &str, row: impl Fn([f64; 5]) -> String) -> Files {
     let mut changed = files.clone();
     let text = text_of(&mut changed, "inter_prism.csv");

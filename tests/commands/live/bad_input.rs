@@ -1,4 +1,4 @@
-//! What is wrong with a stream is said in one line each, and nothing of it ends the program.
+//! Faults of a stream: each is reported in one line, and none ends the program.
 
 use resect_core::deployment::FindingKind;
 use std::io::Write;
@@ -88,13 +88,13 @@ fn a_frame_that_is_too_long_ends_the_connection_and_not_the_session() {
 
 #[test]
 fn whoever_is_no_source_is_told_apart() {
-    // A port where nobody listens.
+    // A port without a listener.
     let closed = {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         listener.local_addr().expect("bound")
     };
     let nobody = session(&format!("ws://{closed}"));
-    wait_until(&nobody, |view| why(view).is_some_and(|why| why.contains("nobody answers")));
+    wait_until(&nobody, |view| why(view).is_some_and(|why| why.contains("no server answers")));
     let view = nobody.view();
     assert!(
         view.warnings.iter().any(|w| w.finding.kind == FindingKind::LiveNoConnection),
@@ -102,11 +102,11 @@ fn whoever_is_no_source_is_told_apart() {
     );
     assert!(nobody.stop().expect("it ran").deployment.is_err(), "nothing was read");
 
-    // A web server, and one that says something else.
+    // A web server, and a server with another answer.
     for (answer, expected) in [
         ("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "HTTP 404"),
         ("HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n", "HTTP 200"),
-        ("SSH-2.0-OpenSSH_9.2\r\n", "does not speak as a WebSocket"),
+        ("SSH-2.0-OpenSSH_9.2\r\n", "does not speak the WebSocket protocol"),
     ] {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let url = format!("ws://{}", listener.local_addr().expect("bound"));
@@ -123,9 +123,9 @@ fn whoever_is_no_source_is_told_apart() {
         session.stop().expect("it ran");
     }
 
-    // A WebSocket that speaks of something else.
+    // A WebSocket with another protocol.
     let chat = Server::start(None, vec![Step::Text("{\"hello\":1}".to_owned())]);
     let session = session(&chat.url);
-    wait_until(&session, |view| why(view).is_some_and(|why| why.contains("speaks neither")));
+    wait_until(&session, |view| why(view).is_some_and(|why| why.contains("uses neither")));
     session.stop().expect("it ran");
 }

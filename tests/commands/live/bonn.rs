@@ -14,7 +14,7 @@ use crate::common::sample_folder;
 
 const INSTRUMENTS: [&str; 3] = ["7a11", "0b22", "c333"];
 
-/// The latest readings of all instruments, thrice each time, as they grow.
+/// Returns the latest readings of all instruments as they grow, each message three times.
 fn steps(readings: usize) -> Vec<Step> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
     let mut steps = Vec::new();
@@ -45,7 +45,7 @@ fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
     wait_until(&session, |view| view.readings() == 120);
     let view = session.view();
     let repeats: Vec<_> = view.left_out.iter().filter(|left| left.what == "repeats").collect();
-    // The last ones wait for the next reading.
+    // The last readings wait for the next one.
     assert!((230..=240).contains(&repeats[0].count), "{repeats:?}");
     let live = session.stop().expect("it ran").deployment.expect("readings");
     server.join();
@@ -63,7 +63,7 @@ fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
 #[test]
 fn instruments_that_nobody_names_are_asked_for() {
     let server = Server::start(None, steps(5));
-    // By what it says, not by its path.
+    // Matched by content, not by path.
     let wanted = Wanted {
         deployment: None,
         extras: Extras { rig: Some(sample_folder("hd2-tunnel")), ..Extras::default() },

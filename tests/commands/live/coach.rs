@@ -1,4 +1,4 @@
-//! What the coach says of simulated drives, as they grow: "enough" is never said too early, and what is amiss is said.
+//! The coach on growing simulated drives: it never reports sufficient data too early, and reports faults.
 
 use resect_live::warnings::Warning;
 use std::sync::Arc;
@@ -15,12 +15,12 @@ use crate::common::knock;
 
 const TARGET_M: f64 = 6e-3;
 
-/// Drives a deployment as if it came in, with an answer every so many seconds; calls back with each view.
+/// Replays a deployment as a stream, with a calibration every `every_s` seconds; calls back with each view.
 fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> bool) {
     let growing = Growing::of_readings_again(deployment.clone(), &Overrides::default());
     let mut engine = Engine::new(growing, Some(1.0), None, TARGET_M);
     engine.take(Event::Connected("simulated".to_owned()), 0.0);
-    engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
+    engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
     let settings = Settings::default();
     let (mut next_s, mut first_s) = (every_s, None);
     for sent in replay::messages(deployment, [0.01; 3]) {
@@ -46,13 +46,13 @@ fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> b
     }
 }
 
-/// How far the answer puts the prism off at the far end of the track (m).
+/// Returns the error of the prism's position at the far end of the track (m).
 fn realised_m(view: &View, simulated: &Simulated) -> f64 {
     let judged = view.answer.as_ref().expect("an answer");
     let far_end = judged.far_end.expect("nothing is free");
     let found = &judged.station1_from_station[far_end.station];
     let in_station_m = found.inverse().apply(&far_end.position_m);
-    // Stations settle: the answer is where they stood on average.
+    // Stations settle: the truth is their mean position.
     let truth = simulated.station1_from_station_at(0.5 * view.driven_s)[far_end.station];
     (truth.apply(&in_station_m) - far_end.position_m).norm()
 }
@@ -128,7 +128,7 @@ fn a_station_that_was_knocked_is_said_and_ends_what_was_enough() {
 fn a_prism_of_another_station_is_said_while_it_is_followed() {
     let simulated = simulate_scenario(&warthog(200.0), 3);
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
-    // From 150 s on, station 3 follows what is two metres beside its prism.
+    // From 150 s on, station 3 tracks a prism two metres beside its own.
     let from_s = deployment.start_s().expect("readings") + 150.0;
     for reading in &mut deployment.tracks[2].measurements {
         if reading.time_s > from_s {

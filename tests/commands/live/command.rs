@@ -1,4 +1,4 @@
-//! `resect live` as a script sees it.
+//! `resect live` as a script uses it.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -54,7 +54,7 @@ fn a_replay_prints_a_line_a_second_and_in_the_end_what_calibrate_prints_of_its_r
     }
     let last = &lines[lines.len() - 1];
     assert_eq!(last["link"], "ended");
-    // The last word is of all readings, too.
+    // The last line covers all readings, too.
     let all_mm = &answer["answer"]["metrics"]["inter_prism_mm"]["median"];
     assert_eq!((&last["answer_age_s"], &last["inter_prism_mm"]), (&serde_json::json!(0.0), all_mm));
     assert!(lines.iter().any(|line| line["far_end_mm"].is_number()), "an answer on the way");
@@ -77,7 +77,7 @@ fn a_signal_ends_it_with_its_recording() {
         .spawn()
         .expect("resect starts");
     let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
-    // It is under way.
+    // The replay has started.
     lines.next().expect("a line").expect("text");
     lines.next().expect("a line").expect("text");
     let killed = Command::new("kill").arg(child.id().to_string()).status().expect("kill");
@@ -96,18 +96,14 @@ fn bad_usage_is_one_line() {
     for (arguments, code, expected) in [
         (vec!["live"], 2, "URL"),
         (vec!["live", "http://robot"], 2, "ws://"),
-        (vec!["live", "--replay", text(&sample), "--speed", "0"], 2, "no speed"),
-        (vec!["live", "--replay", text(&sample), "--speed", "-1"], 2, "no speed"),
-        (vec!["live", "--replay", text(&sample), "--target-mm", "0"], 2, "no target"),
+        (vec!["live", "--replay", text(&sample), "--speed", "0"], 2, "not a speed"),
+        (vec!["live", "--replay", text(&sample), "--speed", "-1"], 2, "not a speed"),
+        (vec!["live", "--replay", text(&sample), "--target-mm", "0"], 2, "not a target"),
         (vec!["live", "--replay", text(&sample), "--topics", "a,b"], 2, "2 names"),
         (vec!["live", "--replay", "/not/there"], 1, "/not/there"),
         (vec!["live", "ws://127.0.0.1:9", "--drive", "x"], 2, "--drive"),
-        (vec!["live", "ws://127.0.0.1:9", "--seconds", "1"], 1, "nobody answers"),
-        (
-            vec!["live", "ws://127.0.0.1:9", "--record", "/not/there/x.mcap"],
-            1,
-            "there is no folder",
-        ),
+        (vec!["live", "ws://127.0.0.1:9", "--seconds", "1"], 1, "no server answers"),
+        (vec!["live", "ws://127.0.0.1:9", "--record", "/not/there/x.mcap"], 1, "does not exist"),
     ] {
         let output = run(&arguments);
         let said = String::from_utf8(output.stderr).expect("UTF-8");
@@ -126,6 +122,6 @@ fn without_json_it_is_a_line_for_people() {
     let said = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("- connected to test"), "{said}");
-    assert!(said.contains(" mm (1 σ)") || said.contains("not held yet"), "{said}");
+    assert!(said.contains(" mm (1 σ)") || said.contains("not determined yet"), "{said}");
     server.join();
 }

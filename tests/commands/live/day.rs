@@ -1,4 +1,4 @@
-//! How much a day of a live deployment has to be calculated, by a clock that the test moves.
+//! Computing time of a live deployment during a day, by a simulated clock.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use resect_live::{Engine, bonn};
 const DAY_S: u32 = 86_400;
 const START_S: f64 = 1_760_000_000.0;
 
-/// One that calculates: how long it takes for each reading (s), until when it is busy, and what it has done.
+/// A simulated worker: its time for each reading (s), the end of its current task, and its work so far.
 struct Worker {
     for_each_s: f64,
     until_s: Option<f64>,
@@ -50,18 +50,18 @@ fn sent(station: u8, stamp_s: f64) -> Event {
         range_m: 30.0 + (stamp_s * 0.1).sin(),
     });
     let sent_ns = (stamp_s * 1e9) as u64;
-    let channel = bonn::Protocol::channel().id;
+    let channel = bonn::BonnProtocol::channel().id;
     Event::Message(Sent { channel, sent_ns, received_s: stamp_s, payload })
 }
 
-/// However long answers take in the end, whoever calculates rests for as long as it worked.
+/// However long calibrations take in the end, each worker rests as long as it has worked.
 #[test]
 fn nobody_works_for_more_than_half_of_a_day() {
     let growing = Growing::around("live", None, &Extras::default(), &Progress::default());
     let mut engine = Engine::new(growing.expect("nothing is read"), None, None, 2e-3);
     engine.take(Event::Connected("robot".to_owned()), 0.0);
-    engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
-    // A slow laptop: minutes for an answer in the evening.
+    engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
+    // A slow laptop: minutes for a calibration in the evening.
     let [mut first, mut second, mut next] = [1e-3, 2e-3, 3e-3].map(Worker::new);
     let mut readings = 0;
     for second_of_day in 0..DAY_S {
@@ -97,9 +97,9 @@ fn nobody_works_for_more_than_half_of_a_day() {
     for (name, worker) in [("first", first), ("second", second), ("next", next)] {
         let share = worker.worked_s / f64::from(DAY_S);
         eprintln!("{name}: {} answers, {share:.2} of the day", worker.answers);
-        // The last one goes on beyond the day; a tick is a second.
+        // The last calculation exceeds the day; a tick is a second.
         assert!(share < 0.51 && worker.answers < 3000, "{name}: {share} {}", worker.answers);
-        // Nobody is kept waiting either.
+        // There is no excessive waiting either.
         assert!(share > 0.3 && worker.answers > 300, "{name}: {share} {}", worker.answers);
     }
 }

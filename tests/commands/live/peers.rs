@@ -1,4 +1,4 @@
-//! The same with the server of `foxglove-sdk` from PyPI, as robots run it.
+//! The same with the server of `foxglove-sdk` from PyPI, as on robots.
 
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use resect_live::{Feed, Session, Wanted};
 use super::stream::wait_until;
 use crate::common::{analyse, answer, field_data, sample_folder};
 
-/// What is driven, and its rig: the field data where it is there, and otherwise a sample.
+/// Returns a drive and its rig: the field data if available, otherwise a sample.
 fn drive() -> [PathBuf; 2] {
     let bag = field_data("2022-07-11-2-bags").map(|bags| bags.join("2022-07-11-2.bag"));
     match (bag, field_data("2022-07-11-2")) {
@@ -27,7 +27,7 @@ fn the_server_of_robots_at_twenty_times_the_speed_started_again_twice() {
     let [drive, rig] = drive();
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/peers/serve_live.py");
     let folder = tempfile::tempdir().expect("a folder");
-    // What is served, as a bag's messages: by our own recording of a replay, so that both kinds of drives are served alike.
+    // The served messages come from our own recording of a replay, so that both kinds of drives are served in the same form.
     let source = folder.path().join("served.mcap");
     let extras = || Extras { rig: Some(rig.clone()), ..Extras::default() };
     let feed = Feed::Replay { source: Source::at(&drive).with(extras()).into(), speed: 1e9 };
@@ -58,10 +58,10 @@ fn the_server_of_robots_at_twenty_times_the_speed_started_again_twice() {
     let url = said.next().expect("a line").expect("text");
     let file = folder.path().join("live.mcap");
     let session = Session::start(&wanted(Feed::Url(url), &file)).expect("it begins");
-    // It says "over" once all was sent, and waits until we are gone.
+    // The server prints "over" once everything is sent, and waits for the client to leave.
     let over = said.next().expect("a line").expect("text");
     assert_eq!(over, "over");
-    // What is on its way takes no longer.
+    // Messages in transit take no longer.
     std::thread::sleep(std::time::Duration::from_secs(2));
     wait_until(&session, |view| view.connections >= 3);
     let finished = session.stop().expect("it ran");

@@ -1,35 +1,35 @@
-//! A server that speaks Foxglove's protocol, by a script: what it sends, and when it breaks off.
+//! A scripted server of Foxglove's protocol: its messages, and its disconnections.
 
 use std::collections::BTreeMap;
 use std::net::{TcpListener, TcpStream};
 use std::thread::JoinHandle;
 
-use resect_live::bonn::Protocol;
+use resect_live::bonn::BonnProtocol;
 use resect_live::event::Sent;
 use serde_json::{Value, json};
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket, accept_hdr};
 
-/// What the server does, one after the other.
+/// A step of the server's script.
 #[derive(Clone, Debug)]
 pub enum Step {
-    /// Sends a message of the channel, with its subscription.
+    /// Sends a message of the channel, with its subscription id.
     Send(Sent),
     Text(String),
     Binary(Vec<u8>),
-    /// Ends the connection without a word, and waits for the next.
+    /// Drops the connection without closing it, and waits for the next.
     BreakOff,
 }
 
-/// A server on loopback.
+/// A server on the loopback interface.
 pub struct Server {
     pub url: String,
     thread: JoinHandle<()>,
 }
 
 impl Server {
-    /// Goes through the steps; in the end it waits until the other side leaves.
+    /// Executes the steps; at the end it waits until the client leaves.
     pub fn start(subprotocol: Option<&'static str>, steps: Vec<Step>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let url = format!("ws://{}", listener.local_addr().expect("bound"));
@@ -37,15 +37,15 @@ impl Server {
         Self { url, thread }
     }
 
-    /// Waits until it has done everything.
+    /// Waits until all steps are done.
     pub fn join(self) {
         self.thread.join().expect("the server does not panic");
     }
 }
 
-/// The one channel, as it is advertised.
+/// Returns the advertisement of the one channel.
 pub fn advertisement() -> String {
-    let channel = Protocol::channel();
+    let channel = BonnProtocol::channel();
     json!({ "op": "advertise", "channels": [{
         "id": channel.id,
         "topic": channel.topic,
@@ -72,13 +72,13 @@ fn serve(listener: &TcpListener, subprotocol: Option<&'static str>, steps: Vec<S
         }
     }
     connection.flush();
-    // Until the other side has closed.
+    // Until the client has closed the connection.
     while connection.socket.read().is_ok() {}
 }
 
 struct Connection {
     socket: WebSocket<TcpStream>,
-    /// Subscriptions by channel.
+    /// Subscription ids by channel.
     subscriptions: BTreeMap<u64, u32>,
 }
 
@@ -97,7 +97,7 @@ impl Connection {
                     }
                     Ok(response)
                 };
-            // Who does not like the answer comes again.
+            // A client that rejects the answer connects again.
             let Ok(mut socket) = accept_hdr(stream, choose) else { continue };
             let mut connection = match subprotocol {
                 None if is_asked => continue,
@@ -137,7 +137,7 @@ impl Connection {
     }
 
     fn write(&mut self, message: Message) {
-        // Whoever has left does not have to be told.
+        // The client may have left.
         _ = self.socket.write(message);
     }
 

@@ -1,4 +1,4 @@
-//! What a live deployment is in the end: the same as its recording, whatever the network did to it on the way.
+//! A live deployment equals its recording, despite any faults of the network.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub fn wanted(feed: Feed, record: Option<&Path>) -> Wanted {
     }
 }
 
-/// Looks at a live deployment until something is the case.
+/// Polls a live deployment until a condition is true.
 pub fn wait_until(session: &Session, is: impl Fn(&View) -> bool) {
     while !is(&session.view()) {
         assert!(!session.has_ended(), "it ended before: {:?}", session.view());
@@ -39,7 +39,7 @@ pub fn wait_until(session: &Session, is: impl Fn(&View) -> bool) {
     }
 }
 
-/// The messages of a sample: some lost, some repeated, neighbours exchanged, a few late by many.
+/// Returns the messages of a sample: some lost, some repeated, neighbours exchanged, a few delayed by many.
 fn disturbed() -> Vec<Sent> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
     let mut sent: Vec<Sent> = replay::messages(&sample, [0.01; 3]).collect();
@@ -63,9 +63,9 @@ fn disturbed() -> Vec<Sent> {
     sent
 }
 
-/// Stamps by station of what was sent.
+/// Returns the stamps of messages by station.
 fn stamps(sent: &[Sent]) -> BTreeSet<Vec<u8>> {
-    // Stamp, then the station, by their places in the message.
+    // Stamp, then station, by their offsets in the message.
     sent.iter().map(|one| [&one.payload[4..12], &one.payload[28..29]].concat()).collect()
 }
 
@@ -103,7 +103,7 @@ fn a_stream_that_breaks_off_twice_gives_what_its_recording_gives_exactly() {
         if part > 0 {
             steps.push(Step::BreakOff);
         }
-        // A server that starts again says once more what it said last.
+        // A restarted server repeats its last messages.
         let end = if part == 2 { sent.len() } else { begin + third };
         steps.extend(sent[begin.saturating_sub(50)..end].iter().cloned().map(Step::Send));
     }
@@ -149,7 +149,7 @@ fn a_replay_is_the_deployment_again() {
     assert!(finished.view.warnings.is_empty(), "{:?}", finished.view.warnings);
 }
 
-/// An engine that got the sample's messages so far, recording them.
+/// Returns an engine that has received and recorded some of the sample's messages.
 fn recording_engine(file: &Path, messages: usize) -> Engine {
     let folder = sample_folder("hd2-tunnel");
     let growing = Growing::around("live", Some(&folder), &Extras::default(), &Progress::default());
@@ -157,7 +157,7 @@ fn recording_engine(file: &Path, messages: usize) -> Engine {
     let mut engine = Engine::new(growing.expect("a folder"), Some(1.0), Some(recorder), 2e-3);
     let sample = Sample::Hd2Tunnel.open().expect("built in");
     engine.take(Event::Connected("test".to_owned()), 0.0);
-    engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
+    engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
     for sent in replay::messages(&sample, [0.01; 3]).take(messages) {
         engine.take(Event::Message(sent), 0.0);
     }
@@ -174,7 +174,7 @@ fn a_recording_that_nobody_ended_holds_all_up_to_the_last_flush() {
     for sent in replay::messages(&sample, [0.01; 3]).skip(600).take(50) {
         engine.take(Event::Message(sent), 0.0);
     }
-    // As if the process had been killed: what it holds is never written.
+    // As after a killed process: its buffers are never written.
     let killed = std::fs::read(&file).expect("there");
     std::fs::write(folder.path().join("copy.mcap"), &killed).expect("written");
     let deployment = open(&folder.path().join("copy.mcap")).expect("what is there opens");
@@ -187,7 +187,7 @@ fn a_recording_that_nobody_ended_holds_all_up_to_the_last_flush() {
             .any(|f| matches!(f.kind, FindingKind::BagDamaged | FindingKind::BagIncomplete)),
         "it is said"
     );
-    // Cut anywhere, the chunks before the cut are there.
+    // Cut anywhere, the file keeps the chunks before the cut.
     let cut = &killed[..killed.len() - 100];
     std::fs::write(folder.path().join("cut.mcap"), cut).expect("written");
     assert!(open(&folder.path().join("cut.mcap")).is_ok());
@@ -200,6 +200,6 @@ fn a_recording_is_never_written_over() {
     std::fs::write(&file, "precious").expect("written");
     let feed = Feed::Url("ws://127.0.0.1:9".to_owned());
     let error = Session::start(&wanted(feed, Some(&file))).err().expect("refused").to_string();
-    assert!(error.contains("there already") && error.contains("; "), "{error}");
+    assert!(error.contains("already exists") && error.contains("; "), "{error}");
     assert_eq!(std::fs::read(&file).expect("there"), b"precious");
 }

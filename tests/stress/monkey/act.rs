@@ -1,4 +1,4 @@
-//! What the monkey can do.
+//! The monkey's acts.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use resect::app::Command;
 #[derive(Clone, Debug)]
 pub enum Act {
     Move(Pos2),
-    /// Pressed and released so many times.
+    /// Button pressed and released a number of times.
     Click {
         at: Pos2,
         button: PointerButton,
@@ -37,7 +37,7 @@ pub enum Act {
     Paste(String),
     Copy,
     Cut,
-    /// The window is behind another, or in front again.
+    /// The window loses the focus, or gets it back.
     Focus(bool),
     Hover(Vec<PathBuf>),
     Drop(Vec<PathBuf>),
@@ -46,25 +46,25 @@ pub enum Act {
         scale: f32,
     },
     SystemTheme(Theme),
-    /// An entry of the menus, by its name.
+    /// A menu entry, by its name.
     Entry(#[expect(dead_code, reason = "for who reads what was done")] String, Box<Command>),
-    /// What a pane may send.
+    /// A command that a pane may send.
     Send(Box<Command>),
-    /// In the prompt for a path, in one go; Enter comes as a key.
+    /// Text in the prompt for a path, in one event; Enter is a separate key.
     TypePath(PathBuf),
     /// Frames pass, and time of the window's clock.
     Wait {
         frames: usize,
         each_s: f64,
     },
-    /// Nothing is under way any more.
+    /// Waits until all background work is done.
     Settle,
     CloseAll,
     SaveSession,
     /// Opens the session that was saved last.
     ReopenSaved,
-    /// The window dies and another restores what it had open.
+    /// The window crashes and another one restores its session.
     Die,
-    /// The window is closed, opened again and told to reopen what was open.
+    /// The window is closed, opened again and asked to reopen its session.
     Exit,
 }

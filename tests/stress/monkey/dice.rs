@@ -1,4 +1,4 @@
-//! What the monkey does next: drawn from its seed and the number of the act, among what is in the window.
+//! Choice of the monkey's next act, drawn from its seed and the number of the act, among the widgets in the window.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use resect::app::{
 use super::act::Act;
 use super::screen::Screen;
 
-/// Entries of the menus that are not chosen, because they start another program.
+/// Menu entries that are excluded, because they start another program.
 pub const LEFT_OUT: [&str; 1] = ["Open in Rerun"];
 
 const TEXTS: [&str; 22] = [
@@ -41,7 +41,7 @@ const TEXTS: [&str; 22] = [
     "0.1 0.2 0.3",
 ];
 
-/// Keys that mean something, each as likely as all others together.
+/// Keys with a function, each as likely as all others together.
 const USUAL_KEYS: [Key; 18] = [
     Key::Tab,
     Key::Enter,
@@ -66,7 +66,7 @@ const USUAL_KEYS: [Key; 18] = [
 pub struct Dice(ChaCha8Rng);
 
 impl Dice {
-    /// For an act by its number: what one act draws does not change what the next ones draw.
+    /// Returns the dice for an act by its number: the draws of one act do not change those of later ones.
     pub fn of(seed: u64, act: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(act as u64);
@@ -135,7 +135,7 @@ impl Dice {
         }
     }
 
-    /// Somewhere; mostly on something, and what lies over the rest as often as all the rest.
+    /// Returns a position, mostly on a widget; overlays are as likely as all the rest.
     fn target(&mut self, screen: &Screen) -> Pos2 {
         let size = screen.size();
         if self.chance(0.15) {
@@ -204,7 +204,7 @@ impl Dice {
         if self.chance(0.2) { Act::Paste(text) } else { Act::Text(text) }
     }
 
-    /// An entry of the menus that can be chosen.
+    /// Returns an enabled menu entry.
     fn entry(&mut self, screen: &Screen) -> Act {
         let entries: Vec<_> = actions::all(screen.state())
             .into_iter()
@@ -230,7 +230,7 @@ impl Dice {
         Act::Resize { pixels: pixels.unwrap_or(anything), scale }
     }
 
-    /// What is in no menu, with numbers that are good and numbers that were so before.
+    /// Returns a command that is in no menu, with valid or outdated numbers.
     fn command(&mut self, screen: &Screen) -> Act {
         let state = screen.state();
         let open: Vec<u64> = state.deployments.open.iter().map(|open| open.id).collect();
@@ -277,7 +277,7 @@ impl Dice {
         options
     }
 
-    /// A time of the active deployment, or none at all.
+    /// Returns a time of the active deployment, or one outside of it.
     fn time_s(&mut self, screen: &Screen) -> f64 {
         let whole_s = screen.state().active().map_or([0.0; 2], |open| open.timeline.whole_s);
         let at = f64::from(self.between(-0.2, 1.2));
@@ -287,7 +287,7 @@ impl Dice {
     }
 }
 
-/// Where widgets are that can be clicked or dragged, and whether each lies over the panes.
+/// Returns the rectangles of clickable and draggable widgets, each with true if it lies over the panes.
 fn targets(screen: &Screen) -> Vec<(bool, Rect)> {
     let whole = Rect::from_min_size(Pos2::ZERO, screen.size());
     let mut targets: Vec<(bool, Rect)> = screen.ctx().viewport(|viewport| {
@@ -302,7 +302,7 @@ fn targets(screen: &Screen) -> Vec<(bool, Rect)> {
             .filter(|(_, rect)| rect.is_positive())
             .collect()
     });
-    // Layers come in no order.
+    // The order of layers is undefined.
     let key = |rect: &Rect| [rect.min.y, rect.min.x, rect.max.y, rect.max.x];
     targets.sort_by(|a, b| {
         let by_place = key(&a.1).into_iter().zip(key(&b.1)).map(|(a, b)| a.total_cmp(&b));

@@ -1,4 +1,4 @@
-//! A life of the monkey: its acts one after the other, through windows that die, and what is said when it breaks something.
+//! A life of the monkey: its acts in sequence, across crashes of the window, and its report after a failure.
 
 use std::collections::VecDeque;
 use std::panic::AssertUnwindSafe;
@@ -19,10 +19,10 @@ use super::sessions::assert_same;
 use super::things;
 use crate::process::resident_mb;
 
-/// How many of the last acts are told.
+/// Number of the last acts in the report.
 const TOLD: usize = 25;
 
-/// What panicked on any thread: most threads of the window are caught and told as a bug, which is one all the same.
+/// Panics on any thread: most threads of the window catch them and report a bug, which counts as well.
 static PANICS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 fn panics() -> Vec<String> {
@@ -72,7 +72,7 @@ impl Life {
         self.screen.slowest
     }
 
-    /// Does so many acts.
+    /// Does a number of acts.
     pub fn live(&mut self, acts: usize) {
         let trace = std::env::var_os("RESECT_MONKEY_TRACE").is_some();
         for number in 0..acts {
@@ -127,7 +127,7 @@ impl Life {
         commands.into_iter().for_each(|command| self.screen.send(command));
     }
 
-    /// Into a file that is named already, as a user does by the key.
+    /// Saves into a file that has a name already, as a user does by the key.
     fn save_session(&mut self, number: usize) {
         self.screen.settle();
         let path = self.sessions.join(format!("{number}.resect.toml"));
@@ -144,7 +144,7 @@ impl Life {
     fn reopen_saved(&mut self) {
         let Some(path) = self.saved.clone() else { return };
         let (saved, _) = session_file::load(&path).expect("saved");
-        // What was dropped before and is still being looked at comes besides: nothing that was asked for is lost.
+        // Earlier dropped files that are still being opened are added: no request is lost.
         self.screen.settle();
         self.screen.perform(Act::Drop(vec![path]));
         self.screen.settle();
@@ -158,7 +158,7 @@ impl Life {
         self.screen.start();
         self.screen.settle();
         let has = self.screen.state().session();
-        // Where nothing was open nothing is restored; the layout is kept with the preferences, the view is not.
+        // Without open deployments nothing is restored; the layout is stored with the preferences, the view is not.
         if had.is_empty() {
             assert!(has.is_empty());
         } else {
@@ -168,7 +168,7 @@ impl Life {
 
     fn exit(&mut self) {
         self.screen.send(ResultsCommand::CancelStudy);
-        // What is being opened when the window closes may or may not be open then.
+        // A deployment that is being opened when the window closes may or may not be restored.
         self.screen.settle();
         let had = self.screen.state().session();
         self.screen.exit();
@@ -183,7 +183,7 @@ impl Life {
         }
     }
 
-    /// Opens what there is, has it drawn and closes it again, so often; the resident size (MB) after each round.
+    /// Opens, draws and closes all samples repeatedly; returns the resident size (MB) after each round.
     pub fn open_and_close(&mut self, rounds: usize) -> Vec<f64> {
         let round = |_| {
             for sample in Sample::ALL {

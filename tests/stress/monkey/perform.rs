@@ -1,4 +1,4 @@
-//! How an act becomes events and frames.
+//! Conversion of an act into events and frames.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use super::act::Act;
 use super::screen::Screen;
 
 impl Screen {
-    /// Does an act that ends with itself; those of the window's life are `Life`'s.
+    /// Performs a single act; those of the window's life are in `Life`.
     pub fn perform(&mut self, act: Act) {
         match act {
             Act::Move(at) => self.frame(vec![Event::PointerMoved(at)]),
@@ -87,7 +87,7 @@ impl Screen {
     fn click(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers, times: usize) {
         self.hold(modifiers);
         self.frame(vec![Event::PointerMoved(at)]);
-        // Several clicks in one frame: more time between them, and they are single ones.
+        // Several clicks in one frame: with more time between them, they would be single clicks.
         let clicks = (0..times).flat_map(|_| [true, false]);
         let events: Vec<Event> =
             clicks.map(|pressed| pointer(at, button, pressed, modifiers)).collect();

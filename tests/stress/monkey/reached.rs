@@ -1,4 +1,4 @@
-//! What the monkey came to: one that hits nothing breaks nothing, and must not pass for one that tried.
+//! States that the monkey has reached: one that reaches nothing breaks nothing, and must not pass.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use resect::app::{Asked, Overlay, Pane, State};
 pub struct Reached(BTreeSet<String>);
 
 impl Reached {
-    /// Notes what is to be seen.
+    /// Records the visible states.
     pub fn look(&mut self, state: &State) {
         let mut note = |what: &str| {
             if !self.0.contains(what) {

@@ -1,4 +1,4 @@
-//! A window without a screen: frames as the system would ask for them, and what every frame is held against.
+//! A window without a screen: frames as the system would request them, and the checks of every frame.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,15 +10,15 @@ use egui::{
     Event, HoveredFile, Modifiers, Pos2, RawInput, Rect, Theme, Vec2, ViewportCommand, ViewportId,
 };
 use resect::app::file_dialog::PromptCommand;
-use resect::app::keeping::Keeping;
 use resect::app::persist::Folders;
+use resect::app::saved_state::SavedState;
 use resect::app::{Command, DialogCommand, ResectWindow, Start, State};
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
 
 use crate::process::thread_time;
 
-/// What a frame may take the window's thread. Without optimisation only what hangs is found.
+/// Longest time of a frame on the window's thread. Without optimisation it only detects a hang.
 const LONGEST_FRAME: Duration =
     Duration::from_millis(if cfg!(debug_assertions) { 5000 } else { 100 });
 
@@ -27,7 +27,7 @@ pub fn gpu() -> RenderState {
     egui_kittest::wgpu::create_render_state(setup, RendererOptions::PREDICTABLE)
 }
 
-/// A file as the window system hands it over.
+/// A file as the window system passes it.
 #[derive(Debug)]
 struct Dropped(PathBuf);
 
@@ -43,7 +43,7 @@ impl egui::DroppedFile for Dropped {
 
 pub struct Screen {
     gpu: RenderState,
-    /// What the window keeps is in it, and nothing that it writes is elsewhere.
+    /// Folder of all the files that the window reads and writes.
     folder: PathBuf,
     ctx: egui::Context,
     window: Option<ResectWindow>,
@@ -82,19 +82,19 @@ impl Screen {
     /// Opens a window as `resect` does without a path.
     pub fn start(&mut self) {
         assert!(self.window.is_none(), "one at a time");
-        // Each window registers its picture of the scene with a renderer, which would keep them all.
+        // Each window registers its picture of the scene with a renderer, which would keep all of them.
         let renderer =
             Renderer::new(&self.gpu.device, self.gpu.target_format, RendererOptions::PREDICTABLE);
         let renderer = Arc::new(egui::mutex::RwLock::new(renderer));
         self.ctx = egui::Context::default();
         let mut creation = eframe::CreationContext::_new_kittest(self.ctx.clone());
         creation.wgpu_render_state = Some(RenderState { renderer, ..self.gpu.clone() });
-        let keeping = Keeping::start(&Folders::inside(&self.folder.join("config")));
-        // Looks in every frame, so that what is in the last one is kept.
+        let keeping = SavedState::start(&Folders::inside(&self.folder.join("config")));
+        // Saves in every frame, so that the state of the last frame is saved.
         let keeping = keeping.every(Duration::ZERO);
         let start = Start::Sample(Sample::Warthog);
         let mut window =
-            ResectWindow::keeping(&creation, &start, Settings::default(), Some(keeping));
+            ResectWindow::with_saved_state(&creation, &start, Settings::default(), Some(keeping));
         window.state.dialogs.asks_in_window = true;
         self.window = Some(window);
         self.frame(Vec::new());
@@ -112,7 +112,7 @@ impl Screen {
         &self.ctx
     }
 
-    /// The window is gone without having been told, as by a crash.
+    /// Removes the window without notice, as by a crash.
     pub fn die(&mut self) {
         self.window = None;
     }
@@ -122,7 +122,7 @@ impl Screen {
         self.window = None;
     }
 
-    /// As large as the system says that it is (points).
+    /// Returns the window's size by the system (points).
     pub fn size(&self) -> Vec2 {
         let pixels = Vec2::new(self.pixels[0] as f32, self.pixels[1] as f32);
         pixels / (self.scale * self.ctx.zoom_factor())
@@ -141,7 +141,7 @@ impl Screen {
             self.frame(Vec::new());
         }
         self.window().settle();
-        // A wheel that was turned goes on for some frames, and what is under the pointer with it.
+        // A scroll continues for some frames, and moves the widgets under the pointer.
         while self.ctx.input(|input| input.smooth_scroll_delta() != Vec2::ZERO) {
             self.frame(Vec::new());
         }
@@ -151,7 +151,7 @@ impl Screen {
         self.frame_after(1.0 / 60.0, events, Vec::new());
     }
 
-    /// Shows a frame so long after the one before it.
+    /// Shows a frame at a time after the previous one (s).
     pub fn frame_after(&mut self, seconds: f64, events: Vec<Event>, dropped: Vec<PathBuf>) {
         self.time_s += seconds;
         let size = self.size();
@@ -179,7 +179,7 @@ impl Screen {
         let shapes = std::mem::take(&mut output.shapes);
         std::hint::black_box(ctx.tessellate(shapes, output.pixels_per_point));
         let took = thread_time() - before;
-        // Fonts, which nobody draws here.
+        // Fonts, which are not drawn here.
         output.textures_delta.clear();
         for command in output.viewport_output.into_values().flat_map(|it| it.commands) {
             if let ViewportCommand::Screenshot(callback) = command {
@@ -193,7 +193,7 @@ impl Screen {
         assert!(took <= LONGEST_FRAME, "a frame took the window's thread {took:.1?}");
     }
 
-    /// Brings a prompt back that looks at another folder than the monkey's own, before it can be answered.
+    /// Redirects a prompt for another folder to the monkey's own, before it can be answered.
     fn stay_inside(&mut self) {
         let inside = |path: &Path| path.starts_with(&self.folder);
         let Some(prompt) = self.state().dialogs.prompt.as_ref().map(|prompt| &prompt.shown) else {

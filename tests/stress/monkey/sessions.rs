@@ -1,10 +1,10 @@
-//! Whether a session is the one that was saved.
+//! Comparison of a session with the saved one.
 
 use std::fmt::Debug;
 
 use resect::app::persist::session::{SavedDeployment, Session};
 
-/// Asserts that all that was saved is there.
+/// Asserts that everything saved is restored.
 #[track_caller]
 pub fn assert_same(saved: &Session, found: &Session, when: &str) {
     let mut off = Vec::new();
@@ -16,7 +16,7 @@ pub fn assert_same(saved: &Session, found: &Session, when: &str) {
     if off.is_empty() {
         for (one, other) in saved.deployments.iter().zip(&found.deployments) {
             compare(&mut off, "settings", &one.settings, &other.settings);
-            // There is none until the first answer is there, which the window may have died before.
+            // There is no cursor before the first calibration, which a crash may precede.
             if one.cursor_s.is_some() {
                 compare(&mut off, "cursor", &one.cursor_s, &other.cursor_s);
             }

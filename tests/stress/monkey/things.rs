@@ -1,4 +1,4 @@
-//! What lies in the monkey's folder, good and bad.
+//! Valid and invalid files in the monkey's folder.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use resect_core::analysis::Settings;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 
-/// Writes it all; gives what can be dropped, dialled up from folders to single files.
+/// Writes all files; returns the paths that can be dropped, from folders to single files.
 pub fn lay_out(folder: &Path) -> Vec<PathBuf> {
     let data = folder.join("data");
     let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -22,7 +22,7 @@ pub extern "C" fn readings(count: usize) -> *mut [f64; 5] {
     })
 }
 
-/// Address of x, y, z (m) and yaw (rad) of station 2 in station 1's frame, then of station 3; NaN without an answer.
+/// Returns the address of x, y, z (m) and yaw (rad) of station 2 in station 1's frame, then of station 3; NaN without a calibration.
 /// `joint` is 0 for method D and 1 for the joint estimate.
 #[unsafe(no_mangle)]
 pub extern "C" fn calibrate(joint: u32, alpha_m: f64, beta_m: f64, gamma_m: f64) -> *const [f64; 8] {

@@ -52,7 +52,7 @@ struct NamedValue {
     unit: &'static str,
 }
 
-/// Returns every setting, in the order of the pipeline. A test finds those that are missing.
+/// Returns every setting, in the order of the pipeline. A test detects missing ones.
 fn named_values(settings: &Settings) -> Vec<NamedValue> {
     let Settings { pipeline, calibration } = settings;
     let method = calibration.method.unwrap_or_default();
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(text, "rate 10 → 5 Hz, prior closed form → search");
     }
 
-    /// Turns every leaf of the serialised settings into something else, one by one: each must be seen, and alone.
+    /// Changes every leaf of the serialised settings, one by one: each change must be reported, and no other.
     #[test]
     fn every_setting_is_seen_and_under_its_own_name() {
         let default = serde_json::to_value(Settings::default()).expect("plain data");

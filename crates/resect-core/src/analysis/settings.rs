@@ -1,11 +1,11 @@
-//! All settings of the one path.
+//! All settings of the processing chain.
 
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::CalibrationSettings;
 use crate::pipeline::PipelineSettings;
 
-/// Everything a user can set; a `--config` file and the window's sliders are this.
+/// All settings of the user, as in a `--config` file and in the window's sliders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -14,7 +14,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The first setting that makes no sense, as one line.
+    /// Checks all settings; the error is the first invalid one, as one line.
     pub fn check(&self) -> Result<(), String> {
         self.pipeline.check()?;
         self.calibration.check()

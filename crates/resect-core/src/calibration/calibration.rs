@@ -17,14 +17,14 @@ use crate::pipeline::Triplets;
 #[derive(Clone, Debug)]
 pub struct Calibration {
     pub method: Method,
-    /// Frames of stations 1 (identity), 2 and 3 into station 1's; level unless a rigid alignment was asked for.
+    /// Transforms from the frames of stations 1 (identity), 2 and 3 to station 1's; level unless a rigid alignment was requested.
     pub station1_from_station: [RigidTransform; 3],
     /// Standard deviations of the transforms of stations 2 and 3; `None` when a direction is not determined.
     pub sigma: Option<[TransformSigma; 2]>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     pub verdict: Verdict,
-    /// The reasons of the verdict, and notes.
+    /// Reasons of the verdict, and notes.
     pub findings: Vec<Finding>,
     /// Independent data that agrees with it.
     pub checked_by: Vec<Witness>,
@@ -57,20 +57,20 @@ impl<D: Into<Details>> From<MethodAnswer<D>> for Calibration {
 }
 
 impl Calibration {
-    /// Returns whether independent data that would expose a bias agrees with it.
+    /// Returns true if independent data that would expose a bias agrees with the answer.
     pub fn is_independently_checked(&self) -> bool {
         self.checked_by.iter().any(|witness| witness.is_independent())
     }
 
-    /// Returns the transforms of the tracks into station 1's frame; `None` where the answer is about the stations' own
-    /// frames and the tracks are in another.
+    /// Returns the transforms of the tracks to station 1's frame; `None` if the answer is about the stations' own frames and the
+    /// tracks are in another.
     pub fn placing_tracks(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
         let placed = deployment.track_frame == TrackFrame::Own || self.method.is_from_tracks();
         placed.then_some(&self.station1_from_station)
     }
 
-    /// Returns the transforms of the control points, which are in the stations' own frames; `None` where the answer is about
-    /// the frame of the tracks.
+    /// Returns the transforms of the control points, which are in the stations' own frames; `None` if the answer is about the frame
+    /// of the tracks.
     pub fn placing_control_points(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
         let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
         placed.then_some(&self.station1_from_station)
@@ -95,7 +95,7 @@ impl Calibration {
         }
     }
 
-    /// Returns the triplets corrected by the joint estimate's clocks and instrument errors; `None` of other methods.
+    /// Returns the triplets corrected by the joint estimate's clocks and instrument errors; `None` for other methods.
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
         Some(self.joint()?.corrected(Cow::Borrowed(triplets)))
     }
@@ -107,18 +107,19 @@ impl Calibration {
         Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
     }
 
-    /// Returns the clocks of stations 2 and 3 against station 1, where they are estimated.
+    /// Returns the clocks of stations 2 and 3 relative to station 1; `None` if they are not estimated.
     pub fn clocks(&self) -> Option<[Clock; 2]> {
         Some(self.joint()?.clocks())
     }
 
-    /// Returns offset (s) and drift (s/s) of the clocks of stations 2 and 3 against station 1, where they are estimated.
+    /// Returns offset (s) and drift (s/s) of the clocks of stations 2 and 3 relative to station 1; `None` if they are not
+    /// estimated.
     pub fn clock_estimates(&self) -> Option<[(Estimate, Estimate); 2]> {
         let joint = self.joint()?;
         Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
     }
 
-    /// Returns the joint estimate; `None` of other methods, and where the data does not determine it.
+    /// Returns the joint estimate; `None` for other methods, and if the data does not determine it.
     pub fn joint(&self) -> Option<&JointEstimate> {
         match &self.details {
             Details::Joint(details) => details.estimate.as_ref(),

@@ -15,22 +15,23 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
-/// millimetres; two centimetres is what its failed ones show.
+/// An answer whose largest standard deviation exceeds this is weak (m). The paper's good deployments reach a few millimetres, its
+/// failed ones two centimetres.
 pub const WEAK_SIGMA_M: f64 = 0.020;
-/// A direction whose standard deviation is larger than this is as good as free (m).
+/// A direction with a larger standard deviation is unconstrained (m).
 pub const FREE_SIGMA_M: f64 = 0.5;
-/// Points that fit this badly (m, rms) show more than noise: good sets have 3 to 5 mm, tracks under 10.
+/// Control points or tracks that fit worse contain more than noise (m, rms): good sets of points have 3 to 5 mm, tracks under 10
+/// mm.
 pub const POOR_POINT_FIT_M: f64 = 0.015;
-/// Nothing that belongs together fits this badly (m, rms).
+/// Corresponding points never fit worse than this (m, rms).
 pub const HOPELESS_FIT_M: f64 = 0.1;
-/// Half the distance errors are larger than this (m) only when something is wrong: good runs have 1 to 2 mm.
+/// Largest median of the distance errors in a good run (m): such runs have 1 to 2 mm.
 pub const POOR_FIT_M: f64 = 0.005;
-/// What two readings of a control point may differ by (m): ranges, centring, angles at a hundred metres.
+/// σ of the difference of two readings of a control point (m): ranges, centring, angles at a hundred metres.
 const CONTROL_POINT_SIGMA_M: f64 = 0.005;
-/// What a good answer leaves in the inter-prism distances (m): noise and interpolation.
+/// σ of the inter-prism distances by a good answer (m): noise and interpolation.
 const DISTANCE_SIGMA_M: f64 = 0.003;
-/// Witnesses this many times further off than expected contradict the answer.
+/// Data that disagrees by this many times the expected difference contradicts the answer.
 const CONTRADICTION: f64 = 3.0;
 
 /// Returns the doubt about an estimate that did not converge.
@@ -38,7 +39,8 @@ pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
     (!converged).then(|| (Verdict::Weak, estimate_not_converged()))
 }
 
-/// Largest shift of the published answer by instrument errors (m): in simulated drives with all of them, a few centimetres.
+/// Largest plausible shift of the published answer by instrument errors (m): in simulated drives with all of them, a few
+/// centimetres.
 const FAR_APART_M: f64 = 0.15;
 
 /// Returns the doubt about a joint estimate that is far from the published answer to the same readings.
@@ -69,7 +71,7 @@ pub fn check_with_unused_data<D>(
     let largest_m = sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
     });
-    // Points that do not fit increase σ too; then their layout is not the cause.
+    // A poor fit increases σ too; then the layout of the points is not the cause.
     let fits = rms_m < POOR_POINT_FIT_M;
     if largest_m > FREE_SIGMA_M && (fits || sigma.is_none()) {
         doubts.push((Verdict::Degenerate, points_leave_direction_free()));
@@ -92,7 +94,7 @@ pub fn check_with_unused_data<D>(
             }
         }
         if answer.method != Method::DynamicGcp
-            // Methods A and B are about the stations' own frames.
+            // Methods A and B estimate the frames of the stations themselves.
             && deployment.track_frame == TrackFrame::Own
             && let Some(rig) = deployment.rig.as_ref().filter(|_| !triplets.is_empty())
         {
@@ -144,8 +146,8 @@ fn furthest_apart(
     points.iter().max_by(|a, b| worst_m(a).total_cmp(&worst_m(b))).map(|point| point.marker)
 }
 
-/// Returns the finding that inter-prism distances of the drive contradict the answer, or fit worse than those of any good
-/// answer, which fit to 1 to 2 mm.
+/// Returns the finding that inter-prism distances of the drive contradict the answer, or fit worse than in any good answer (1 to 2
+/// mm).
 fn distances_contradict(
     rig: &Rig,
     triplets: &Triplets,

@@ -1,4 +1,4 @@
-//! Findings about the clocks of stations 2 and 3: which estimates are reported, and which are suspicious.
+//! Findings about the clocks of stations 2 and 3: the estimates to report, and the suspicious ones.
 
 use super::Estimate;
 use super::estimate::SUPPORTED_SIGMAS;
@@ -8,24 +8,24 @@ use crate::deployment::findings::clocks::{
     clock_offset_suspected,
 };
 
-/// A clock that is off by more than both is worth a warning where it is not estimated (s).
+/// An offset that exceeds both limits, in σ and in s, is reported if clocks are not estimated.
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
 pub const SUSPICIOUS_OFFSET_S: f64 = 0.002;
-/// Four times what the prior allows (s per s).
+/// Drifts beyond this are implausible (s/s): four times the σ of the prior.
 const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
 
-/// True if an offset (s) is too large for a clock that is not estimated.
+/// Returns true if an offset (s) is too large for a clock that is not estimated.
 fn is_suspicious(offset_s: &Estimate) -> bool {
     offset_s.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
         && offset_s.value.abs() > SUSPICIOUS_OFFSET_S
 }
 
-/// The estimates of stations 2 and 3, each with its station.
+/// Pairs the estimates of stations 2 and 3 with their stations (1 and 2).
 fn by_station(estimates: &[Estimate; 2]) -> impl Iterator<Item = (usize, &Estimate)> {
     estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))
 }
 
-/// The offsets of the clocks of stations 2 and 3 (s), and their significant drifts (s per s).
+/// Returns findings for the clock offsets of stations 2 and 3 (s), and for their significant drifts (s/s).
 pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
     let offsets = by_station(offsets_s).map(|(station, offset)| clock_offset(station, offset));
     let drifts = by_station(drifts)
@@ -34,7 +34,7 @@ pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding>
     offsets.chain(drifts).collect()
 }
 
-/// Clocks that differ between the halves of a drive.
+/// Returns findings for clock offsets that differ between the halves of a drive (s).
 pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
     by_station(jumps_s)
         .filter(|(_, jump)| is_suspicious(jump))
@@ -42,7 +42,8 @@ pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
         .collect()
 }
 
-/// Drifts that no clock in order has, where no jump explains them; `are_estimated` where the estimate allows for them.
+/// Returns findings for drifts that no sound clock has (s/s), except for clocks that jump. `are_estimated` is true if the answer
+/// estimates drifts.
 pub fn implausible_drifts(
     drifts: &[Estimate; 2],
     jumping: &[bool; 2],
@@ -58,7 +59,7 @@ pub fn implausible_drifts(
         .collect()
 }
 
-/// Clocks that are clearly off although they were not estimated: they bias the answer.
+/// Returns findings for significant clock offsets that the answer does not estimate (s): they bias it.
 pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
     by_station(clocks)
         .filter(|(_, offset)| is_suspicious(offset))

@@ -1,6 +1,7 @@
-//! Errors that all readings of a drive share, so that no residual shows them and no number of readings averages them
-//! out: stations that lean within what their compensators allow, and a prism constant that is known to tenths of a
-//! millimetre.
+//! Covariance of errors that all readings of a drive share: tilts of the stations within the accuracy of their compensators, and
+//! the error of the prism constant (tenths of a millimetre).
+//!
+//! No residual shows these errors, and more readings do not average them out.
 
 use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
@@ -8,10 +9,11 @@ use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 use crate::pipeline::Triplets;
 
-/// Points enough to see what a shared error does.
+/// Number of triplets from which the effect of a shared error is computed.
 const ENOUGH: usize = 400;
 
-/// The covariance of (x, y, z, yaw) of stations 2 and 3 that they make, by aligning as if each were there.
+/// Returns the covariance of (x, y, z, yaw) of stations 2 and 3 that the shared errors cause (m, rad), by aligning with each error
+/// of 1 σ.
 pub fn covariance(
     triplets: &Triplets,
     align: impl Fn(&Triplets) -> Option<[RigidTransform; 3]>,

@@ -9,7 +9,7 @@ use super::two_point::TwoPointDetails;
 /// Details of a joint estimate, for three prisms or for one.
 #[derive(Clone, Debug)]
 pub struct JointDetails {
-    /// `None` where the data does not determine all unknowns; the answer is then the published one.
+    /// `None` if the data does not determine all unknowns; the answer is then the published one.
     pub estimate: Option<JointEstimate>,
     pub targets: JointTargets,
 }
@@ -20,7 +20,7 @@ pub struct JointDetails {
 pub enum JointTargets {
     /// Minima, mirror twin and observability on the corrected readings.
     ThreePrisms(InterPrismDetails),
-    /// Alignment of the tracks that the estimate starts from.
+    /// Alignment of the tracks from which the estimate starts.
     OnePrism(DynamicGcpDetails),
 }
 

@@ -1,4 +1,4 @@
-//! Two methods that do not agree: no answer is trusted while another one contradicts it by more than both allow.
+//! Disagreement of two methods: an answer is not trusted while another one differs from it by more than both σ allow.
 
 use nalgebra::Vector3;
 
@@ -7,12 +7,12 @@ use crate::deployment::findings::answers::{MethodDifference, methods_disagree};
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
-/// Answers this many standard deviations apart disagree.
+/// Two answers disagree from this many standard deviations on.
 const DISAGREEMENT_SIGMAS: f64 = 3.0;
-/// Differences below what instruments resolve are not worth a word: at the stations, and in the area (m).
+/// Smallest rms difference in the working area that is reported (m): the resolution of the instruments.
 const NOTABLE_M: f64 = 0.005;
 
-/// Two methods whose answers are further apart than their σ allow, for one station.
+/// A significant difference between the answers of two methods for one station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disagreement {
     pub methods: [Method; 2],
@@ -21,17 +21,17 @@ pub struct Disagreement {
     /// Second answer's translation minus the first's (m).
     pub translation_m: [f64; 3],
     pub yaw_rad: f64,
-    /// The yaw's difference over the σ of both; `None` where one has no σ.
+    /// The difference of yaw over the σ of both.
     pub yaw_sigmas: Option<f64>,
-    /// The largest of (x, y, z, yaw) in σ.
+    /// The largest difference of (x, y, z, yaw), in σ.
     pub largest_sigmas: f64,
-    /// How far apart the two put what the station measured (m, rms), and how far away that is on average.
+    /// Difference of the two positions of what the station measured (m, rms), and the mean range of that (m).
     pub moved_m: f64,
     pub range_m: f64,
 }
 
 impl Disagreement {
-    /// The finding that the two methods disagree, about the yaw where that is significant.
+    /// Returns the finding that the two methods disagree, with the yaw if its difference is significant.
     pub fn finding(&self) -> Finding {
         let names = self
             .methods
@@ -49,7 +49,7 @@ impl Disagreement {
     }
 }
 
-/// The numbers in which two answers are further apart than their σ allow; none where they are about different frames.
+/// Returns the significant differences of two answers; empty if they are about different frames.
 pub fn disagreements(
     a: &Calibration,
     b: &Calibration,
@@ -63,7 +63,7 @@ pub fn disagreements(
     (1..3).filter_map(at).filter(|d| d.moved_m > NOTABLE_M).collect()
 }
 
-/// What two answers disagree about for a station (0 to 2); `None` where they agree, or where one has no σ.
+/// Returns the difference of two answers for a station (0 to 2); `None` if it is not significant, or if an answer has no σ.
 fn difference(
     deployment: &Deployment,
     answers: [&Calibration; 2],
@@ -81,7 +81,7 @@ fn difference(
         off[axis].abs() / sigma_a.translation_m[axis].hypot(sigma_b.translation_m[axis])
     });
     let largest_sigmas = axis_sigmas.fold(yaw_sigmas, f64::max);
-    // Most agree, and then nobody asks where the station measured.
+    // Most answers agree and need no working area.
     (largest_sigmas > DISAGREEMENT_SIGMAS).then(|| {
         let area_m = working_area_m(deployment, station);
         let count = area_m.len().max(1) as f64;
@@ -98,8 +98,8 @@ fn difference(
     })
 }
 
-/// How far apart two transforms put what a station (0 to 2) measured (m, rms). At the station itself they may differ by
-/// far more, or less.
+/// Returns the difference of two transforms at the points that a station (0 to 2) measured (m, rms). At the station itself the
+/// difference may be much larger or smaller.
 pub fn moved_m(
     deployment: &Deployment,
     station: usize,
@@ -109,14 +109,14 @@ pub fn moved_m(
     apart_m(a, b, &working_area_m(deployment, station))
 }
 
-/// How far apart two transforms put points (m, rms).
+/// Returns the difference of two transforms at some points (m, rms).
 fn apart_m(a: &RigidTransform, b: &RigidTransform, points_m: &[Vector3<f64>]) -> f64 {
     let count = points_m.len().max(1) as f64;
     let squares = points_m.iter().map(|p| (b.apply(p) - a.apply(p)).norm_squared());
     (squares.sum::<f64>() / count).sqrt()
 }
 
-/// Places of a station's readings, some hundred of them (m, its own frame).
+/// Returns the positions of a station's readings, about 500 of them (m, its own frame).
 fn working_area_m(deployment: &Deployment, station: usize) -> Vec<Vector3<f64>> {
     let track = &deployment.tracks[station];
     let step = (track.measurements.len() / 500).max(1);

@@ -30,7 +30,7 @@ use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
-/// Three positions a triplet, two transforms.
+/// Fewest triplets for the two transforms; each has three positions.
 const FEWEST_TRIPLETS: usize = 10;
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 12;
@@ -39,7 +39,7 @@ const FEWEST_BLOCKS: usize = 12;
 pub struct DynamicGcpDetails {
     /// Root mean square of the distances between the aligned tracks (m).
     pub rms_m: f64,
-    /// Independent blocks of time that the covariance counts.
+    /// Number of independent blocks of time in the covariance.
     pub blocks: usize,
 }
 
@@ -84,8 +84,8 @@ pub fn solve_jointly(
     match &estimate {
         Some(joint) => {
             let doubts = checks::unconverged(joint.converged).into_iter();
-            let doubts: Vec<_> = doubts.chain(joint::in_words::doubts(joint)).collect();
-            judgement.findings.extend(joint::in_words::findings(joint));
+            let doubts: Vec<_> = doubts.chain(joint::findings::doubts(joint)).collect();
+            judgement.findings.extend(joint::findings::findings(joint));
             judgement.put_first(doubts);
             answer.station1_from_station = joint.station1_from_station.map(RigidTransform::from);
             answer.covariance = Some(joint.covariance);
@@ -139,13 +139,13 @@ struct AlignedTracks<'a> {
     covariance: Option<SMatrix<f64, 8, 8>>,
     /// One-step estimate of the clocks.
     clocks: Option<TrackClocks>,
-    /// Number of triplets that cannot be right, and the distance by which they move the answer (m).
+    /// Number of gross outliers, and the shift of the answer by them (m).
     wild: usize,
     pulled_m: f64,
 }
 
 impl<'a> AlignedTracks<'a> {
-    /// Aligns all triplets as published. `None` where the points do not determine an alignment.
+    /// Aligns all triplets as published. `None` if the points do not determine an alignment.
     fn published(triplets: &'a Triplets, alignment: Alignment) -> Option<Self> {
         let aligned = align(triplets, alignment)?;
         let fitting = fitting_triplets(triplets, &aligned);
@@ -168,7 +168,7 @@ impl<'a> AlignedTracks<'a> {
         Some(Self { used: Cow::Borrowed(triplets), aligned, covariance, clocks, wild, pulled_m })
     }
 
-    /// Aligns the triplets that can be right, with corrected clocks. `None` where the points do not determine an alignment.
+    /// Aligns the triplets without gross outliers, with corrected clocks. `None` if the points do not determine an alignment.
     fn robust(triplets: &'a Triplets) -> Option<Self> {
         let align = |triplets: &Triplets| align(triplets, Alignment::Level);
         let mut used = Cow::Borrowed(triplets);
@@ -251,7 +251,7 @@ fn align(triplets: &Triplets, alignment: Alignment) -> Option<Aligned> {
     point_to_point::align(&matches(triplets), alignment, Errors::ByBlock)
 }
 
-/// Stations 2 and 3 with station 1.
+/// Returns the points of stations 2 and 3 with those of station 1.
 fn matches(triplets: &Triplets) -> Vec<Matches> {
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
     let block: Vec<u32> = blocks
@@ -272,7 +272,7 @@ fn transforms(aligned: &Aligned) -> [RigidTransform; 3] {
     [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]]
 }
 
-/// The triplets whose positions belong together, where these are some of all and enough.
+/// Returns the triplets whose positions agree; `None` if these are all triplets, or too few.
 fn fitting_triplets(triplets: &Triplets, aligned: &Aligned) -> Option<Triplets> {
     let [second, third] = [0, 1].map(|k| &aligned.residuals_m[k]);
     let kept =

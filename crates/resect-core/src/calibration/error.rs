@@ -1,4 +1,4 @@
-//! Why a calibration has no answer, and what can be done about it.
+//! Errors of a calibration, with remedies.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::deployment::findings::answers::{
 use crate::deployment::{Deployment, Finding};
 use crate::progress::Cancelled;
 
-/// Why there is no answer at all.
+/// Reasons why there is no answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CalibrationError {
     NoTriplets {
@@ -38,7 +38,7 @@ pub enum CalibrationError {
         why: Box<CalibrationError>,
         published: Method,
     },
-    /// The calibration was cancelled by who asked for it: not to be shown as an error.
+    /// The caller cancelled the calibration; not to be shown as an error.
     Cancelled,
 }
 
@@ -57,13 +57,13 @@ impl From<Cancelled> for CalibrationError {
 }
 
 impl CalibrationError {
-    /// A method that the data does not allow.
+    /// Returns the error that the data does not allow a method.
     pub(super) fn lacking(deployment: &Deployment, method: Method, offer: &Offer) -> Self {
-        let lack = offer.lack(method).unwrap_or("points that hold a transform").to_owned();
+        let lack = offer.lack(method).unwrap_or("points that determine a transform").to_owned();
         Self::Lacking { deployment: deployment.name.clone(), method, lack }
     }
 
-    /// Whether nothing but more readings is wanting.
+    /// Returns true if more readings are all that is missing.
     pub fn wants_readings(&self) -> bool {
         match self {
             Self::NoTriplets { .. } | Self::TooFewTriplets { .. } => true,
@@ -72,7 +72,7 @@ impl CalibrationError {
         }
     }
 
-    /// The error as a finding, with its remedies.
+    /// Returns the error as a finding, with its remedies.
     pub fn finding(&self) -> Finding {
         let in_full = |method: &Method| format!("{method} ({})", method.name());
         match self {

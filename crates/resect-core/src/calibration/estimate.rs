@@ -1,3 +1,3 @@
-//! A number with its uncertainty: see [`crate::statistics`].
+//! Re-export of [`crate::statistics::estimate`].
 
 pub use crate::statistics::estimate::{Estimate, Quantity, SUPPORTED_SIGMAS};

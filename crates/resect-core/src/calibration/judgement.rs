@@ -1,4 +1,4 @@
-//! A verdict with its reasons, as the checks of a method add to it.
+//! Verdict with its reasons, extended by the checks of a method.
 
 use super::Verdict;
 use crate::deployment::Finding;
@@ -10,12 +10,12 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// A good verdict with these findings.
+    /// Returns a good verdict with these findings.
     pub fn good(findings: Vec<Finding>) -> Self {
         Self { verdict: Verdict::Good, findings }
     }
 
-    /// Lowers the verdict to at most `to`, for the reason that the finding states.
+    /// Lowers the verdict to at most `to` and adds the finding that states the reason.
     pub fn lower(&mut self, to: Verdict, finding: Finding) {
         self.verdict = self.verdict.max(to);
         self.findings.push(finding);
@@ -26,7 +26,8 @@ impl Judgement {
         findings.into_iter().for_each(|finding| self.lower(Verdict::Weak, finding));
     }
 
-    /// Lowers the verdict for each doubt and puts the doubts first, in their order. A good one stays a note at the end.
+    /// Lowers the verdict for each doubt and puts the doubts before other findings, in their order. A doubt with a good verdict is
+    /// a note and is added at the end.
     pub fn put_first(
         &mut self,
         doubts: impl IntoIterator<Item = (Verdict, Finding), IntoIter: DoubleEndedIterator>,

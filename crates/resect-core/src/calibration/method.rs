@@ -1,4 +1,4 @@
-//! The four calibrations of the paper and the joint estimate, and which of them a deployment allows.
+//! The paper's four calibration methods and the joint estimate, and the methods that a deployment allows.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::targets::{Targets, targets};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 
-/// Control points that hold an answer of method B.
+/// Fewest control points that determine an answer of method B.
 pub const FEWEST_POINTS: usize = 3;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -22,7 +22,7 @@ pub enum Method {
     DynamicGcp,
     /// D: three prisms of a rig with known distances.
     InterPrism,
-    /// Beyond the paper: all that bends C or D, such as clocks, is estimated with the transforms, for one prism or three.
+    /// Beyond the paper: estimates the errors that bias C or D, such as clock offsets, with the transforms, for one prism or three.
     #[default]
     Joint,
 }
@@ -31,7 +31,7 @@ impl Method {
     pub const ALL: [Self; 5] =
         [Self::TwoPoint, Self::StaticGcp, Self::DynamicGcp, Self::InterPrism, Self::Joint];
 
-    /// The method's name as scripts write it.
+    /// Returns the method's name in files and scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",
@@ -42,7 +42,7 @@ impl Method {
         }
     }
 
-    /// The paper's letter for the method, `None` where the paper does not know it.
+    /// Returns the paper's letter for the method; `None` if the paper does not have it.
     pub fn letter(self) -> Option<char> {
         match self {
             Self::TwoPoint => Some('A'),
@@ -53,12 +53,12 @@ impl Method {
         }
     }
 
-    /// "D", or "joint": where there is little room.
+    /// Returns "D", or "joint", for narrow columns.
     pub fn short_name(self) -> String {
         self.letter().map_or_else(|| self.name().to_owned(), String::from)
     }
 
-    /// "D  inter-prism distances", or "joint estimate": a line of a list.
+    /// Returns "D  inter-prism distances", or "joint estimate", for lists.
     pub fn label(self) -> String {
         match self.letter() {
             Some(letter) => format!("{letter}  {}", self.title()),
@@ -66,7 +66,7 @@ impl Method {
         }
     }
 
-    /// "method D, inter-prism distances", or "the joint estimate": part of a sentence.
+    /// Returns "method D, inter-prism distances", or "the joint estimate", for sentences.
     pub fn in_words(self) -> String {
         match self.letter() {
             Some(_) => format!("{self}, {}", self.title()),
@@ -74,12 +74,13 @@ impl Method {
         }
     }
 
-    /// Whether its answer is about the frames of the tracks; that of the others about those of the control points.
+    /// Returns true if its answer is about the frames of the tracks; that of other methods is about the frames of the control
+    /// points.
     pub fn is_from_tracks(self) -> bool {
         matches!(self, Self::DynamicGcp | Self::InterPrism | Self::Joint)
     }
 
-    /// The method's name in words.
+    /// Returns the method's name in words, without its letter.
     pub fn title(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point resection",
@@ -91,7 +92,7 @@ impl Method {
     }
 }
 
-/// "method D", or "the joint estimate".
+/// Writes "method D", or "the joint estimate".
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.letter() {
@@ -101,11 +102,11 @@ impl fmt::Display for Method {
     }
 }
 
-/// Which methods a deployment allows.
+/// Methods that a deployment allows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
     pub targets: Targets,
-    /// What the data lacks for each method, in words and in the order of [`Method::ALL`]; `None` where it can run.
+    /// The data that is missing for each method, in words, in the order of [`Method::ALL`]; `None` if the method can run.
     pub lacks: [Option<String>; Method::ALL.len()],
 }
 
@@ -122,7 +123,7 @@ impl Offer {
         self.lacks[method as usize].as_deref()
     }
 
-    /// The paper's method for such a drive, which the joint estimate goes on from: D, or C where all stations follow one
+    /// Returns the paper's method for this drive, from which the joint estimate starts: D, or C where all stations follow one
     /// prism.
     pub fn published_method(&self) -> Method {
         if self.targets == Targets::OnePrism { Method::DynamicGcp } else { Method::InterPrism }
@@ -189,7 +190,7 @@ fn lack(
     }
 }
 
-/// Why the pipeline gave nothing, and what to do about it.
+/// Returns the reason why there are no triplets, with a remedy.
 pub fn why_no_triplets(deployment: &Deployment) -> String {
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
         Some(station) => format!("station {} has no measurement; all three are needed", station + 1),

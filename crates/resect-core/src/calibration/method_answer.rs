@@ -1,4 +1,4 @@
-//! The answer of one method, before it becomes a calibration.
+//! Answer of one method, before it becomes a [`Calibration`](super::Calibration).
 
 use nalgebra::SMatrix;
 
@@ -6,14 +6,14 @@ use super::judgement::Judgement;
 use super::{Method, TransformSigma, Witness};
 use crate::geometry::RigidTransform;
 
-/// The answer of one method, with details of its own.
+/// Answer of one method, with details of its own.
 pub struct MethodAnswer<D> {
     pub method: Method,
     pub station1_from_station: [RigidTransform; 3],
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction is not determined.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     pub judgement: Judgement,
-    /// Independent data that agrees with it.
+    /// Independent data that agrees with the answer.
     pub checked_by: Vec<Witness>,
     pub details: D,
     /// Wall time of the prior (ms).

@@ -1,4 +1,4 @@
-//! How far what belongs together is apart by an answer: the distances of a rig, and control points.
+//! Misfits of an answer: errors of inter-prism distances, and disagreements at control points.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.
+/// Returns the errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.
 pub fn distance_errors_m(
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
@@ -20,7 +20,7 @@ pub fn distance_errors_m(
     errors
 }
 
-/// The same, one triplet after the other, of points by station (m, each in its station's frame).
+/// Returns the same errors triplet by triplet, from points by station (m, each in its station's frame).
 pub fn each_distance_error_m(
     points_m: &[Vec<Vector3<f64>>; 3],
     station1_from_station: &[RigidTransform; 3],
@@ -37,7 +37,7 @@ pub fn each_distance_error_m(
     })
 }
 
-/// Median distance between what two stations make of a control point (m); `None` where no two stations share one.
+/// Returns the median distance between two stations' positions of a control point (m); `None` if no two stations share one.
 pub fn control_points_apart_m(
     control_points: &[ControlPointSet],
     station1_from_station: &[RigidTransform; 3],

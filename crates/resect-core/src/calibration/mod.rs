@@ -1,8 +1,8 @@
 //! Calibration of the stations' extrinsics from triplets, with uncertainty and verdict.
 //!
-//! [`solve()`] makes a [`Calibration`] of the answer of a method. The paper's four methods have modules of their own:
-//! A [`two_point`], B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. The [`joint`] estimate goes beyond them, and
-//! carries the paper's answer with it. [`Offer`] lists the methods that the data allows.
+//! [`solve()`] returns the [`Calibration`] by a method. The paper's four methods have modules of their own: A [`two_point`], B
+//! [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. The [`joint`] estimate extends them and includes the paper's answer.
+//! [`Offer`] lists the methods that the data allows.
 
 mod calibration;
 mod checks;

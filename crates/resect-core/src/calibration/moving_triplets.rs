@@ -1,4 +1,4 @@
-//! Triplets whose prisms move, so that a clock that is late is one that saw them elsewhere.
+//! Triplets with velocities of their prisms, so that a clock offset can be corrected as a displacement.
 
 use std::borrow::Cow;
 
@@ -7,26 +7,27 @@ use nalgebra::Vector3;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// How late the stamps of a station are against station 1's.
+/// Delay of a station's stamps relative to station 1's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// How late the stamps are in the middle of the drive (s).
+    /// Delay in the middle of the drive (s).
     pub offset_s: f64,
-    /// How much later they get each second (s per s).
+    /// Increase of the delay (s/s).
     pub drift: f64,
 }
 
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
-    /// Velocities (m/s) by differences with the neighbours of the same interval, none of which was left out.
+    /// Velocities (m/s) by differences with the neighbours in the same interval; differences do not span omitted triplets.
     pub velocity_m_per_s: [Vec<Vector3<f64>>; 3],
-    /// What a clock's second unknown counts by, for each triplet.
+    /// Factor of a clock's second unknown for each triplet: time from the middle of the drive (s), or −0.5 and 0.5 before and after
+    /// a jump.
     pub growth: Vec<f64>,
 }
 
 impl<'a> MovingTriplets<'a> {
-    /// All triplets, with clocks that drift.
+    /// Returns all triplets, for clocks that drift.
     pub fn all(triplets: &'a Triplets) -> Self {
         let velocity_m_per_s = velocities(triplets, 1);
         let middle_s = middle_s(triplets);
@@ -34,7 +35,7 @@ impl<'a> MovingTriplets<'a> {
         Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s, growth }
     }
 
-    /// Every `stride`-th triplet, with the velocities that they have among all, and with clocks that jump halfway.
+    /// Returns every `stride`-th triplet, with velocities from all triplets, for clocks that jump halfway.
     pub fn every(triplets: &Triplets, stride: usize) -> Self {
         let indices: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
         let velocity_m_per_s = velocities(triplets, stride);
@@ -43,14 +44,15 @@ impl<'a> MovingTriplets<'a> {
         Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, growth }
     }
 
-    /// Where the prism of station 2 or 3 was when its stamp says so, given how late it is (m, the station's frame).
+    /// Returns the prism position of station 2 or 3 at the time of its stamp, corrected for the delay of its clock (m, the
+    /// station's frame).
     pub fn at_true_time(&self, station: usize, index: usize, clock: Clock) -> Vector3<f64> {
         let late_s = clock.offset_s + clock.drift * self.growth[index];
         self.triplets.points_m[station][index] + late_s * self.velocity_m_per_s[station][index]
     }
 }
 
-/// A step this many times the usual one bridges triplets that were left out.
+/// A time step longer than this many median steps spans omitted triplets.
 const BRIDGE: f64 = 1.5;
 
 fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
@@ -59,7 +61,7 @@ fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
     triplets.points_m.each_ref().map(of)
 }
 
-/// Velocities at every `stride`-th of some points in one frame (m/s), with the points' times (s) and intervals.
+/// Returns the velocities at every `stride`-th of some points in one frame (m/s), from the points' times (s) and intervals.
 pub fn velocity_m_per_s(
     time_s: &[f64],
     interval: &[u32],
@@ -79,13 +81,13 @@ pub fn velocity_m_per_s(
     (0..points_m.len()).step_by(stride).map(at).collect()
 }
 
-/// The median step between triplets of one interval (s).
+/// Returns the median time step between triplets of one interval (s).
 fn usual_step_s(time_s: &[f64], interval: &[u32]) -> Option<f64> {
     let pairs = time_s.windows(2).zip(interval.windows(2));
     median(pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]))
 }
 
-/// The middle of a drive (s).
+/// Returns the time of the middle of a drive (s).
 pub fn middle_s(triplets: &Triplets) -> f64 {
     match (triplets.time_s.first(), triplets.time_s.last()) {
         (Some(first), Some(last)) => 0.5 * (first + last),
@@ -93,7 +95,7 @@ pub fn middle_s(triplets: &Triplets) -> f64 {
     }
 }
 
-/// The triplets as they would be had the clocks of stations 2 and 3 been right.
+/// Returns the triplets with corrected clocks of stations 2 and 3.
 pub fn with_clocks(triplets: &Triplets, clocks: [Clock; 2]) -> Triplets {
     let data = MovingTriplets::all(triplets);
     let mut points_m = triplets.points_m.clone();

@@ -6,7 +6,7 @@ use super::CalibrationSettings;
 use crate::geometry::ARCSECOND_RAD;
 use crate::number_setting::{NumberSetting, check_all};
 
-/// All of them: the inter-prism distances, then the errors of the instruments.
+/// All numbers: σ of the inter-prism distances, then the priors of the instrument errors.
 pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
     &SIGMA_DISTANCES,
     &SIGMA_CLOCK_OFFSETS,
@@ -47,7 +47,7 @@ pub static SIGMA_DISTANCES: NumberSetting<CalibrationSettings> = NumberSetting {
     field: |settings| &mut settings.inter_prism_sigma_m,
 };
 
-/// Returns the prior of an error of the instruments.
+/// Returns the setting of one prior's standard deviation.
 const fn prior(
     name: &'static str,
     key: &'static str,

@@ -1,8 +1,8 @@
-//! Point-to-point alignments of several frames at once, with the covariance that their residuals support.
+//! Point-to-point alignments of several frames at once, with the covariance from their residuals.
 //!
-//! Methods A, B and C share it: minimise Σ ‖to − T from‖² (Vaidis et al. 2022, eq. (1)) over a level or a
-//! full rigid T. The estimates are unweighted least squares, so to first order the error of (t, ω) is
-//! N⁻¹ Jᵀ e with J = [I, −(R from)×]; what is known about e makes the covariance.
+//! Methods A, B and C share it. It minimises Σ ‖to − T from‖² (Vaidis et al. 2022, eq. (1)) over a level or a full rigid T. The
+//! estimates are unweighted least squares, so to first order the error of (t, ω) is N⁻¹ Jᵀ e with J = [I, −(R from)×]. The
+//! covariance follows from that of e.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +18,8 @@ use crate::statistics::sandwich::Block;
 pub struct Matches {
     pub to_m: Vec<Vector3<f64>>,
     pub from_m: Vec<Vector3<f64>>,
-    /// Errors within a block hang together, those of different blocks do not. Blocks of several alignments with the
-    /// same number share errors as well. In increasing order.
+    /// Block of each point, in increasing order. Errors within a block are correlated, those of different blocks are independent.
+    /// Blocks of several alignments with the same number share errors as well.
     pub block: Vec<u32>,
 }
 
@@ -35,33 +35,34 @@ impl Matches {
     }
 }
 
-/// What is known about the errors of the points.
+/// Model of the errors of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Errors {
-    /// Errors as large as the residuals, alike on all axes, independent from block to block; a block is one point in
-    /// each alignment. For too few points to tell more.
+    /// Errors with the variance of the residuals, equal on all axes, independent from block to block. A block is one point in each
+    /// alignment. For too few points to estimate more.
     AsResiduals,
-    /// Errors correlated within each block, whatever their size: the [`sandwich`].
+    /// Errors of any size, correlated within each block: the [`sandwich`].
     ByBlock,
     /// Independent errors of this size on each axis (m, 1 σ).
     Known(f64),
 }
 
-/// The alignments, `to_from[k]` being that of `matches[k]`.
+/// Alignments, with `to_from[k]` from `matches[k]`.
 #[derive(Clone, Debug)]
 pub struct Aligned {
     pub to_from: Vec<RigidTransform>,
     /// to − T from (m).
     pub residuals_m: Vec<Vec<Vector3<f64>>>,
-    /// Covariance of (t, ω) of each alignment in turn, ω turning about the axes of the target frame; a held axis has
-    /// zeros. `None` when a direction is free.
+    /// Covariance of (t, ω) of each alignment in turn (m, rad), with ω about the axes of the target frame; zeros for a constrained
+    /// axis. `None` if a direction is unobservable.
     pub covariance: Option<DMatrix<f64>>,
 }
 
-/// The scaled normal matrix of a free direction: points in one place, or on a line with roll and pitch free.
+/// Smallest eigenvalue of the scaled normal matrix below which a direction is unobservable: points at one place, or on a line with
+/// roll and pitch unconstrained.
 const FREE_DIRECTION: f64 = 1e-9;
 
-/// The transforms that align; `None` where a list is too short or the points do not hold a transform.
+/// Returns the transforms that align; `None` if a list is too short or the points do not determine a transform.
 pub fn transforms(matches: &[Matches], alignment: Alignment) -> Option<Vec<RigidTransform>> {
     let align = |m: &Matches| match alignment {
         Alignment::Level => align_level(&m.to_m, &m.from_m).map(RigidTransform::from),
@@ -70,7 +71,7 @@ pub fn transforms(matches: &[Matches], alignment: Alignment) -> Option<Vec<Rigid
     matches.iter().map(align).collect()
 }
 
-/// The transforms that align, with their residuals, and the covariance that these errors make.
+/// Returns the transforms that align, with their residuals, and the covariance by this error model.
 pub fn align(matches: &[Matches], alignment: Alignment, errors: Errors) -> Option<Aligned> {
     let to_from = transforms(matches, alignment)?;
     let residuals_m: Vec<Vec<_>> = matches
@@ -82,7 +83,7 @@ pub fn align(matches: &[Matches], alignment: Alignment, errors: Errors) -> Optio
     Some(Aligned { to_from, residuals_m, covariance })
 }
 
-/// Columns of (t, ω) that an alignment estimates.
+/// Returns the columns of (t, ω) that an alignment estimates.
 fn estimated(alignment: Alignment) -> &'static [usize] {
     match alignment {
         Alignment::Level => &[0, 1, 2, 5],
@@ -90,7 +91,7 @@ fn estimated(alignment: Alignment) -> &'static [usize] {
     }
 }
 
-/// How a placed point moves with (t, ω) of its transform; held axes have zeros.
+/// Returns the Jacobian of a transformed point with respect to (t, ω) of its transform; zeros for constrained axes.
 fn jacobian(turned_m: &Vector3<f64>, alignment: Alignment) -> Matrix3x6<f64> {
     let mut jacobian = Matrix3x6::zeros();
     jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
@@ -134,7 +135,7 @@ fn covariance(
     covariance.iter().all(|entry| entry.is_finite()).then_some(covariance)
 }
 
-/// One variance for all axes of all points, so that of their leverages only the sum counts: the number of unknowns.
+/// Covariance with one variance for all axes of all points. Only the sum of their leverages matters then: the number of unknowns.
 fn as_residuals(
     matches: &[Matches],
     jacobians: &[Vec<Matrix3x6<f64>>],
@@ -152,7 +153,7 @@ fn as_residuals(
                 if a == b {
                     return None;
                 }
-                // Too few points in common to tell how the two hang together.
+                // Too few common points to estimate the correlation of the two.
                 continue;
             }
             let products: f64 =
@@ -166,7 +167,7 @@ fn as_residuals(
     Some(covariance)
 }
 
-/// The sandwich of all alignments at once: they share no unknown, but blocks.
+/// The sandwich of all alignments at once: they have no common unknown, but common blocks.
 fn by_block(
     matches: &[Matches],
     jacobians: &[Vec<Matrix3x6<f64>>],
@@ -202,7 +203,7 @@ fn by_block(
     Some(covariance)
 }
 
-/// Inverse over the estimated directions, zeros elsewhere; `None` when one of them is free.
+/// Returns the inverse over the estimated directions, zeros elsewhere; `None` if one of them is unobservable.
 fn inverse(normal: Matrix6<f64>, alignment: Alignment) -> Option<Matrix6<f64>> {
     let columns = estimated(alignment);
     let small =
@@ -227,7 +228,7 @@ fn inverse(normal: Matrix6<f64>, alignment: Alignment) -> Option<Matrix6<f64>> {
     Some(full)
 }
 
-/// Places of the blocks that two alignments share.
+/// Returns the indices of the blocks that two alignments share.
 fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
     a.iter()
         .enumerate()
@@ -235,7 +236,7 @@ fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Covariance of (x, y, z, yaw) of two transforms out of that of their (t, ω).
+/// Returns the covariance of (x, y, z, yaw) of two transforms from that of their (t, ω).
 pub fn level_part(covariance: &DMatrix<f64>) -> SMatrix<f64, 8, 8> {
     const COLUMNS: [usize; 4] = [0, 1, 2, 5];
     SMatrix::from_fn(|i, j| {
@@ -243,7 +244,7 @@ pub fn level_part(covariance: &DMatrix<f64>) -> SMatrix<f64, 8, 8> {
     })
 }
 
-/// Turns alignments to a common frame, `world_from_station`, into the frames of stations 2 and 3 in station 1's.
+/// Converts alignments to a common frame, `world_from_station`, into transforms of stations 2 and 3 to station 1's frame.
 ///
 /// With T = W1⁻¹ Ws: δt = R1ᵀ (δt_s − δt_1 − ω_1 × (t_s − t_1)) and ω = R1ᵀ (ω_s − ω_1).
 pub fn relative_to_station1(
@@ -287,7 +288,7 @@ mod tests {
     const SIGMA_M: f64 = 0.003;
     const DRAWS: usize = 300;
 
-    /// Control points as they are set out: most of them near the stations, one in five far away.
+    /// Draws control points in a typical layout: most of them near the stations, one in five far away.
     fn points_m(count: usize, rng: &mut ChaCha8Rng) -> Vec<Vector3<f64>> {
         (0..count)
             .map(|k| {
@@ -298,8 +299,8 @@ mod tests {
             .collect()
     }
 
-    /// Stated over true variance of each number of two alignments of stations that see the same points, and of what the two
-    /// have in common; `state` says how the covariance of the first is stated.
+    /// Returns stated over true variance of each parameter of two alignments to the same points, and of their covariances. `state`
+    /// returns the stated covariance.
     fn stated_over_true(
         count: usize,
         alignment: Alignment,
@@ -373,7 +374,7 @@ mod tests {
                 assert!(all, "{count} points: {ratios:.2?}");
             }
         }
-        // The few points far away hold yaw, which a common factor does not know of.
+        // The few points far away determine yaw, which a common factor ignores.
         for (count, most) in [(8, 0.65), (12, 0.75), (20, 0.85)] {
             let old = stated_over_true(count, Alignment::Level, with_a_common_factor);
             assert!(old[3] < most, "{count} points: {old:.2?}");

@@ -9,7 +9,7 @@ use crate::calibration::ErrorSizes;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PriorMethod {
-    /// One small linear least squares per pair; needs no guess.
+    /// One small linear least-squares problem per pair; needs no initial guess.
     #[default]
     ClosedForm,
     /// The paper's two-step search over the speed limit τ_v.
@@ -20,7 +20,7 @@ pub enum PriorMethod {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Alignment {
-    /// Translation and yaw: the stations are levelled.
+    /// Translation and yaw, for levelled stations.
     #[default]
     Level,
     /// Roll and pitch as well.
@@ -30,15 +30,15 @@ pub enum Alignment {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
-    /// `None` is the joint estimate.
+    /// `None` selects the joint estimate.
     pub method: Option<Method>,
     /// The rotations that methods B and C estimate.
     pub alignment: Alignment,
     /// The starting point of method D, and of the joint estimate.
     pub prior: PriorMethod,
-    /// Standard deviation of the known inter-prism distances (m); it widens every σ of the answer.
+    /// Standard deviation of the known inter-prism distances (m); it increases every σ of the answer.
     pub inter_prism_sigma_m: f64,
-    /// Priors of the instruments' errors in the joint estimate.
+    /// Priors of the instrument errors in the joint estimate.
     pub errors: ErrorSizes,
 }
 

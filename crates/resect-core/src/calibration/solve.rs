@@ -1,4 +1,4 @@
-//! Calibration by the method of the settings, beside the published answer, with all checks.
+//! Calibration by the method of the settings, together with the published answer, with all checks.
 
 use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
 
@@ -11,7 +11,7 @@ use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
 
-/// Calibrates a deployment by the method of the settings: the joint estimate if they name none.
+/// Calibrates a deployment by the method of the settings; by the joint estimate if they name none.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -21,7 +21,7 @@ pub fn solve(
     solve_while(deployment, triplets, settings, offer, &Progress::default())
 }
 
-/// Calibrates like [`solve`] until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
+/// Calibrates like [`solve`] until `progress` is cancelled, which returns [`CalibrationError::Cancelled`].
 pub fn solve_while(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -39,8 +39,8 @@ pub fn solve_while(
     }
 }
 
-/// With so many triplets the paper's method takes a hundredth of the joint estimate's time, and both side by side would need
-/// twice the memory.
+/// From this number of triplets on, the paper's method runs before the joint estimate. It takes a hundredth of the time, and both
+/// in parallel would need twice the memory.
 const LONG: usize = 100_000;
 
 /// A deployment to calibrate, with its triplets.
@@ -144,7 +144,7 @@ impl Problem<'_> {
         Ok(answer.into())
     }
 
-    /// Checks an answer against all data that it does not rest on, and lowers its verdict where one contradicts it.
+    /// Checks an answer against all data that it does not use, and lowers its verdict where data contradicts it.
     fn check(
         self,
         mut calibration: Calibration,
@@ -183,7 +183,7 @@ impl Problem<'_> {
             let transforms = &calibration.station1_from_station;
             checks::control_points_contradict(deployment, transforms, &sigma).is_none()
         });
-        // Points that do not determine an answer of their own agree with any answer.
+        // Control points that do not determine an answer of their own agree with any answer.
         if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
             calibration.checked_by.push(Witness::ControlPoints);
         }

@@ -1,8 +1,8 @@
 //! Method B: point-to-point alignment of static control points.
 //!
-//! Where the points' coordinates in a global frame are known, every station is aligned to that frame; else stations 2
-//! and 3 to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control
-//! points count, pillars do not.
+//! If the coordinates of the points in a global frame are known, every station is aligned to that frame. Otherwise stations 2 and 3
+//! are aligned to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control points
+//! are used, except pillars.
 
 use crate::deployment::findings::points::{
     control_point_outlier, control_points_aligned, control_points_fit_poorly,
@@ -20,20 +20,20 @@ use crate::pipeline::Triplets;
 use crate::statistics::median;
 
 const FEWEST_FOR_SANDWICH: usize = 10;
-/// A point this many times further off than half of the others, and by more than the second (m), is named.
+/// A point with an error this many times the median, and larger than the second limit (m), is reported.
 const BLUNDER: f64 = 5.0;
 const LEAST_BLUNDER_M: f64 = 0.010;
 
-/// Where a point lies in the target frame, and in the station's (m).
+/// Position of a point in the target frame, and in the station's frame (m).
 type Correspondence = (Vector3<f64>, Vector3<f64>);
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticGcpDetails {
-    /// Points that stations 2 and 3 share with station 1 (or with the global frame).
+    /// Numbers of points that stations 2 and 3 share with station 1 (or with the global frame).
     pub points: [usize; 2],
     /// Root mean square of the point errors after alignment (m).
     pub rms_m: f64,
-    /// Station 1's frame in the global frame, where the points' coordinates are known.
+    /// Transform from station 1's frame to the global frame; `None` if the points have no global coordinates.
     pub world_from_station1: Option<RigidTransform>,
 }
 
@@ -71,7 +71,7 @@ pub fn solve(
     if matches.iter().any(|m| m.len() < FEWEST_POINTS) {
         return Err(lacking());
     }
-    // Ranges are noisier than directions, so errors differ by axis and point: the sandwich tells where it can.
+    // Ranges are noisier than directions, so errors differ by axis and point. With enough points the sandwich accounts for this.
     let enough = matches.iter().all(|m| m.len() >= FEWEST_FOR_SANDWICH);
     let errors = if enough { Errors::ByBlock } else { Errors::AsResiduals };
     let aligned = point_to_point::align(&matches, settings.alignment, errors).ok_or_else(|| {
@@ -117,7 +117,7 @@ pub fn solve(
     Ok(answer)
 }
 
-/// All control points with their file, in the order of the blocks' numbers.
+/// Returns all control points with their file, in the order of the block numbers.
 fn numbered_points(deployment: &Deployment) -> impl Iterator<Item = (&str, &ControlPoint)> {
     deployment
         .control_points
@@ -126,7 +126,7 @@ fn numbered_points(deployment: &Deployment) -> impl Iterator<Item = (&str, &Cont
         .flat_map(|set| set.points.iter().map(|point| (set.file.as_str(), point)))
 }
 
-/// Points that fit far worse than the rest: a wrong marker, a wrong coordinate, a target that moved.
+/// Returns findings for points that fit far worse than the rest: a wrong marker, a wrong coordinate, a target that moved.
 fn blunders(
     deployment: &Deployment,
     matches: &[Matches],

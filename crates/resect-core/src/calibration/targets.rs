@@ -1,7 +1,7 @@
-//! Whether the stations followed one prism or three, read off the triplets.
+//! Decides from the triplets if the stations followed one prism or three.
 //!
-//! With one prism, a level alignment makes the three tracks coincide. Three prisms of a rig stay apart, because the
-//! offset between them turns with the vehicle; only where the vehicle never turns does the alignment swallow it.
+//! With one prism, a level alignment makes the three tracks coincide. Three prisms of a rig stay apart, because the offset between
+//! them rotates with the vehicle. If the vehicle never turns, the alignment absorbs the offset.
 
 use nalgebra::Vector3;
 
@@ -14,28 +14,30 @@ use crate::statistics::median;
 pub enum Targets {
     OnePrism,
     ThreePrisms,
-    /// Too little was driven, or too straight, to tell; nor does a file.
+    /// Undecided: the drive is too short or too straight, and no file states the number of prisms.
     Undecided,
 }
 
-/// Tracks of one prism lie this close after alignment (m, median): far above the noise, the chords of bends and a
-/// clock some milliseconds off; far below any rig.
+/// Largest median distance between tracks of one prism after alignment (m). Noise, chords of bends and clock offsets of some
+/// milliseconds cause far less; any rig is far larger.
 const COINCIDE_M: f64 = 0.05;
-/// A station that is wrong for some seconds must not hide that the rest coincides: this share is aligned, so many times.
+/// Share of the triplets that is aligned, and number of rounds, so that a station with outliers for some seconds does not hide that
+/// the rest coincides.
 const KEPT: f64 = 0.9;
 const ROUNDS: usize = 3;
-/// More triplets than this say nothing new.
+/// Most triplets that are used; more add no information.
 const MOST_TRIPLETS: usize = 2000;
 const FEWEST_TRIPLETS: usize = 10;
-/// Slower than this a direction of travel is noise (m/s).
+/// Below this speed the direction of travel is noise (m/s).
 const MOVING_M_PER_S: f64 = 0.1;
-/// Mean of the doubled directions of travel, by how fast it goes: 1 on a line, driven either way.
+/// Largest length of the mean of doubled directions of travel, weighted by speed, of a drive that turns. It is 1 on a line driven
+/// in one or both directions.
 const STRAIGHT: f64 = 0.9;
 
-/// A track is about one place where half of it is within this of that place (m), further than prisms stand from the middle of a vehicle.
+/// A track whose median distance from its centre is smaller stays at one place (m). Prisms are nearer to the middle of a vehicle.
 const AROUND_M: f64 = 3.0;
 
-/// What `deployment.toml` says; failing that, what the tracks show; failing that, three where a rig is described.
+/// Returns the targets by `deployment.toml`, else by the tracks, else three prisms if a rig is described.
 pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     match deployment.prisms {
         Some(1) => return Targets::OnePrism,
@@ -55,7 +57,7 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     }
 }
 
-/// Median distance between the tracks once stations 2 and 3 are aligned to station 1.
+/// Returns the median distance between the tracks after stations 2 and 3 are aligned to station 1 (m).
 fn median_distance_m(triplets: &Triplets) -> Option<f64> {
     let step = triplets.len().div_ceil(MOST_TRIPLETS);
     let points: [Vec<Vector3<f64>>; 3] =
@@ -66,7 +68,7 @@ fn median_distance_m(triplets: &Triplets) -> Option<f64> {
     median(pairs.map(|(a, b)| (a - b).norm()))
 }
 
-/// A track aligned to that of station 1, again and again without what lies furthest off.
+/// Aligns a track to that of station 1, repeatedly without the points that fit worst.
 fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
     let mut aligned = RigidTransform::from(align_level(to_m, from_m)?);
     let keep = (KEPT * to_m.len() as f64).ceil() as usize;
@@ -84,8 +86,11 @@ fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3
     Some(from_m.iter().map(|point_m| aligned.apply(point_m)).collect())
 }
 
-/// Whether the direction of travel varies along the way; there and back along a line does not count, nor does a turn on the spot after
-/// a long line, in which prisms go every way and hardly anywhere. A reading that is metres off counts no more than others.
+/// Returns true if the direction of travel varies along the track.
+///
+/// A line driven in both directions is not a turn. A rotation on the spot after a long line is not one either: prisms then move in
+/// all directions but hardly change place. Weights are limited, so that a reading with an error of metres weighs no more than
+/// others.
 fn turns(triplets: &Triplets) -> bool {
     let points = &triplets.points_m[0];
     let moves = (1..triplets.len()).filter(|i| {
@@ -108,8 +113,8 @@ fn turns(triplets: &Triplets) -> bool {
     f64::hypot(cos, sin) < STRAIGHT * all && !stays(&places_m)
 }
 
-/// Whether a vehicle stays about one place while it moves: prisms that it turns around on the spot go around the same circle, and an
-/// alignment makes one of them the other.
+/// Returns true if a vehicle moves only at one place. Prisms that it turns around on the spot follow the same circle, so an
+/// alignment maps one onto the other.
 fn stays(places_m: &[&Vector3<f64>]) -> bool {
     let middle = |axis: usize| median(places_m.iter().map(|at| at[axis])).unwrap_or(0.0);
     let middle_m = Vector3::new(middle(0), middle(1), middle(2));

@@ -1,14 +1,14 @@
-//! Stretches of time that are taken to be independent of each other.
+//! Blocks of time whose errors are taken to be independent of each other.
 //!
-//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend; sandwich
-//! estimators and training splits must not take neighbours for independent.
+//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend. Sandwich estimators and
+//! training splits must therefore not treat neighbouring triplets as independent.
 
 use std::ops::Range;
 
 /// Length of a block (s).
 pub const BLOCK_SECONDS: f64 = 5.0;
 
-/// Ranges of consecutive triplets of one interval, none longer than [`BLOCK_SECONDS`].
+/// Returns ranges of consecutive triplets of one interval, none longer than [`BLOCK_SECONDS`].
 pub fn of(time_s: &[f64], interval: &[u32]) -> Vec<Range<usize>> {
     let mut blocks = Vec::new();
     let mut start = 0;

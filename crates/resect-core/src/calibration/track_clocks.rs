@@ -1,5 +1,6 @@
-//! The clocks of stations 2 and 3 out of tracks of one prism: a late stamp moves a track along itself, which no turn or
-//! shift of the whole does where the drive turns.
+//! Clock offsets of stations 2 and 3 from tracks of one prism.
+//!
+//! A late stamp shifts a track along itself. No rotation or translation of the whole track does so where the drive turns.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
@@ -13,17 +14,17 @@ use crate::statistics::sandwich::Block;
 /// Unknowns of each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
 const PER_STATION: usize = 6;
 const UNKNOWNS: usize = 2 * PER_STATION;
-/// A stamp that is late by this much shows how fast a prism moves (s).
+/// Time shift from which the velocity of a prism is computed (s).
 const STEP_S: f64 = 1e-3;
 
-/// One step of least squares from a level alignment.
+/// Clocks estimated by one step of least squares from a level alignment.
 #[derive(Clone, Debug)]
 pub struct TrackClocks {
     pub offsets_s: [Estimate; 2],
     pub drifts: [Estimate; 2],
-    /// What the clocks move (x, y, z, yaw) of stations 2 and 3 by.
+    /// Changes of (x, y, z, yaw) of stations 2 and 3 by the estimated clocks (m, rad).
     pub moves: SVector<f64, 8>,
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time.
+    /// Covariance of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
 }
 
@@ -36,7 +37,7 @@ impl TrackClocks {
     }
 }
 
-/// `None` where the drive does not tell clocks from transforms.
+/// Estimates clocks and changes of the transforms; `None` if the drive does not separate clocks from transforms.
 pub fn estimate(
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
@@ -85,7 +86,7 @@ pub fn estimate(
     let normal: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
     let right: DVector<f64> = blocks.iter().map(|block| &block.gradient).sum();
     let step = normal.cholesky()?.solve(&right);
-    // What the step leaves of them.
+    // The gradients after the step.
     for block in &mut blocks {
         block.gradient -= &block.information * &step;
     }
@@ -113,7 +114,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
 
-    /// Readings of one winding way by three stations with right clocks, in so many blocks of time.
+    /// Simulates readings of one winding track by three stations without clock offsets, in this number of blocks of time.
     fn triplets(blocks: usize, rng: &mut ChaCha8Rng) -> Triplets {
         let noise = Normal::new(0.0, 0.002).expect("a σ");
         let time_s: Vec<f64> = (0..10 * blocks).map(|k| 0.5 * k as f64).collect();
@@ -147,7 +148,7 @@ mod tests {
                     truth[k] += estimate.value.powi(2);
                 }
             }
-            // 1 σ of the mean over the twelve is 3 %.
+            // The mean over the twelve unknowns has a σ of 3 %.
             let ratio = stated.iter().zip(truth).map(|(s, t)| s / t).sum::<f64>() / 12.0;
             assert!((0.93..1.1).contains(&ratio), "{blocks} blocks: {ratio:.3}");
         }

@@ -10,7 +10,7 @@ pub struct TransformSigma {
 }
 
 impl TransformSigma {
-    /// Returns those of stations 2 and 3 by the covariance of (x, y, z, yaw) of both (m, rad).
+    /// Returns the standard deviations of stations 2 and 3 from the covariance of (x, y, z, yaw) of both (m, rad).
     pub fn of_covariance(covariance: &SMatrix<f64, 8, 8>) -> [Self; 2] {
         let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
         [0, 4].map(|k| Self {

@@ -1,8 +1,8 @@
 //! Method A: two-point resection, in closed form.
 //!
-//! A level station has four unknowns, and two points with a known relative position give six equations: the station
-//! is placed in the frame of the points by a level alignment (Vaidis et al. 2022, section "Static methods", "Two-point
-//! resection"). Every pair of known points is tried, and judged by the points that it leaves out.
+//! A level station has four unknowns, and two points with a known relative position give six equations. A level alignment places
+//! the station in the frame of the points (Vaidis et al. 2022, section "Static methods", "Two-point resection"). Every pair of
+//! known points is tried, and judged by the points that it does not use.
 
 use crate::deployment::findings::points::{
     known_distance_off, known_point_misplaced, resection_inconsistent, resection_pair,
@@ -21,19 +21,19 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
 
-/// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
+/// Accuracy of ranges (m) and angles (rad, an arcsecond): the paper's nominal values.
 const RANGE_SIGMA_M: f64 = 0.002;
 const ANGLE_SIGMA_RAD: f64 = ARCSECOND_RAD;
-/// Readings that are off by more than this between two points hint at the atmosphere: parts per million, and metres,
-/// which three stations' noise hardly reaches together.
+/// A distance error beyond both limits, in parts per million and in metres, suggests a wrong atmospheric correction. The noise of
+/// three stations together hardly reaches the second.
 const NOTABLE_PPM: f64 = 10.0;
 const NOTABLE_M: f64 = 0.008;
-/// A point this many times further off than the next is named and left out.
+/// A point with this many times the error of the next is reported and excluded.
 const MISPLACED: f64 = 3.0;
-/// The median of the sum of two normal errors' squares, over their variance: χ² of two degrees of freedom.
+/// Median of the sum of two squared normal errors, over their variance: χ² of two degrees of freedom.
 const MEDIAN_OF_TWO_SQUARES: f64 = 2.0 * std::f64::consts::LN_2;
 
-/// What one pair of points gives.
+/// Resection by one pair of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairResection {
     pub file: String,
@@ -43,9 +43,9 @@ pub struct PairResection {
     /// Measured minus known distance between the two points, for each station (m).
     pub baseline_errors_m: [f64; 3],
     pub station1_from_station: [RigidTransform; 3],
-    /// Distances between what the stations make of the points left out (m), sorted.
+    /// Distances between the stations' positions of the points that the pair does not use (m), sorted.
     pub left_out_m: Vec<f64>,
-    /// Each point left out.
+    /// Points that the pair does not use.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -53,23 +53,23 @@ pub struct PairResection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
     pub marker: i64,
-    /// Mean distance of the stations' versions of it to its known position (m).
+    /// Mean distance of the stations' positions of the point from its known position (m).
     pub from_known_m: f64,
 }
 
 impl PairResection {
-    /// The largest distance of a point left out to its known position (m).
+    /// Returns the largest distance of an unused point from its known position (m).
     pub fn largest_from_known_m(&self) -> Option<f64> {
         self.left_out.iter().map(|left_out| left_out.from_known_m).max_by(f64::total_cmp)
     }
 
-    /// What the stations make of a point left out lies this far apart (m, median).
+    /// Returns the median distance between the stations' positions of unused points (m).
     pub fn median_left_out_m(&self) -> Option<f64> {
         quantile_of_sorted(&self.left_out_m, 0.5)
     }
 }
 
-/// All pairs, and the one that the answer comes from.
+/// All pairs, and the chosen one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPointDetails {
     pub pairs: Vec<PairResection>,
@@ -77,7 +77,7 @@ pub struct TwoPointDetails {
 }
 
 impl TwoPointDetails {
-    /// Root mean square of the baseline errors of the pair that the answer comes from (m).
+    /// Returns the root mean square of the chosen pair's baseline errors (m).
     pub fn rms_m(&self) -> f64 {
         let errors = self.pairs[self.chosen].baseline_errors_m;
         (errors.iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
@@ -106,7 +106,7 @@ pub fn solve(
     }
     let misplaced = misplaced(&pairs);
     let sound = |i: &usize| misplaced.as_ref().is_none_or(|point| !point.is_in(&pairs[*i]));
-    // The points left out judge best; with none, the longest baseline holds yaw best.
+    // Unused points are the best criterion; without them, the longest baseline determines yaw best.
     let by_left_out = |i: &usize| pairs[*i].median_left_out_m().unwrap_or(f64::INFINITY);
     let chosen = (0..pairs.len())
         .filter(sound)
@@ -150,7 +150,7 @@ pub fn solve(
     Ok(answer)
 }
 
-struct Placed {
+struct PlacedStation {
     world_from_station: [RigidTransform; 3],
     matches: Vec<Matches>,
     /// Sum of squared residuals of each station (m²).
@@ -163,7 +163,7 @@ fn resect(
     set: &ControlPointSet,
     points: &[&ControlPoint],
     chosen: [usize; 2],
-) -> Option<(PairResection, Placed)> {
+) -> Option<(PairResection, PlacedStation)> {
     let reading =
         |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
     let mut matches = vec![Matches::default(); 3];
@@ -174,7 +174,7 @@ fn resect(
         }
     }
     let aligned = point_to_point::align(&matches, Alignment::Level, Errors::Known(1.0))?;
-    // Two points at one place, or one above the other, hold no yaw.
+    // Two points at one place, or one above the other, do not determine yaw.
     aligned.covariance.as_ref()?;
     let world_from_station: [RigidTransform; 3] = aligned.to_from.try_into().ok()?;
     let mut squares_m2 = [0.0; 3];
@@ -209,12 +209,12 @@ fn resect(
         left_out_m,
         left_out,
     };
-    Some((pair, Placed { world_from_station, matches, squares_m2, range_m }))
+    Some((pair, PlacedStation { world_from_station, matches, squares_m2, range_m }))
 }
 
-/// How well a point of a file is known on each axis (m): what the residuals of its pairs say (each gives
-/// a sum of squares of two degrees of freedom), but no better than the instruments.
-fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a Placed>) -> f64 {
+/// Returns the σ of a point of a file on each axis (m): from the residuals of its pairs, but at least that of the instruments. Each
+/// pair gives a sum of squares with two degrees of freedom.
+fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a PlacedStation>) -> f64 {
     let (mut squares_m2, mut range_m) = (Vec::new(), 0.0_f64);
     for one in placed {
         squares_m2.extend(one.squares_m2);
@@ -224,7 +224,7 @@ fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a Placed>) -> f64 {
     shown_m.max(RANGE_SIGMA_M).max(ANGLE_SIGMA_RAD * range_m)
 }
 
-/// A point whose coordinates no pair of the others confirms.
+/// A point with wrong coordinates, by all pairs of the other points.
 struct Misplaced {
     file: String,
     marker: i64,
@@ -241,7 +241,7 @@ impl Misplaced {
     }
 }
 
-/// The point that even the best pair without it puts far from its known position, clearly further than any other.
+/// Returns the point that even the best pair without it places far from its known position, clearly further than any other.
 fn misplaced(pairs: &[PairResection]) -> Option<Misplaced> {
     let mut off: Vec<Misplaced> = Vec::new();
     for pair in pairs {

@@ -1,17 +1,17 @@
-//! Whether an answer can be trusted, in one word.
+//! Verdict on an answer, in one word.
 
 use serde::{Deserialize, Serialize};
 
-/// How far an answer can be trusted, from best to worst. The reasons stand in the findings beside it.
+/// Reliability of an answer, from best to worst. The findings give the reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     Good,
-    /// An answer, but with a large uncertainty in some direction.
+    /// The uncertainty is large in some direction.
     Weak,
-    /// One of two answers, and nothing decides which.
+    /// The data does not decide between two answers.
     Ambiguous,
-    /// The data leaves a direction free.
+    /// A direction is unobservable.
     Degenerate,
 }
 
@@ -25,7 +25,7 @@ impl Verdict {
         }
     }
 
-    /// What has to be said beside it: a good answer that nothing independent has checked is not as good as one that was.
+    /// Returns the caveat of a good answer that no independent data has checked; empty for others.
     pub fn caveat(self, independently_checked: bool) -> &'static str {
         if self == Self::Good && !independently_checked {
             ", not independently checked"
@@ -34,7 +34,7 @@ impl Verdict {
         }
     }
 
-    /// The word, and what has to be said beside it.
+    /// Returns the verdict in words, with its caveat.
     pub fn in_words(self, independently_checked: bool) -> String {
         format!("{}{}", self.name(), self.caveat(independently_checked))
     }

@@ -1,8 +1,8 @@
-//! What checked an answer, apart from the data that it was made from.
+//! Independent checks of an answer, by data that it does not use.
 
 use serde::{Deserialize, Serialize};
 
-/// Something that an answer did not use, that could have contradicted it, and that did not.
+/// Data that an answer does not use, that could have contradicted it, and that agrees with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Witness {
@@ -10,13 +10,13 @@ pub enum Witness {
     ControlPoints,
     /// The inter-prism distances of the drive.
     Distances,
-    /// Which way round and how high the prisms lie in a reading of the rig: it tells sense and numbers of the stations, but a
-    /// biased answer would have passed as well.
+    /// Orientation and heights of the prisms in a reading of the rig. They check the sense of azimuths and the numbers of the
+    /// stations; a biased answer would pass as well.
     Rig,
 }
 
 impl Witness {
-    /// Whether it checks the numbers of an answer, not its sense alone.
+    /// Returns true if it checks the values of an answer, and not its sense alone.
     pub fn is_independent(self) -> bool {
         self != Self::Rig
     }

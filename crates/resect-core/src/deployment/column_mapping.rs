@@ -1,8 +1,8 @@
-//! Meaning of the columns of a table of measurements that no reader knows, as the user gives it.
+//! Meaning of the columns of a table of measurements in a format that no reader knows, given by the user.
 
 use serde::{Deserialize, Serialize};
 
-/// The columns of a table of tracks by their names in the header, and what their numbers mean.
+/// Columns of a table of tracks by their names in the header, and the meaning of their numbers.
 ///
 /// Either `range`, `azimuth` and `vertical`, or `x`, `y` and `z`. Without `station` each station has a file of its own,
 /// and `tracks` of `deployment.toml` names them in order.
@@ -12,7 +12,7 @@ pub struct ColumnMapping {
     pub time: String,
     #[serde(skip_serializing_if = "is_default")]
     pub time_format: TimeFormat,
-    /// Hours that stamps of a calendar without a zone of their own are ahead of UTC.
+    /// UTC offset of calendar stamps without a zone (hours, positive ahead of UTC).
     #[serde(skip_serializing_if = "is_default")]
     pub utc_offset_hours: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,7 +36,7 @@ pub struct ColumnMapping {
     pub angle_unit: TableAngle,
     #[serde(skip_serializing_if = "is_default")]
     pub vertical_angle: VerticalAngle,
-    /// A column whose value is 0 where the reading is valid.
+    /// A column whose value is 0 for valid readings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub status: Option<String>,
 }
@@ -50,16 +50,16 @@ impl ColumnMapping {
     }
 }
 
-/// Defaults are not written.
+/// True for defaults, which are not written.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// How a table writes its stamps.
+/// Format of a table's stamps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeFormat {
-    /// Seconds, of Unix or from any start.
+    /// Seconds, since 1970 (Unix) or any other start.
     #[default]
     Seconds,
     Milliseconds,

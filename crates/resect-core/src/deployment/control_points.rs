@@ -5,23 +5,23 @@ use nalgebra::Vector3;
 use super::pairs::PAIRS;
 use crate::geometry::{Polar, RigidTransform};
 
-/// A static target and what each station read on it (prism constant included).
+/// A static target with the reading of each station (prism constant included).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlPoint {
-    /// A marker number means something inside its own file only.
+    /// Marker number, valid inside its own file only.
     pub marker: i64,
     pub readings: [Option<Polar>; 3],
-    /// Surveyed coordinates in a frame common to its set (m, z up), where a file gives them.
+    /// Surveyed coordinates in a frame common to its set (m, z up); `None` if no file has them.
     pub known_m: Option<Vector3<f64>>,
 }
 
 impl ControlPoint {
-    /// Whether its coordinates are known and every station measured it.
+    /// Returns true if its coordinates are known and every station measured it.
     pub fn serves_resection(&self) -> bool {
         self.known_m.is_some() && self.readings.iter().all(Option::is_some)
     }
 
-    /// Distances (m) between what pairs of stations make of it in station 1's frame: three, fewer where a station did not
+    /// Distances (m) between the stations' readings of the point in station 1's frame: three, or fewer if a station did not
     /// measure it.
     pub fn disagreements_m(
         &self,
@@ -40,16 +40,16 @@ impl ControlPoint {
 pub struct ControlPointSet {
     pub file: String,
     pub points: Vec<ControlPoint>,
-    /// Geodetic pillars with surveyed coordinates: they serve the two-point resection, and the
-    /// control-point metric leaves them out, as the paper does.
+    /// True for geodetic pillars with surveyed coordinates. They serve the two-point resection; the control-point metric
+    /// excludes them, as in the paper.
     pub pillars: bool,
 }
 
 impl ControlPointSet {
-    /// Distances (m) between what pairs of stations make of the same point, once in station 1's frame.
+    /// Distances (m) between the stations' readings of the same point in station 1's frame.
     ///
-    /// The control-point metric of the paper is the median of these: up to three per point, fewer where
-    /// a station did not measure it. `station1_from_station[0]` is the identity.
+    /// Their median is the paper's control-point metric: up to three per point, fewer if a station did not measure it.
+    /// `station1_from_station[0]` is the identity.
     pub fn disagreements_m(&self, station1_from_station: &[RigidTransform; 3]) -> Vec<f64> {
         self.points.iter().flat_map(|point| point.disagreements_m(station1_from_station)).collect()
     }

@@ -9,39 +9,39 @@ use super::rig::Rig;
 use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
 
-/// One field session: three stations' measurements, control points and the prism rig.
+/// One field session: measurements of three stations, control points and the prism rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deployment {
     pub name: String,
-    /// What stations 1, 2 and 3 measured; a missing station has an empty track.
+    /// Tracks of stations 1, 2 and 3; a missing station has an empty track.
     pub tracks: [Track; 3],
     /// The frames that the tracks are in.
     pub track_frame: TrackFrame,
     /// Static points, one set per file.
     pub control_points: Vec<ControlPointSet>,
-    /// The prisms on the vehicle, where a file describes them.
+    /// The prisms on the vehicle; `None` if no file describes them.
     pub rig: Option<Rig>,
-    /// How many prisms the stations follow, where a file says so: 1 or 3.
+    /// Number of prisms that the stations follow, 1 or 3; `None` if no file states it.
     pub prisms: Option<u8>,
     /// Positions of GNSS antennas 1, 2, 3 on the vehicle.
     pub gnss: Option<[Vec<GnssFix>; 3]>,
-    /// What the clocks of stations 1, 2 and 3 were corrected by during the recording, where it says so.
+    /// Corrections of the clocks of stations 1, 2 and 3 during the recording; empty if it has none.
     pub time_corrections: [Vec<TimeCorrection>; 3],
-    /// What it was read with: `deployment.toml`, and what the user put right since.
+    /// Overrides with which it was read: `deployment.toml`, and the user's later corrections.
     pub overrides: Overrides,
-    /// What its files say of that by themselves: the folder's `deployment.toml`, and the rig's distances.
+    /// Overrides by its files alone: the folder's `deployment.toml`, and the rig's distances.
     pub as_read: Overrides,
-    /// What was read and what was passed over, file by file.
+    /// Files that were read or skipped.
     pub ingredients: Vec<Ingredient>,
-    /// What the readers noticed.
+    /// Findings of the readers.
     pub findings: Vec<Finding>,
-    /// Start of each further drive of the same set-up (s); none of a single drive.
+    /// Start of each further drive of the same set-up (s); empty for a single drive.
     pub restarts_s: Vec<f64>,
 }
 
 impl Deployment {
-    /// The control points that an answer from the tracks can be held against, and that from them against the tracks:
-    /// none where the tracks are in another frame.
+    /// Control points that can be compared with an answer from the tracks; their own answer can then be compared with the
+    /// tracks. Empty if the tracks are in another frame.
     pub fn comparable_control_points(&self) -> &[ControlPointSet] {
         match self.track_frame {
             TrackFrame::Own => &self.control_points,

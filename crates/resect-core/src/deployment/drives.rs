@@ -1,10 +1,10 @@
-//! Several drives of one set-up as one deployment: one after the other, and solved together.
+//! Several drives of one set-up, joined into one deployment and solved together.
 
 use super::control_points::ControlPointSet;
 use super::deployment::Deployment;
 use super::findings::recordings::{drive_distances_differ, drive_shifted};
 
-/// A drive that cannot be solved together with the others: which, why, and what to do.
+/// A drive that cannot be solved together with the others, with the reason and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{drive}: {what}; {remedy}")]
 pub struct OtherSetUp {
@@ -13,23 +13,23 @@ pub struct OtherSetUp {
     pub remedy: String,
 }
 
-/// Shortest pause between drives (s): the pipeline must see that one ends and the next begins.
+/// Shortest pause between drives (s), with which the pipeline can separate them.
 const LEAST_PAUSE_S: f64 = 10.0;
-/// Pause that is put between drives whose stamps overlap (s after the end of the one before).
+/// Pause inserted between drives whose stamps overlap (s after the end of the previous one).
 const PAUSE_S: f64 = 60.0;
-/// Rigs whose measured distances differ by more (m) are not the same.
+/// Rigs are different if their measured distances differ by more than this (m).
 const SAME_RIG_M: f64 = 0.005;
-/// Distances that differ by less (m) are the same but for rounding.
+/// Distances that differ by less than this (m) are equal but for rounding.
 const SAME_DISTANCES_M: f64 = 5e-5;
 
 impl Deployment {
-    /// Takes in further drives with the same stations, where they stand, and the same rig.
+    /// Adds further drives with the same set-up of the stations and the same rig.
     ///
-    /// Each drive keeps its stamps where it can. One that begins before the one before it has ended is put behind it, and a
-    /// finding says so: its clocks are its own in any case.
+    /// A drive keeps its stamps unless it begins before the end of the previous one. It is then shifted behind it, with a
+    /// finding. Each drive has its own clock offsets.
     ///
     /// # Errors
-    /// [`OtherSetUp`] where a drive has another rig, other prisms or other frames than the first.
+    /// [`OtherSetUp`] if a drive has another rig, other prisms or other frames than the first.
     pub fn take_in(&mut self, drives: Vec<Self>) -> Result<(), OtherSetUp> {
         let mut all = drives;
         all.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
@@ -52,8 +52,8 @@ impl Deployment {
             Err(OtherSetUp {
                 drive: other.name.clone(),
                 what: format!("{what} than {}", self.name),
-                remedy: "drives are solved together where the same rig is followed by stations that nobody moved; \
-                         open it by itself"
+                remedy: "only drives with the same rig and unmoved stations are solved together; open it \
+                         separately"
                     .to_owned(),
             })
         };
@@ -71,12 +71,12 @@ impl Deployment {
                 remedy: "leave it out".to_owned(),
             });
         }
-        // The same readings twice would only seem to be surer.
+        // Duplicate readings would only seem to reduce σ.
         let (own, others) = (&self.tracks[0].measurements, &other.tracks[0].measurements);
         if own.windows(others.len()).any(|part| part == others) {
             return Err(OtherSetUp {
                 drive: other.name.clone(),
-                what: "it has the readings of a drive that is there already".to_owned(),
+                what: "its readings are those of another drive that is already here".to_owned(),
                 remedy: "give each drive once".to_owned(),
             });
         }
@@ -111,7 +111,7 @@ impl Deployment {
     fn append(&mut self, mut drive: Self) {
         self.name = format!("{} + {}", self.name, drive.name);
         for (track, more) in self.tracks.iter_mut().zip(&mut drive.tracks) {
-            // What is not known of one drive is not known of all.
+            // The stations' own clocks are kept only if all drives have them.
             let all_known = |own: &[f64], readings: usize| own.len() == readings;
             if all_known(&track.own_clock_s, track.measurements.len())
                 && all_known(&more.own_clock_s, more.measurements.len())
@@ -125,7 +125,7 @@ impl Deployment {
                 more.left_out.resize(more.measurements.len(), false);
                 track.left_out.append(&mut more.left_out);
             }
-            // The constant is the drive's own, and only one is kept.
+            // Each drive has its own prism constant, and the track keeps only one.
             let constant_m = more.prism_constant_m - track.prism_constant_m;
             more.measurements.iter_mut().for_each(|reading| reading.range_m += constant_m);
             track.measurements.append(&mut more.measurements);

@@ -2,15 +2,15 @@
 
 use std::fmt;
 
-use super::{FindingKind, FindingQuantity, Message, Remedy, Severity, ToldAngle, Unit};
+use super::{FindingKind, FindingQuantity, Message, MessageAngle, Remedy, Severity, Unit};
 use crate::statistics::estimate::Estimate;
 
-/// The thing that a finding is about.
+/// Subject of a finding.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
     /// A station, 0 to 2.
     Station(usize),
-    /// One part of a station, such as an error of its instrument or a reason why its readings are dropped.
+    /// One error or property of a station, such as an error of its instrument or a reason why its readings are dropped.
     OfStation { station: usize, part: String },
     /// A pair of prisms, by its index in [`PAIRS`](super::PAIRS).
     Pair(usize),
@@ -24,13 +24,13 @@ pub enum Subject {
 
 /// A finding for the user. Constructors in `findings` set kind, quantities and message together.
 ///
-/// Displays as its message, without the remedies: the window offers them as buttons, the command line as flags.
+/// `Display` writes the message without the remedies: the window offers them as buttons, the command line as flags.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     pub kind: FindingKind,
     pub severity: Severity,
     pub subject: Option<Subject>,
-    /// The file, drive, session or deployment that the finding belongs to; it stands before the message.
+    /// The file, drive, session or deployment of the finding; written before the message.
     pub context: Option<String>,
     pub quantities: Vec<FindingQuantity>,
     /// Remedies, the best first.
@@ -72,7 +72,8 @@ impl Finding {
         Self { severity, ..self }
     }
 
-    /// Names the drive, session or deployment that the finding belongs to. An existing context is kept inside.
+    /// Names the drive, session or deployment that the finding belongs to. An existing context follows the new one:
+    /// `outer: inner`.
     #[must_use]
     pub fn within(self, context: impl Into<String>) -> Self {
         let outer = context.into();
@@ -98,7 +99,7 @@ impl Finding {
         self
     }
 
-    /// Adds a number of things.
+    /// Adds a count.
     #[must_use]
     pub fn count(self, name: &'static str, count: usize) -> Self {
         self.quantity(name, count as f64, Unit::Count)
@@ -111,12 +112,12 @@ impl Finding {
         self
     }
 
-    /// The value of a quantity by its name without unit.
+    /// Returns the value of a quantity by its name without unit; `None` if the finding has none of this name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.quantities.iter().find(|quantity| quantity.name == name).map(|found| found.value)
     }
 
-    /// True if the finding is about this station (0 to 2).
+    /// Returns true if the finding is about this station (0 to 2).
     pub fn is_about_station(&self, station: usize) -> bool {
         match &self.subject {
             Some(Subject::Station(own) | Subject::OfStation { station: own, .. }) => {
@@ -126,14 +127,14 @@ impl Finding {
         }
     }
 
-    /// The identity, by which two messages with different numbers are recognised as the same finding.
+    /// Identity of the finding, which does not depend on its numbers.
     pub fn identity(&self) -> FindingIdentity {
         let Self { kind, subject, context, .. } = self;
         FindingIdentity { kind: *kind, subject: subject.clone(), context: context.clone() }
     }
 
-    /// Renders the message with each angle as `render_angle` gives it.
-    pub fn render(&self, render_angle: impl Fn(&ToldAngle) -> String) -> String {
+    /// Renders the message with its context; `render_angle` renders each angle.
+    pub fn render(&self, render_angle: impl Fn(&MessageAngle) -> String) -> String {
         let message = self.message.render(render_angle);
         match &self.context {
             Some(context) => format!("{context}: {message}"),
@@ -157,7 +158,7 @@ pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.render(ToldAngle::to_string))
+        f.write_str(&self.render(MessageAngle::to_string))
     }
 }
 

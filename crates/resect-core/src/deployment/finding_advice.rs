@@ -13,7 +13,7 @@ pub struct Advice {
 }
 
 impl FindingKind {
-    /// The advice of the Guide for this kind.
+    /// The advice of the Guide for this kind; `None` if it has none.
     pub fn advice(self) -> Option<&'static Advice> {
         ADVICE.iter().find(|advice| advice.kinds.contains(&self))
     }
@@ -21,9 +21,9 @@ impl FindingKind {
 
 pub const ADVICE: [Advice; 14] = [
     Advice {
-        title: "A direction is free or weakly held",
-        text: "The drive lets stations move without the distances noticing. No setting mends it: drive a figure-eight with \
-               turns to both sides, 20 m or more across, and solve both drives together (File).",
+        title: "A direction is unobservable or weakly observable",
+        text: "Stations can move without a change of the inter-prism distances. No setting helps. Drive a figure-eight with \
+               turns to both sides, 20 m or more across if the place allows. Then solve both drives together (File).",
         kinds: &[
             Kind::DriveLeavesDirectionFree,
             Kind::DriveWeak,
@@ -39,9 +39,9 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
-        title: "The mirror twin is not ruled out",
-        text: "Two answers fit, with a station higher or lower. Add calibration_raw.csv (one station's reading of the prisms) \
-               or control points, or drive over uneven ground, so that the rig pitches and rolls.",
+        title: "The mirror ambiguity is not resolved",
+        text: "Two solutions fit, with a station higher or lower. Add calibration_raw.csv (one station's reading of the \
+               prisms) or control points. Or drive over uneven ground, so that the rig pitches and rolls.",
         kinds: &[
             Kind::FlatGround,
             Kind::RivalMinimum,
@@ -55,8 +55,8 @@ pub const ADVICE: [Advice; 14] = [
     Advice {
         title: "Control points or the drive contradict the answer",
         text: "Two sources that should agree do not. A station was knocked between them, a point was read with another prism, \
-               or a constant is wrong. Look at which file is apart (Result, metrics), check its prism constant, and measure \
-               one point again.",
+               or a constant is wrong. Find the deviating file (Result, metrics), check its prism constant, and measure one \
+               point again.",
         kinds: &[
             Kind::ControlPointsContradict,
             Kind::DriveContradicts,
@@ -72,14 +72,14 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "A station moved during the drive",
-        text: "No one answer holds before and after. Select the times before it and use only those; next time firm ground, \
-               weights on the tripod, shade.",
+        text: "No single calibration fits the whole drive. Select the times before the movement and use only those. Next time, \
+               use firm ground, weights on the tripods and shade.",
         kinds: &[Kind::StationMoved, Kind::SpanLeftOut, Kind::LiveStepped],
     },
     Advice {
         title: "A clock jumps, drifts or is late",
-        text: "The joint estimate takes offsets and drifts out and says when a clock jumped; the methods of the paper do not, \
-               and are bent by it. Use only the times on one side of a jump.",
+        text: "The joint estimate corrects offsets and drifts, and reports jumps. The methods of the paper do not: their answers \
+               are biased. Use only the times on one side of a jump.",
         kinds: &[
             Kind::ClockStepped,
             Kind::ClockOffsetSuspected,
@@ -92,8 +92,8 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "The distances fit poorly",
-        text: "The prisms are in another order, the rig was measured wrongly or bent, a prism constant is counted twice, or a \
-               station followed another prism. Check under Put right; then measure the rig again.",
+        text: "The order of the prisms is wrong, the rig was measured wrongly or bent, a prism constant is added twice, or a \
+               station followed another prism. Check the data under Corrections. Then measure the rig again.",
         kinds: &[
             Kind::DistancesFitPoorly,
             Kind::DistanceOff,
@@ -104,10 +104,9 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
-        title: "An instrument errs more than it should",
-        text: "The estimate needs an error that instruments in order do not have: something else bends the answer and is taken for \
-               it. Check temperature, pressure and prism constant, whether the station was levelled, and what its prism \
-               looked like from there.",
+        title: "An instrument error is implausibly large",
+        text: "The estimated error is larger than those of sound instruments: probably another error biases the answer. Check \
+               temperature, pressure and prism constant, the levelling of the station, and its view of the prism.",
         kinds: &[
             Kind::InstrumentErrorImplausible,
             Kind::StationErrorsImplausible,
@@ -117,15 +116,15 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
-        title: "It did not settle",
-        text: "The estimate stopped before it reached a minimum, mostly because the data is short or contradicts itself. See \
-               what else is said, and leave out what is wrong.",
+        title: "The solver did not converge",
+        text: "The solver stopped before it reached a minimum, mostly because the data is short or contradictory. Read the other \
+               findings and leave out the wrong data.",
         kinds: &[Kind::EstimateNotConverged, Kind::SolverNotConverged],
     },
     Advice {
-        title: "The stamps are not reliable",
-        text: "Errors of the stamps move a prism by its speed times the error. Synchronise the stations (PTP or radio) and \
-               record again; until then drive slowly, and let the joint estimate find the offsets of the clocks.",
+        title: "The time stamps are not reliable",
+        text: "An error of the stamps moves a prism by its speed times the error. Synchronise the stations (PTP or radio) and \
+               record again. Until then, drive slowly and let the joint estimate determine the clock offsets.",
         kinds: &[
             Kind::ReadingsWithoutTime,
             Kind::StampsWholeSeconds,
@@ -135,9 +134,9 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
-        title: "The files contradict themselves",
-        text: "Readings or names of files cannot all be right. Check under Put right that each file belongs to this day and is \
-               read with the right units; then copy the data from the instruments again.",
+        title: "The files contradict each other",
+        text: "Some readings or file names are wrong. Check under Corrections that each file belongs to this day and is read \
+               with the right units. Then copy the data from the instruments again.",
         kinds: &[
             Kind::FolderDateContradictsStamps,
             Kind::ReadingsImplausible,
@@ -147,7 +146,7 @@ pub const ADVICE: [Advice; 14] = [
     Advice {
         title: "The rig is not known well enough",
         text: "Method D needs the distances between the prisms to a millimetre. Measure the three prisms from one station, or \
-               with a calliper, and name the file of the rig (File, or inter_prism_m in deployment.toml).",
+               with a calliper. Then name the file of the rig (File), or set inter_prism_m in deployment.toml.",
         kinds: &[
             Kind::NoRig,
             Kind::RigUnknown,
@@ -158,7 +157,7 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "Readings are missing",
-        text: "A calibration needs readings of all three stations at the same times. Check that each station has its file; then \
+        text: "A calibration needs readings of all three stations at the same times. Check that each station has its file. Then \
                relax the filters, or record a longer drive.",
         kinds: &[
             Kind::StationWithoutReadings,
@@ -168,14 +167,14 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
-        title: "The method has no answer from this data",
-        text: "Choose another method (Settings), or give this one what it lacks: the message names it.",
+        title: "The method gives no answer for this data",
+        text: "Choose another method (Settings), or add the data that the message names.",
         kinds: &[Kind::PointsOnALine, Kind::NoJointEstimate, Kind::NoAnswer, Kind::Cancelled],
     },
     Advice {
-        title: "A trajectory cannot be judged",
+        title: "A trajectory cannot be evaluated",
         text: "A trajectory needs a ground truth at the same times. Check that both are of one drive and that their clocks \
-               agree, or give the offset of the clock by hand.",
+               agree, or set the time offset by hand.",
         kinds: &[Kind::EstimateNotJudged, Kind::EstimateClockFarOff, Kind::EstimateScaleOff],
     },
 ];

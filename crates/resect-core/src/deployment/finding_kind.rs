@@ -53,12 +53,12 @@ impl FindingKind {
         }
     }
 
-    /// True if no answer from this data can be better than weak.
+    /// Returns true if no answer from this data can be better than weak.
     pub fn is_doubt(self) -> bool {
         self.nature() == Nature::Doubt
     }
 
-    /// True if a table beside the answer shows the same numbers.
+    /// Returns true if a table beside the answer shows the same numbers.
     pub fn is_tabled(self) -> bool {
         self.nature() == Nature::Tabled
     }
@@ -100,7 +100,7 @@ finding_kinds! {
     /// Readings that were left out by hand are not in this data.
     MaskedReadingsMissing = "masked-readings-missing", Warning;
 
-    /// A bag is damaged, and a part of it was lost.
+    /// A bag is damaged, and some of its data was lost.
     BagDamaged = "bag-damaged", Warning;
     /// The recording of a bag was interrupted, and the bag was read completely.
     BagIncomplete = "bag-incomplete", Note;
@@ -316,9 +316,9 @@ finding_kinds! {
     ControlPointsContradict = "control-points-contradict", Warning;
     /// The inter-prism distances of the drive contradict the answer.
     DriveContradicts = "drive-contradicts", Warning;
-    /// The inter-prism distances of the drive are off by more than a good answer leaves.
+    /// The inter-prism distances of the drive are off by more than with a good answer.
     DriveFitsPoorly = "drive-fits-poorly", Warning;
-    /// The prisms lie the other way round than in the reading of the rig.
+    /// Seen from above, the prisms have the opposite order to the reading of the rig.
     RigOrientationContradicts = "rig-orientation-contradicts", Warning;
     /// The heights of the prisms contradict the reading of the rig.
     RigHeightsContradict = "rig-heights-contradict", Warning;
@@ -360,11 +360,11 @@ finding_kinds! {
     NoiseLevels = "noise-levels", Tabled;
     /// An error of an instrument is significant.
     InstrumentError = "instrument-error", Tabled;
-    /// The largest parts of the standard deviations of a station.
+    /// The largest sources of the standard deviations of a station.
     UncertaintySources = "uncertainty-sources", Tabled;
-    /// An error of an instrument is larger than instruments in order have.
+    /// An error of an instrument is larger than those of instruments in order.
     InstrumentErrorImplausible = "instrument-error-implausible", Warning;
-    /// The errors of a station, taken together, are larger than instruments in order have.
+    /// The errors of a station, taken together, are larger than those of instruments in order.
     StationErrorsImplausible = "station-errors-implausible", Warning;
     /// The errors of all stations and distances, taken together, are implausible.
     ErrorsImplausible = "errors-implausible", Warning;
@@ -422,7 +422,7 @@ finding_kinds! {
     EarlierCalibrationWeak = "earlier-calibration-weak", Warning;
     /// One of the compared calibrations is not a joint estimate.
     ComparedWithoutJointEstimate = "compared-without-joint-estimate", Note;
-    /// Both runs have tracks that an unknown transform turned into one frame.
+    /// Both runs have tracks that an unknown transform brought into one frame.
     ComparedInUnknownFrame = "compared-in-unknown-frame", Warning;
     /// The rig is not the one of the earlier calibration.
     RigDiffersFromEarlier = "rig-differs-from-earlier", Warning;
@@ -435,9 +435,9 @@ finding_kinds! {
     PlanFarEnd = "plan-far-end", Note;
     /// The planned drive decides between the answer and its mirror twin.
     PlanResolvesMirror = "plan-resolves-mirror", Note;
-    /// The planned drive leaves the mirror twin to a static reading of the prisms.
+    /// The planned drive needs a static reading of the prisms to resolve the mirror twin.
     PlanMirrorNeedsReading = "plan-mirror-needs-reading", Note;
-    /// The planned drive leaves the mirror twin open, and the prisms are too level to decide.
+    /// The planned drive does not resolve the mirror twin, and the heights of the prisms are too similar to do so.
     PlanMirrorUnresolved = "plan-mirror-unresolved", Warning;
     /// Readings of the planned drive are lost.
     PlanReadingsLost = "plan-readings-lost", Warning;
@@ -467,7 +467,7 @@ finding_kinds! {
     AutosaveUnavailable = "autosave-unavailable", Warning;
     /// A session of an earlier crash is kept.
     EarlierSessionKept = "earlier-session-kept", Warning;
-    /// A part of a session has an unknown form, and was left out.
+    /// An element of a session has an unknown form, and was left out.
     SessionPartUnknown = "session-part-unknown", Warning;
     /// The plan of a session is invalid, and was left out.
     SessionPlanInvalid = "session-plan-invalid", Warning;
@@ -477,6 +477,6 @@ finding_kinds! {
     SessionFileChanged = "session-file-changed", Warning;
     /// A file of the session can no longer be read.
     SessionFileMissing = "session-file-missing", Warning;
-    /// The stored layout of the window has an unknown or repeated part.
+    /// The stored layout of the window has an unknown or repeated element.
     LayoutInvalid = "layout-invalid", Warning;
 }

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-/// A file that was looked at, and what became of it.
+/// A file of the folder, and its use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ingredient {
     /// Relative to the folder.

@@ -2,17 +2,17 @@
 
 use std::fmt;
 
-use super::ToldAngle;
+use super::MessageAngle;
 use super::printable::printable;
 
-/// A message as a list of text and angles. Displays with each angle in the unit that its finding chose.
+/// A message as a list of text and angles. `Display` writes each angle in the unit that its finding chose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Message(Vec<MessagePart>);
 
 #[derive(Clone, Debug, PartialEq)]
 enum MessagePart {
     Text(String),
-    Angle(ToldAngle),
+    Angle(MessageAngle),
 }
 
 impl Message {
@@ -25,7 +25,7 @@ impl Message {
 
     /// Appends an angle.
     #[must_use]
-    pub fn angle(mut self, angle: ToldAngle) -> Self {
+    pub fn angle(mut self, angle: MessageAngle) -> Self {
         self.0.push(MessagePart::Angle(angle));
         self
     }
@@ -37,8 +37,8 @@ impl Message {
         self
     }
 
-    /// Renders the message with each angle as `render_angle` gives it.
-    pub fn render(&self, render_angle: impl Fn(&ToldAngle) -> String) -> String {
+    /// Renders the message; `render_angle` renders each angle.
+    pub fn render(&self, render_angle: impl Fn(&MessageAngle) -> String) -> String {
         let render_part = |part: &MessagePart| match part {
             MessagePart::Text(text) => text.clone(),
             MessagePart::Angle(angle) => render_angle(angle),
@@ -59,29 +59,29 @@ impl From<String> for Message {
     }
 }
 
-impl From<ToldAngle> for Message {
-    fn from(angle: ToldAngle) -> Self {
+impl From<MessageAngle> for Message {
+    fn from(angle: MessageAngle) -> Self {
         Self::default().angle(angle)
     }
 }
 
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.render(ToldAngle::to_string))
+        f.write_str(&self.render(MessageAngle::to_string))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::ToldIn;
+    use crate::deployment::AngleFormat;
 
     #[test]
     fn angles_are_rendered_in_the_unit_of_the_reader() {
-        let turned = ToldAngle::signed(5e-4, ToldIn::Milliradians, 2);
+        let turned = MessageAngle::signed(5e-4, AngleFormat::Milliradians, 2);
         let message = Message::from("turned by ").angle(turned).text(" at\r once");
         assert_eq!(message.to_string(), "turned by +0.50 mrad at\\r once");
-        let in_degrees = |angle: &ToldAngle| format!("{:.3}°", angle.value_rad.to_degrees());
+        let in_degrees = |angle: &MessageAngle| format!("{:.3}°", angle.value_rad.to_degrees());
         assert_eq!(message.render(in_degrees), "turned by 0.029° at\\r once");
     }
 }

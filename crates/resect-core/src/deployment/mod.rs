@@ -1,6 +1,7 @@
 //! The data model: one field session of three robotic total stations, as it was measured.
 //!
-//! Readers (`resect-io`) make a [`Deployment`]; pipeline, calibration, window and commands take one and never look at a file again.
+//! Readers (`resect-io`) create a [`Deployment`]; pipeline, calibration, window and commands use it, and never read a file
+//! again.
 
 mod column_mapping;
 mod control_points;
@@ -13,6 +14,7 @@ pub mod findings;
 mod gnss;
 mod ingredient;
 mod message;
+mod message_angle;
 pub mod names;
 mod overrides;
 mod pairs;
@@ -22,7 +24,6 @@ mod remedy;
 mod rig;
 mod severity;
 pub mod station_clocks;
-mod told_angle;
 mod track;
 mod track_frame;
 
@@ -36,6 +37,7 @@ pub use finding_kind::FindingKind;
 pub use gnss::GnssFix;
 pub use ingredient::Ingredient;
 pub use message::Message;
+pub use message_angle::{AngleFormat, MessageAngle};
 pub use overrides::{
     AS_NUMBERED, AzimuthSense, MaskedReading, OneOrMany, OverrideInWords, Overrides, PrismConstants,
 };
@@ -44,6 +46,5 @@ pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};
 pub use severity::Severity;
-pub use told_angle::{ToldAngle, ToldIn};
 pub use track::{Measurement, RawRecord, TimeCorrection, Track};
 pub use track_frame::TrackFrame;

@@ -1,11 +1,11 @@
-//! Names that tell deployments apart: two folders may be called the same.
+//! Unique names of deployments: two folders may have the same name.
 
 use std::path::{Component, Path};
 
-/// Each name with as much of its place as tells it from the others: `run1/data` and `run2/data` of folders that are
-/// called the same, `drive, monday` and `drive, tuesday` of what their files call the same.
+/// Returns each name with as many folder names as needed to be unique.
 ///
-/// What no place tells apart is numbered.
+/// Folders of the same name become `run1/data` and `run2/data`; deployments that their files name alike become `drive, monday`
+/// and `drive, tuesday`. Names that no path distinguishes are numbered.
 pub fn told_apart(named: &[(String, Option<&Path>)]) -> Vec<String> {
     let mut names: Vec<String> = named.iter().map(|(name, _)| name.clone()).collect();
     for (first, (name, _)) in named.iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn told_apart(named: &[(String, Option<&Path>)]) -> Vec<String> {
     names
 }
 
-/// What a place is called, then the folders above it, the nearest first.
+/// Names of the components of a path, the last one first.
 fn parts(place: Option<&Path>) -> impl Iterator<Item = String> {
     place.into_iter().flat_map(|place| place.components().rev()).filter_map(|part| match part {
         Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
@@ -33,7 +33,7 @@ fn parts(place: Option<&Path>) -> impl Iterator<Item = String> {
     })
 }
 
-/// A name with so many parts of its place.
+/// Name with the last `count` components of its path.
 fn longer((name, place): &(String, Option<&Path>), count: usize) -> String {
     let mut parts: Vec<String> = parts(*place).take(count).collect();
     let named_after_it = parts.first() == Some(name);

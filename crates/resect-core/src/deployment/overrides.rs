@@ -4,37 +4,37 @@ use serde::{Deserialize, Serialize};
 
 use super::ColumnMapping;
 
-/// The subject of a key: what it is true of.
+/// Subject of a key: the data that it applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum KeySubject {
     /// The readings of one drive.
     Readings,
     /// Other files of one drive, and its name.
     Files,
-    /// The way that readings are written, in each drive.
+    /// The notation of the readings, in each drive.
     Writing,
     /// The vehicle, in each drive.
     Vehicle,
 }
 
-/// A value of [`Overrides`] in words.
+/// A key of [`Overrides`] with its name and value in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OverrideInWords {
     pub key: &'static str,
     /// Name of the key in the window.
     pub name: &'static str,
-    /// `None` where only the files say it.
+    /// `None` if only the files determine it.
     pub value: Option<String>,
 }
 
-/// The station numbers of files that do not say otherwise.
+/// Station numbers of files without an override.
 pub const AS_NUMBERED: [i64; 3] = [1, 2, 3];
 
-/// Defines [`Overrides`] and what is done with each key, from one table. A row has the key, its type, its subject, its
-/// name in the window, the value where nobody gives one, and the value in words.
+/// Defines [`Overrides`] and its methods from one table. A row has the key, its type, its subject, its name in the window, the
+/// default value, and the value in words.
 macro_rules! override_keys {
     ($($(#[$doc:meta])+ $key:ident: $type:ty, $subject:ident, $name:literal, $silent:expr, $words:expr;)+) => {
-        /// The keys that a deployment is read with; an absent key leaves the recognition as it is. Names of files are
+        /// Overrides with which a deployment is read; an absent key leaves the automatic recognition unchanged. File names are
         /// relative to the folder.
         #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
         #[serde(default, deny_unknown_fields)]
@@ -75,7 +75,7 @@ macro_rules! override_keys {
     };
 }
 
-/// Returns the value unless it is the one of the folder, or the one that holds where the folder is silent.
+/// Returns the value unless it equals that of the folder, or the default if the folder has none.
 fn differing<T: PartialEq>(own: Option<T>, as_read: Option<&T>, silent: Option<&T>) -> Option<T> {
     own.filter(|own| as_read.or(silent) != Some(own))
 }
@@ -83,55 +83,56 @@ fn differing<T: PartialEq>(own: Option<T>, as_read: Option<&T>, silent: Option<&
 override_keys! {
     /// Name of the deployment.
     name: String, Files, "name", None, |name| name;
-    /// The files with the stations' tracks, where a folder holds several.
+    /// Files with the stations' tracks, if a folder has several.
     tracks: OneOrMany, Readings, "tracks", None, |files| files.as_slice().join(", ");
     /// Topics of stations 1, 2, 3 in a bag whose messages do not name their station.
     topics: [String; 3], Writing, "topics", None, |topics| topics.join(", ");
     /// Numbers of stations 1, 2, 3 in the files: `[2, 1, 3]` exchanges the first two.
     stations: [i64; 3], Writing, "station numbers", Some(AS_NUMBERED),
         |numbers| numbers.map(|number| number.to_string()).join(" ");
-    /// Direction of growing azimuths of the tracks, seen from above; clockwise if absent.
+    /// Direction in which azimuths of the tracks increase, seen from above; clockwise if absent.
     azimuth: AzimuthSense, Writing, "azimuth", Some(AzimuthSense::Clockwise),
         |sense| sense.title().to_owned();
-    /// Added to every range of tracks, control points and rig reading (m).
+    /// Prism constant, added to every range of tracks, control points and rig reading (m).
     prism_constant_m: PrismConstants, Writing, "prism constant", Some(PrismConstants::default()),
         PrismConstants::in_words;
-    /// Whether the ranges of the tracks contain the prism constant already.
+    /// True if the ranges of the tracks contain the prism constant already.
     ranges_include_prism_constant: bool, Writing, "ranges", None, |include| {
         let what = if include { "contain" } else { "do not contain" };
         format!("{what} the prism constant")
     };
-    /// α, β, γ (m).
+    /// Inter-prism distances α, β, γ (m).
     inter_prism_m: [f64; 3], Vehicle, "inter-prism distances", None, metres;
     /// Number of prisms that the stations follow: 1 (all the same) or 3 (each its own); recognised if absent.
     prisms: u8, Vehicle, "prisms", None, |prisms| prisms.to_string();
-    /// Prisms 1, 2, 3 in the vehicle's frame (m); the origin of this frame is what a trajectory follows.
+    /// Prisms 1, 2, 3 in the vehicle's frame (m). Trajectories refer to the origin of this frame.
     prisms_m: [[f64; 3]; 3], Vehicle, "prisms in the vehicle", None,
         |prisms| prisms.map(metres).join("; ");
-    /// RTKLIB solution files of antennas 1, 2, 3, where their names do not tell.
+    /// RTKLIB solution files of antennas 1, 2, 3, if their names do not identify the antenna.
     gnss: [String; 3], Files, "GNSS", None, |files| files.join(", ");
     /// The control-point files to use.
     control_points: Vec<String>, Files, "control points", None,
         |files| if files.is_empty() { "none".to_owned() } else { files.join(", ") };
-    /// The files with what the instruments of stations 1, 2, 3 read (GSI, JobXML), where their names do not tell.
+    /// Files with the readings of the instruments of stations 1, 2, 3 (GSI, JobXML), if their names do not identify the
+    /// station.
     surveys: [String; 3], Files, "surveys", None, |files| files.join(", ");
-    /// The files that describe the rig; of a file of readings (GSI, JobXML) the first three points are prisms 1, 2, 3.
+    /// Files that describe the rig. In a file of readings (GSI, JobXML) the first three points are prisms 1, 2, 3.
     rig: OneOrMany, Vehicle, "rig", None, |files| files.as_slice().join(", ");
-    /// The span of the measurements to use (s, as stamped).
+    /// Span of the measurements to use (s, as stamped).
     span_s: [f64; 2], Readings, "span of time", None, |[from_s, to_s]| format!("{from_s:.1} to {to_s:.1} s");
-    /// Single readings that are left out.
+    /// Single readings to leave out.
     masked: Vec<MaskedReading>, Readings, "readings left out", Some(Vec::new()),
         |masked| masked.len().to_string();
     /// Meaning of the columns of the tracks' table.
     columns: ColumnMapping, Writing, "columns", None, |columns| columns.names().join(" ");
 }
 
-/// "0.8712 0.9954 1.1032 m".
+/// Formats three lengths: "0.8712 0.9954 1.1032 m".
 fn metres(values: [f64; 3]) -> String {
     values.map(|value| format!("{value:.4}")).join(" ") + " m"
 }
 
-/// Which way azimuths grow, seen from above.
+/// Direction in which azimuths increase, seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AzimuthSense {
@@ -140,7 +141,7 @@ pub enum AzimuthSense {
     CounterClockwise,
 }
 
-/// A prism constant for all stations, or one each (m). Equal if each station has the same.
+/// A prism constant for all stations, or one for each (m). Two values are equal if all stations have the same constants.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PrismConstants {
@@ -188,23 +189,23 @@ impl OneOrMany {
     }
 }
 
-/// A reading that the user leaves out, by what identifies it in its file.
+/// A reading that the user leaves out, identified by its station and stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaskedReading {
-    /// 1, 2 or 3, as the deployment numbers its stations.
+    /// 1, 2 or 3, in the deployment's numbering.
     pub station: u8,
     /// The stamp of the reading (s).
     pub time_s: f64,
 }
 
 impl Overrides {
-    /// Whether azimuths of the tracks turn against the clock.
+    /// Returns true if azimuths of the tracks increase counter-clockwise.
     pub fn is_counter_clockwise(&self) -> bool {
         self.azimuth == Some(AzimuthSense::CounterClockwise)
     }
 
-    /// Returns the keys that hold for every drive with these stations and this vehicle.
+    /// Returns the keys that apply to every drive with these stations and this vehicle.
     #[must_use]
     pub fn of_any_drive(&self) -> Self {
         self.about(|subject| matches!(subject, KeySubject::Writing | KeySubject::Vehicle))
@@ -216,7 +217,7 @@ impl Overrides {
         self.about(|subject| matches!(subject, KeySubject::Files | KeySubject::Vehicle))
     }
 
-    /// Gives the stations other numbers of the files; the masked readings stay the same ones.
+    /// Sets other station numbers in the files, and renumbers the masked readings so that they stay the same ones.
     pub fn renumber(&mut self, before: [i64; 3], after: [i64; 3]) {
         for mask in self.masked.iter_mut().flatten() {
             let number = before.get(usize::from(mask.station).wrapping_sub(1));
@@ -235,7 +236,7 @@ impl Overrides {
     /// Checks the values.
     ///
     /// # Errors
-    /// The first value that makes no sense, and the remedy.
+    /// The first invalid value, and the remedy.
     pub fn check(&self) -> Result<(), (String, &'static str)> {
         if let Some(constant_m) = self
             .prism_constant_m
@@ -249,7 +250,7 @@ impl Overrides {
         if self.prisms.is_some_and(|prisms| prisms != 1 && prisms != 3) {
             return Err((
                 "prisms must be 1 (all stations follow one) or 3".to_owned(),
-                "leave it out to have it recognised",
+                "omit it for automatic recognition",
             ));
         }
         if let Some([a, b, c]) = self.stations
@@ -257,7 +258,7 @@ impl Overrides {
         {
             return Err((
                 format!("stations is [{a}, {b}, {c}]"),
-                "give three different numbers of the files, those of stations 1, 2, 3",
+                "give the three different numbers of stations 1, 2, 3 in the files",
             ));
         }
         if let Some([from_s, to_s]) = self.span_s
@@ -293,7 +294,7 @@ impl Overrides {
         {
             return Err((
                 format!("utc_offset_hours is {}", columns.utc_offset_hours),
-                "zones are up to 14 hours from UTC",
+                "time zones are up to 14 hours from UTC",
             ));
         }
         Ok(())
@@ -312,7 +313,7 @@ impl AzimuthSense {
 }
 
 impl PrismConstants {
-    /// "+10.0 mm", or one for each station.
+    /// Returns "+10.0 mm", or one value for each station.
     pub fn in_words(self) -> String {
         match self.each_m() {
             [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
@@ -345,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_folder_says_already_is_not_put_right() {
+    fn what_the_folder_says_already_is_not_corrections() {
         let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
         let own = Overrides {
             stations: Some([1, 3, 2]),

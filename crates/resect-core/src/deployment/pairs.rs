@@ -1,6 +1,6 @@
 //! Pairs of prisms.
 
-/// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
+/// Pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
 pub const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 /// Label of a pair for people: "1–2".

@@ -1,9 +1,9 @@
-//! What files say, made fit to be told: in names and messages it must not move a terminal's cursor or fill its screen.
+//! Text of files, made safe for names and messages: it cannot move a terminal's cursor or fill its screen.
 
-/// The most characters of an error that repeats what a file says.
+/// Largest number of characters of an excerpt in an error.
 const LONGEST: usize = 400;
 
-/// A text with control characters as their codes.
+/// Returns a text with control characters as escape codes.
 pub fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for character in text.chars() {
@@ -16,7 +16,7 @@ pub fn printable(text: &str) -> String {
     shown
 }
 
-/// A printable text, cut where it is longer than any message of ours.
+/// Returns a printable text, truncated if it is longer than any message of this program.
 pub fn excerpt(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => printable(&text[..end]) + "…",

@@ -14,7 +14,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The end of a name with this unit.
+    /// Suffix of a name with this unit.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Metre => "_m",
@@ -26,13 +26,13 @@ impl Unit {
     }
 }
 
-/// A number that a finding rests on.
+/// A number on which a finding is based.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FindingQuantity {
     /// The name without unit, in snake case.
     pub name: &'static str,
     pub value: f64,
-    /// One standard deviation, where the value is an estimate.
+    /// One standard deviation; `None` if the value is not an estimate.
     pub sigma: Option<f64>,
     pub unit: Unit,
 }

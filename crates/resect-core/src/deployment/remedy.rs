@@ -5,26 +5,26 @@ use super::Overrides;
 /// A remedy that a finding advises.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remedy {
-    /// Taking the joint estimate, which allows for what is wrong.
+    /// Uses the joint estimate, which models the error.
     JointEstimate,
-    /// Taking the paper's method for this data.
+    /// Uses the paper's method for this data.
     PublishedMethod,
-    /// Starting from the closed form instead of the search.
+    /// Starts from the closed form instead of the search.
     ClosedFormPrior,
-    /// Turning points about the vertical only.
+    /// Rotates points about the vertical only.
     LevelAlignment,
-    /// Letting the pipeline keep more.
+    /// Relaxes the pipeline's filters.
     RelaxFilters,
-    /// Naming a file that describes the rig.
+    /// Adds a file that describes the rig.
     GiveRig,
     GiveControlPoints,
-    /// Looking through what was read for what is wrong.
-    PutRight,
-    /// Reading the data with this said over its files.
+    /// Checks the data that was read for errors.
+    Corrections,
+    /// Reads the data with these overrides of its files.
     ReadWith(Box<Overrides>),
-    /// Looking at what was measured from one time to another (s, in the stations' clock).
+    /// Shows the measurements of a span of time (s, in the stations' clock).
     ShowTimes([f64; 2]),
-    /// Looking at a control point, by its file and marker.
+    /// Shows a control point, by its file and marker.
     ShowPoint {
         file: String,
         marker: i64,

@@ -1,9 +1,9 @@
-//! The stations' own clocks against the time that readings are stamped with: by how much they lie apart, and what that tells.
+//! Comparison of the stations' own clocks with the stamps of the readings.
 //!
-//! A reading has a synchronised stamp, which the calibration uses, and what the computer at the station said, whose clock
-//! nothing sets. Their difference is the station's correction. That it is not zero, or not the same for all stations, is as it
-//! should be; that it jumps or drifts fast is not, because one of the two clocks must have done it. Which of the two is right
-//! cannot be told from them alone; the recorder's clock can tell, as far as messages reach it in a few milliseconds.
+//! A reading has a synchronised stamp, which the calibration uses, and a time by the unsynchronised clock of the station's
+//! computer. Their difference is the station's correction. It is normal that the correction is not zero, and that it differs
+//! between stations. A correction that jumps or drifts fast is not normal: one of the two clocks did so. The two times alone do
+//! not show the wrong clock. The recorder's clock can show it, if messages arrive within a few milliseconds.
 
 mod arrivals;
 mod robust;
@@ -18,7 +18,7 @@ use crate::deployment::findings::recordings::{
 };
 use crate::statistics::{median, sigma_of_errors};
 
-/// Crystals of small computers are good to 20 to 50 ppm; more is a clock that is being pulled.
+/// Crystals of small computers are accurate to 20 to 50 ppm; a clock with a larger drift is being adjusted.
 const ORDINARY_DRIFT_PPM: f64 = 100.0;
 
 /// A station's own clock minus the stamps of its readings, over a recording.
@@ -26,12 +26,12 @@ const ORDINARY_DRIFT_PPM: f64 = 100.0;
 pub struct ClockComparison {
     /// Readings that have both times.
     pub readings: usize,
-    /// Own clock minus stamp (s): the median.
+    /// Median of own clock minus stamp (s).
     pub median_s: f64,
-    /// How fast the own clock gains on the stamps between jumps (µs per s).
+    /// Drift of the own clock against the stamps between jumps (µs per s).
     pub drift_ppm: f64,
     pub jumps: Vec<ClockJump>,
-    /// What is left after median, drift and jumps: σ, robust (s).
+    /// Robust σ of the remainder after level, drift and jumps (s).
     pub spread_s: f64,
 }
 
@@ -39,11 +39,11 @@ pub struct ClockComparison {
 pub struct ClockJump {
     /// Stamp of the first reading after it (s).
     pub time_s: f64,
-    /// How much own clock minus stamp grew at the jump (s).
+    /// Increase of own clock minus stamp at the jump (s).
     pub by_s: f64,
 }
 
-/// Compares both times of a station's readings; `None` where fewer than ten have both.
+/// Compares both times of a station's readings; `None` if fewer than ten have both.
 pub fn compare(track: &Track) -> Option<ClockComparison> {
     let (times_s, apart_s): (Vec<f64>, Vec<f64>) = track
         .measurements
@@ -81,7 +81,7 @@ pub fn compare(track: &Track) -> Option<ClockComparison> {
     })
 }
 
-/// What both times of every station, and the corrections that the recording holds, say; nothing where no station has both.
+/// Findings about both times of every station, and about the recorded corrections; empty if no station has both times.
 pub fn findings(tracks: &[Track; 3], time_corrections: &[Vec<TimeCorrection>; 3]) -> Vec<Finding> {
     let comparisons = tracks.each_ref().map(compare);
     let mut findings = Vec::new();
@@ -121,7 +121,7 @@ pub fn findings(tracks: &[Track; 3], time_corrections: &[Vec<TimeCorrection>; 3]
     findings
 }
 
-/// Whether the corrections that were published are those that were applied.
+/// Compares the published corrections with those that were applied; `None` without corrections.
 fn against_corrections(
     station: usize,
     track: &Track,
@@ -160,7 +160,8 @@ mod tests {
 
     const START_S: f64 = 1_657_569_001.0;
 
-    /// A reading every 0.4 s; what its own clock is ahead by (s), of the time since the start (s), with a jitter of 1 ms.
+    /// A reading every 0.4 s, with a jitter of 1 ms. The own clock is ahead by `ahead_s` (s), a function of the time since the
+    /// start (s).
     fn track(ahead_s: impl Fn(f64) -> f64) -> Track {
         let since_s = (0..1000).map(|k| f64::from(k) * 0.4);
         let jitter_s = |t: f64| 1e-3 * (t * 91.7).sin();

@@ -1,10 +1,10 @@
-//! What one station measured over time.
+//! Measurements of one station over time.
 
 use nalgebra::Vector3;
 
 use crate::geometry::Polar;
 
-/// One reading of a station, as the instrument gave it (the prism constant is not in the range).
+/// One raw reading of a station; the range does not contain the prism constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     pub time_s: f64,
@@ -19,11 +19,11 @@ pub struct Measurement {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
     pub measurements: Vec<Measurement>,
-    /// Added to every range on the way to coordinates, and nowhere else; 0 where the ranges contain it already.
+    /// Added to every range in the conversion to coordinates, and nowhere else (m); 0 if the ranges contain it already.
     pub prism_constant_m: f64,
-    /// What the station's own, unsynchronised clock said at each measurement (s); empty where no file tells.
+    /// Time of each measurement by the station's own, unsynchronised clock (s); empty if no file has it.
     pub own_clock_s: Vec<f64>,
-    /// Whether the user leaves each measurement out (a span of time, single readings); empty where none is.
+    /// True for measurements that the user leaves out (a span of time, single readings); empty if there are none.
     pub left_out: Vec<bool>,
 }
 
@@ -42,31 +42,31 @@ impl Track {
         self.polar(measurement).to_cartesian()
     }
 
-    /// Whether the user leaves this measurement out.
+    /// Returns true if the user leaves this measurement out.
     pub fn is_left_out(&self, index: usize) -> bool {
         self.left_out.get(index).copied().unwrap_or(false)
     }
 }
 
-/// What a station's clock was corrected by at one moment, as the system that synchronises the stations said.
+/// Correction of a station's clock at one moment, as published by the system that synchronises the stations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeCorrection {
-    /// When the correction was said (s, synchronised time).
+    /// Time of publication (s, synchronised time).
     pub time_s: f64,
     /// The station's own clock minus the synchronised time (s).
     pub offset_s: f64,
 }
 
-/// A line or message of a file, before it is known to be a usable reading.
+/// A line or message of a file, not yet checked to be a usable reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawRecord {
-    /// Station number as the file gives it (1, 2 or 3 when it is right).
+    /// Station number in the file (1, 2 or 3 if it is valid).
     pub station: i64,
-    /// 0 when the station had a valid reading.
+    /// 0 for a valid reading.
     pub status: i64,
-    /// Line of a text file, or running number of a message in a bag.
+    /// Line of a text file, or sequence number of a message in a bag.
     pub place: usize,
     pub measurement: Measurement,
-    /// Time by the station's own clock (s), if the file has it beside the synchronised time.
+    /// Time by the station's own clock (s); `None` if the file has the synchronised time only.
     pub own_clock_s: Option<f64>,
 }

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrackFrame {
-    /// Each in its station's own, as measured; answers map those of stations 2 and 3 to that of station 1.
+    /// Each station's own frame, as measured; answers transform those of stations 2 and 3 into that of station 1.
     #[default]
     Own,
-    /// All in one, into which somebody turned them before they were written, in a way that is not known. Answers from
-    /// the tracks (methods C and D) map what is left; answers from control points (A and B) are about the stations' own
-    /// frames, and the two cannot be compared.
+    /// One common frame, into which an unknown transform turned the tracks before they were written. Answers from the tracks
+    /// (methods C and D) are the remaining transforms. Answers from control points (A and B) are about the stations' own
+    /// frames, so the two cannot be compared.
     Common,
 }

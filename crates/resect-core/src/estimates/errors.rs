@@ -1,4 +1,4 @@
-//! The errors of an estimate, each beside what the ground truth leaves open at that instant.
+//! Errors of an estimate, each with the covariance of the ground truth at that instant.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -7,20 +7,20 @@ use super::fit::Fit;
 use super::reference::True;
 use crate::statistics::tables::CHI_SQUARE_95_OF_3;
 
-/// How far an estimate is from the ground truth at one instant, in station 1's frame.
+/// Error of an estimate at one instant, in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpochError {
-    /// In the ground truth's time (s).
+    /// Time (s, in the ground truth's time).
     pub time_s: f64,
-    /// Where the estimate's body is in truth (m).
+    /// True position of the estimate's body (m).
     pub true_position_m: Vector3<f64>,
-    /// Estimate less truth (m), and the rotation vector from the one to the other (rad).
+    /// Estimate minus truth (m), and the rotation vector from the truth to the estimate (rad).
     pub position_m: Vector3<f64>,
     pub rotation_rad: Option<Vector3<f64>>,
-    /// What the ground truth itself leaves open: covariances of the body's position (m²) and rotation (rad²).
+    /// Covariances of the ground truth itself: of the body's position (m²) and rotation (rad²).
     pub covariance_m2: Matrix3<f64>,
     pub covariance_rad2: Option<Matrix3<f64>>,
-    /// By how much the readings around the instant contradict the rig (m).
+    /// Largest contradiction of the readings around the instant with the rig (m).
     pub contradiction_m: f64,
 }
 
@@ -30,22 +30,22 @@ impl EpochError {
         (self.covariance_m2.trace() / 3.0).max(0.0).sqrt()
     }
 
-    /// Whether the ground truth cannot tell the position's error from none: it is within its own 95 % region.
+    /// Returns true if the position error is not significant: it is within the ground truth's own 95 % confidence region.
     pub fn is_undecided(&self) -> bool {
         is_within(&self.position_m, &self.covariance_m2)
     }
 }
 
-/// Errors against what the ground truth knows of itself.
+/// Errors compared with the ground truth's own standard deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AgainstSigma {
-    /// The ground truth's σ along an axis, root mean square (m, rad).
+    /// Ground truth's σ along an axis, root mean square (m, rad).
     pub sigma_m: f64,
     pub sigma_rad: Option<f64>,
-    /// Share of the epochs at which the ground truth cannot tell the error from none.
+    /// Share of the epochs at which the error is not significant.
     pub undecided: f64,
     pub undecided_rotation: Option<f64>,
-    /// Share of the mean square error that the ground truth's own may make up, at most 1.
+    /// Share of the mean square error that the ground truth's own errors may explain, at most 1.
     pub of_truth: f64,
 }
 
@@ -54,7 +54,7 @@ struct Rotation {
     covariance: Matrix3<f64>,
 }
 
-/// Sums errors up against what the ground truth knows of itself at each.
+/// Summarises errors and the covariance of the ground truth at each.
 pub fn against_sigma(errors: &[EpochError]) -> AgainstSigma {
     let count = errors.len().max(1) as f64;
     let mean = |of: &dyn Fn(&EpochError) -> f64| errors.iter().map(of).sum::<f64>() / count;
@@ -81,7 +81,7 @@ fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
     covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI_SQUARE_95_OF_3)
 }
 
-/// How far the body was driven until each of the errors (m), straight between them.
+/// Distance driven by the body up to each of the errors (m), along straight lines between them.
 pub fn driven_m(errors: &[EpochError]) -> Vec<f64> {
     let mut driven_m = 0.0;
     let mut before: Option<&EpochError> = None;
@@ -96,7 +96,7 @@ pub fn driven_m(errors: &[EpochError]) -> Vec<f64> {
         .collect()
 }
 
-/// Errors of an estimate at each of these poses.
+/// Errors of an estimate at each of the matched poses.
 pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError> {
     let error = |(pose, truth): &(&EstimatedPose, &True)| {
         let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);
@@ -105,7 +105,7 @@ pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError>
             let own = fit.placed_orientation(pose)?;
             Some((own * (turned.orientation * fit.body_rotation?).inverse()).scaled_axis())
         });
-        // The body moves with the vehicle's turns by its lever arm: δ(p + R l) = δp − [R l]× θ.
+        // A rotation of the vehicle moves the body by its lever arm: δ(p + R l) = δp − [R l]× θ.
         let covariance_m2 = match (turned, fit.lever_arm_m) {
             (Some(turned), Some(lever_m)) => {
                 let by_turn = -(turned.orientation * lever_m).cross_matrix();

@@ -7,39 +7,39 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::deployment::Finding;
 use crate::deployment::names::told_apart;
 
-/// A trajectory as another system estimated it.
+/// A trajectory estimated by another system.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
-    /// The file's name without its ending, and what else tells it from others.
+pub struct EstimatedTrajectory {
+    /// File name without its extension, with further words if needed to be unique.
     pub name: String,
     pub path: PathBuf,
-    /// Which of those in a bag it is; `None` where there is one.
+    /// Topic in a bag of several trajectories; `None` if there is one.
     pub topic: Option<String>,
-    /// The poses in order of time, no two at one time.
+    /// Poses in strictly increasing order of time.
     pub poses: Vec<EstimatedPose>,
     pub findings: Vec<Finding>,
 }
 
-impl Estimate {
-    /// Whether the other was read from the same place.
+impl EstimatedTrajectory {
+    /// Returns true if both were read from the same file and topic.
     pub fn is_same(&self, other: &Self) -> bool {
         self.path == other.path && self.topic == other.topic
     }
 }
 
-/// The names of estimates, with as much of their folders as tells them apart: systems often call their files the same.
-pub fn names<'a>(estimates: impl Iterator<Item = &'a Estimate>) -> Vec<String> {
+/// Unique names of estimates, with as many folder names as needed: systems often name their files alike.
+pub fn names<'a>(estimates: impl Iterator<Item = &'a EstimatedTrajectory>) -> Vec<String> {
     let named: Vec<(&str, PathBuf)> =
         estimates.map(|one| (&*one.name, one.path.with_extension(""))).collect();
     let named = named.iter().map(|(name, path)| ((*name).to_owned(), Some(&**path)));
     told_apart(&named.collect::<Vec<_>>())
 }
 
-/// Where the estimate's body is in the estimate's own frame.
+/// Pose of the estimate's body in the estimate's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatedPose {
     pub time_s: f64,
     pub position_m: Vector3<f64>,
-    /// `None` where the file has positions only.
+    /// `None` if the file has positions only.
     pub orientation: Option<UnitQuaternion<f64>>,
 }

@@ -1,39 +1,39 @@
 //! Judgement of estimates against the ground truth.
 
 use super::errors::{self, EpochError};
-use super::estimate::{Estimate, names};
+use super::estimate::{EstimatedTrajectory, names};
 use super::fit::{self, Fit};
 use super::metrics::{self, Ape, RelativeErrors};
 use super::odd::{self, OddOne, OddSpan};
-use super::options::{Alignment, Options};
-use super::ranking::{self, Comparison};
-use super::reference::{Reference, True, matched, sound};
+use super::options::{Options, TrajectoryAlignment};
+use super::ranking::{self, PairComparison};
+use super::reference::{GroundTruthSource, True, matched, sound};
 use super::unjudged::Unjudged;
 use crate::analysis::Analysis;
 use crate::deployment::Deployment;
 
-/// An estimate beside the ground truth.
+/// An estimate compared with the ground truth.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    pub estimate: Estimate,
-    pub alignment: Alignment,
+    pub estimate: EstimatedTrajectory,
+    pub alignment: TrajectoryAlignment,
     pub fit: Fit,
-    /// In order of time, each of a pose where there is ground truth.
+    /// Errors of the poses with ground truth, in order of time.
     pub errors: Vec<EpochError>,
-    /// Poses at whose time there is no ground truth: before, after, and in its gaps.
+    /// Number of poses without ground truth: before, after, and in its gaps.
     pub without_truth: usize,
     pub position: Ape,
     /// Angles between orientations (rad); `None` without orientations.
     pub rotation: Option<Ape>,
-    /// Over paths of these lengths, the shortest first; none without orientations.
+    /// Relative errors over paths of these lengths, the shortest first; empty without orientations.
     pub relative: Vec<RelativeErrors>,
     pub against_sigma: errors::AgainstSigma,
-    /// Where the estimate and the ground truth contradict each other, in order of time.
+    /// Spans in which the estimate and the ground truth contradict each other, in order of time.
     pub odd: Vec<OddSpan>,
 }
 
 impl Judged {
-    /// The times of poses at which there is no ground truth, in the ground truth's time (s).
+    /// Times of poses without ground truth (s, in the ground truth's time).
     fn times_without_truth_s(&self) -> Vec<f64> {
         let all_s = self.estimate.poses.iter().map(|pose| pose.time_s + self.fit.time_offset_s);
         let mut with = self.errors.iter().map(|error| error.time_s).peekable();
@@ -41,27 +41,27 @@ impl Judged {
     }
 }
 
-/// All estimates, and what they say about each other.
+/// All estimates, and the comparisons between them.
 #[derive(Clone, Debug)]
-pub struct Judgement {
+pub struct EstimatesJudgement {
     pub judged: Vec<Judged>,
-    /// Each two of them by position, the better one first.
-    pub comparisons: Vec<Comparison>,
-    /// The names of estimates that could not be judged, and why.
+    /// Every pair of estimates, compared by position, the better one first.
+    pub comparisons: Vec<PairComparison>,
+    /// Names of the estimates that could not be judged, with the reason.
     pub unjudged: Vec<(String, Unjudged)>,
 }
 
-/// Lengths of path over which relative errors are told (m).
+/// Lengths of the paths of relative errors (m).
 pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
 
-/// Holds estimates against the deployment's own trajectory by its answer, each as its options say.
+/// Compares estimates with the deployment's own trajectory by its answer, each with its options.
 pub fn judge(
     deployment: &Deployment,
     analysis: &Analysis,
-    estimates: Vec<(Estimate, Options)>,
-) -> Judgement {
-    let reference = Reference::new(deployment, analysis);
-    let mut compared: Vec<Compared> = Vec::new();
+    estimates: Vec<(EstimatedTrajectory, Options)>,
+) -> EstimatesJudgement {
+    let reference = GroundTruthSource::new(deployment, analysis);
+    let mut compared: Vec<FittedEstimate> = Vec::new();
     let mut unjudged = Vec::new();
     let names = names(estimates.iter().map(|(estimate, _)| estimate));
     for ((mut estimate, options), name) in estimates.into_iter().zip(names) {
@@ -92,28 +92,28 @@ pub fn judge(
     let all: Vec<&[EpochError]> = compared.iter().map(|one| &one.judged.errors[..]).collect();
     let comparisons = ranking::compare(&all);
     let judged = compared.into_iter().zip(odd);
-    Judgement {
+    EstimatesJudgement {
         judged: judged.map(|(one, odd)| Judged { odd, ..one.judged }).collect(),
         comparisons,
         unjudged,
     }
 }
 
-/// An estimate beside the ground truth, before it is known who is wrong where.
-struct Compared {
+/// An estimate compared with the ground truth, before contradictions are attributed.
+struct FittedEstimate {
     judged: Judged,
-    /// The ground truth at each of its errors.
+    /// Ground truth at each of the errors.
     truths: Vec<True>,
-    /// Its errors where only the epochs align it at which the readings do not contradict themselves: a ground truth that is
-    /// metres off for some seconds turns the frame of evo's alignment, and would make the estimate seem wrong elsewhere.
+    /// Errors after aligning on self-consistent epochs only. A ground truth that is metres off for some seconds rotates the
+    /// frame of evo's alignment, and would make the estimate seem wrong elsewhere.
     by_sound: Vec<EpochError>,
 }
 
 fn judge_one(
-    reference: &Reference<'_>,
-    estimate: Estimate,
+    reference: &GroundTruthSource<'_>,
+    estimate: EstimatedTrajectory,
     options: Options,
-) -> Result<Compared, Unjudged> {
+) -> Result<FittedEstimate, Unjudged> {
     let (fit, truths) = fit::fit(reference, &estimate, &options)?;
     let matched = matched(&estimate.poses, &truths, fit.time_offset_s);
     let without_truth = estimate.poses.len() - matched.len();
@@ -124,7 +124,7 @@ fn judge_one(
         .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
     let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
     let mut by_sound = fit.clone();
-    // Where too few are left, they are no better than all.
+    // With too few self-consistent epochs, the alignment on all epochs is used.
     if fit::align(&mut by_sound, &sound(&matched), options.alignment).is_err() {
         by_sound = fit.clone();
     }
@@ -142,5 +142,5 @@ fn judge_one(
         rotation,
         relative,
     };
-    Ok(Compared { judged, truths, by_sound })
+    Ok(FittedEstimate { judged, truths, by_sound })
 }

@@ -8,14 +8,14 @@ use super::fit::Fit;
 use super::reference::True;
 use crate::statistics::median;
 
-/// Sizes of errors summed up, as `evo_ape` and `evo_rpe` print them, in the errors' own unit.
+/// Summary of error sizes as printed by `evo_ape` and `evo_rpe`, in the errors' own unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ape {
     pub count: usize,
     pub rmse: f64,
     pub mean: f64,
     pub median: f64,
-    /// Standard deviation about the mean, by the count.
+    /// Standard deviation about the mean, normalised by the count.
     pub std: f64,
     pub min: f64,
     pub max: f64,
@@ -42,17 +42,17 @@ impl Ape {
     }
 }
 
-/// Errors of the motion over paths of one length.
+/// Errors of the relative motion over paths of one length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeErrors {
     pub path_m: f64,
-    /// In metres, and in radians.
+    /// Errors in metres, and in radians.
     pub position: Ape,
     pub rotation: Ape,
 }
 
-/// Relative errors over consecutive paths of each length along the estimate, where there is at least one: `evo_rpe --delta
-/// LENGTH --delta_unit m`. Empty without orientations.
+/// Relative errors over consecutive paths of each length (m) along the estimate: `evo_rpe --delta LENGTH --delta_unit m`.
+/// Lengths without a complete path are left out. Empty without orientations.
 pub fn relative(
     matched: &[(&EstimatedPose, &True)],
     fit: &Fit,
@@ -78,7 +78,7 @@ pub fn relative(
     each.collect()
 }
 
-/// The body's pose by the estimate and in truth, in station 1's frame.
+/// Body's pose by the estimate and by the ground truth, in station 1's frame.
 fn both(pose: &EstimatedPose, truth: &True, fit: &Fit) -> Option<[Isometry3<f64>; 2]> {
     let (own, turned) = (fit.placed_orientation(pose)?, truth.turned.as_ref()?);
     let [placed_m, true_m] = fit.both_positions_m(pose, truth);
@@ -88,7 +88,7 @@ fn both(pose: &EstimatedPose, truth: &True, fit: &Fit) -> Option<[Isometry3<f64>
     ])
 }
 
-/// First and last pose of each path.
+/// Indices of the first and last pose of each path.
 fn pairs(poses: &[[Isometry3<f64>; 2]], path_m: f64) -> Vec<[usize; 2]> {
     let mut ends = vec![0];
     let mut along_m = 0.0;

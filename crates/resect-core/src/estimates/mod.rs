@@ -1,13 +1,14 @@
-//! Trajectories that other systems estimated, held against a deployment's own: SLAM, odometry, GNSS.
+//! Comparison of trajectories of other systems (SLAM, odometry, GNSS) with a deployment's own.
 //!
 //! ```text
-//! files ──read──▶ Estimate ──┐
-//! Analysis ──reference──▶ ground truth at the estimate's times ──fit──▶ Fit ──errors──▶ Judged ──ranking, odd──▶ Judgement
+//! files ──read──▶ EstimatedTrajectory
+//! Analysis ──reference──▶ ground truth at the estimate's times
+//! both ──fit──▶ Fit ──errors──▶ Judged ──ranking, odd──▶ EstimatesJudgement
 //! ```
-//! [`fit`] finds what the two do not share: the zero of the clocks, where the estimate's body is in the vehicle, and the
-//! estimate's frame. [`metrics`] are evo's, so that numbers compare with those of papers. What evo cannot say comes after it:
-//! how much of an error the ground truth itself leaves open ([`errors`]), whether one estimate is better than another by more
-//! than chance ([`ranking`]), and where the ground truth is the odd one out ([`odd`]).
+//! [`fit`] estimates the time offset, the body's position in the vehicle, and the transform of the estimate's frame.
+//! [`metrics`] are evo's, so that numbers are comparable with those of papers. The other modules add to evo's results: the
+//! covariance of the ground truth itself ([`errors`]), the significance of differences between estimates ([`ranking`]), and
+//! spans in which the ground truth is wrong ([`odd`]).
 
 pub mod errors;
 mod estimate;
@@ -22,7 +23,7 @@ mod time_offset;
 pub mod unfit;
 mod unjudged;
 
-pub use estimate::{Estimate, EstimatedPose, names};
-pub use judge::{Judged, Judgement, RELATIVE_M, judge};
-pub use options::{Alignment, Body, Options};
+pub use estimate::{EstimatedPose, EstimatedTrajectory, names};
+pub use judge::{EstimatesJudgement, Judged, RELATIVE_M, judge};
+pub use options::{Body, Options, TrajectoryAlignment};
 pub use unjudged::Unjudged;

@@ -1,7 +1,7 @@
-//! Where an estimate and the ground truth contradict each other, and which of the two is wrong.
+//! Spans in which an estimate and the ground truth contradict each other, and the one of the two that is wrong.
 //!
-//! A ground truth that went wrong shows it in two ways that no error of an estimate has: its own readings contradict the rig
-//! there, or several estimates agree with each other against it. Where neither is so, the estimate is taken to be wrong.
+//! Two signs show that the ground truth is wrong; no error of an estimate causes them. The readings contradict the rig, or
+//! several estimates agree with each other against the ground truth. Without either sign the estimate is taken to be wrong.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,55 +10,55 @@ use super::reference::{True, contradiction_limit_m};
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
-/// Squared errors beyond this are odd, in units of what the estimate's usual errors and the ground truth's own leave open
-/// together. Eight σ, because errors of both have heavier tails than normal ones: a ground truth is seven of its own σ off at
-/// some gap of most drives.
+/// Squared errors above this are outliers, in units of the combined variance of the estimate's usual errors and the ground
+/// truth. The limit is 8 σ, because errors of both have heavier tails than normal ones. In most drives the ground truth is off
+/// by 7 of its own σ at some gap.
 const ODD: f64 = 64.0;
-/// Drift is what errors have in common with those so long before and after (s), of which so many are looked at, anew for each
-/// step of time (s). What is odd for longer is taken for drift.
+/// Drift is the median of the errors within this time before and after (s), of at most so many errors. It is computed anew for
+/// each step of time (s). A longer outlier counts as drift.
 const ABOUT_S: f64 = 30.0;
 const MOST_ABOUT: usize = 301;
 const STEP_S: f64 = 1.0;
-/// Odd epochs that are not further apart belong together (s).
+/// Largest time between outlying epochs of one span (s).
 const TOGETHER_S: f64 = 2.0;
-/// Fewer odd epochs than this are noise.
+/// Spans of fewer outlying epochs are noise.
 const FEWEST: usize = 3;
-/// Estimates agree against the ground truth if they differ by less than this share of their error.
+/// Estimates agree against the ground truth if their difference is below this share of the error.
 const AGREE: f64 = 0.4;
 
-/// Who is wrong.
+/// The one that is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OddOne {
     Estimate,
-    /// The readings contradict the rig, or each other where all are of one prism.
+    /// The readings contradict the rig, or each other if all are of one prism.
     Readings,
-    /// So many estimates agree with each other against the ground truth.
+    /// Number of estimates that agree with each other against the ground truth.
     TruthAgainst(usize),
-    /// All stations read, but their readings cannot be right and were left out: there is no ground truth.
+    /// All stations have readings, but these were rejected as outliers: there is no ground truth.
     LeftOut,
 }
 
 /// A span in which an estimate and the ground truth contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OddSpan {
-    /// In the ground truth's time (s).
+    /// Start and end in the ground truth's time (s).
     pub span_s: [f64; 2],
-    /// The largest errors in it, without what drifted before (m, rad); zero where there is no ground truth.
+    /// Largest errors in the span, without the drift before it (m, rad); zero without ground truth.
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
-    /// Whether readings are held against the rig; those of one prism are against each other.
+    /// True if the readings are compared with the rig. Readings of one prism are compared with each other.
     pub by_rig: bool,
-    /// The station (0 to 2) whose distances are those that contradict the rig, where it is one of them.
+    /// The station (0 to 2) whose distances contradict the rig; `None` if it is no single one.
     pub station: Option<usize>,
 }
 
-/// Poses so close to a triplet (s) have no ground truth because its readings were left out, and not for want of readings; what is
-/// shorter (s) is the end of a stretch.
+/// A pose this close to a triplet (s) lacks ground truth because readings were rejected, not because they are missing. Shorter
+/// spans (s) are ends of segments.
 const AT_TRIPLET_S: f64 = 0.15;
 const SHORTEST_LEFT_OUT_S: f64 = 2.5;
 
-/// Spans in which an estimate has poses and the stations readings, but there is no ground truth. Both times are in order (s).
+/// Spans with poses of an estimate and readings of the stations, but without ground truth. Both lists of times ascend (s).
 pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64], by_rig: bool) -> Vec<OddSpan> {
     let is_read = |time_s: &&f64| {
         let after = triplet_s.partition_point(|other| other < *time_s);
@@ -81,13 +81,14 @@ pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64], by_rig: bool) 
         .collect()
 }
 
-/// A pair of prisms is no part of a contradiction if its distance is off by less than this share of the others'.
+/// A pair of prisms is not involved in a contradiction if its distance error is below this share of the others'.
 const NO_PART: f64 = 0.4;
-/// Triplets so long before and after a span count (s): those it is between two of.
+/// Triplets within this time before and after a span count (s): those on either side of it.
 const BESIDE_S: f64 = 0.3;
 
-/// The station whose distances to both others are wrong in a span, by the distance errors of pairs 12, 13, 23 at the times of
-/// the triplets.
+/// Returns the station whose distances to both others are wrong in a span; `None` if it is no single one.
+///
+/// The distance errors are those of pairs 12, 13, 23 at the times of the triplets.
 pub fn station_at_fault(
     span_s: [f64; 2],
     triplet_s: &[f64],
@@ -106,9 +107,9 @@ pub fn station_at_fault(
     })
 }
 
-/// The odd spans of one estimate beside all of them, without stations; `truths` are at the times of its errors.
+/// Spans in which one of the estimates contradicts the ground truth, without stations; `truths` are at the times of its errors.
 ///
-/// Errors count by what they differ from those about them, because estimates drift.
+/// Estimates drift, so the drift is subtracted from their errors.
 pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan> {
     let all: Vec<Vec<EpochError>> = all.iter().map(|errors| without_drift(errors)).collect();
     let errors = &all[own][..];
@@ -158,7 +159,7 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
         .collect()
 }
 
-/// The errors less the median of those about them, along each axis.
+/// Errors minus the median of those around them, along each axis.
 fn without_drift(errors: &[EpochError]) -> Vec<EpochError> {
     let mut left = errors.to_vec();
     let place = |error: &EpochError| (error.time_s / STEP_S).floor();
@@ -184,7 +185,7 @@ fn without_drift(errors: &[EpochError]) -> Vec<EpochError> {
     left
 }
 
-/// How large an estimate's errors usually are, along an axis.
+/// Usual errors of an estimate: σ along an axis.
 struct Usual {
     position_m: f64,
     rotation_rad: f64,
@@ -192,7 +193,7 @@ struct Usual {
 
 impl Usual {
     fn of(errors: &[EpochError]) -> Self {
-        // Half of the lengths of three normal errors are below 1.538 σ.
+        // The median length of three normal errors is 1.538 σ.
         let axis =
             |lengths: &mut dyn Iterator<Item = f64>| median(lengths).unwrap_or_default() / 1.538;
         Self {
@@ -213,7 +214,7 @@ fn is_odd(error: &Vector3<f64>, open: Matrix3<f64>, usual: f64) -> bool {
     expected.cholesky().is_some_and(|root| error.dot(&root.solve(error)) > ODD)
 }
 
-/// Whether another estimate has the same errors in a span, where it has any.
+/// Returns true if another estimate has the same errors in a span; false if it has none there.
 fn agrees(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> bool {
     let apart = span.iter().filter_map(|index| {
         let error = &errors[*index];
@@ -238,7 +239,7 @@ mod tests {
     #[test]
     fn the_station_of_both_pairs_that_are_off_is_at_fault() {
         let triplet_s: Vec<f64> = (0..100).map(|i| 0.1 * f64::from(i)).collect();
-        // Distance errors of 1 mm, and of the pairs given 30 mm from second 4 to 6.
+        // Distance errors of 1 mm, and of 30 mm for the given pairs from 4 to 6 s.
         let errors = |off: [bool; 3]| {
             off.map(|off| {
                 let error =
@@ -250,7 +251,7 @@ mod tests {
         assert_eq!(at_fault([true, true, false], [4.2, 5.0]), Some(0));
         assert_eq!(at_fault([true, false, true], [4.2, 5.0]), Some(1));
         assert_eq!(at_fault([false, true, true], [4.2, 5.0]), Some(2));
-        // One pair alone tells no station, nor do all three, and elsewhere nothing is wrong.
+        // One pair alone, or all three, identify no station. Elsewhere nothing is wrong.
         assert_eq!(at_fault([true, false, false], [4.2, 5.0]), None);
         assert_eq!(at_fault([true; 3], [4.2, 5.0]), None);
         assert_eq!(at_fault([true, true, false], [8.0, 9.0]), None);

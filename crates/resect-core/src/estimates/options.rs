@@ -3,52 +3,52 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// How an estimate is brought together with the ground truth.
+/// Options of the alignment of an estimate with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
-    pub alignment: Alignment,
-    /// What is added to the estimate's times (s); found if `None`.
+    pub alignment: TrajectoryAlignment,
+    /// Added to the estimate's times (s); estimated if `None`.
     pub time_offset_s: Option<f64>,
     pub body: Body,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { alignment: Alignment::Rigid, time_offset_s: None, body: Body::Found }
+        Self { alignment: TrajectoryAlignment::Rigid, time_offset_s: None, body: Body::Found }
     }
 }
 
-/// What an estimate's frame may be turned by, moved by and stretched by.
+/// Transform that aligns an estimate's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Alignment {
-    /// Nothing: the estimate is in station 1's frame.
+pub enum TrajectoryAlignment {
+    /// No transform: the estimate is in station 1's frame.
     None,
     /// A rotation and a translation (evo's `--align`).
     Rigid,
-    /// A scale too, for one camera alone (evo's `--align --correct_scale`).
+    /// A rotation, a translation and a scale, for a single camera (evo's `--align --correct_scale`).
     Similarity,
 }
 
-impl Alignment {
-    /// What the frame is turned, moved and stretched by, in words: "turn and shift".
+impl TrajectoryAlignment {
+    /// Short name for people: "rotation and translation".
     pub fn in_words(self) -> &'static str {
         match self {
             Self::None => "nothing",
-            Self::Rigid => "turn and shift",
+            Self::Rigid => "rotation and translation",
             Self::Similarity => "scale too",
         }
     }
 }
 
-/// Where the estimate's body is in the vehicle.
+/// Position of the estimate's body in the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Body {
-    /// Nobody knows: the lever arm is found, and its rotation where the estimate has orientations.
+    /// Unknown: the lever arm is estimated, and the body's rotation if the estimate has orientations.
     Found,
-    /// It is the vehicle's frame, as evo takes it to be.
+    /// The body's frame is the vehicle's, as evo assumes.
     Same,
-    /// The lever arm is known: the body's origin in the vehicle's frame, or in the body's the one prism (m).
+    /// Known lever arm (m): the body's origin in the vehicle's frame, or the single prism in the body's.
     Lever(Vector3<f64>),
 }

@@ -1,9 +1,9 @@
-//! Whether one estimate is better than another by more than chance, and by more than the ground truth's own errors.
+//! Significance of the difference between two estimates, given chance and the ground truth's own errors.
 //!
-//! Errors of estimates drift, so epochs are no independent samples: both are summed up in the same blocks of time, and the
-//! blocks are drawn with replacement (Künsch 1989, "The jackknife and the bootstrap for general stationary observations").
-//! In each draw the ground truth of a block is off as a whole, by what it leaves open there, for both estimates alike: what
-//! they have in common cancels.
+//! Errors of estimates drift, so epochs are not independent samples. The errors of both are summed over the same blocks of
+//! time, and the blocks are drawn with replacement (Künsch 1989, "The jackknife and the bootstrap for general stationary
+//! observations"). In each draw the ground truth of a block has a common error, drawn from its covariance there. The error is
+//! the same for both estimates, so what they have in common cancels.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -13,44 +13,44 @@ use rand_distr::{Distribution, StandardNormal};
 use super::errors::EpochError;
 use crate::statistics::quantiles;
 
-/// So many blocks, none shorter than this (s); with fewer that both have nothing is decided.
+/// Number of blocks, shortest block (s), and smallest number of common blocks for a decision.
 const BLOCKS: f64 = 24.0;
 const SHORTEST_BLOCK_S: f64 = 5.0;
 const FEWEST_BLOCKS: usize = 6;
 const DRAWS: usize = 4000;
 
-/// Two estimates over the times that both have, the better one first.
+/// Comparison of two estimates over their common times.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Comparison {
-    /// Their indices.
+pub struct PairComparison {
+    /// Indices of the estimates.
     pub better: usize,
     pub worse: usize,
-    /// Root mean square position errors where both have any (m).
+    /// Root mean square position errors over the common times, that of the better one first (m).
     pub rmse_m: [f64; 2],
-    /// The better one's over the worse one's, with where 95 % of the draws are; `None` where the drive is too short for it.
+    /// 95 % interval of the better one's error over the worse one's; `None` if the drive is too short.
     pub ratio_95: Option<[f64; 2]>,
     /// Share of the draws in which the better one is better.
     pub confidence: Option<f64>,
 }
 
-impl Comparison {
-    /// Whether chance would hardly make this difference: less than once in forty.
+impl PairComparison {
+    /// Returns true if the difference is significant: chance would cause it less than once in forty.
     pub fn is_significant(&self) -> bool {
         self.confidence.is_some_and(|confidence| confidence > 0.975)
     }
 }
 
-/// What the two say of one block of time.
-struct Block {
+/// Sums of both estimates' errors over one block of time.
+struct BlockErrors {
     counts: [f64; 2],
     squares: [f64; 2],
     sums: [Vector3<f64>; 2],
-    /// The ground truth's covariance, as both saw it together.
+    /// Covariance of the ground truth, averaged over the epochs of both.
     covariance_m2: Matrix3<f64>,
 }
 
-/// Each two estimates against each other.
-pub fn compare(all: &[&[EpochError]]) -> Vec<Comparison> {
+/// Compares each pair of estimates.
+pub fn compare(all: &[&[EpochError]]) -> Vec<PairComparison> {
     let mut found = Vec::new();
     for first in 0..all.len() {
         for second in first + 1..all.len() {
@@ -60,17 +60,17 @@ pub fn compare(all: &[&[EpochError]]) -> Vec<Comparison> {
     found
 }
 
-fn compare_two(indices: [usize; 2], both: [&[EpochError]; 2]) -> Option<Comparison> {
+fn compare_two(indices: [usize; 2], both: [&[EpochError]; 2]) -> Option<PairComparison> {
     let blocks = blocks(both)?;
     let rmse = |k: usize| {
-        let sum = |of: &dyn Fn(&Block) -> f64| blocks.iter().map(of).sum::<f64>();
+        let sum = |of: &dyn Fn(&BlockErrors) -> f64| blocks.iter().map(of).sum::<f64>();
         (sum(&|block| block.squares[k]) / sum(&|block| block.counts[k])).sqrt()
     };
     let rmse_m = [rmse(0), rmse(1)];
     let [better, worse] = if rmse_m[0] <= rmse_m[1] { [0, 1] } else { [1, 0] };
     let ratios = (blocks.len() >= FEWEST_BLOCKS).then(|| ratios(&blocks, better, worse));
     let count = DRAWS as f64;
-    Some(Comparison {
+    Some(PairComparison {
         better: indices[better],
         worse: indices[worse],
         rmse_m: [rmse_m[better], rmse_m[worse]],
@@ -80,7 +80,7 @@ fn compare_two(indices: [usize; 2], both: [&[EpochError]; 2]) -> Option<Comparis
     })
 }
 
-fn blocks(both: [&[EpochError]; 2]) -> Option<Vec<Block>> {
+fn blocks(both: [&[EpochError]; 2]) -> Option<Vec<BlockErrors>> {
     let (a, b) = (both[0], both[1]);
     let from_s = a.first()?.time_s.max(b.first()?.time_s);
     let to_s = a.last()?.time_s.min(b.last()?.time_s);
@@ -89,8 +89,8 @@ fn blocks(both: [&[EpochError]; 2]) -> Option<Vec<Block>> {
     }
     let length_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
     let count = ((to_s - from_s) / length_s) as usize + 1;
-    let mut blocks: Vec<Block> = (0..count)
-        .map(|_| Block {
+    let mut blocks: Vec<BlockErrors> = (0..count)
+        .map(|_| BlockErrors {
             counts: [0.0; 2],
             squares: [0.0; 2],
             sums: [Vector3::zeros(); 2],
@@ -113,8 +113,8 @@ fn blocks(both: [&[EpochError]; 2]) -> Option<Vec<Block>> {
     (!blocks.is_empty()).then_some(blocks)
 }
 
-/// The better one's error over the worse one's in draws of blocks.
-fn ratios(blocks: &[Block], better: usize, worse: usize) -> Vec<f64> {
+/// Ratios of the better one's error to the worse one's, in draws of blocks.
+fn ratios(blocks: &[BlockErrors], better: usize, worse: usize) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let roots: Vec<Matrix3<f64>> = blocks
         .iter()
@@ -128,7 +128,7 @@ fn ratios(blocks: &[Block], better: usize, worse: usize) -> Vec<f64> {
                 let (block, root) = (&blocks[drawn], &roots[drawn]);
                 let off = root * Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
                 for k in [0, 1] {
-                    // |e − δ|² but for |δ|², which is the same for both, summed over the block's epochs.
+                    // |e − δ|² without |δ|², which is the same for both, summed over the block's epochs.
                     squares[k] += block.squares[k] - 2.0 * off.dot(&block.sums[k]);
                     counts[k] += block.counts[k];
                 }

@@ -1,10 +1,10 @@
-//! The ground truth at any times: the vehicle's poses, or the one prism's positions, by the deployment's answer.
+//! Ground truth at any times: the vehicle's poses, or the positions of a single prism, by the deployment's answer.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::estimate::EstimatedPose;
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::joint::prisms::ByConstants;
+use crate::calibration::joint::prism_motion::ConstantsJacobian;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::{
@@ -12,18 +12,18 @@ use crate::evaluation::vehicle::{
 };
 use crate::statistics::median;
 
-/// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
+/// Ground truth at one instant, in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct True {
     pub time_s: f64,
     pub position_m: Vector3<f64>,
     pub velocity_m_per_s: Vector3<f64>,
-    /// `None` of one prism, which has no orientation.
+    /// `None` for a single prism, which has no orientation.
     pub turned: Option<Turned>,
     /// Covariance of the position (m²).
     pub covariance_m2: Matrix3<f64>,
-    /// By how much the readings around the instant contradict the rig, or each other where all are of one prism, at most (m):
-    /// what no error of an estimate does.
+    /// Largest contradiction of the readings around the instant with the rig, or with each other if all are of one prism (m).
+    /// No error of an estimate causes it.
     pub contradiction_m: f64,
 }
 
@@ -31,29 +31,30 @@ pub struct True {
 pub struct Turned {
     pub orientation: UnitQuaternion<f64>,
     pub rate_rad_per_s: Vector3<f64>,
-    /// Covariance of the rotation vector (rad²), and of it with the position (rad m), rows the rotation.
+    /// Covariance of the rotation vector (rad²), and its covariance with the position (rad m), rows the rotation.
     pub covariance_rad2: Matrix3<f64>,
     pub with_position: Matrix3<f64>,
 }
 
-/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
+/// Readings are wrong if they contradict the rig by more than this multiple of the usual size, and by more than this length
+/// (m).
 const CONTRADICTED_TIMES: f64 = 4.0;
 const CONTRADICTED_M: f64 = 0.01;
 
-/// By how much readings contradict the rig, or each other, at most where they are not wrong (m).
+/// Largest contradiction of readings that are not wrong (m).
 pub fn contradiction_limit_m<'a>(truths: impl Iterator<Item = &'a True>) -> f64 {
     let usual_m = median(truths.map(|truth| truth.contradiction_m)).unwrap_or_default();
     (CONTRADICTED_TIMES * usual_m).max(CONTRADICTED_M)
 }
 
-/// Poses with what is true then, without those at which the readings are wrong: a ground truth that is metres off for some
-/// seconds tells nothing of an estimate's clock, lever arm and frame.
+/// Pairs of pose and ground truth without those at which the readings are wrong. A ground truth that is metres off for some
+/// seconds says nothing about an estimate's clock, lever arm and frame.
 pub fn sound<'a>(pairs: &[(&'a EstimatedPose, &'a True)]) -> Vec<(&'a EstimatedPose, &'a True)> {
     let limit_m = contradiction_limit_m(pairs.iter().map(|(_, truth)| *truth));
     pairs.iter().filter(|(_, truth)| truth.contradiction_m <= limit_m).copied().collect()
 }
 
-/// Each pose with what is true at its time, where anything is.
+/// Pairs each pose with the ground truth at its time, if there is any.
 pub fn matched<'a>(
     poses: &'a [EstimatedPose],
     truths: &'a [True],
@@ -71,19 +72,19 @@ pub fn matched<'a>(
     matched
 }
 
-/// Where the ground truth comes from.
+/// Source of the ground truth.
 #[derive(Clone, Copy)]
-pub struct Reference<'a> {
+pub struct GroundTruthSource<'a> {
     pub deployment: &'a Deployment,
     analysis: &'a Analysis,
 }
 
-impl<'a> Reference<'a> {
+impl<'a> GroundTruthSource<'a> {
     pub fn new(deployment: &'a Deployment, analysis: &'a Analysis) -> Self {
         Self { deployment, analysis }
     }
 
-    /// Whether the vehicle's orientation is known.
+    /// Returns true if the vehicle's orientation is known.
     pub fn has_orientation(&self) -> bool {
         self.analysis.offer.targets != Targets::OnePrism
     }
@@ -94,7 +95,7 @@ impl<'a> Reference<'a> {
         Some([*times_s.first()?, *times_s.last()?])
     }
 
-    /// The truth at those of the times at which there is any, in order of time.
+    /// Returns the ground truth at those of the times that have any, in order of time.
     pub fn at(&self, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
         let answer = self.analysis.answer.as_ref().map_err(|why| NoTrajectory::NoAnswer {
             name: self.deployment.name.clone(),
@@ -107,8 +108,8 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// What errors all instants have in common, by time; nothing where that is not known.
-    pub fn common_errors(&self, times_s: &[f64]) -> Option<ByConstants> {
+    /// Errors common to all instants: their Jacobian at each time, and their covariance; `None` if they are unknown.
+    pub fn common_errors(&self, times_s: &[f64]) -> Option<ConstantsJacobian> {
         let calibration = &self.analysis.answer.as_ref().ok()?.calibration;
         common_errors(self.deployment, self.analysis.offer.targets, calibration, times_s)
     }
@@ -119,7 +120,7 @@ impl<'a> Reference<'a> {
         wanted: Instants<'_>,
     ) -> Result<Vec<True>, NoTrajectory> {
         let (triplets, targets) = (self.analysis.triplets(), self.analysis.offer.targets);
-        // Nothing is left out: where the readings contradict the rig is for the reader to see.
+        // No limit: contradictions between readings and rig are reported, not left out.
         let (found, _) =
             trajectory_by(self.deployment, triplets, targets, calibration, wanted, f64::INFINITY)?;
         let known = found.poses.into_iter().filter_map(|pose| {
@@ -145,7 +146,7 @@ impl<'a> Reference<'a> {
     fn of_prism(&self, answer: &Answer, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
         let triplets = self.analysis.triplets();
         let found = prism_by(self.deployment, triplets, &answer.calibration, wanted)?;
-        // The stations read one prism: how far apart they see it is what their readings contradict each other by.
+        // All stations read one prism, so the distances between their positions are the contradiction.
         let apart_mm = &answer.evaluation.distance_errors_mm;
         Ok(found
             .into_iter()

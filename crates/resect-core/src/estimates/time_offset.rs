@@ -1,21 +1,21 @@
-//! About how far apart two clocks are, by when both bodies were fast and slow: whatever frames and levers are.
+//! Coarse time offset between two clocks by correlation of speeds, independent of frames and lever arms.
 
 use super::estimate::EstimatedPose;
 use super::reference::True;
 
-/// Speeds are compared at this rate (Hz).
+/// Rate at which speeds are compared (Hz).
 pub const RATE_HZ: f64 = 10.0;
-/// Clocks of one robot are rarely further apart (s); GPS and UTC are 18 s, TAI and UTC 37 s.
+/// Usual limit of the offset between clocks of one robot (s); GPS and UTC differ by 18 s, TAI and UTC by 37 s.
 const USUAL_S: f64 = 60.0;
-/// A lag counts if so many seconds are compared.
+/// Shortest common time of a lag (s).
 const LEAST_COMMON_S: f64 = 10.0;
-/// Half of the span over which a speed is taken (s).
+/// Half of the span over which a speed is computed (s).
 const HALF_S: f64 = 0.3;
-/// Speeds that are less alike than this say nothing about the clocks.
+/// Smallest correlation of speeds that determines an offset.
 const LEAST_CORRELATION: f64 = 0.5;
 
-/// What to add to the estimate's times (s), to a tenth of a second; zero where speeds do not tell and the times overlap, and
-/// `None` where they do not overlap either.
+/// Returns the offset to add to the estimate's times (s), to a tenth of a second. It is zero if speeds do not determine it but
+/// the times overlap, and `None` if they do not overlap either.
 pub fn coarse(poses: &[EstimatedPose], truths: &[True]) -> Option<f64> {
     let (first, last) = (poses.first()?, poses.last()?);
     let (from_s, to_s) = (truths.first()?.time_s, truths.last()?.time_s);
@@ -27,7 +27,7 @@ pub fn coarse(poses: &[EstimatedPose], truths: &[True]) -> Option<f64> {
         let at = ((truth.time_s - from_s) * RATE_HZ).round() as usize;
         known[at] = Some(truth.velocity_m_per_s.norm());
     }
-    // A lag of whole steps puts the estimate's first sample on one of the truth's.
+    // A lag of whole steps aligns the estimate's first sample with one of the truth's.
     let zero = ((first.time_s - from_s) * RATE_HZ).round();
     let usual = (USUAL_S * RATE_HZ) as i64;
     let near = -usual..=usual;
@@ -40,14 +40,14 @@ pub fn coarse(poses: &[EstimatedPose], truths: &[True]) -> Option<f64> {
     match found.filter(|(alike, _)| *alike > LEAST_CORRELATION) {
         Some((_, lag)) => Some(lag as f64 / RATE_HZ),
         None if overlap(0.0) > LEAST_COMMON_S => Some(0.0),
-        // Stamps that count from something else.
+        // The stamps have different origins.
         None => best(far, 0)
             .filter(|(alike, _)| *alike > LEAST_CORRELATION)
             .map(|(_, lag)| from_s - first.time_s + lag as f64 / RATE_HZ),
     }
 }
 
-/// The estimate's speeds at even steps from its first time on; `None` where it has no poses about.
+/// Speeds of the estimate (m/s) at even steps from its first time; `None` without poses nearby.
 fn speeds(poses: &[EstimatedPose]) -> Vec<Option<f64>> {
     let (Some(first), Some(last)) = (poses.first(), poses.last()) else { return Vec::new() };
     let count = ((last.time_s - first.time_s) * RATE_HZ) as usize + 1;
@@ -66,7 +66,7 @@ fn speeds(poses: &[EstimatedPose]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// The correlation of the speeds, the estimate's first one beside the truth's of that index.
+/// Correlation of the speeds; the truth's index of the estimate's first speed is `first`.
 fn correlation(own: &[Option<f64>], known: &[Option<f64>], first: i64) -> Option<f64> {
     let from = (-first).max(0) as usize;
     let beside = known.get((first + from as i64) as usize..)?;
@@ -85,7 +85,7 @@ fn correlation(own: &[Option<f64>], known: &[Option<f64>], first: i64) -> Option
     }
     let spread = |k: usize| squares[k] - sums[k] * sums[k] / n;
     let size = (spread(0) * spread(1)).sqrt();
-    // More of the drive in common is worth more: a short piece is alike by chance.
+    // A longer common time has more weight, because short segments correlate by chance.
     let share = n / own.len().min(known.len()) as f64;
     (size > 0.0).then(|| (product - sums[0] * sums[1] / n) / size * share.min(1.0).sqrt())
 }

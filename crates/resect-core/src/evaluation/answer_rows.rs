@@ -1,13 +1,12 @@
-//! The numbers of an answer as rows, described once for every table.
+//! Numbers of an answer as rows, described once for every table.
 //!
-//! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate gets a row here, and is
-//! then in all of them.
+//! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate needs a row here only.
 
 use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
 use crate::calibration::joint::JointEstimate;
-use crate::calibration::joint::instruments::instruments;
+use crate::calibration::joint::instrument_errors::instrument_errors;
 use crate::calibration::{Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets};
 use crate::deployment::{Deployment, PAIRS, pair_label};
 use crate::geometry::wrap_to_pi;
@@ -42,7 +41,7 @@ impl RowGroup {
         }
     }
 
-    /// Returns true if its rows are estimates beside the transforms.
+    /// Returns true if the rows are estimates other than the transforms.
     pub fn is_beside_transforms(self) -> bool {
         matches!(self, Self::Distances | Self::Clocks | Self::Instruments)
     }
@@ -50,7 +49,7 @@ impl RowGroup {
 
 /// The value that a row is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reference {
+pub struct ReferenceValue {
     /// "measured", or "method D".
     pub name: String,
     pub value: f64,
@@ -66,13 +65,13 @@ pub struct AnswerRow {
     pub symbol: String,
     pub quantity: Quantity,
     pub value: f64,
-    /// One standard deviation; `None` where a direction is not determined, and of numbers without one.
+    /// One standard deviation; `None` for an unobservable direction, and for numbers without σ.
     pub sigma: Option<f64>,
     /// Standard deviation before this drive.
     pub prior: Option<f64>,
-    /// Compared with zero if there is none.
-    pub reference: Option<Reference>,
-    /// The data determines that the value differs from its reference.
+    /// `None` if the value is compared with zero.
+    pub reference: Option<ReferenceValue>,
+    /// True if the value differs significantly from its reference.
     pub is_significant: bool,
 }
 
@@ -144,9 +143,10 @@ pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
                 value: values[place],
                 sigma: sigmas.get(place).copied().flatten(),
                 prior: None,
-                reference: before
-                    .as_ref()
-                    .map(|(name, values)| Reference { name: name.clone(), value: values[place] }),
+                reference: before.as_ref().map(|(name, values)| ReferenceValue {
+                    name: name.clone(),
+                    value: values[place],
+                }),
                 is_significant: false,
             };
             rows.push(row);
@@ -155,7 +155,7 @@ pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     rows
 }
 
-/// Returns the estimates of a joint estimate beside the transforms: clocks and instruments by station, then the distances.
+/// Returns the estimates other than the transforms of a joint estimate: clocks and instruments by station, then the distances.
 pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<AnswerRow> {
     let Some(joint) = calibration.joint() else { return Vec::new() };
     let mut rows = Vec::new();
@@ -163,7 +163,7 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
         if station > 0 {
             rows.extend(clock_rows(joint, station));
         }
-        let errors = instruments(joint);
+        let errors = instrument_errors(joint);
         rows.extend(errors.iter().filter(|error| error.station == station).map(|error| {
             let symbol = indexed(error.kind.symbol(), &[station + 1]);
             let row = estimated(RowGroup::Instruments, of_station(station), error.estimate);
@@ -171,8 +171,8 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
                 name: error.kind.name().to_owned(),
                 symbol,
                 quantity: error.kind.quantity(),
-                prior: Some(error.known),
-                is_significant: error.is_told(),
+                prior: Some(error.prior_sigma),
+                is_significant: error.is_significant(),
                 ..row
             }
         }));
@@ -187,7 +187,7 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
             quantity: Quantity::Length,
             prior: Some(joint.sizes.inter_prism_m),
             reference: measured_m
-                .map(|all| Reference { name: "measured".to_owned(), value: all[pair] }),
+                .map(|all| ReferenceValue { name: "measured".to_owned(), value: all[pair] }),
             ..estimated(RowGroup::Distances, subject, *distance_m)
         };
         row.is_significant = is_far(&row);
@@ -216,14 +216,14 @@ fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
             _ => format!("clock offset, drive {}", number + 1),
         };
         let prior_s = joint.sizes.clock_offset_s;
-        rows.push(row(name, "Δt", Quantity::Time, drive.late_s[slot], prior_s));
+        rows.push(row(name, "Δt", Quantity::Time, drive.offsets_s[slot], prior_s));
     }
     let (drift, prior) = (joint.clock_drifts[slot], joint.sizes.clock_drift);
     rows.push(row("clock drift".to_owned(), "Δf", Quantity::Drift, drift, prior));
     rows
 }
 
-/// Returns the noise of the readings that a joint estimate learned.
+/// Returns the noise levels of the readings by a joint estimate; empty for other methods.
 pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     let Some(joint) = calibration.joint() else { return Vec::new() };
     let levels = &joint.levels;

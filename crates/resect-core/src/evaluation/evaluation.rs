@@ -14,13 +14,13 @@ use super::spread::Spread;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlPointMetric {
     pub file: String,
-    /// Distances between the stations' versions of the same point (mm).
+    /// Distances between the stations' readings of the same point (mm).
     #[serde(flatten)]
     pub spread: Spread,
 }
 
 impl ControlPointMetric {
-    /// The one whose median is the largest.
+    /// The metric with the largest median.
     pub fn worst(of: &[Self]) -> Option<&Self> {
         of.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median))
     }
@@ -29,20 +29,19 @@ impl ControlPointMetric {
 /// Both metrics of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23; the known distance is zero where
-    /// all stations follow one prism.
+    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23. The known distance is zero if all stations
+    /// follow one prism.
     pub distance_errors_mm: [Vec<f64>; 3],
     /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
     pub inter_prism_mm: Option<Spread>,
-    /// |distance error| against the distances as measured on the vehicle (mm), where the answer estimates them.
+    /// |distance error| from the distances measured on the vehicle (mm), if the answer estimates distances.
     pub against_measured_mm: Option<Spread>,
     pub inter_prism_by_pair_mm: [Option<Spread>; 3],
-    /// The control-point metric of each file of control points (mm); pillars are left out.
+    /// The control-point metric of each file of control points (mm), without pillars.
     pub control_points_mm: Vec<ControlPointMetric>,
 }
 
-/// The distances that errors are measured against (m): as measured on the vehicle, or zero where all stations follow
-/// one prism, whose versions should coincide.
+/// Known inter-prism distances (m): as measured on the vehicle, or zero if all stations follow one prism. `None` without a rig.
 pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f64; 3]> {
     match targets {
         Targets::OnePrism => Some([0.0; 3]),
@@ -50,9 +49,9 @@ pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f
     }
 }
 
-/// Evaluates an answer on the corrected triplets, with its own distances where it estimates them.
+/// Evaluates an answer on the corrected triplets, with its estimated distances if it has any.
 ///
-/// Returns the corrected triplets, where there are any.
+/// Returns the corrected triplets too, if there are any.
 pub fn evaluate_answer(
     deployment: &Deployment,
     triplets: &Triplets,

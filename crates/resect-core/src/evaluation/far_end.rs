@@ -1,16 +1,16 @@
-//! What a calibration leaves open where it matters most: at the far end of the track.
+//! Standard deviation of a prism's position at the far end of the track, by the calibration alone.
 //!
-//! σ of a translation and of a yaw mean little by themselves, because they cancel or add up with the distance to the
-//! prism. What a user can set a limit to is where a calibrated station puts a prism.
+//! σ of a translation and of a yaw mean little by themselves, because they cancel or add up with the distance to the prism. A
+//! user can set a limit to the error with which a calibrated station positions a prism.
 
 use nalgebra::{Matrix3x4, SMatrix, Vector3};
 
 use crate::geometry::RigidTransform;
 
-/// Where on the track the calibration alone leaves the most open.
+/// The point of the track with the largest standard deviation by the calibration alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarEnd {
-    /// Which station is meant, 1 or 2 of 0 to 2.
+    /// The station, 1 or 2 of 0 to 2.
     pub station: usize,
     /// Position of its prism in the frame of station 1 (m).
     pub position_m: Vector3<f64>,
@@ -18,11 +18,10 @@ pub struct FarEnd {
     pub sigma_m: f64,
 }
 
-/// Finds where stations 2 and 3 are least certain to put their prisms.
+/// Finds the point at which stations 2 and 3 position their prisms with the largest standard deviation.
 ///
-/// `covariance` is that of (x, y, z, yaw) of stations 2 and 3 (m, rad), and `points_m` are the prisms of the track in the
-/// frames of their own stations (m), as in [`crate::pipeline::Triplets::points_m`]. `None` without points, or where a σ is
-/// not a number.
+/// `covariance` is that of (x, y, z, yaw) of stations 2 and 3 (m, rad). `points_m` are the prisms of the track in the frames of
+/// their own stations (m), as in [`crate::pipeline::Triplets::points_m`]. `None` without points, or if a σ is not a number.
 ///
 /// A point q of station s has p = R(ψ) q + t, whose covariance is J Σ Jᵀ with J = (I, ∂R/∂ψ q).
 pub fn far_end(
@@ -63,14 +62,14 @@ mod tests {
             [RigidTransform::IDENTITY, RigidTransform::from(level), RigidTransform::IDENTITY];
         let points_m =
             [vec![], vec![Vector3::new(10.0, 0.0, 1.0), Vector3::new(60.0, 0.0, 1.0)], vec![]];
-        // Only the yaw is open, by 1 mrad: 60 mm at 60 m.
+        // Only the yaw is uncertain, by 1 mrad: 60 mm at 60 m.
         let mut open = SVector::<f64, 8>::zeros();
         open[3] = 1e-3;
         let found = far_end(&transforms, &(open * open.transpose()), &points_m).expect("points");
         assert_eq!(found.station, 1);
         assert!((found.sigma_m - 0.06).abs() < 1e-12, "{found:?}");
         assert!((found.position_m - level.apply(&points_m[1][1])).norm() < 1e-12);
-        // Turned about the far point, the near one is the uncertain one.
+        // With a rotation about the far point, the near one is uncertain.
         let back_m = -level.rotate(&Vector3::new(0.0, 60.0, 0.0)) * 1e-3;
         open.fixed_rows_mut::<3>(0).copy_from(&back_m);
         let found = far_end(&transforms, &(open * open.transpose()), &points_m).expect("points");

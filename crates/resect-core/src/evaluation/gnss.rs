@@ -1,23 +1,23 @@
-//! Three GNSS antennas on the vehicle, and how well their fixes keep the distances between them: the metric of the
-//! prisms for the sensor that the total stations are compared with.
+//! Distance errors between three GNSS antennas on the vehicle: the inter-prism metric for the sensor that the total stations
+//! are compared with.
 
 use crate::deployment::GnssFix;
 use crate::deployment::PAIRS;
 
-/// Quality of a fix with its ambiguities fixed to integers: the only kind good to millimetres.
+/// Quality of a fix with integer ambiguities, the only kind that is accurate to millimetres.
 const FIXED: u8 = 1;
 
-/// Stamps this close are one epoch: receivers measure on the seconds of GPS, far closer than this.
+/// Largest difference of stamps within one epoch (s). Receivers measure on the seconds of GPS, with far smaller differences.
 const SAME_EPOCH_S: f64 = 0.005;
 
 /// Distances between the antennas, epoch by epoch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterAntenna {
-    /// Apparent minus known distance (mm), for pairs 12, 13, 23; one of each for every epoch.
+    /// Apparent minus known distance (mm), for pairs 12, 13, 23; one value of each for every epoch.
     pub errors_mm: [Vec<f64>; 3],
     /// Epochs at which all three antennas have a fixed solution.
     pub epochs: usize,
-    /// Epochs of all three antennas left out because a solution is not fixed.
+    /// Epochs of all three antennas that are left out because a solution is not fixed.
     pub not_fixed: usize,
     /// Fixes left out because another antenna has none at that time.
     pub unmatched: usize,
@@ -63,7 +63,7 @@ mod tests {
     /// A 3-4-5 triangle of antennas.
     const CORNERS_M: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
-    /// Fixes of one antenna while the vehicle drives along.
+    /// Fixes of one antenna on the moving vehicle.
     fn fixes(antenna: usize, stamps_s: &[f64]) -> Vec<GnssFix> {
         let corner = Vector3::from(CORNERS_M[antenna]);
         let at = |time_s: f64| Vector3::new(1.6e6 + time_s.round(), -4.3e6, 4.4e6) + corner;
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn only_common_fixed_epochs_count() {
-        // Jitter below the limit at 1 s; antenna 2 lacks 2 s, antenna 3 starts late and goes on longer.
+        // Jitter at 1 s is below the limit. Antenna 2 lacks 2 s; antenna 3 starts later and ends later.
         let mut all = [
             fixes(0, &[0.0, 1.0, 2.0, 3.0, 4.0]),
             fixes(1, &[0.0, 1.004, 3.0, 4.0]),
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!((found.epochs, found.not_fixed, found.unmatched), (2, 1, 5));
         assert!(found.errors_mm.iter().all(|errors| errors.len() == 2));
         assert!(found.errors_mm.iter().flatten().all(|error| error.abs() < 1e-5));
-        // Further apart than the limit is another epoch.
+        // Stamps that differ by more than the limit are different epochs.
         all[1][1].time_s += 0.002;
         let found = inter_antenna(all.each_ref().map(Vec::as_slice), &[3.0, 4.0, 5.0]);
         assert_eq!((found.epochs, found.not_fixed, found.unmatched), (1, 1, 8));

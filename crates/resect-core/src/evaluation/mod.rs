@@ -1,4 +1,4 @@
-//! How good an answer is, by the paper's two metrics.
+//! Quality of an answer by the paper's two metrics.
 
 pub mod answer_rows;
 mod evaluation;

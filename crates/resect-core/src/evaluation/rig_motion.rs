@@ -1,21 +1,26 @@
-//! The pose and the twist of a vehicle from where its three prisms are and how they move, with all that is open about both.
+//! Pose and twist of a vehicle from the positions and velocities of its three prisms, with their full covariance.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, UnitQuaternion, Vector3, Vector6};
 
 use super::trajectory::{Pose, Twist};
-use crate::calibration::joint::prisms::Instant;
+use crate::calibration::joint::prism_motion::MotionInstant;
 use crate::deployment::pairwise_distances;
 use crate::geometry::align_rigid;
 
-/// Steps towards the pose: the first is within millimetres.
+/// Gauss–Newton steps to the pose; the first is accurate to millimetres.
 const STEPS: usize = 4;
 
-/// The pose that the prisms allow best, weighed by their covariance and by how well the rig itself is known: `rig_m` are the
-/// prisms in the vehicle's frame, `rig_sigma_m` how far each may be off along any axis. `None` of prisms on a line.
+/// Generalised least-squares pose of the rig; `None` if the prisms lie on a line.
 ///
-/// Gauss & Newton about the unweighted pose, and the covariance of generalised least squares, (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel
-/// 2016, "Photogrammetric Computer Vision", chapter 4). The twist is the same with the velocities.
-pub fn rig_pose(rig_m: &[Vector3<f64>; 3], rig_sigma_m: f64, at: &Instant<9>) -> Option<Pose> {
+/// The weights are from the covariance of the prisms and of the rig. `rig_m` are the prisms in the vehicle's frame (m), and
+/// `rig_sigma_m` is σ of each along any axis (m). Gauss–Newton steps start at the unweighted pose, and the covariance is
+/// (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). The twist is estimated likewise from the
+/// velocities.
+pub fn rig_pose(
+    rig_m: &[Vector3<f64>; 3],
+    rig_sigma_m: f64,
+    at: &MotionInstant<9>,
+) -> Option<Pose> {
     let points_m = [0, 1, 2].map(|prism| at.position_m.fixed_rows::<3>(3 * prism).into_owned());
     let start = align_rigid(&points_m, rig_m)?;
     let (mut position_m, mut orientation) =
@@ -35,7 +40,7 @@ pub fn rig_pose(rig_m: &[Vector3<f64>; 3], rig_sigma_m: f64, at: &Instant<9>) ->
         orientation = UnitQuaternion::from_scaled_axis(step.fixed_rows::<3>(3)) * orientation;
         covariance = left;
     }
-    // Masts that flex do so slowly: the rig's own error hardly moves.
+    // Masts bend slowly, so the rig's own error is nearly constant.
     let weight = at.velocity_covariance.cholesky()?.inverse();
     let (rates, left) = solve(&design(rig_m, &orientation), &weight, &at.velocity_m_per_s)?;
     let (apparent_m, known_m) = (pairwise_distances(&points_m), pairwise_distances(rig_m));
@@ -56,12 +61,12 @@ pub fn rig_pose(rig_m: &[Vector3<f64>; 3], rig_sigma_m: f64, at: &Instant<9>) ->
     })
 }
 
-/// How the pose that [`rig_pose`] found moves with the prisms: its position (m) and turn (rad) in rows. `None` of prisms on a
-/// line.
+/// Jacobian of the pose of [`rig_pose`] with respect to the prisms; rows are position (m) and rotation (rad). `None` if the
+/// covariance of the prisms is not positive definite.
 pub fn pose_by_prisms(
     rig_m: &[Vector3<f64>; 3],
     rig_sigma_m: f64,
-    at: &Instant<9>,
+    at: &MotionInstant<9>,
     pose: &Pose,
 ) -> Option<SMatrix<f64, 6, 9>> {
     let open = SMatrix::<f64, 9, 9>::identity() * rig_sigma_m.powi(2);
@@ -69,7 +74,7 @@ pub fn pose_by_prisms(
     Some(pose.covariance * design(rig_m, &pose.orientation).transpose() * weight)
 }
 
-/// How the prisms move with the position and a turn about station 1's axes: δq = δp + θ × R r.
+/// Jacobian of the prisms with respect to the position and a rotation about station 1's axes: δq = δp + θ × R r.
 fn design(rig_m: &[Vector3<f64>; 3], orientation: &UnitQuaternion<f64>) -> SMatrix<f64, 9, 6> {
     let mut design = SMatrix::<f64, 9, 6>::zeros();
     for (prism, own_m) in rig_m.iter().enumerate() {
@@ -111,12 +116,12 @@ mod tests {
         (station1_from_vehicle, Vector3::new(0.9, 0.2, 0.0), Vector3::new(0.02, -0.01, 0.3))
     }
 
-    fn exact() -> Instant<9> {
+    fn exact() -> MotionInstant<9> {
         let (pose, velocity, rate) = moving();
         let all = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
             SVector::<f64, 9>::from_iterator(rig().iter().flat_map(|p| of(p).data.0[0]))
         };
-        Instant {
+        MotionInstant {
             time_s: 7.0,
             position_m: all(&|p| pose.apply(p)),
             velocity_m_per_s: all(&|p| velocity + rate.cross(&pose.rotate(p))),
@@ -138,7 +143,8 @@ mod tests {
         assert_eq!(rig_pose(&line, 1e-3, &exact()), None);
     }
 
-    /// Errors that prisms have in common, as those of a calibration are, beside their own, and a rig that is off.
+    /// Monte Carlo test with errors common to all prisms, as of a calibration, with their own errors, and with an error of the
+    /// rig.
     #[test]
     fn the_covariance_is_that_of_a_monte_carlo() {
         const DRAWS: usize = 4000;
@@ -154,7 +160,7 @@ mod tests {
         let mut mahalanobis = 0.0;
         for _ in 0..DRAWS {
             let error = root * SVector::<f64, 9>::from_fn(|_, _| normal());
-            let at = Instant {
+            let at = MotionInstant {
                 position_m: exact().position_m + error,
                 position_covariance: root * root.transpose(),
                 ..exact()

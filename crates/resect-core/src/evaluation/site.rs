@@ -1,33 +1,34 @@
-//! The frame in which the control points were surveyed, for poses that are wanted in it.
+//! The frame in which the control points were surveyed, and poses in it.
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::trajectory::{Pose, Twist};
-use crate::calibration::joint::prisms::Instant;
+use crate::calibration::joint::prism_motion::MotionInstant;
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 
-/// Residuals of a few points say little of how well they are known: no less than this is taken for σ of a coordinate (m).
+/// Smallest σ of a coordinate (m): residuals of a few points determine σ poorly.
 const LEAST_SIGMA_M: f64 = 1e-3;
-/// Points closer to their middle than this in plan leave the heading open (m, root of the sum of squares).
+/// Smallest spread of the points about their centre in plan (m, root of the sum of squares); below it the heading is
+/// unobservable.
 const NARROWEST_M: f64 = 0.1;
 
-/// Where the frame of surveyed coordinates is, and how well that is known.
+/// Transform from station 1's frame to that of the surveyed coordinates, with its covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiteFrame {
     /// The file of the control points.
     pub file: String,
     pub site_from_station1: LevelTransform,
-    /// How many points it rests on, and the root mean square of what they leave, a coordinate (m).
+    /// Number of points, and the root mean square of their residuals by coordinate (m).
     pub points: usize,
     pub rms_m: f64,
-    /// Middle of the points, in the site's frame (m), about which the turn and the shift are independent.
+    /// Centroid of the points in the site's frame (m), about which rotation and translation are uncorrelated.
     middle_m: Vector3<f64>,
     shift_variance_m2: f64,
     turn_variance_rad2: f64,
 }
 
-/// Why poses cannot be had in the frame of the control points.
+/// Reason why there are no poses in the frame of the control points.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoSite {
     #[error(
@@ -35,16 +36,16 @@ pub enum NoSite {
     )]
     NoCoordinates(String),
     #[error(
-        "{0}: the surveyed points that were read are fewer than two or on top of each other; read two that are apart"
+        "{0}: fewer than two distinct surveyed points were measured; measure two that are apart"
     )]
     TooFew(String),
 }
 
 impl SiteFrame {
-    /// The frame of the set with the most points that are surveyed and read.
+    /// Estimates the frame from the set with the most points that are surveyed and read.
     ///
-    /// Both frames are level, so four numbers lead from one to the other; their covariance is that of the least-squares fit
-    /// with residuals' own σ (e.g. Förstner & Wrobel 2016, chapter 4.2), without what it shares with the calibration.
+    /// Both frames are level, so the transform has four parameters. Their covariance is that of the least-squares fit with σ
+    /// from the residuals (e.g. Förstner & Wrobel 2016, chapter 4.2). It neglects the correlation with the calibration.
     pub fn of(
         deployment: &Deployment,
         station1_from_station: &[RigidTransform; 3],
@@ -54,7 +55,7 @@ impl SiteFrame {
             set.points.iter().filter_map(both).collect::<Vec<_>>()
         };
         let sets = deployment.control_points.iter().map(|set| (set, usable(set)));
-        // Of those with as many the first.
+        // The first of several sets with equally many points.
         let most = sets.rev().max_by_key(|(_, usable)| usable.len());
         let name = || deployment.name.clone();
         let (set, pairs) = most
@@ -84,13 +85,13 @@ impl SiteFrame {
         })
     }
 
-    /// In words, for headers: "frame of GCP.txt (10 points, 1.2 mm rms)".
+    /// Description for headers: "frame of GCP.txt (10 points, 1.2 mm rms)".
     pub fn in_words(&self) -> String {
         let Self { file, points, rms_m, .. } = self;
         format!("frame of {file} ({points} points, {:.1} mm rms)", 1e3 * rms_m)
     }
 
-    /// A pose that was in station 1's frame; its covariance grows by that of the frame.
+    /// Transforms a pose from station 1's frame, and adds the covariance of the frame.
     pub fn pose(&self, pose: &Pose) -> Pose {
         let turn = self.turn();
         let position_m = self.site_from_station1.apply(&pose.position_m);
@@ -101,7 +102,7 @@ impl SiteFrame {
         let by_turn = self.by_turn(&position_m);
         let mut open = covariance.fixed_view_mut::<3, 3>(0, 0);
         open += self.position_covariance(&position_m);
-        // A turn δψ moves the position by δψ z × (p − c), and the orientation by δψ z.
+        // A rotation δψ moves the position by δψ z × (p − c), and rotates the orientation by δψ z.
         let mut common = covariance.fixed_view_mut::<3, 1>(0, 5);
         common += by_turn * self.turn_variance_rad2;
         let mut common = covariance.fixed_view_mut::<1, 3>(5, 0);
@@ -117,12 +118,12 @@ impl SiteFrame {
         Pose { position_m, orientation, covariance, twist, ..pose.clone() }
     }
 
-    /// The same of the position of one prism.
-    pub fn prism(&self, at: &Instant<3>) -> Instant<3> {
+    /// Transforms the position and velocity of one prism from station 1's frame, and adds the covariance of the frame.
+    pub fn prism(&self, at: &MotionInstant<3>) -> MotionInstant<3> {
         let turn = self.turn();
         let position_m = self.site_from_station1.apply(&at.position_m);
         let own = turn * at.position_covariance * turn.transpose();
-        Instant {
+        MotionInstant {
             time_s: at.time_s,
             position_m,
             velocity_m_per_s: turn * at.velocity_m_per_s,
@@ -136,7 +137,7 @@ impl SiteFrame {
         Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(axis))
     }
 
-    /// How a place moves with the heading of the frame (m/rad).
+    /// Jacobian of a position with respect to the heading of the frame (m/rad).
     fn by_turn(&self, position_m: &Vector3<f64>) -> Vector3<f64> {
         Vector3::z().cross(&(position_m - self.middle_m))
     }
@@ -148,7 +149,8 @@ impl SiteFrame {
     }
 }
 
-/// Surveyed coordinates of a point, and the mean of what the stations make of it in station 1's frame (m).
+/// Surveyed coordinates of a point, and the mean of the stations' readings of it in station 1's frame (m); `None` if either is
+/// missing.
 fn pair(
     point: &ControlPoint,
     station1_from_station: &[RigidTransform; 3],
@@ -156,7 +158,7 @@ fn pair(
     Some((point.known_m?, seen_m(point, station1_from_station)?))
 }
 
-/// The mean of what the stations make of a point in station 1's frame (m); `None` where none read it.
+/// Mean of the stations' readings of a point in station 1's frame (m); `None` if no station read it.
 pub fn seen_m(
     point: &ControlPoint,
     station1_from_station: &[RigidTransform; 3],
@@ -182,7 +184,7 @@ mod tests {
 
     const HERE: [RigidTransform; 3] = [RigidTransform::IDENTITY; 3];
 
-    /// The sample with one set of five surveyed points, each coordinate off by its own normal deviate.
+    /// The sample with one set of five surveyed points, with independent normal errors of each coordinate.
     fn surveyed(
         station1_from_site: &LevelTransform,
         sigma_m: f64,
@@ -234,7 +236,7 @@ mod tests {
         assert_eq!(site.in_words(), "frame of GCP.txt (5 points, 0.0 mm rms)");
     }
 
-    /// A pose far from the points, whose σ is nearly that of the frame alone.
+    /// Monte Carlo test with a pose far from the points, whose σ is nearly that of the frame alone.
     #[test]
     fn the_frame_is_as_far_off_as_its_covariance_says() {
         const DRAWS: usize = 2000;
@@ -253,7 +255,7 @@ mod tests {
             heading += turned * turned / moved.covariance[(5, 5)];
             sigma_m += moved.sigma().position_m / DRAWS as f64;
         }
-        // Estimated from eleven degrees of freedom, so a little above one: 11 / 9.
+        // σ is estimated from 11 degrees of freedom, so the expectation is a little above 1: 11 / 9.
         let mean = [position, heading].map(|sum| sum / DRAWS as f64);
         assert!(mean.iter().all(|mean| (1.05..1.4).contains(mean)), "{mean:?}");
         assert!((0.008..0.012).contains(&sigma_m), "{sigma_m}");

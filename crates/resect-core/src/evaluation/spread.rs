@@ -15,7 +15,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Spread of the sizes of these values; `None` of nothing.
+    /// Spread of the absolute values; `None` without values.
     pub fn of(sizes: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut n = 0;
         let counted = sizes.into_iter().inspect(|_| n += 1).map(f64::abs);

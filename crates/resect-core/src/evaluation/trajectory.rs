@@ -1,4 +1,4 @@
-//! Poses of the vehicle in six degrees of freedom, from the three prisms it carries.
+//! Six-degree-of-freedom poses of the vehicle, from its three prisms.
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, UnitQuaternion, Vector3};
 
@@ -6,7 +6,7 @@ use crate::calibration::Estimate;
 use crate::deployment::{PAIRS, pairwise_distances};
 use crate::geometry::align_rigid;
 
-/// Where the vehicle is and how it is turned at one instant: `station1_from_vehicle`.
+/// Pose of the vehicle at one instant: `station1_from_vehicle`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     pub time_s: f64,
@@ -16,14 +16,13 @@ pub struct Pose {
     /// Covariance of the position (m), then of the rotation vector θ in station 1's frame (rad): the true orientation
     /// is exp(θ) times this one.
     pub covariance: Matrix6<f64>,
-    /// How it moves, where the motion is known and not only points.
+    /// Velocity and rotation rate; `None` if only positions are known.
     pub twist: Option<Twist>,
-    /// The largest |apparent − known distance| between two prisms, as read around the instant: what no pose can explain.
+    /// Largest |apparent − known distance| between two prisms by the readings around the instant (m). No pose can explain it.
     pub inter_prism_error_m: f64,
 }
 
-/// How a vehicle is turned, as heading, pitch and roll (rad), each with its σ: the turns about z, then y, then x that lead
-/// from station 1's frame to the vehicle's.
+/// Heading, pitch and roll with σ (rad): rotations about z, then y, then x that lead from station 1's frame to the vehicle's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attitude {
     pub yaw_rad: Estimate,
@@ -31,7 +30,7 @@ pub struct Attitude {
     pub roll_rad: Estimate,
 }
 
-/// How a vehicle moves: all in station 1's frame, the velocity that of the vehicle's origin.
+/// Velocity of the vehicle's origin and rotation rate, in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twist {
     pub velocity_m_per_s: Vector3<f64>,
@@ -44,7 +43,7 @@ pub struct Twist {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     pub poses: Vec<Pose>,
-    /// Instants left out: an inter-prism error above the limit, or points that fix no pose.
+    /// Number of instants left out: the inter-prism error exceeds the limit, or the points determine no pose.
     pub dropped: usize,
 }
 
@@ -64,8 +63,8 @@ impl Pose {
 
     /// Heading, pitch and roll, with σ to first order.
     ///
-    /// A small turn θ in station 1's frame is ψ̇ z + θ̇ R_z y + φ̇ R_z R_y x, solved for the three; upright, at ±90° of
-    /// pitch, heading and roll are one, and their σ grows without limit.
+    /// A small rotation θ in station 1's frame is ψ̇ z + θ̇ R_z y + φ̇ R_z R_y x, which is solved for the three angles. At ±90°
+    /// of pitch, heading and roll coincide, and their σ grows without limit.
     pub fn attitude(&self) -> Attitude {
         let (roll, pitch, yaw) = self.orientation.euler_angles();
         let (sin, cos) = yaw.sin_cos();
@@ -84,23 +83,24 @@ impl Pose {
         }
     }
 
-    /// How fast the vehicle's origin is (m/s), where that is known.
+    /// Speed of the vehicle's origin (m/s); `None` without a twist.
     pub fn speed_m_per_s(&self) -> Option<Estimate> {
         let twist = self.twist.as_ref()?;
         let covariance = twist.covariance.fixed_view::<3, 3>(0, 0).into_owned();
         Some(speed_of(&twist.velocity_m_per_s, &covariance))
     }
 
-    /// The pose of a frame that is parallel to the vehicle's and has its origin elsewhere on it (m, in the vehicle's frame):
-    /// a sensor's.
+    /// Pose of a frame parallel to the vehicle's with its origin elsewhere on it (m, in the vehicle's frame), such as a
+    /// sensor's.
     ///
-    /// The lever arm is taken to be exact. A turn δθ moves its end by δθ × R l, and a turning vehicle by ω × R l.
+    /// The lever arm l is taken as exact. A rotation δθ moves its end by δθ × R l; a rotating vehicle moves it at ω × R l.
     pub fn at_lever_arm(&self, lever_arm_m: &Vector3<f64>) -> Self {
         let lever_m = self.orientation * lever_arm_m;
         let mut moved = Matrix6::identity();
         moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&-lever_m.cross_matrix());
         let twist = self.twist.as_ref().map(|twist| {
-            // How fast the lever's end is depends on the attitude too, whose σ is small beside that of the rates.
+            // The velocity of the lever's end also depends on the attitude, but σ of the attitude is small beside that of the
+            // rates.
             let rate = twist.rate_rad_per_s;
             Twist {
                 velocity_m_per_s: twist.velocity_m_per_s + rate.cross(&lever_m),
@@ -117,7 +117,8 @@ impl Pose {
     }
 }
 
-/// The length of a velocity (m/s). Of one that is no larger than its own σ the direction is unknown, and σ is that of any.
+/// Length of a velocity (m/s), with σ along it. If the speed is at most its σ, the direction is unknown, and σ is the mean over
+/// all directions.
 pub fn speed_of(velocity_m_per_s: &Vector3<f64>, covariance: &Matrix3<f64>) -> Estimate {
     let value = velocity_m_per_s.norm();
     let along = (velocity_m_per_s.transpose() * covariance * velocity_m_per_s).x;
@@ -127,7 +128,7 @@ pub fn speed_of(velocity_m_per_s: &Vector3<f64>, covariance: &Matrix3<f64>) -> E
 }
 
 impl Trajectory {
-    /// Standard deviations of the pose in the middle, in order of position σ; `None` without poses.
+    /// Standard deviations of the pose with the median position σ; `None` without poses.
     pub fn middle_sigma(&self) -> Option<PoseSigma> {
         let mut all: Vec<PoseSigma> = self.poses.iter().map(Pose::sigma).collect();
         all.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
@@ -135,18 +136,18 @@ impl Trajectory {
     }
 }
 
-/// The three prisms at one instant, in station 1's frame.
+/// Positions of the three prisms at one instant, in station 1's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObservedRig {
     pub time_s: f64,
     pub points_m: [Vector3<f64>; 3],
-    /// Standard deviation of each point along each axis.
+    /// Standard deviation of each point along each axis (m).
     pub sigma_m: [Vector3<f64>; 3],
 }
 
-/// One pose for every instant whose inter-prism distances are within the limit of the rig's.
+/// Returns one pose for every instant whose inter-prism distances are within the limit of the rig's.
 ///
-/// `rig_m` are the prisms in the vehicle's frame; of prisms on a line every instant is dropped.
+/// `rig_m` are the prisms in the vehicle's frame (m). If they lie on a line, every instant is dropped.
 pub fn trajectory(
     rig_m: &[Vector3<f64>; 3],
     observed: impl IntoIterator<Item = ObservedRig>,
@@ -164,11 +165,11 @@ pub fn trajectory(
     result
 }
 
-/// The pose that brings the rig closest to the observed points, all three weighted alike.
+/// Least-squares pose of the rig at the observed points, all three with equal weight; `None` if the points lie on a line.
 ///
-/// The covariance is that of this unweighted solution to first order: with the design matrix J of all nine
-/// coordinates and N = JᵀJ it is N⁻¹ Jᵀ Σ J N⁻¹, the coordinates' covariance Σ through the linear estimator
-/// N⁻¹ Jᵀ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). `None` of points on a line.
+/// The covariance is that of this unweighted solution to first order: N⁻¹ Jᵀ Σ J N⁻¹. J is the design matrix of all nine
+/// coordinates, N = JᵀJ, and Σ the covariance of the coordinates (Förstner & Wrobel 2016, "Photogrammetric Computer Vision",
+/// chapter 4).
 pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Pose> {
     let station1_from_vehicle = align_rigid(&observed.points_m, rig_m)?;
     let (mut normal, mut noise) = (Matrix6::zeros(), Matrix6::zeros());
@@ -196,10 +197,10 @@ pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Po
     })
 }
 
-/// A vehicle's frame where only the inter-prism distances 12, 13, 23 (m) are known: origin at prism 1, x towards
-/// prism 2, prism 3 on the side of positive y, z normal to the three. `None` of distances of no triangle.
+/// Prisms in a vehicle frame from the inter-prism distances 12, 13, 23 (m) alone; `None` if the distances form no triangle.
 ///
-/// The height of the triangle is from Heron's formula, whose factors are the triangle inequalities.
+/// The origin is at prism 1, x points to prism 2, y is positive at prism 3, and z is normal to the three. The height of the
+/// triangle is from Heron's formula, whose factors are the triangle inequalities.
 pub fn rig_from_distances(inter_prism_m: &[f64; 3]) -> Option<[Vector3<f64>; 3]> {
     let [d12, d13, d23] = *inter_prism_m;
     let slack = [d12 + d13 - d23, d12 + d23 - d13, d13 + d23 - d12];
@@ -238,7 +239,7 @@ mod tests {
             })
     }
 
-    /// A vector of independent normal deviates.
+    /// Vector of independent normal deviates.
     fn noise(rng: &mut ChaCha8Rng) -> Vector3<f64> {
         Vector3::from_fn(|_, _| StandardNormal.sample(rng))
     }
@@ -269,7 +270,7 @@ mod tests {
                 (UnitQuaternion::from(truth.rotation) * pose.orientation.inverse()).scaled_axis();
             let error = Vector6::from_iterator(moved_m.iter().chain(&turned_rad).copied());
             squares += error.component_mul(&error).component_div(&pose.covariance.diagonal());
-            // The diagonal says nothing of the correlations; this does.
+            // The diagonal does not test the correlations; the Mahalanobis distance does.
             let information = pose.covariance.try_inverse().expect("full rank");
             mahalanobis += error.dot(&(information * error));
         }
@@ -279,8 +280,8 @@ mod tests {
         assert!((mean / 6.0 - 1.0).abs() < 0.1, "Mahalanobis distance {mean} of 6 unknowns");
     }
 
-    /// A lever arm to a prism leads to the prism, as certain as the prism itself is among three of one σ, and there and back
-    /// is nowhere.
+    /// A lever arm to a prism ends at the prism. With equal σ of all prisms, σ there is at most that of a prism. The opposite
+    /// lever arm restores the pose.
     #[test]
     fn the_end_of_a_lever_arm_is_where_the_vehicle_has_it() {
         let truth = RigidTransform {
@@ -313,12 +314,12 @@ mod tests {
         assert!(far.position_m > 5.0 * pose.sigma().position_m, "{far:?}");
     }
 
-    /// Heading, pitch and roll of turns drawn by the covariance scatter as the σ say.
+    /// Monte Carlo test of σ of heading, pitch and roll, with rotations drawn from the covariance.
     #[test]
     fn heading_pitch_and_roll_scatter_as_their_sigmas_say() {
         const DRAWS: usize = 4000;
         let mut root = Matrix6::identity() * 1e-3;
-        // Turns about x and y that are correlated, and one about z that is three times as certain.
+        // Rotations about x and y are correlated; σ about z is about a third of theirs.
         (root[(4, 3)], root[(5, 5)]) = (7e-4, 3e-4);
         let pose = Pose {
             time_s: 0.0,
@@ -366,7 +367,7 @@ mod tests {
         ) {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let points_m = rig().map(|prism| before.apply(&prism) + 0.01 * noise(&mut rng));
-            // The same in all directions, so that it turns into itself.
+            // Equal σ in all directions, which a rotation leaves unchanged.
             let sigma_m = [0.001, 0.002, 0.005].map(Vector3::repeat);
             let observed = ObservedRig { time_s: 7.0, points_m, sigma_m };
             let pose = align_rig(&rig(), &observed).expect("a triangle");

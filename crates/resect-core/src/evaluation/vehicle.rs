@@ -1,11 +1,13 @@
-//! The vehicle's trajectory by an answer: which frame the poses are of, and how well each point is known.
+//! Trajectory of the vehicle by an answer, with its frame and the covariance of each pose.
 
 use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
 
 use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::prisms::{ByConstants, Instant, Prisms, Solution};
-use crate::calibration::joint::{JointEstimate, RIGID_M};
+use crate::calibration::joint::prism_motion::{
+    ConstantsJacobian, MotionInstant, PrismMotion, Solution,
+};
+use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
@@ -13,37 +15,33 @@ use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
 
-/// Epochs with a larger inter-prism error are left out of trajectories unless asked for otherwise (m).
+/// Default limit of the inter-prism error (m); trajectories leave out epochs above it.
 pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
 
-/// Why there are no poses.
+/// Reason why there are no poses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoTrajectory {
     #[error(
-        "{0}: all stations follow one prism, which has no orientation; its positions come from the joint estimate alone"
+        "{0}: all stations follow one prism, so there is no orientation; use the joint estimate for its positions"
     )]
     OnePrism(String),
     #[error(
-        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a file of \
-         the rig"
+        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a rig file"
     )]
     NoRig(String),
-    #[error("{0}: the three prisms lie on a line, which has no orientation")]
+    #[error("{0}: the three prisms lie on a line, so the orientation is not determined")]
     PrismsOnALine(String),
     #[error(
-        "{0}: this answer is about the stations' own frames, and the tracks are in another: it does not place them; take \
-         method C or D"
+        "{0}: this calibration is in the stations' own frames, but the tracks are in another frame; use method C or D"
     )]
     OtherFrame(String),
     #[error(
-        "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time"
+        "{0}: this method has poses at the triplets only; use the joint estimate for poses at any time"
     )]
     NoMotion(String),
-    #[error("{name}: there is no answer that places the vehicle: {why}")]
+    #[error("{name}: no trajectory without a calibration: {why}")]
     NoAnswer { name: String, why: String },
-    #[error(
-        "{0}: the joint estimate found no motion that fits the readings; see what its answer says of the data"
-    )]
+    #[error("{0}: the joint estimate found no motion that fits the readings; see its findings")]
     NoMotionFits(String),
 }
 
@@ -52,7 +50,7 @@ pub enum NoTrajectory {
 pub enum VehicleFrame {
     /// The frame in which `deployment.toml` gives the prisms.
     Given,
-    /// Origin at prism 1, z up as the rig stood when it was read, x level and towards prism 2.
+    /// Origin at prism 1, z up in the attitude in which the rig was read, x level and towards prism 2.
     Reading,
     /// Origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three.
     Triangle,
@@ -61,9 +59,9 @@ pub enum VehicleFrame {
 impl VehicleFrame {
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Given => "the vehicle's, in which deployment.toml gives prisms_m",
+            Self::Given => "the vehicle's own, as prisms_m of deployment.toml",
             Self::Reading => {
-                "origin at prism 1, z up as the rig stood when it was read, x level towards prism 2"
+                "origin at prism 1, z up as in the reading of the rig, x level towards prism 2"
             }
             Self::Triangle => {
                 "origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three"
@@ -72,10 +70,10 @@ impl VehicleFrame {
     }
 }
 
-/// The prisms in the vehicle's frame (m); `None` where they lie on a line.
+/// Prisms in the vehicle's frame (m); `None` if they lie on a line.
 ///
-/// The shape is that of the inter-prism distances, which average many readings; the one reading of the rig only says
-/// how it stands.
+/// The shape is that of the inter-prism distances, which average many readings. The single reading of the rig gives its
+/// attitude only.
 pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)> {
     if let Some(given) = rig.in_vehicle_m {
         return Some((given, VehicleFrame::Given));
@@ -94,21 +92,21 @@ pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)>
 /// The instants at which poses are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instants<'a> {
-    /// At those of the triplets.
+    /// The times of the triplets.
     Triplets,
-    /// At even steps from whole seconds on, so many a second.
+    /// Multiples of the period of this rate (Hz).
     Rate(f64),
-    /// At these times (s).
+    /// These times (s).
     At(&'a [f64]),
 }
 
 impl Instants<'_> {
-    /// The times in their order (s).
+    /// Times in ascending order (s).
     fn times_s(self, triplets: &Triplets, solution: &Solution) -> Vec<f64> {
         match self {
             Self::Triplets => triplets.time_s.clone(),
             Self::Rate(hz) => {
-                // Stretches that one long one was cut into meet at one instant.
+                // Segments that one long segment was split into share an instant.
                 let mut last = f64::NEG_INFINITY;
                 let mut times_s = Vec::new();
                 for [start_s, end_s] in solution.spans_s() {
@@ -130,8 +128,10 @@ impl Instants<'_> {
     }
 }
 
-/// Poses by an answer: of the motion, where the joint estimate found one, with all that is open about it; elsewhere of each
-/// triplet by itself, which knows nothing of the calibration's own errors and of no other instants.
+/// Returns the poses by an answer, without those above the limit of the inter-prism error (m).
+///
+/// The motion of a joint estimate gives poses at any time, with their full covariance. Other answers give one pose for each
+/// triplet, and its covariance lacks the errors of the calibration.
 pub fn trajectory_by(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -158,11 +158,11 @@ pub fn trajectory_by(
     let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
-    // Nobody cancels it, and there are three.
-    let Ok(Prisms::Rig(instants)) = found else { return by_triplets() };
+    // Unreachable else branch: nothing cancels this calculation, and there are three prisms.
+    let Ok(PrismMotion::Rig(instants)) = found else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
-    // The motion keeps the rig's distances whatever was read; what the readings around an instant say is held against it.
+    // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
     let errors_m = distance_errors_m(triplets, station1_from_station, &inter_prism_m);
     let with_error = |pose: Pose| {
         let read_m = largest_about(pose.time_s, &triplets.time_s, &errors_m);
@@ -178,8 +178,8 @@ pub fn trajectory_by(
     Ok((Trajectory { poses, dropped }, frame))
 }
 
-/// Where the vehicle is at an instant (s) by the motion of the joint estimate, `station1_from_vehicle`, without the σ that
-/// takes a pass over the drive; `None` in a gap, and by other answers.
+/// Vehicle's pose at an instant (s) by the motion of the joint estimate, `station1_from_vehicle`. It has no covariance, which
+/// requires a pass over the drive. `None` in a gap, and for other answers.
 pub fn vehicle_at(
     deployment: &Deployment,
     calibration: &Calibration,
@@ -191,7 +191,7 @@ pub fn vehicle_at(
     align_rigid(&joint.solution.prisms_m(time_s)?, &rig_m)
 }
 
-/// The largest of the distance errors of pairs 12, 13, 23 at the triplets on either side of an instant, or at the instant's own.
+/// Largest |distance error| of pairs 12, 13, 23 at the triplet of this time, else at the triplets before and after it.
 pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> f64 {
     let after = triplet_s.partition_point(|other| *other < time_s);
     let is_there = triplet_s.get(after) == Some(&time_s);
@@ -201,34 +201,34 @@ pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> 
     each.fold(0.0, |most, error| error.abs().max(most))
 }
 
-/// What errors of the vehicle's way all instants have in common: how position (m) and turn (rad) in station 1's frame move with
-/// what is constant during the drive, the rig's own errors included, and the covariance of that.
+/// Jacobian of each pose with respect to the constants of the drive and the rig's own errors, and the covariance of these.
 ///
-/// Of one prism there are positions only: three rows instead of six. `None` by methods other than the joint estimate.
+/// The rows are position (m) and rotation (rad) in station 1's frame; a single prism has the three rows of its position only.
+/// `None` for methods other than the joint estimate.
 pub fn common_errors(
     deployment: &Deployment,
     targets: Targets,
     calibration: &Calibration,
     times_s: &[f64],
-) -> Option<ByConstants> {
+) -> Option<ConstantsJacobian> {
     let joint = calibration.joint()?;
     let progress = Progress::default();
-    let found = joint.solution.by_constants(times_s, &progress).ok()?;
+    let found = joint.solution.constants_jacobian(times_s, &progress).ok()?;
     if targets == Targets::OnePrism {
         return Some(found);
     }
     let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    let Ok(Prisms::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
+    let Ok(PrismMotion::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
         return None;
     };
     let constants = found.covariance.nrows();
-    let each = instants.iter().zip(&found.each).filter_map(|(at, (time_s, prisms))| {
+    let each = instants.iter().zip(&found.instants).filter_map(|(at, (time_s, prisms))| {
         let pose = rig_pose(&rig_m, rig_sigma_m, at)?;
         let gain = pose_by_prisms(&rig_m, rig_sigma_m, at, &pose)?;
         let gain = DMatrix::from_column_slice(6, 9, gain.as_slice());
         let mut moved = DMatrix::zeros(6, constants + 9);
         moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
-        // A prism that is elsewhere on the vehicle than was measured moves the pose the other way.
+        // An error of a prism's position on the vehicle moves the pose in the opposite direction.
         let turn = pose.orientation.to_rotation_matrix();
         for prism in 0..3 {
             let by_rig = -gain.columns(3 * prism, 3) * turn.matrix();
@@ -238,11 +238,10 @@ pub fn common_errors(
     });
     let mut covariance = DMatrix::identity(constants + 9, constants + 9) * rig_sigma_m.powi(2);
     covariance.view_mut((0, 0), (constants, constants)).copy_from(&found.covariance);
-    Some(ByConstants { each: each.collect(), covariance })
+    Some(ConstantsJacobian { instants: each.collect(), covariance })
 }
 
-/// The prisms in the vehicle's frame (m) with the distances that an estimate found, and how far each may be off along any
-/// axis (m).
+/// Prisms in the vehicle's frame (m) with the estimated distances, the frame, and σ of each prism along any axis (m).
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
@@ -253,23 +252,23 @@ fn rig_by(
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
-        VehicleFrame::Reading | VehicleFrame::Triangle => RIGID_M,
+        VehicleFrame::Reading | VehicleFrame::Triangle => RIG_FLEX_SIGMA_M,
     };
     Ok((prisms_m, frame, rig_sigma_m))
 }
 
-/// Positions of the one prism that all stations follow, from the motion that the joint estimate found.
+/// Positions of the single prism that all stations follow, by the motion of the joint estimate.
 pub fn prism_by(
     deployment: &Deployment,
     triplets: &Triplets,
     calibration: &Calibration,
     wanted: Instants<'_>,
-) -> Result<Vec<Instant<3>>, NoTrajectory> {
+) -> Result<Vec<MotionInstant<3>>, NoTrajectory> {
     let none = || NoTrajectory::OnePrism(deployment.name.clone());
     let solution = &calibration.joint().ok_or_else(none)?.solution;
     let times_s = wanted.times_s(triplets, solution);
     match solution.instants(&times_s, &Progress::default()) {
-        Ok(Prisms::Prism(found)) => Ok(found),
+        Ok(PrismMotion::Prism(found)) => Ok(found),
         _ => Err(none()),
     }
 }
@@ -283,9 +282,9 @@ fn rig_of(
     prisms_in_vehicle(&shaped(rig)).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
 }
 
-/// One pose for every triplet whose inter-prism distances are within the limit.
+/// Returns one pose for every triplet whose inter-prism distances are within the limit.
 ///
-/// `station1_from_station` is what places the tracks ([`crate::calibration::Calibration::placing_tracks`]).
+/// `station1_from_station` transforms the tracks ([`crate::calibration::Calibration::placing_tracks`]).
 pub fn vehicle_trajectory(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -305,10 +304,10 @@ pub fn vehicle_trajectory(
     Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
 }
 
-/// The prisms at every instant, with a standard deviation that the distances bear out.
+/// Prisms at every instant, with σ scaled to the distance errors.
 ///
-/// Errors of a distance come from two points, so they tell how far off a point is on one axis. Where the interpolation
-/// states its own σ, it is widened until it explains the distance errors, never narrowed.
+/// A distance error is the difference of two points along one axis, so its σ over √2 is that of a point along an axis. The
+/// interpolation's own σ is widened until it explains the distance errors, never narrowed.
 fn observed(
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
@@ -321,7 +320,7 @@ fn observed(
     let stated = |station: usize, index: usize| {
         triplets.sigma_m.as_ref().map_or(Vector3::repeat(1.0), |all| all[station][index])
     };
-    // Errors over what the stated σ lets expect, 1 m on every axis where none is stated.
+    // Distance errors over their expected σ. Without a σ of the interpolation, 1 m on every axis is assumed.
     let mut ratios = Vec::with_capacity(3 * triplets.len());
     for index in 0..triplets.len() {
         let points = placed(index);
@@ -343,7 +342,7 @@ fn observed(
         .collect()
 }
 
-/// What the interpolation states for the distances 12, 13, 23 at an instant (m, 1 σ); `None` where it states nothing.
+/// σ of the distances 12, 13, 23 at an instant by the interpolation (m); `None` if the interpolation gives none.
 pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
@@ -356,7 +355,7 @@ pub fn distance_sigma_m(
     Some(PAIRS.map(|(a, b)| {
         let direction = (placed[b] - placed[a]).normalize();
         let variance = |station: usize| {
-            // Into the station's own frame, whose axes the σ belong to.
+            // Direction in the station's own frame, in which σ is given.
             let own = station1_from_station[station].rotation.inverse() * direction;
             sigma_m[station][index].component_mul(&own).norm_squared()
         };
@@ -364,7 +363,7 @@ pub fn distance_sigma_m(
     }))
 }
 
-/// The rotation and origin of a pose as a transform.
+/// Transform from the position (m) and orientation of a pose.
 pub fn station1_from_vehicle(
     position_m: Vector3<f64>,
     orientation: UnitQuaternion<f64>,

@@ -1,4 +1,4 @@
-//! What each module of the pipeline brings (Vaidis et al. 2022, section "Sensitivity and ablation tests").
+//! Effect of each module of the pipeline (Vaidis et al. 2022, section "Sensitivity and ablation tests").
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::palette;
 use crate::pipeline::{Interpolation, PipelineSettings};
 use crate::progress::Progress;
 
-/// Combinations of optional modules that run, with their names.
+/// Combinations of the optional modules, with their names.
 const COMBINATIONS: [(&str, bool, bool); 4] = [
     ("no filter", false, false),
     ("filter 1 (outliers)", true, false),
@@ -72,10 +72,10 @@ pub fn ablate(
         .collect();
     Ok(Study {
         name: "ablation".to_owned(),
-        title: "What the modules of the pipeline bring".to_owned(),
+        title: "Effect of the pipeline modules".to_owned(),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
-        group_label: "optional modules that run".to_owned(),
+        group_label: "active optional modules".to_owned(),
         series: Interpolation::ALL
             .into_iter()
             .map(|interpolation| Series {

@@ -1,10 +1,10 @@
-//! The calibrations side by side, by both metrics (Vaidis et al. 2022, section "Calibration comparison").
+//! Comparison of the calibration methods by both metrics (Vaidis et al. 2022, section "Calibration comparison").
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::split::{Plan, Splits};
+use super::split::{SplitPlan, Splits};
 use super::study::{Group, Level, Quantiles, Series, Study};
 use super::{INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
@@ -22,19 +22,19 @@ const METHODS: usize = Method::ALL.len();
 #[derive(Clone, Debug)]
 pub struct Compared {
     pub deployment: String,
-    /// The answers in the order of [`Method::ALL`]; or why there is none.
+    /// The answers in the order of [`Method::ALL`], or the reason why there is none.
     pub answers: [Result<Arc<Answer>, String>; METHODS],
     pub disagreements: Vec<Disagreement>,
 }
 
-/// The study's picture, and the answers behind it.
+/// The study, and the answers behind it.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     pub study: Study,
     pub deployments: Vec<Compared>,
 }
 
-/// Every method that the data allows, judged by both metrics.
+/// Evaluates every method that the data allows by both metrics.
 pub fn compare(
     deployments: &[Arc<Deployment>],
     settings: &Settings,
@@ -42,7 +42,7 @@ pub fn compare(
     progress: &Progress,
 ) -> Result<Comparison, StudyError> {
     if deployments.is_empty() {
-        return Err(StudyError::Nothing("no deployment to compare on".to_owned()));
+        return Err(StudyError::Nothing("no deployment to compare methods on".to_owned()));
     }
     progress.expect(deployments.len() as u64);
     let each = deployments
@@ -80,7 +80,7 @@ pub fn compare(
         [one] => one.name.clone(),
         several => format!("{} deployments", several.len()),
     };
-    let judged = splits.map_or("each method on the data it was solved with".to_owned(), |splits| {
+    let judged = splits.map_or("each method judged on its own data".to_owned(), |splits| {
         format!(
             "solved with 75 %, judged on the 25 % left out, {} random splits, seed {}",
             splits.repeats, splits.seed
@@ -93,7 +93,7 @@ pub fn compare(
     });
     let study = Study {
         name: "comparison".to_owned(),
-        title: "Calibrations by both metrics".to_owned(),
+        title: "Calibration methods by both metrics".to_owned(),
         subtitle: format!("{data}; {judged}"),
         value_label: "error (mm)".to_owned(),
         group_label: "calibration".to_owned(),
@@ -111,7 +111,7 @@ pub fn compare(
     Ok(Comparison { study, deployments })
 }
 
-/// Sizes of errors (mm): of control points, of inter-prism distances.
+/// Absolute errors (mm): of control points, of inter-prism distances.
 type BothErrors = [Vec<f64>; 2];
 
 fn one(
@@ -149,11 +149,11 @@ fn judge(
     if analysis.answer.is_err() {
         return errors;
     }
-    let plan = Plan::new(deployment, triplets, splits);
+    let plan = SplitPlan::new(deployment, triplets, splits);
     for [train, test] in plan.parts(deployment, triplets) {
         let answer =
             calibration::solve(&train.deployment, &train.triplets, settings, &analysis.offer);
-        // A part may hold too few points for the method; the others judge it.
+        // A subset may have too few points for the method; the other splits judge it.
         let Ok(answer) = answer else { continue };
         let transforms = &answer.station1_from_station;
         let (_, evaluation) =
@@ -182,7 +182,7 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
     Group {
         label: method.label(),
         note: match (solved, each.len()) {
-            // Where no box can stand, its place says why.
+            // A missing box shows its reason instead.
             (0, _) | (_, 1) => String::new(),
             (solved, all) => format!("{solved} of {all} deployments"),
         },
@@ -192,7 +192,7 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
     }
 }
 
-/// Median error of the distances between RTK antennas: what the stations compete with.
+/// Median error of the distances between RTK antennas, with which the stations are compared.
 fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
     let mut errors_mm = Vec::new();
     for deployment in deployments {
@@ -207,7 +207,7 @@ fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
     Some(Level { label: format!("RTK GNSS antennas {median:.1} mm"), value: median })
 }
 
-/// All pairs of answers that are further apart than their σ allow.
+/// All pairs of answers that differ by more than their σ allow.
 fn disagreements(
     answers: &[Result<Arc<Answer>, String>; METHODS],
     deployment: &Deployment,

@@ -1,10 +1,10 @@
-//! Why a study gives no result.
+//! Reasons why a study has no result.
 
 use crate::progress::Cancelled;
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
-    /// The study was cancelled by who asked for it.
+    /// The caller cancelled the study.
     #[error("cancelled")]
     Cancelled,
     #[error("{0}")]

@@ -1,9 +1,8 @@
 //! The paper's studies, over one or many deployments: [`ablate`] (modules of the pipeline), [`sweep`] (a threshold),
 //! [`compare`] (the calibrations).
 //!
-//! Each gives a [`Study`]: boxes of errors with a label each, which the terminal, CSV, JSON, pictures and the window
-//! all show. [`Progress`](crate::progress::Progress) tells how far one
-//! is, in steps, and stops it.
+//! Each returns a [`Study`]: labelled boxes of errors, which the terminal, CSV, JSON, pictures and the window show.
+//! [`Progress`](crate::progress::Progress) counts the steps of a study, and cancels it.
 
 mod ablation;
 mod comparison;

@@ -1,10 +1,10 @@
-//! The transforms that the pipeline is judged by.
+//! Reference transforms for the errors of the pipeline.
 //!
-//! The paper judges its pipeline with the static control points' transforms, because those of the dynamic methods come
-//! from the very triplets that are judged.
+//! The paper uses the transforms of the static control points, because those of the dynamic methods are estimated from the same
+//! triplets.
 
 use super::StudyError;
-use super::split::{Part, Plan, Splits};
+use super::split::{DataSubset, SplitPlan, Splits};
 use crate::analysis::Settings;
 use crate::calibration;
 use crate::calibration::{Method, Offer};
@@ -16,21 +16,21 @@ use crate::geometry::RigidTransform;
 use crate::pipeline;
 use crate::pipeline::PipelineSettings;
 
-/// The method whose transforms judge; `None` takes B where the data allows it, else the paper's dynamic method: the
-/// studies are the paper's, and the joint estimate judges only where it is named.
+/// Method of the reference transforms. `None` selects B if the data allows it, else the paper's dynamic method. The studies are
+/// the paper's, so the joint estimate is the reference only if it is named.
 pub type Reference = Option<Method>;
 
-/// A deployment with what its errors are measured by.
+/// Reference for the errors of a deployment.
 pub struct Judge {
     pub method: Method,
-    plan: Plan,
-    /// The transforms that each training part leads to.
+    plan: SplitPlan,
+    /// Transforms estimated from each training subset.
     station1_from_station: Vec<[RigidTransform; 3]>,
     inter_prism_m: Option<[f64; 3]>,
 }
 
 impl Judge {
-    /// Calibrates with the settings as they are. The findings say what to think of it.
+    /// Calibrates with these settings. The findings are the limits of the reference.
     pub fn new(
         deployment: &Deployment,
         settings: &Settings,
@@ -53,7 +53,7 @@ impl Judge {
             calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
         let mut findings = Vec::new();
         let mut station1_from_station = Vec::new();
-        let plan = Plan::new(deployment, &triplets, splits);
+        let plan = SplitPlan::new(deployment, &triplets, splits);
         for [train, _] in plan.parts(deployment, &triplets) {
             let answer = calibration::solve(&train.deployment, &train.triplets, &chosen, &offer)
                 .map_err(|error| error.to_string())?;
@@ -78,8 +78,7 @@ impl Judge {
         ))
     }
 
-    /// Distance errors of what the pipeline makes of the deployment (mm), of unseen triplets if there are splits; and
-    /// how many triplets there are.
+    /// Distance errors of the pipeline's triplets (mm), of unseen triplets if there are splits, and the number of triplets.
     pub fn errors_mm(
         &self,
         deployment: &Deployment,
@@ -96,23 +95,23 @@ impl Judge {
         (errors, triplets.len())
     }
 
-    fn part_errors_mm(&self, part: &Part, transforms: &[RigidTransform; 3]) -> Vec<f64> {
-        let Part { deployment, triplets } = part;
+    fn part_errors_mm(&self, part: &DataSubset, transforms: &[RigidTransform; 3]) -> Vec<f64> {
+        let DataSubset { deployment, triplets } = part;
         let evaluation = evaluation::evaluate(deployment, triplets, self.inter_prism_m, transforms);
         evaluation.distance_errors_mm.into_iter().flatten().collect()
     }
 }
 
 /// A deployment with its judge.
-pub type Judged<'a> = (&'a Deployment, Judge);
+pub type JudgedDeployment<'a> = (&'a Deployment, Judge);
 
-/// Judges of all deployments; those without one are left out with a finding, and none at all is an error.
+/// Judges of all deployments. A deployment without one is left out with a finding; it is an error if none has one.
 pub fn judges<'a>(
     deployments: &'a [std::sync::Arc<Deployment>],
     settings: &Settings,
     reference: Reference,
     splits: Option<Splits>,
-) -> Result<(Vec<Judged<'a>>, Vec<Finding>), StudyError> {
+) -> Result<(Vec<JudgedDeployment<'a>>, Vec<Finding>), StudyError> {
     let mut findings = Vec::new();
     let mut judges = Vec::new();
     for deployment in deployments {
@@ -134,8 +133,8 @@ pub fn judges<'a>(
     Ok((judges, findings))
 }
 
-/// "the transforms of method B, static control points", naming every method in use.
-pub fn in_words(judges: &[Judged<'_>], splits: Option<Splits>) -> String {
+/// Names every method in use: "the transforms of method B, static control points".
+pub fn in_words(judges: &[JudgedDeployment<'_>], splits: Option<Splits>) -> String {
     let used =
         Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
     let names: Vec<String> = used.map(Method::in_words).collect();
@@ -149,11 +148,11 @@ pub fn in_words(judges: &[Judged<'_>], splits: Option<Splits>) -> String {
             splits.repeats, splits.seed
         )
     });
-    format!("{data}; by the transforms of {}{unseen}", names.join(" and "))
+    format!("{data}; transforms of {}{unseen}", names.join(" and "))
 }
 
-/// Used by the studies of the pipeline: errors of all deployments under one setting.
-pub fn pooled(judges: &[Judged<'_>], settings: &PipelineSettings) -> (Vec<f64>, usize) {
+/// Pooled errors of all deployments with one setting (mm), and the number of triplets.
+pub fn pooled(judges: &[JudgedDeployment<'_>], settings: &PipelineSettings) -> (Vec<f64>, usize) {
     let mut pool = Vec::new();
     let mut count = 0;
     for (deployment, judge) in judges {

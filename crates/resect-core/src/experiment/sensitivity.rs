@@ -1,4 +1,4 @@
-//! How the errors depend on one threshold (Vaidis et al. 2022, section "Sensitivity and ablation tests").
+//! Dependence of the errors on one threshold (Vaidis et al. 2022, section "Sensitivity and ablation tests").
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::palette;
 use crate::pipeline::{PipelineSettings, RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
 use crate::progress::Progress;
 
-/// The setting of a sweep.
+/// Parameter of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
@@ -49,7 +49,7 @@ impl Parameter {
         self.setting().flag.unwrap_or(self.setting().key)
     }
 
-    /// Whether the module that it belongs to runs.
+    /// Returns true if the parameter's module runs.
     fn matters(self, settings: &PipelineSettings) -> bool {
         match self {
             Self::TauR | Self::TauA | Self::TauE => settings.outlier_filter,
@@ -76,14 +76,14 @@ impl Sweep {
         (0..self.steps).map(|i| self.from + (self.to - self.from) * i as f64 / last).collect()
     }
 
-    /// What makes no sense, as one line.
+    /// Checks the values; the error is one line.
     pub fn check(&self, settings: &PipelineSettings) -> Result<(), String> {
         let Self { parameter, steps, .. } = *self;
         if !(2..=Self::MOST_STEPS).contains(&steps) {
-            return Err(format!("steps is {steps}; from 2 to {} are possible", Self::MOST_STEPS));
+            return Err(format!("steps is {steps}; it must be from 2 to {}", Self::MOST_STEPS));
         }
         if self.from == self.to {
-            return Err(format!("from and to are both {}; give two values", self.from));
+            return Err(format!("from and to are both {}; give two different values", self.from));
         }
         if !parameter.matters(settings) {
             return Err(format!("{} has no effect while its filter is off", parameter.flag()));
@@ -127,11 +127,11 @@ pub fn sweep(
         .collect::<Result<Vec<_>, StudyError>>()?;
     Ok(Study {
         name: format!("sweep-{}", parameter.flag()),
-        title: format!("How the errors depend on {}", parameter.setting().title),
+        title: format!("Sensitivity of the errors to {}", parameter.setting().title),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
         group_label: format!(
-            "{} ({}), set to {}; below it the number of triplets",
+            "{} ({}), set to {}; below: number of triplets",
             parameter.setting().title,
             parameter.setting().unit,
             parameter.setting().value(&settings.pipeline)
@@ -147,7 +147,7 @@ pub fn sweep(
     })
 }
 
-/// The value in enough digits to tell the steps apart, without the zeros that say nothing.
+/// Formats a value with enough digits to distinguish the steps, without trailing zeros.
 fn short(value: f64, step: f64) -> String {
     let digits = (2.0 - step.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{value:.digits$}");

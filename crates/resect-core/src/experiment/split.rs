@@ -1,4 +1,4 @@
-//! Random training parts, so that errors are those of data that the calibration has not seen.
+//! Random training subsets, so that errors are those of data that the calibration has not used.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -9,36 +9,36 @@ use crate::calibration::time_blocks;
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 
-/// Share that is trained on: the paper's.
+/// Share of the training data, as in the paper.
 const TRAINING_SHARE: f64 = 0.75;
 
-/// How often to split, and from which seed.
+/// Number of random splits, and their seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Splits {
     pub repeats: usize,
     pub seed: u64,
 }
 
-/// Control points and triplets of a deployment, all or a part.
-pub struct Part {
+/// Control points and triplets of a deployment, all or a subset.
+pub struct DataSubset {
     pub deployment: Deployment,
     pub triplets: Triplets,
 }
 
-/// What each repeat trains on: chosen once, whatever the pipeline then makes of the deployment.
-pub struct Plan {
+/// Training data of each repeat, chosen once and independent of the pipeline's later output.
+pub struct SplitPlan {
     repeats: Vec<Training>,
 }
 
 struct Training {
     /// Spans of time (s), ends included, in order.
     spans: Vec<[f64; 2]>,
-    /// Whether each point is trained on, for each set of control points; all are, of pillars.
+    /// True for points of the training data, for each set of control points; all pillars are.
     points: Vec<Vec<bool>>,
 }
 
-impl Plan {
-    /// A plan by the deployment's blocks of time; without splits one repeat that trains and judges on everything.
+impl SplitPlan {
+    /// Plan by the deployment's blocks of time. Without splits, one repeat trains and tests on everything.
     pub fn new(deployment: &Deployment, triplets: &Triplets, splits: Option<Splits>) -> Self {
         let Some(Splits { repeats, seed }) = splits else { return Self { repeats: Vec::new() } };
         let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
@@ -63,12 +63,13 @@ impl Plan {
         Self { repeats }
     }
 
-    /// What to calibrate on and what to judge by, for each repeat. The triplets may be others than those of the plan,
-    /// of the same drive.
-    pub fn parts(&self, deployment: &Deployment, triplets: &Triplets) -> Vec<[Part; 2]> {
+    /// Training and test subset of each repeat. The triplets may differ from those of the plan, but must be of the same drive.
+    pub fn parts(&self, deployment: &Deployment, triplets: &Triplets) -> Vec<[DataSubset; 2]> {
         if self.repeats.is_empty() {
-            let whole =
-                || Part { deployment: without_tracks(deployment), triplets: triplets.clone() };
+            let whole = || DataSubset {
+                deployment: without_tracks(deployment),
+                triplets: triplets.clone(),
+            };
             return vec![[whole(), whole()]];
         }
         self.repeats.iter().map(|training| training.split(deployment, triplets)).collect()
@@ -76,8 +77,8 @@ impl Plan {
 }
 
 impl Training {
-    /// Whole blocks of time go to one side: neighbouring triplets share their readings, and would tell on each other.
-    fn split(&self, deployment: &Deployment, triplets: &Triplets) -> [Part; 2] {
+    /// Assigns whole blocks of time to one side: neighbouring triplets share readings, so they are not independent.
+    fn split(&self, deployment: &Deployment, triplets: &Triplets) -> [DataSubset; 2] {
         let trained_on = |time_s: f64| {
             let next = self.spans.partition_point(|[_, end]| *end < time_s);
             self.spans.get(next).is_some_and(|[start, _]| *start <= time_s)
@@ -90,19 +91,19 @@ impl Training {
         let part = |side: bool| {
             let mut deployment = without_tracks(deployment);
             for (set, sides) in deployment.control_points.iter_mut().zip(&self.points) {
-                // Pillars serve method A alone, which judges by the points it leaves out anyway.
+                // Pillars serve method A alone, which is tested on the points that it leaves out.
                 if !set.pillars {
                     let mut sides = sides.iter();
                     set.points.retain(|_| sides.next() == Some(&side));
                 }
             }
-            Part { deployment, triplets: select(side) }
+            DataSubset { deployment, triplets: select(side) }
         };
         [part(true), part(false)]
     }
 }
 
-/// Whether each of `count` blocks or points is trained on, at random.
+/// Selects the training data among `count` blocks or points, at random.
 fn sides(count: usize, rng: &mut ChaCha8Rng) -> Vec<bool> {
     let training = (TRAINING_SHARE * count as f64).round() as usize;
     let mut sides: Vec<bool> = (0..count).map(|i| i < training).collect();
@@ -110,7 +111,7 @@ fn sides(count: usize, rng: &mut ChaCha8Rng) -> Vec<bool> {
     sides
 }
 
-/// The calibrations look at triplets; raw tracks need no copies.
+/// Copies a deployment without its raw tracks, which the calibrations do not use.
 fn without_tracks(deployment: &Deployment) -> Deployment {
     Deployment {
         name: deployment.name.clone(),
@@ -147,7 +148,7 @@ mod tests {
         let deployment = deployment();
         let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
         let splits = Some(Splits { repeats: 3, seed: 7 });
-        let first = Plan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
+        let first = SplitPlan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
         assert_eq!(first.len(), 3);
         for [train, test] in &first {
             assert_eq!(train.triplets.len() + test.triplets.len(), triplets.len());
@@ -161,7 +162,7 @@ mod tests {
             }
         }
         assert!(first[0][0].triplets != first[1][0].triplets, "repeats differ");
-        let again = Plan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
+        let again = SplitPlan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
         assert_eq!(first[2][1].triplets, again[2][1].triplets, "a seed repeats");
     }
 
@@ -170,7 +171,7 @@ mod tests {
         let deployment = deployment();
         let settings = PipelineSettings::default();
         let triplets = pipeline::run(&deployment, &settings).triplets;
-        let plan = Plan::new(&deployment, &triplets, Some(Splits { repeats: 2, seed: 1 }));
+        let plan = SplitPlan::new(&deployment, &triplets, Some(Splits { repeats: 2, seed: 1 }));
         let unfiltered =
             PipelineSettings { outlier_filter: false, interval_filter: false, ..settings };
         let others = pipeline::run(&deployment, &unfiltered).triplets;

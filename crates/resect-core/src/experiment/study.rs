@@ -1,14 +1,14 @@
-//! The result of a study: boxes of errors in groups and series.
+//! Result of a study: boxes of errors in groups and series.
 
 use crate::analysis::Settings;
 use crate::deployment::Finding;
 use crate::palette::Rgb;
 use crate::statistics::quantiles;
 
-/// Range accuracy of the Trimble S7 (mm): the paper's line for the instruments' own noise.
+/// Range accuracy of the Trimble S7 (mm), the paper's line for the instruments' own noise.
 pub const INSTRUMENT_NOISE_MM: f64 = 2.0;
 
-/// One box: sizes of errors, summed up (mm).
+/// One box: quantiles of absolute errors (mm).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Quantiles {
     pub q05: f64,
@@ -20,7 +20,7 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    /// Quantiles of the sizes of errors (mm) of either sign, in any order; `None` of nothing.
+    /// Quantiles of absolute errors (mm), in any order; `None` without errors.
     pub fn of(errors_mm: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut n = 0;
         let sizes_mm = errors_mm.into_iter().inspect(|_| n += 1).map(f64::abs);
@@ -37,13 +37,13 @@ impl Quantiles {
     }
 }
 
-/// Boxes side by side, one of each series.
+/// Boxes side by side, one for each series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     pub label: String,
-    /// A second line: how much data stands behind it.
+    /// Second line of the label: the amount of data.
     pub note: String,
-    /// One box of each series, or why there is none, in a few words.
+    /// One box for each series, or the reason why there is none, in a few words.
     pub boxes: Vec<Result<Quantiles, String>>,
 }
 
@@ -53,7 +53,7 @@ pub struct Series {
     pub rgb: Rgb,
 }
 
-/// A value (mm) to compare with.
+/// A reference value (mm).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     pub label: String,
@@ -72,12 +72,12 @@ pub struct Study {
     pub groups: Vec<Group>,
     pub levels: Vec<Level>,
     pub findings: Vec<Finding>,
-    /// What everything that the study does not vary was set to.
+    /// Settings that the study does not vary.
     pub settings: Settings,
 }
 
 impl Study {
-    /// A box that can be shown, or why there is none.
+    /// Returns a box that can be drawn, or the reason why there is none.
     pub fn quantiles(&self, group: usize, series: usize) -> Result<&Quantiles, &str> {
         match self.groups[group].boxes.get(series) {
             Some(Ok(quantiles)) if quantiles.values().into_iter().all(can_be_shown) => {
@@ -89,7 +89,7 @@ impl Study {
         }
     }
 
-    /// All boxes that can be shown, group by group.
+    /// All boxes that can be drawn, group by group.
     pub fn all_quantiles(&self) -> impl Iterator<Item = &Quantiles> {
         let series = 0..self.series.len();
         (0..self.groups.len())
@@ -97,12 +97,12 @@ impl Study {
             .filter_map(|(group, series)| self.quantiles(group, series).ok())
     }
 
-    /// Levels that a picture can show.
+    /// Levels that can be drawn.
     pub fn shown_levels(&self) -> impl Iterator<Item = &Level> {
         self.levels.iter().filter(|level| can_be_shown(level.value))
     }
 
-    /// Whether a linear axis would press the smallest boxes flat.
+    /// Returns true if the smallest boxes would be flat on a linear axis.
     pub fn needs_log(&self) -> bool {
         let medians = self.all_quantiles().map(|quantiles| quantiles.median);
         let smallest = medians.fold(f64::INFINITY, f64::min);
@@ -110,14 +110,14 @@ impl Study {
         smallest > 0.0 && largest > 25.0 * smallest
     }
 
-    /// All values that a picture shows (mm).
+    /// All values that are drawn (mm).
     pub fn values(&self) -> impl Iterator<Item = f64> {
         let levels = self.shown_levels().map(|level| level.value);
         self.all_quantiles().flat_map(Quantiles::values).chain(levels)
     }
 }
 
-/// Whether a value is neither infinite nor so large that pixels overflow.
+/// Returns true if a value is finite and not so large that pixels overflow.
 fn can_be_shown(value: f64) -> bool {
     value.abs() < 1e15
 }

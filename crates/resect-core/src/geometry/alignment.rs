@@ -4,12 +4,11 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::{LevelTransform, RigidTransform};
 
-/// The level transform that brings `points_b` closest to `points_a`, in the least-squares sense.
+/// Least-squares level transform from `points_b` to `points_a`; `None` with fewer than two points.
 ///
-/// The paper's point-to-point cost (eq. `icp_p_to_point_min`) with roll and pitch held at zero, where
-/// the minimum is closed: the centroids give the translation, and the yaw is the angle of the summed
-/// horizontal cross and dot products (Umeyama 1991, in the plane).
-/// Both slices hold metres, in corresponding order. `None` with fewer than two points.
+/// The paper's point-to-point cost (eq. `icp_p_to_point_min`) with zero roll and pitch has a closed-form minimum. The centroids
+/// give the translation, and the yaw is the angle of the summed horizontal cross and dot products (Umeyama 1991, in the plane).
+/// Both slices are in metres, in corresponding order.
 pub fn align_level(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<LevelTransform> {
     if points_a.len() != points_b.len() || points_a.len() < 2 {
         return None;
@@ -25,24 +24,24 @@ pub fn align_level(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Opti
     Some(LevelTransform::new(centre_a - turn.rotate(&centre_b), turn.yaw_rad))
 }
 
-/// The least singular value that counts as a direction, relative to the greatest. They scale with the square
-/// of the points' extent: this is a width of a millionth of the length.
+/// Smallest singular value of an observable direction, relative to the largest. Singular values scale with the square of the
+/// points' extent, so this is a width of a millionth of the length.
 const NARROWEST: f64 = 1e-12;
 
-/// The rigid transform that brings `points_b` closest to `points_a`, in the least-squares sense.
+/// Least-squares rigid transform from `points_b` to `points_a`.
 ///
-/// Umeyama 1991 (eqs. 38–43) without the scale; see [`align_similar`]. Both slices hold metres, in corresponding order.
-/// `None` where more than one rotation does: fewer than three points, points on a line, a mirror image whose two shorter
-/// extents are alike; and of what is not finite.
+/// Umeyama 1991 (eqs. 38–43) without the scale; see [`align_similar`]. Both slices are in metres, in corresponding order.
+/// `None` if the rotation is not unique: fewer than three points, points on a line, or a mirror image whose two shorter extents
+/// are equal. `None` too if a coordinate is not finite.
 pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
     let (rotation, _) = turn_and_scale(points_a, points_b)?;
     let translation_m = centroid(points_a) - rotation * centroid(points_b);
     Some(RigidTransform { rotation, translation_m })
 }
 
-/// A rigid transform and the scale before it that bring `points_b` closest to `points_a`: a = R (s b) + t.
+/// Least-squares rigid transform from `points_b` to `points_a`, with the scale before it: a = R (s b) + t.
 ///
-/// Umeyama 1991 (eqs. 38–43). Otherwise as [`align_rigid`].
+/// Umeyama 1991 (eqs. 38–43). Units, order and `None` as for [`align_rigid`].
 pub fn align_similar(
     points_a: &[Vector3<f64>],
     points_b: &[Vector3<f64>],
@@ -52,9 +51,10 @@ pub fn align_similar(
     Some((RigidTransform { rotation, translation_m }, scale))
 }
 
-/// The rotation and the scale of Umeyama 1991: with the singular value decomposition U D Vᵀ of the summed
-/// outer products a bᵀ about the centroids, the rotation is U diag(1, 1, det U det V) Vᵀ. The determinants
-/// keep a reflection, which noise and points in a plane can prefer, from passing for a rotation.
+/// Rotation and scale by Umeyama 1991.
+///
+/// The singular value decomposition of the summed outer products a bᵀ about the centroids is U D Vᵀ. The rotation is
+/// U diag(1, 1, det U det V) Vᵀ. Noise and points in a plane can fit a reflection better; the determinants exclude it.
 fn turn_and_scale(
     points_a: &[Vector3<f64>],
     points_b: &[Vector3<f64>],
@@ -68,7 +68,7 @@ fn turn_and_scale(
         .zip(points_b)
         .map(|(a, b)| (a - centre_a) * (b - centre_b).transpose())
         .sum();
-    // The decomposition iterates for ever on what is not a number; its own square overflows first.
+    // The decomposition does not terminate on NaN or infinity. The squared norm overflows before it does, so the norm is checked.
     if !spread.norm_squared().is_finite() {
         return None;
     }
@@ -150,8 +150,8 @@ mod tests {
             prop_assert!((found.matrix() - truth.matrix()).norm() < 1e-9);
         }
 
-        /// Any points, so reflections would often do better: the answer is a rotation all the same, and no
-        /// small motion away from it is better.
+        /// The result for any points, for which a reflection would often fit better, is a rotation. No small motion away from
+        /// it is better.
         #[test]
         fn the_answer_is_a_rotation_and_a_minimum(
             points_a in proptest::collection::vec(vector(), 5),
@@ -187,9 +187,9 @@ mod tests {
         ];
         let points_a = points_b.map(|b| Vector3::new(b.x, b.y, -b.z));
         let found = align_rigid(&points_a, &points_b).expect("three extents of their own");
-        // The shortest axis is the cheapest to leave wrong.
+        // An error along the shortest axis costs least.
         assert!((found.matrix() - RigidTransform::IDENTITY.matrix()).norm() < 1e-12);
-        // With two shortest axes alike, any turn about the long one is as good.
+        // With two equal shortest axes, any rotation about the long one fits as well.
         let points_b = points_b.map(|b| Vector3::new(b.x, b.y, 2.0 * b.z));
         let points_a = points_b.map(|b| Vector3::new(b.x, b.y, -b.z));
         assert_eq!(align_rigid(&points_a, &points_b), None);
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_narrow_rig_far_from_the_origin_is_no_less_exact() {
-        // A metre long and a millimetre wide, a kilometre away.
+        // A rig 1 m long and 1 mm wide, 1 km away.
         let narrow = [Vector3::zeros(), Vector3::x(), Vector3::new(0.4, 1e-3, 0.0)];
         let truth = RigidTransform {
             rotation: Rotation3::new(Vector3::new(0.3, -1.1, 2.0)),

@@ -1,4 +1,4 @@
-//! Positions on the Earth: latitude, longitude and height, and the way to Cartesian coordinates and back.
+//! Positions on the Earth: latitude, longitude and height, converted to and from Cartesian coordinates.
 
 use nalgebra::Vector3;
 
@@ -13,7 +13,7 @@ const ECCENTRICITY2: f64 = FLATTENING * (2.0 - FLATTENING);
 pub struct Geodetic {
     pub latitude_rad: f64,
     pub longitude_rad: f64,
-    /// Above the ellipsoid, not above the sea.
+    /// Height above the ellipsoid (m), not above sea level.
     pub height_m: f64,
 }
 
@@ -31,10 +31,10 @@ impl Geodetic {
         )
     }
 
-    /// The inverse of [`Geodetic::to_ecef`], for anything further than 43 km from the centre of the Earth.
+    /// The inverse of [`Geodetic::to_ecef`], for positions more than 43 km from the centre of the Earth.
     ///
-    /// In closed form, with the names of Vermeille, "Direct transformation from geocentric coordinates to
-    /// geodetic coordinates", Journal of Geodesy 76 (2002) 451–454.
+    /// Closed form, in the notation of Vermeille, "Direct transformation from geocentric coordinates to geodetic coordinates",
+    /// Journal of Geodesy 76 (2002) 451–454.
     pub fn from_ecef(position_m: Vector3<f64>) -> Self {
         let e2 = ECCENTRICITY2;
         let e4 = e2 * e2;
@@ -108,7 +108,7 @@ mod tests {
             let there = geodetic.to_ecef();
             let back = Geodetic::from_ecef(there);
             prop_assert!((back.to_ecef() - there).norm() < 1e-6);
-            // The way back must not err alike: the height is compared on its own.
+            // Both conversions could have the same error, so the height is compared directly.
             prop_assert!((back.height_m - height_m).abs() < 1e-6);
         }
     }

@@ -1,15 +1,14 @@
-//! Rigid motions between the frames of level instruments: a translation and a yaw.
+//! Rigid transforms between the frames of level instruments: a translation and a yaw.
 
 use nalgebra::{Matrix4, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::wrap_to_pi;
 
-/// A rigid motion that keeps the vertical: four degrees of freedom.
+/// A rigid transform that keeps the vertical: four degrees of freedom.
 ///
-/// A value named `a_from_b` maps coordinates in frame b to frame a: `p_a = R(yaw) p_b + t`.
-/// Stations are levelled by their compensators to about an arcsecond, which is why the paper gives
-/// them no roll and pitch (Vaidis et al. 2022, eq. (2)).
+/// A value named `a_from_b` maps coordinates in frame b to frame a: `p_a = R(yaw) p_b + t`. Compensators level the stations to
+/// about an arcsecond, so the paper gives them no roll and pitch (Vaidis et al. 2022, eq. (2)).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelTransform {
     pub translation_m: Vector3<f64>,
@@ -28,7 +27,7 @@ impl LevelTransform {
         self.rotate(point_m) + self.translation_m
     }
 
-    /// Turns a direction by the yaw.
+    /// Rotates a direction by the yaw.
     pub fn rotate(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = self.yaw_rad.sin_cos();
         Vector3::new(

@@ -1,6 +1,6 @@
-//! Coordinates and rigid motions: the vocabulary that every other module shares.
+//! Coordinates and rigid transforms, the basis of every other module.
 //!
-//! Nothing here knows what a deployment is.
+//! This module does not depend on deployments.
 
 mod alignment;
 mod geodetic;

@@ -1,4 +1,4 @@
-//! Polar measurements of a total station, and the way to Cartesian coordinates and back.
+//! Polar measurements of a total station, converted to and from Cartesian coordinates.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 /// A direction and a distance from a station, prism constant included.
 ///
-/// Azimuths turn clockwise seen from above, as surveyors read them; the zenith angle is 0 straight
-/// up and π/2 on the horizon.
+/// Azimuths increase clockwise seen from above, as surveyors read them. The zenith angle is 0 straight up and π/2 on the
+/// horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polar {
     pub range_m: f64,
@@ -15,11 +15,11 @@ pub struct Polar {
     pub zenith_rad: f64,
 }
 
-/// No total station measures further; what claims to is a blunder that would drown everything else.
+/// Longest range of a total station (m); a longer one is a blunder that would dominate the estimate.
 pub const LONGEST_RANGE_M: f64 = 10_000.0;
 
 impl Polar {
-    /// Whether a total station can have measured this: finite, in front of it and within 10 km.
+    /// Returns true if a total station can have measured this: finite, in front of it and within 10 km.
     pub fn is_plausible(&self) -> bool {
         self.range_m > 0.0
             && self.range_m < LONGEST_RANGE_M
@@ -45,7 +45,7 @@ impl Polar {
     }
 }
 
-/// An angle brought into [−π, π] by full turns.
+/// Wraps an angle into [−π, π] by full turns.
 pub fn wrap_to_pi(angle_rad: f64) -> f64 {
     if angle_rad.abs() <= PI {
         return angle_rad;

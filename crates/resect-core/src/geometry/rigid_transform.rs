@@ -1,10 +1,10 @@
-//! Rigid motions in full: a translation and any rotation.
+//! Rigid transforms: a translation and any rotation.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 
 use super::LevelTransform;
 
-/// A rigid motion: six degrees of freedom.
+/// A rigid transform: six degrees of freedom.
 ///
 /// A value named `a_from_b` maps coordinates in frame b to frame a: `p_a = R p_b + t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl RigidTransform {
         self.rotate(point_m) + self.translation_m
     }
 
-    /// Turns a direction.
+    /// Rotates a direction.
     pub fn rotate(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * direction
     }
@@ -60,7 +60,7 @@ impl RigidTransform {
     /// Angle between the vertical axes of the two frames; in [0, π].
     pub fn tilt_rad(&self) -> f64 {
         let r = self.rotation.matrix();
-        // Not acos(r22): it cannot tell 0 from the 1e-8 rad that are below its resolution.
+        // Not acos(r22), which cannot resolve angles below about 1e-8 rad.
         r[(0, 2)].hypot(r[(1, 2)]).atan2(r[(2, 2)])
     }
 }

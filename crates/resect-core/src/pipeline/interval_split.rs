@@ -1,8 +1,8 @@
-//! Module 2: the spans of time in which all three stations measured without a long gap.
+//! Module 2: time intervals in which all three stations measured without a long gap.
 
 use super::FilteredTrack;
 
-/// A span of time (s), ends included.
+/// A closed time interval (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     pub start_s: f64,
@@ -15,14 +15,14 @@ impl Interval {
     }
 }
 
-/// Cuts each station where the gap exceeds τ_s and keeps the intersections over the three, in order.
+/// Splits each station's track at gaps longer than τ_s, and intersects the intervals of all three, in order.
 pub fn split(tracks: &[FilteredTrack; 3], tau_s_seconds: f64) -> Vec<Interval> {
     let [first, second, third] =
         tracks.each_ref().map(|track| uninterrupted(&track.time_s, tau_s_seconds));
     intersect(&intersect(&first, &second), &third)
 }
 
-/// One station's spans without a gap longer than τ_s.
+/// Returns one station's intervals without a gap longer than τ_s.
 pub fn uninterrupted(time_s: &[f64], tau_s_seconds: f64) -> Vec<Interval> {
     time_s
         .chunk_by(|a, b| b - a <= tau_s_seconds)
@@ -30,7 +30,7 @@ pub fn uninterrupted(time_s: &[f64], tau_s_seconds: f64) -> Vec<Interval> {
         .collect()
 }
 
-/// Intersections of two ordered lists; those of no length are dropped.
+/// Intersects two ordered lists; intervals without length are dropped.
 fn intersect(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
     let (mut i, mut j) = (0, 0);
     let mut common = Vec::new();
@@ -66,7 +66,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the stamps, every interval lies inside an uninterrupted span of each station.
+        /// For any stamps, every interval lies inside an uninterrupted span of each station.
         #[test]
         fn intervals_hold_no_gap(gaps in proptest::array::uniform3(proptest::collection::vec(0.1..3.0f64, 1..60)), tau in 0.2..2.5f64) {
             let tracks = gaps.map(|gaps| track(gaps.iter().scan(0.0, |t, g| { *t += g; Some(*t) }).collect()));

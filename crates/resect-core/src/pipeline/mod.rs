@@ -1,10 +1,10 @@
-//! The way from raw polar tracks to triplets: the four modules of the paper's pre-processing pipeline.
+//! Conversion of raw polar tracks to triplets: the four modules of the paper's pre-processing pipeline.
 //!
 //! ```text
 //! tracks ─1 outlier filter─▶ filtered ─2 interval split─▶ intervals ─3 interval filter─▶ kept ─4 interpolation─▶ triplets
 //! ```
-//! Each stage is a pure function of the one before it and of its own settings. `StagedPipeline` keeps
-//! the last output of each, so that a change re-runs only what depends on it.
+//! Each stage is a pure function of the one before it and of its own settings. `StagedPipeline` stores the last output of
+//! each stage, so that a change re-runs only the stages that depend on it.
 
 pub mod explanation;
 pub mod interpolation;

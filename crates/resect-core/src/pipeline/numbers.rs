@@ -1,19 +1,19 @@
-//! The numbers of the pipeline's settings.
+//! Numeric settings of the pipeline.
 
 use std::ops::Bound;
 
 use super::PipelineSettings;
 use crate::number_setting::{NumberSetting, check_all};
 
-/// All of them, in the order of the pipeline.
+/// All numeric settings, in the order of the pipeline.
 pub static PIPELINE_NUMBERS: [&NumberSetting<PipelineSettings>; 6] =
     [&TAU_R, &TAU_A, &TAU_E, &TAU_S, &TAU_L, &RATE];
 
 impl PipelineSettings {
-    /// Checks all numbers.
+    /// Checks all numeric settings.
     ///
     /// # Errors
-    /// The first number that is not accepted, as one line; sliders cannot reach it, files and flags can.
+    /// The first invalid number, as one line. Sliders cannot reach such numbers; files and flags can.
     pub fn check(&self) -> Result<(), String> {
         check_all(&PIPELINE_NUMBERS, self)
     }
@@ -25,7 +25,7 @@ pub static TAU_R: NumberSetting<PipelineSettings> = NumberSetting {
     title: "τ_r, range rate",
     key: "tau_r_m_per_s",
     flag: Some("tau-r"),
-    meaning: "Fastest believable change of range",
+    meaning: "Largest plausible rate of the range",
     unit: "m/s",
     per_stored: 1.0,
     least: Bound::Excluded(0.0),
@@ -40,7 +40,7 @@ pub static TAU_A: NumberSetting<PipelineSettings> = NumberSetting {
     title: "τ_a, azimuth rate",
     key: "tau_a_deg_per_s",
     flag: Some("tau-a"),
-    meaning: "Fastest believable change of azimuth",
+    meaning: "Largest plausible rate of the azimuth",
     unit: "°/s",
     field: |settings| &mut settings.thresholds.tau_a_deg_per_s,
     ..TAU_R
@@ -52,7 +52,7 @@ pub static TAU_E: NumberSetting<PipelineSettings> = NumberSetting {
     title: "τ_e, zenith rate",
     key: "tau_e_deg_per_s",
     flag: Some("tau-e"),
-    meaning: "Fastest believable change of the zenith angle",
+    meaning: "Largest plausible rate of the zenith angle",
     unit: "°/s",
     field: |settings| &mut settings.thresholds.tau_e_deg_per_s,
     ..TAU_R
@@ -68,7 +68,7 @@ pub static TAU_S: NumberSetting<PipelineSettings> = NumberSetting {
     unit: "s",
     per_stored: 1.0,
     least: Bound::Excluded(0.0),
-    // Positions across a gap are interpolated: beyond a minute they are no measurements.
+    // Positions across a gap are interpolated; beyond a minute they are not measurements.
     most: 60.0,
     slider: [0.1, 10.0],
     field: |settings| &mut settings.thresholds.tau_s_seconds,

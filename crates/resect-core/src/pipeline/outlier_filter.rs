@@ -1,4 +1,4 @@
-//! Module 1: drops readings that move faster than the vehicle can, and gives the rest in Cartesian coordinates.
+//! Module 1: rejects readings that move faster than the vehicle can, and converts the others to Cartesian coordinates.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::Thresholds;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::geometry::wrap_to_pi;
 
-/// Which rate gave a reading away; the first that exceeds its threshold, in this order.
+/// Rate for which a reading was rejected: the first above its threshold, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OutlierReason {
     Range,
@@ -29,13 +29,13 @@ pub struct FilteredTrack {
     pub position_m: Vec<Vector3<f64>>,
     /// Index of each kept reading in the raw track.
     pub source: Vec<u32>,
-    /// Why each raw reading was dropped, if it was.
+    /// Reason for which each raw reading was rejected; `None` if it was not.
     pub rejected: Vec<Option<OutlierReason>>,
-    /// Whether each reading was left out by the user, as in [`Track::left_out`].
+    /// True for each reading that the user excluded, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
 }
 
-/// Positions of every raw reading (m), each station in its own frame. No setting changes them.
+/// Returns the positions of all raw readings (m), each station in its own frame. They do not depend on settings.
 pub fn positions_m(deployment: &Deployment) -> [Vec<Vector3<f64>>; 3] {
     deployment
         .tracks
@@ -43,8 +43,8 @@ pub fn positions_m(deployment: &Deployment) -> [Vec<Vector3<f64>>; 3] {
         .map(|track| track.measurements.iter().map(|m| track.position_m(m)).collect())
 }
 
-/// Filters the three tracks, whose positions are [`positions_m`]; `None` keeps everything, as the paper's
-/// pipeline without module 1.
+/// Filters the three tracks, whose positions are [`positions_m`]. `None` keeps everything, like the paper's pipeline
+/// without module 1.
 pub fn filter(
     deployment: &Deployment,
     positions_m: &[Vec<Vector3<f64>>; 3],
@@ -55,7 +55,7 @@ pub fn filter(
     })
 }
 
-/// Rates between two readings; the azimuth takes the short way round.
+/// Returns the rates between two readings; the azimuth difference is wrapped to ±π.
 pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
     let elapsed_s = this.time_s - previous.time_s;
     Rates {
@@ -66,8 +66,8 @@ pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
     }
 }
 
-/// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too. What the user
-/// left out does not count at all.
+/// Compares each reading with the previous raw reading, kept or not, so the return from a jump is rejected as a jump too.
+/// Readings that the user excluded are skipped.
 fn filter_track(
     track: &Track,
     positions_m: &[Vector3<f64>],
@@ -102,7 +102,7 @@ fn filter_track(
     out
 }
 
-/// The first rate beyond its threshold.
+/// Returns the first rate above its threshold.
 pub fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
     if rates.range_m_per_s.abs() > thresholds.tau_r_m_per_s {
         Some(OutlierReason::Range)

@@ -1,4 +1,4 @@
-//! Settings of the pipeline: plain data, the same for sliders, files and flags.
+//! Settings of the pipeline as plain data, shared by sliders, files and flags.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Thresholds {
-    /// τ_r: fastest believable change of range.
+    /// τ_r: fastest plausible change of range.
     pub tau_r_m_per_s: f64,
-    /// τ_a: fastest believable change of azimuth.
+    /// τ_a: fastest plausible change of azimuth.
     pub tau_a_deg_per_s: f64,
-    /// τ_e: fastest believable change of the zenith angle.
+    /// τ_e: fastest plausible change of the zenith angle.
     pub tau_e_deg_per_s: f64,
     /// τ_s: longest gap inside an interval.
     pub tau_s_seconds: f64,
@@ -54,7 +54,7 @@ impl Interpolation {
         }
     }
 
-    /// The interpolation's name in the window and in plots.
+    /// Name for the window and plots.
     pub fn title(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -79,7 +79,7 @@ pub struct PipelineSettings {
 }
 
 impl Default for PipelineSettings {
-    /// The paper's pipeline, both optional modules on.
+    /// The paper's pipeline, with both optional modules.
     fn default() -> Self {
         Self {
             outlier_filter: true,

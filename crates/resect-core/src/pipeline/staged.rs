@@ -1,4 +1,4 @@
-//! The pipeline with a memory: a change of a setting re-runs its stage and those after it.
+//! Incremental pipeline: a change of a setting re-runs its stage and those after it.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -13,17 +13,17 @@ use super::{interpolation, interval_filter, interval_split, outlier_filter};
 use crate::deployment::Deployment;
 use crate::progress::{Cancelled, Progress};
 
-/// What became of a raw reading.
+/// Fate of a raw reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SampleFate {
-    /// Interpolation between readings uses it.
+    /// The reading is used for interpolation.
     Kept,
     Rejected(OutlierReason),
-    /// Another station (or this one) was silent for longer than τ_s.
+    /// Another station, or this one, was silent for longer than τ_s.
     InNoInterval,
     /// The reading's interval is not longer than τ_l.
     IntervalTooShort,
-    /// The user left it out.
+    /// The user excluded it.
     LeftOut,
 }
 
@@ -38,7 +38,7 @@ impl SampleFate {
         Self::LeftOut,
     ];
 
-    /// The fate in words, for legends and exports.
+    /// Returns the fate in words, for legends and exports.
     pub fn label(self) -> &'static str {
         match self {
             Self::Kept => "kept",
@@ -52,7 +52,7 @@ impl SampleFate {
     }
 }
 
-/// Everything the pipeline found; cheap to clone.
+/// Output of all stages; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct PipelineOutput {
     pub filtered: Arc<[FilteredTrack; 3]>,
@@ -64,24 +64,24 @@ pub struct PipelineOutput {
     pub fates: Arc<[Fates; 3]>,
 }
 
-/// What became of the readings of one station.
+/// Fates of the readings of one station.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fates {
     /// Fate of each raw reading.
     pub each: Vec<SampleFate>,
-    /// Number of readings of each fate, in the order of [`SampleFate::ALL`]; counted once, because the window asks in
-    /// every frame.
+    /// Number of readings of each fate, in the order of [`SampleFate::ALL`]; stored because the window reads it in every
+    /// frame.
     counts: [usize; 7],
 }
 
 impl PipelineOutput {
-    /// How many of a station's readings met this fate.
+    /// Returns the number of a station's readings with this fate.
     pub fn count(&self, station: usize, fate: SampleFate) -> usize {
         let place = SampleFate::ALL.iter().position(|f| *f == fate);
         place.map_or(0, |place| self.fates[station].counts[place])
     }
 
-    /// Readings of each station that interpolation uses.
+    /// Returns the number of readings of each station that interpolation uses.
     pub fn kept(&self) -> [usize; 3] {
         std::array::from_fn(|station| self.count(station, SampleFate::Kept))
     }
@@ -89,8 +89,8 @@ impl PipelineOutput {
 
 type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
 
-/// Keeps the last output of each stage beside the settings that made it. One deployment each: the memory does not
-/// know which it was, so [`crate::analysis::Analyst`] keeps the two together.
+/// Stores the last output of each stage with the settings that it depends on. Use one for each deployment: it does not
+/// check that the deployment is the same. [`crate::analysis::Analyst`] keeps the two together.
 #[derive(Default)]
 pub struct StagedPipeline {
     positions_m: Memory<(), [Vec<Vector3<f64>>; 3]>,
@@ -101,7 +101,7 @@ pub struct StagedPipeline {
     fates: Memory<(), [Fates; 3]>,
 }
 
-/// The settings of module 1 alone.
+/// Settings of module 1.
 #[derive(Clone, Copy, PartialEq)]
 struct RateThresholds(f64, f64, f64);
 
@@ -112,7 +112,7 @@ impl StagedPipeline {
             .expect("nobody else can cancel it")
     }
 
-    /// Runs like [`Self::run`] until `progress` is cancelled; stages that were done by then are remembered.
+    /// Runs like [`Self::run`] until `progress` is cancelled; completed stages are stored.
     pub fn run_while(
         &mut self,
         deployment: &Deployment,
@@ -140,13 +140,13 @@ impl StagedPipeline {
         let kept_intervals = remember(&mut self.kept, tau_l, &mut stale, || {
             interval_filter::filter(&intervals, tau_l)
         });
-        // Fates depend on the intervals alone, not on how positions are interpolated between readings.
+        // Fates depend on the intervals alone, not on the interpolation.
         let mut fates_stale = stale;
         let fates = remember(&mut self.fates, (), &mut fates_stale, || {
             filtered.each_ref().map(|track| fates(track, &intervals, &kept_intervals))
         });
         let key = (settings.interpolation, settings.rate_hz);
-        // Triplets of other readings must not be taken for those that were not finished.
+        // Removed before the computation, so that cancelled triplets are not replaced by those of other readings.
         let known = self.triplets.take_if(|(known, _)| *known == key && !stale);
         let triplets = match known {
             Some((_, triplets)) => triplets,
@@ -188,8 +188,8 @@ fn remember<Key: PartialEq, Output>(
     }
 }
 
-/// Readings of a filtered track that positions in an interval are interpolated from. Those that bracket it count,
-/// because its first and last positions are interpolated from them.
+/// Returns the range of readings that positions in an interval are interpolated from. It includes those that bracket the
+/// interval, which its first and last positions need.
 pub(super) fn used_readings(track: &FilteredTrack, interval: &Interval) -> RangeInclusive<usize> {
     let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
     let to = track.time_s.partition_point(|t| *t < interval.end_s);
@@ -255,7 +255,7 @@ mod tests {
         settings.thresholds.tau_a_deg_per_s = 0.5;
         let stricter = pipeline.run(&deployment, &settings);
         assert!(!Arc::ptr_eq(&coarser.filtered, &stricter.filtered));
-        // Whatever the path, the answer is that of a fresh run.
+        // The result is that of a fresh run, for any sequence of changes.
         let fresh = run(&deployment, &settings);
         assert_eq!(*fresh.triplets, *stricter.triplets);
         assert_eq!(*fresh.fates, *stricter.fates);

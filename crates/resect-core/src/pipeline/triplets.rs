@@ -1,4 +1,4 @@
-//! The pipeline's product.
+//! Triplets, the output of the pipeline.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::FilteredTrack;
 
-/// Unix times are held to a quarter of a microsecond.
+/// Tolerance of time comparisons (s); Unix times are stored to a quarter of a microsecond.
 const STAMP_ERROR_S: f64 = 1e-6;
 
 /// `Q_1, Q_2, Q_3` of the paper: positions of the three prisms at common instants.
@@ -19,13 +19,13 @@ pub struct Triplets {
     pub interval: Vec<u32>,
     /// Positions of each station's prism (m), in the station's own frame.
     pub points_m: [Vec<Vector3<f64>>; 3],
-    /// How fast prism 1 moves (m/s), by differences with the neighbouring instants.
+    /// Speed of prism 1 (m/s), by differences with the neighbouring instants.
     pub speed_m_per_s: Vec<f64>,
-    /// One standard deviation of each station's positions on each axis (m), where the interpolation says.
+    /// Standard deviation of each station's positions along each axis (m); `None` if the interpolation gives none.
     pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
     /// Start of each further drive (s), as [`crate::deployment::Deployment::restarts_s`].
     pub restarts_s: Vec<f64>,
-    /// The filtered readings that they were interpolated from; empty where there were none.
+    /// Filtered readings from which the positions are interpolated; empty without readings.
     pub readings: Arc<[FilteredTrack; 3]>,
 }
 
@@ -48,7 +48,7 @@ impl Triplets {
         self.time_s.len()
     }
 
-    /// Some of the instants, in the order given.
+    /// Returns some of the instants, in the order given.
     pub fn select(&self, indices: &[usize]) -> Self {
         let points = |all: &Vec<Vector3<f64>>| indices.iter().map(|i| all[*i]).collect();
         Self {
@@ -66,13 +66,13 @@ impl Triplets {
         self.time_s.is_empty()
     }
 
-    /// The three positions at one instant (m), each in its station's frame.
+    /// Returns the three positions at one instant (m), each in its station's frame.
     pub fn triplet_m(&self, index: usize) -> [Vector3<f64>; 3] {
         std::array::from_fn(|station| self.points_m[station][index])
     }
 
-    /// The prisms at any time, as the one instant of it: on a triplet, or on the straight line between two neighbours of an
-    /// interval that are no further apart than `longest_s`. `None` elsewhere: nothing is carried on beyond a triplet.
+    /// Returns the prisms at any time, as a single instant. Between triplets of one interval at most `longest_s` (s) apart,
+    /// positions are interpolated linearly. `None` elsewhere: positions are not extrapolated.
     pub fn at(&self, time_s: f64, longest_s: f64) -> Option<Self> {
         let after = self.time_s.partition_point(|t| *t < time_s);
         if self.time_s.get(after) == Some(&time_s) {
@@ -97,7 +97,7 @@ impl Triplets {
         })
     }
 
-    /// Index of the instant nearest in time; `None` where no interval is within half a second.
+    /// Returns the index of the nearest instant in time; `None` if none is within half a second.
     pub fn nearest(&self, time_s: f64) -> Option<usize> {
         let after = self.time_s.partition_point(|t| *t < time_s);
         [after.checked_sub(1), Some(after)]
@@ -157,11 +157,11 @@ mod tests {
     #[test]
     fn there_are_none_in_a_gap_nor_before_the_first_and_after_the_last() {
         for time_s in [9.99, 11.01, 12.5, 13.99, 14.51] {
-            // However long a gap may be: no interval goes on across one.
+            // No interval continues across a gap, for any `longest_s`.
             assert_eq!(triplets().at(time_s, 60.0), None, "{time_s}");
         }
         assert_eq!(Triplets::default().at(10.0, 1.0), None);
-        // Triplets that are too sparse are points and no line.
+        // Triplets too far apart are not interpolated.
         assert_eq!(triplets().at(10.2, 0.4), None);
         assert!(triplets().at(10.5, 0.4).is_some());
     }

@@ -12,11 +12,12 @@ use crate::simulation::{
     Ground, Motion, Noise, Path, Preset, Ramp, Scenario, Simulated, Waypoint, simulate_scenario,
 };
 
-/// All predictions have the same bumps of the ground.
+/// Seed of the ground's bumps, the same for all predictions.
 const SEED: u64 = 1;
-/// The vehicle stands this long after it has arrived (s).
+/// Stop of the vehicle after its arrival (s).
 const AFTER_S: f64 = 1.0;
-/// Longest drive as a multiple of its length over its slowest speed, turns and braking included.
+/// Upper limit of the duration: this multiple of length over slowest speed plus stops, and a constant (s) for turns and
+/// braking.
 const LONGER: f64 = 3.0;
 const LONGER_BY_S: f64 = 120.0;
 
@@ -29,8 +30,8 @@ pub struct Driven {
 }
 
 impl Plan {
-    /// Returns the plan as a scenario in the frame of station 1, whose axes are those of the plan, with the noise of its
-    /// instruments and without systematic errors.
+    /// Returns the plan as a scenario, with the noise of its instruments and without systematic errors. The frame is that
+    /// of station 1, with the axes of the plan.
     pub fn scenario(&self) -> Result<Scenario, PlanError> {
         self.check().map_err(|(what, remedy)| PlanError::Senseless { what, remedy })?;
         let [first_m, second_m, third_m] = self.stations_m;
@@ -72,7 +73,7 @@ impl Plan {
     }
 }
 
-/// Returns how long it takes to drive through waypoints (s), at a cruising speed where they have none.
+/// Returns the duration of a drive through waypoints (s), at the cruising speed for those without a speed.
 fn duration_s(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> f64 {
     let speed_m_per_s = |at: &Waypoint| at.speed_m_per_s.unwrap_or(cruise_m_per_s);
     let slowest = waypoints.iter().map(speed_m_per_s).fold(f64::INFINITY, f64::min);
@@ -81,7 +82,7 @@ fn duration_s(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -
     Motion::arrival_s(waypoints, turn_radius_m, cruise_m_per_s, latest_s)
 }
 
-/// Simulates a plan and the readings of its stations.
+/// Simulates a plan and the noise-free readings of its stations.
 pub fn drive(plan: &Plan) -> Result<Driven, PlanError> {
     drive_with(plan, [0.0; 2])
 }
@@ -98,7 +99,7 @@ pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> 
             lost_locks_per_minute: 0.0,
             wrong_targets_per_minute: 0.0,
         },
-        // Stations take turns, which is neither the best case nor the worst.
+        // Stations read in turn, which is neither the best nor the worst case.
         stagger_s: Some([0.0, period_s / 3.0, 2.0 * period_s / 3.0]),
         yaws_rad: Some(yaws_rad),
         ..scenario
@@ -110,7 +111,7 @@ pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> 
     let pipeline = pipeline::run(&deployment, &settings);
     if pipeline.triplets.is_empty() {
         let tau_l_s = plan.thresholds.tau_l_seconds;
-        let remedy = "bring the way into reach of all stations, or drive more slowly";
+        let remedy = "plan the path within reach of all stations, or drive more slowly";
         return Err(PlanError::NothingRead { tau_l_s, remedy });
     }
     Ok(Driven { simulated, deployment, pipeline, locks })

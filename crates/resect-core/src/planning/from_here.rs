@@ -1,4 +1,4 @@
-//! The vehicle of a drive in progress: where it is, which manoeuvres lead on from there, and what they would read.
+//! The vehicle of a drive in progress: its position, candidate manoeuvres from there, and their simulated readings.
 
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
@@ -17,11 +17,11 @@ use crate::deployment::pairwise_distances;
 use crate::pipeline::{FilteredTrack, Triplets};
 use crate::simulation::{Ground, Waypoint};
 
-/// Half loops, which turn back, are tighter (m).
+/// Radius of half loops, which turn back (m); smaller than that of loops.
 const HALF_RADIUS_M: f64 = 4.0;
-/// How far straight legs and slaloms lead (m).
+/// Lengths of straight legs and slaloms (m).
 const LEGS_M: [f64; 2] = [12.0, 25.0];
-/// Where to, an eighth of a turn to the left each.
+/// Directions in steps of 45°, counter-clockwise.
 const WHERE_TO: [&str; 8] = [
     "ahead",
     "45° to the left",
@@ -32,24 +32,25 @@ const WHERE_TO: [&str; 8] = [
     "to the right",
     "45° to the right",
 ];
-/// What an early answer has wrong tilts the vehicle as slopes do, without end: no ground that is driven is steeper (root mean square).
+/// Upper limit of the vehicle's slope (rad, root mean square). Errors of an early calibration look like slopes and are
+/// unbounded.
 const STEEPEST_RAD: f64 = 0.15;
-/// A vehicle turns on the spot to where the cosine between its heading and its way is less than this.
+/// Smallest cosine between the vehicle's heading and a leg; below it the vehicle turns on the spot.
 const ON_THE_SPOT: f64 = 0.5;
-/// Places that are nearer than this are no way to go (m).
+/// Shortest distance to a destination (m).
 const NEXT_DOOR_M: f64 = 6.0;
-/// Directions are told from places this far apart (m).
+/// Distance between positions that determines a direction (m).
 const HEADING_M: f64 = 0.5;
-/// Between what was read and what is tried (s).
+/// Pause between the readings so far and those of a manoeuvre (s).
 const PAUSE_S: f64 = 1.0;
-/// Places of the drive so far that are remembered.
+/// Largest number of stored positions of the drive so far.
 const MOST_PLACES: usize = 300;
 
-/// The vehicle where it is now.
+/// Current state of the vehicle.
 pub struct Here {
     place_m: Vector2<f64>,
     along: Vector2<f64>,
-    /// Where it was, some places after another.
+    /// Positions so far, thinned.
     driven_m: Vec<Vector2<f64>>,
     as_driven: AsDriven,
     ground_m: f64,
@@ -79,7 +80,7 @@ impl Here {
         Some(Self { place_m: last_m.xy(), along, driven_m, as_driven, ground_m: last_m.z })
     }
 
-    /// Manoeuvres from here, in words and as ways in the frame of station 1.
+    /// Returns manoeuvres from here, as text and as paths in the frame of station 1 (m).
     pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<(String, Vec<Vector2<f64>>)> {
         let mut all = Vec::new();
         for length_m in EIGHTS_M {
@@ -100,7 +101,7 @@ impl Here {
         all.push(("turn once around on the spot".to_owned(), once_here.collect()));
         let mut to = |to_m: Vector2<f64>, where_to: &str| {
             let along = (to_m - self.place_m).normalize();
-            // What turns the vehicle by so much is no bend: it is foreseen to turn where it stands.
+            // Such a turn is too sharp for a bend; the vehicle turns on the spot.
             let first =
                 if along.dot(&self.along) < ON_THE_SPOT { "turn on the spot, " } else { "" };
             let straight_m = vec![self.place_m, to_m];
@@ -124,7 +125,7 @@ impl Here {
             let near_m = middle_m + away_m.normalize() * NEAR_M;
             to(near_m, &format!("to {NEAR_M:.0} m from the stations"));
         }
-        let least = self.least_visited_m(so_far).map(|far_m| (far_m, "where it was not yet"));
+        let least = self.least_visited_m(so_far).map(|far_m| (far_m, "not visited yet"));
         for (far_m, what) in least.into_iter().chain(ends_m(so_far, middle_m)) {
             if (far_m - self.place_m).norm() > NEXT_DOOR_M {
                 to(far_m, &format!("to ({:.0}, {:.0}), {what}", far_m.x, far_m.y));
@@ -133,7 +134,7 @@ impl Here {
         all
     }
 
-    /// Of the places where the vehicle is to be known, the one that is furthest from all that was driven.
+    /// Returns the place of interest that is furthest from the path so far.
     fn least_visited_m(&self, so_far: &SoFar<'_>) -> Option<Vector2<f64>> {
         let away_m = |place_m: &Vector2<f64>| {
             let driven_m = self.driven_m.iter().map(|at| (at - place_m).norm());
@@ -147,7 +148,7 @@ impl Here {
         Rotation2::new(by_rad) * self.along
     }
 
-    /// The triplets so far with those of a manoeuvre, and how long it takes (s).
+    /// Simulates a manoeuvre and returns its triplets appended to those so far, and its duration (s).
     pub fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
         let [_, second, third] = so_far.station1_from_station;
         let rig = PlannedRig { prisms_m: self.as_driven.prisms_m, ..PlannedRig::default() };
@@ -166,7 +167,7 @@ impl Here {
                 ..PlannedInstrument::default()
             },
             thresholds: so_far.thresholds,
-            // The vehicle heads as it does, wherever it is to go.
+            // The path begins in the vehicle's current heading.
             way: vec![Piece::Waypoints(
                 std::iter::once(self.place_m - self.along * HEADING_M)
                     .chain(way_m.iter().copied())
@@ -181,7 +182,7 @@ impl Here {
     }
 }
 
-/// Triplets and, after a pause, those of a drive that begins where they end.
+/// Appends the triplets of a drive that begins at the end of the others, after a pause.
 fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
     let begins_s = next.time_s.first().copied().unwrap_or_default();
     let later_s = so_far.time_s.last().map_or(0.0, |last_s| last_s + PAUSE_S - begins_s);
@@ -189,7 +190,8 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
     let times_s = |all: &[f64]| all.iter().map(|t| t + later_s).collect::<Vec<_>>();
     let track = |station: usize| {
         let (own, more) = (&so_far.readings[station], &next.readings[station]);
-        // What a station read last in a gap of the others lies after what is tried: it tells nothing.
+        // Readings of one station in a gap of the others may be later than the start of the manoeuvre; they add no
+        // information.
         let before = own.time_s.partition_point(|t| *t < begins_s + later_s);
         FilteredTrack {
             time_s: [own.time_s[..before].to_vec(), times_s(&more.time_s)].concat(),
@@ -210,7 +212,7 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
     joined
 }
 
-/// Of the places where the vehicle is to be known, the ends as they are seen from the stations.
+/// Returns the extreme places of interest as seen from the stations: far, left, right and near.
 fn ends_m(so_far: &SoFar<'_>, middle_m: Vector2<f64>) -> Vec<(Vector2<f64>, &'static str)> {
     let places_m: Vec<Vector2<f64>> = so_far.places_m.iter().map(Vector3::xy).collect();
     let mean_m = places_m.iter().sum::<Vector2<f64>>() / places_m.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! What makes a plan better: changes that are tried one by one, the best first.
+//! Improvements of a plan: candidate changes are simulated one by one and ranked.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,31 +15,31 @@ use crate::geometry::RigidTransform;
 use crate::simulation::{Ramp, Waypoint};
 
 const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
-/// Prisms are moved up and down by this much (m).
+/// Change of a prism's height, up and down (m).
 const MAST_M: f64 = 0.4;
-/// Stations are moved by this much (m), in so many directions.
+/// Displacement of a station (m), and its number of directions.
 const STEP_M: f64 = 10.0;
 const DIRECTIONS: u32 = 4;
-/// What brings less than this share is none.
+/// Smallest relative gain that is reported.
 const LEAST_GAIN: f64 = 0.02;
-/// Places at which the far end is looked for, by station.
+/// Largest number of positions at which the far-end error is evaluated, by station.
 const MOST_PLACES: usize = 300;
 
-/// A change of a plan that leaves less open at the far end of its track.
+/// A change of a plan that reduces the error at the far end of its track.
 #[derive(Clone, Debug)]
 pub struct Improvement {
     pub kind: ImprovementKind,
     /// "a figure-eight of 16 m at the far end: 3.1 → 1.6 mm, 40 s more".
     pub sentence: String,
-    /// σ at the far end of the track before, where no direction was free, and after (m).
+    /// σ at the far end of the track (m), before (`None` if a direction was unobservable) and after the change.
     pub before_m: Option<f64>,
     pub after_m: f64,
-    /// How much longer is driven; less than nothing where it is shorter.
+    /// Increase of the drive's duration (s); negative if it is shorter.
     pub more_s: f64,
     pub plan: Plan,
 }
 
-/// What is changed.
+/// Kind of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImprovementKind {
     FigureEight,
@@ -65,21 +65,21 @@ impl ImprovementKind {
     }
 }
 
-/// A change that is tried.
+/// A candidate change.
 struct Candidate {
     kind: ImprovementKind,
     what: String,
     plan: Plan,
 }
 
-/// Changes that leave less open at the far end of the plan's own track, the least first.
+/// Returns changes that reduce the error at the far end of the plan's own track, the smallest error first.
 pub fn improvements(plan: &Plan) -> Result<Vec<Improvement>, PlanError> {
     let before = look(plan)?;
     let places_m = places_m(plan, &before);
     let before_m = far_end_m(plan, &before, &places_m);
     let before_s = before.driven.simulated.scenario.duration_s;
     let one = |candidate: Candidate| {
-        // A change that leads out of reach, or makes no sense, is none.
+        // Invalid plans and plans out of reach are omitted.
         let after = look(&candidate.plan).ok()?;
         let after_m = far_end_m(&candidate.plan, &after, &places_m)?;
         let gains = before_m.is_none_or(|before_m| after_m < before_m * (1.0 - LEAST_GAIN));
@@ -100,16 +100,17 @@ pub fn improvements(plan: &Plan) -> Result<Vec<Improvement>, PlanError> {
 }
 
 fn sentence(what: &str, before_m: Option<f64>, after_m: f64, more_s: f64) -> String {
-    let before = before_m.map_or("free".to_owned(), |before_m| format!("{:.1}", before_m * 1e3));
+    let before =
+        before_m.map_or("not determined".to_owned(), |before_m| format!("{:.1}", before_m * 1e3));
     let costs = match more_s.round() {
-        0.0 => "no more driving".to_owned(),
+        0.0 => "same duration".to_owned(),
         more_s if more_s < 0.0 => format!("{:.0} s less", -more_s),
         more_s => format!("{more_s:.0} s more"),
     };
     format!("{what}: {before} → {:.1} mm, {costs}", after_m * 1e3)
 }
 
-/// Where the prisms of the three stations are along a way, in the frame of the plan.
+/// Positions of the three stations' prisms along the path (m, frame of the plan).
 fn places_m(plan: &Plan, looked: &Looked) -> [Vec<Vector3<f64>>; 3] {
     let triplets = &looked.driven.pipeline.triplets;
     let transforms = &looked.driven.simulated.truth.station1_from_station;
@@ -120,7 +121,7 @@ fn places_m(plan: &Plan, looked: &Looked) -> [Vec<Vector3<f64>>; 3] {
     })
 }
 
-/// What a plan leaves open at the worst of some places (m); `None` where a direction is free.
+/// Returns the largest predicted σ over some positions (m); `None` if a direction is unobservable.
 fn far_end_m(plan: &Plan, looked: &Looked, places_m: &[Vec<Vector3<f64>>; 3]) -> Option<f64> {
     let transforms = looked.driven.simulated.truth.station1_from_station.map(RigidTransform::from);
     let own: [Vec<Vector3<f64>>; 3] = std::array::from_fn(|station| {
@@ -150,7 +151,7 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
     let mut ramped = plan.clone();
     ramped.ground.ramps.push(Ramp { centre_m: ramp_m.into(), ..RAMP });
     let what = format!(
-        "a ramp or bank {:.1} m high on the way, at ({:.0}, {:.0})",
+        "a ramp or bank {:.1} m high on the path, at x {:.0} m, y {:.0} m",
         RAMP.height_m, ramp_m.x, ramp_m.y
     );
     add(ImprovementKind::Ramp, what, ramped);
@@ -176,7 +177,7 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
     }
     for station in 0..3 {
         for direction in 0..DIRECTIONS {
-            // Along the sight to the far end, and across it.
+            // Directions along the sight to the far end and across it.
             let turn = Rotation2::new(f64::from(direction) * FRAC_PI_2);
             let own_m = plan.stations_m[station].xy();
             let sight = (far_m - own_m).try_normalize(1e-6).unwrap_or_else(Vector2::x);
@@ -185,7 +186,7 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
             other.stations_m[station].x = moved_m.x;
             other.stations_m[station].y = moved_m.y;
             let what = format!(
-                "station {} {STEP_M:.0} m elsewhere, at ({:.1}, {:.1})",
+                "station {} moved by {STEP_M:.0} m, to x {:.1} m, y {:.1} m",
                 station + 1,
                 moved_m.x,
                 moved_m.y
@@ -195,11 +196,11 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
     }
     let mut twice = plan.clone();
     twice.way.extend(plan.way.iter().cloned());
-    add(ImprovementKind::LongerDrive, "the same way once more".to_owned(), twice);
+    add(ImprovementKind::LongerDrive, "the same path once more".to_owned(), twice);
     all
 }
 
-/// The place of the way that is furthest from the stations, and which way the vehicle goes there.
+/// Returns the waypoint furthest from the stations and the direction of travel there.
 fn far_place(plan: &Plan) -> (Vector2<f64>, Vector2<f64>) {
     let waypoints = plan.waypoints();
     let away_m = |place_m: Vector2<f64>| {
@@ -216,7 +217,7 @@ fn far_place(plan: &Plan) -> (Vector2<f64>, Vector2<f64>) {
     (place_m, along.normalize())
 }
 
-/// The place that is half way along.
+/// Returns the position halfway along the path.
 fn along_the_middle(plan: &Plan) -> Vector2<f64> {
     let waypoints = plan.waypoints();
     let mut left_m = super::way::length_m(&waypoints) / 2.0;
@@ -230,7 +231,7 @@ fn along_the_middle(plan: &Plan) -> Vector2<f64> {
     waypoints.last().map_or_else(Vector2::zeros, Waypoint::place_m)
 }
 
-/// A plan with one more piece where the way comes nearest to a place.
+/// Returns the plan with a segment inserted where the path is nearest to a position.
 fn with(plan: &Plan, place_m: &Vector2<f64>, piece: Piece) -> Plan {
     let away_m = |at: &Waypoint| (at.place_m() - place_m).norm();
     let mut nearest = (f64::INFINITY, 0, 0);

@@ -1,4 +1,4 @@
-//! What a prediction comes down to: a verdict, and sentences for people.
+//! Summary of a prediction: a verdict and findings.
 
 use super::Plan;
 use super::locks::{Lock, LockFailure, WhyNotRead};
@@ -14,14 +14,14 @@ use crate::deployment::findings::planning::{
 };
 use crate::pipeline::{OutlierReason, Thresholds};
 
-/// An answer whose largest σ exceeds this is weak (m), as that of a calibration.
+/// Largest σ above which a calibration is weak (m).
 const WEAK_SIGMA_M: f64 = 0.020;
-/// Prisms that differ by less in height (m) leave a static reading of them undecided as well.
+/// Smallest difference of prism heights (m) for which a static reading of the prisms resolves the mirror twin.
 const TOLD_HEIGHT_M: f64 = 0.02;
-/// Lock failures of this share of the readings are worth a warning.
+/// Share of readings lost to lock failures that is worth a warning.
 const MANY: f64 = 0.02;
 
-/// The verdict that such a drive would end in, with its reasons.
+/// Returns the predicted verdict on such a drive, with its reasons.
 pub fn judged(plan: &Plan, prediction: &Prediction) -> (Verdict, Vec<Finding>) {
     let mut verdict = Verdict::Good;
     let mut findings = Vec::new();
@@ -84,7 +84,7 @@ fn mirror(plan: &Plan, prediction: &Prediction) -> Option<Finding> {
     })
 }
 
-/// A sentence for each kind of failure of a station, the times of the longest span in it.
+/// Returns a finding for each kind of failure of a station, with the times of its longest span.
 fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Finding> {
     let mut kinds: Vec<WhyNotRead> = Vec::new();
     for failure in &lock.failures {
@@ -101,7 +101,7 @@ fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Fi
                 "its prism is out of reach ({:.1} to {:.0} m)",
                 plan.instrument.reach_m[0], plan.instrument.reach_m[1]
             ),
-            WhyNotRead::Hidden(prism) => format!("prism {} stands in its sight", prism + 1),
+            WhyNotRead::Hidden(prism) => format!("prism {} blocks the line of sight", prism + 1),
             WhyNotRead::TooFast(reason) => {
                 let Thresholds { tau_r_m_per_s, tau_a_deg_per_s, tau_e_deg_per_s, .. } =
                     plan.thresholds;
@@ -113,7 +113,7 @@ fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Fi
                     }
                 };
                 format!(
-                    "its {rate} changes faster than {limit}, and the outlier filter drops it: drive more slowly there, or further \
+                    "its {rate} changes faster than {limit}, so the outlier filter rejects it: drive more slowly there, or further \
                      from the station"
                 )
             }

@@ -1,4 +1,4 @@
-//! Whether stations can follow their prisms along a way: reach, rates, and prisms that hide each other.
+//! Tracking of the prisms along a path: range limits, rates, and prisms that hide each other.
 
 use nalgebra::Vector3;
 
@@ -8,44 +8,44 @@ use crate::pipeline::OutlierReason;
 use crate::pipeline::outlier_filter::{rates, too_fast};
 use crate::simulation::{EPOCH_S, Simulated};
 
-/// Conditions that pause for no longer than this are one (s).
+/// Largest gap between failures that count as one (s).
 const PAUSE_S: f64 = 2.0;
 
-/// What one station meets along the way. Times are seconds of the drive.
+/// Ranges, rates and failures of one station's tracking. Times are seconds of the drive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lock {
-    /// The shortest and the longest range.
+    /// Shortest and longest range.
     pub range_m: [f64; 2],
-    /// The fastest change of range, azimuth and zenith angle from reading to reading.
+    /// Largest absolute rates of range, azimuth and zenith angle between readings.
     pub fastest_range_m_per_s: f64,
     pub fastest_azimuth_deg_per_s: f64,
     pub fastest_zenith_deg_per_s: f64,
-    /// What cannot be read, or is thrown away, in order of time.
+    /// Spans without usable readings, in order of time.
     pub failures: Vec<LockFailure>,
 }
 
-/// A span of the drive in which a station's readings do not count.
+/// A span of the drive in which a station has no usable readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LockFailure {
     pub span_s: [f64; 2],
     pub readings: usize,
     pub why: WhyNotRead,
-    /// Where the prism is in the middle of it, in the frame of the plan.
+    /// Position of the prism at its last reading (m, frame of the plan).
     pub position_m: Vector3<f64>,
 }
 
-/// Why a reading does not count.
+/// Reason for which a reading is unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhyNotRead {
     TooNear,
     TooFar,
-    /// Another prism (0 to 2) stands in the sight.
+    /// Another prism (0 to 2) obstructs the line of sight.
     Hidden(usize),
-    /// The outlier filter takes the vehicle's own motion for a gross error.
+    /// The outlier filter mistakes the vehicle's motion for a gross error.
     TooFast(OutlierReason),
 }
 
-/// Looks at what three stations read, and takes out what they cannot.
+/// Evaluates the tracking of the three stations, and removes readings that are impossible.
 pub fn held(tracks: &mut [Track; 3], simulated: &Simulated, plan: &Plan) -> [Lock; 3] {
     std::array::from_fn(|station| {
         let track = &mut tracks[station];
@@ -109,7 +109,7 @@ fn of_station(station: usize, track: &Track, simulated: &Simulated, plan: &Plan)
     lock
 }
 
-/// Another prism that is nearer than the followed one and close to the sight.
+/// Returns another prism that is nearer than the target and close to the line of sight.
 fn hidden_by(
     at: &[Vector3<f64>; 3],
     followed: usize,

@@ -1,31 +1,31 @@
-//! Manoeuvres that improve a drive, laid out as places that are driven through.
+//! Manoeuvres that improve a drive, laid out as waypoints.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// Lengths of the figure-eights that are tried, from tip to tip (m).
+/// Lengths of the candidate figure-eights, from tip to tip (m).
 pub const EIGHTS_M: [f64; 2] = [16.0, 28.0];
-/// Radius of the loops that are tried (m).
+/// Radius of the candidate loops (m).
 pub const LOOP_RADIUS_M: f64 = 6.0;
-/// Distance of a near pass from the middle of the stations (m).
+/// Distance of a near pass from the centroid of the stations (m).
 pub const NEAR_M: f64 = 15.0;
 
-/// Places on a bend are this far apart at most (rad of it).
+/// Largest angle between waypoints on a bend (rad).
 const STEP_RAD: f64 = TAU / 24.0;
 
-/// A turn on the spot is laid out as a step of this length (m), which is turned back from.
+/// Length of the step that represents a turn on the spot: back and ahead again (m).
 pub const TURN_STEP_M: f64 = 0.3;
 
-/// Two circles, one to each side, that touch in the middle.
+/// Two circles, one to each side, that touch at the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FigureEight {
     pub centre_m: [f64; 2],
-    /// From tip to tip.
+    /// Length from tip to tip (m).
     pub length_m: f64,
-    /// Which way the middle is driven through (counter-clockwise from x).
+    /// Heading at the centre (rad, counter-clockwise from x).
     #[serde(default)]
     pub heading_rad: f64,
     #[serde(default = "once")]
@@ -38,10 +38,10 @@ pub struct FigureEight {
 pub struct Loop {
     pub centre_m: [f64; 2],
     pub radius_m: f64,
-    /// Where on the circle it begins, seen from its centre (counter-clockwise from x).
+    /// Direction of the start, as seen from the centre of the circle (rad, counter-clockwise from x).
     #[serde(default)]
     pub from_rad: f64,
-    /// How often around; to the right where it is negative.
+    /// Number of turns; negative to the right.
     #[serde(default = "one_turn")]
     pub turns: f64,
 }
@@ -54,13 +54,13 @@ fn one_turn() -> f64 {
     1.0
 }
 
-/// Places of a slalom from one place to another (m), which swerves first to the side that a vehicle heads to already.
+/// Returns the waypoints of a slalom between two positions (m), which swerves first to the side of the vehicle's heading.
 pub fn slalom_m(
     from_m: Vector2<f64>,
     to_m: Vector2<f64>,
     heading: &Vector2<f64>,
 ) -> Vec<Vector2<f64>> {
-    /// How far it swerves, and about how far it is from swerve to swerve (m): bends of 4 m radius.
+    /// Amplitude, and approximate distance between swerves (m), for bends of 4 m radius.
     const ASIDE_M: f64 = 2.5;
     const SWERVE_M: f64 = 10.0;
     const STEPS: usize = 8;
@@ -77,20 +77,20 @@ pub fn slalom_m(
     (0..=steps).map(place).collect()
 }
 
-/// Places that are driven through after one where the vehicle arrives along a direction, to turn once around on the spot there: a
-/// step back, and ahead again.
+/// Returns the waypoints of one full turn on the spot, after arrival at a position along a direction: a step back and ahead
+/// again.
 pub fn once_around_m(at_m: Vector2<f64>, along: Vector2<f64>) -> [Vector2<f64>; 2] {
     [at_m - along * TURN_STEP_M, at_m]
 }
 
 impl FigureEight {
-    /// Returns one that begins at a place, in the direction of travel there.
+    /// Returns a figure-eight that begins at a position, in the direction of travel there.
     pub fn from_here(place_m: &Vector2<f64>, along: &Vector2<f64>, length_m: f64) -> Self {
         let heading_rad = along.y.atan2(along.x);
         Self { centre_m: (*place_m).into(), length_m, heading_rad, times: 1 }
     }
 
-    /// Lays it out from its middle to its middle.
+    /// Lays the figure-eight out as waypoints, from its centre to its centre (m).
     pub fn places_m(&self) -> Vec<Vector2<f64>> {
         let radius_m = self.length_m / 4.0;
         let turned = Rotation2::new(self.heading_rad);
@@ -109,7 +109,7 @@ impl FigureEight {
 }
 
 impl Loop {
-    /// Returns one that begins at a place, in the direction of travel there; to the right where `turns` is negative.
+    /// Returns a loop that begins at a position, in the direction of travel there; to the right if `turns` is negative.
     pub fn from_here(
         place_m: &Vector2<f64>,
         along: &Vector2<f64>,

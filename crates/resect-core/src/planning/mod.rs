@@ -1,12 +1,13 @@
-//! Plans: what a drive will tell before it is driven, and what would tell more.
+//! Planning: predicts the information of a drive before it is driven, and suggests improvements.
 //!
 //! ```text
-//! Plan ──drive──▶ readings without noise ──joint::foresee──▶ Prediction ──improvements──▶ better plans, ranked
-//!         before there are any: opening_m; readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
+//! Plan ──drive──▶ readings without noise ──joint::predict──▶ Prediction ──improvements──▶ better plans, ranked
+//!        before any readings: opening_m; readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
 //! ```
-//! A [`Plan`] is a file (`resect_io::plan_file`) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, which `resect_io::way_file` can read, and
-//! [`drive`] drives and reads it by the simulation. [`predict()`] asks the joint estimate what such readings leave open, with
-//! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
+//! A [`Plan`] is a file (`resect_io::plan_file`), or is derived from a preset or a past deployment ([`past`]). [`way`] lays
+//! out its path, which `resect_io::way_file` can read. [`drive`] simulates the drive and its readings. [`predict()`]
+//! computes the covariance of the joint estimate from such readings, under the conditions of [`locks`]. [`in_words`]
+//! formats it. [`improvements()`] evaluates [`manoeuvres`] and other changes.
 
 mod drive;
 mod from_here;
@@ -31,4 +32,4 @@ pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};
 pub use so_far::SoFar;
 pub use way::Piece;
-pub use what_next::{Advice, Known, NextMove, known, what_next};
+pub use what_next::{DriveAdvice, Known, NextMove, known, what_next};

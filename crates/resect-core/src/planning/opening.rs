@@ -1,21 +1,21 @@
-//! What to drive before there is any answer: the beginning after which it is enough soonest.
+//! The opening manoeuvre, driven before there is any calibration, after which the readings are sufficient soonest.
 
 use nalgebra::Vector2;
 
 use super::manoeuvres::{TURN_STEP_M, once_around_m};
 
-/// How far apart the two places are at which the vehicle turns (m).
+/// Distance between the two turns of the vehicle (m).
 const LEG_M: f64 = 15.0;
 
-/// These are the words that tell the opening to whoever drives.
+/// The opening in words, as an instruction.
 ///
-/// Distances of the rig along the sight hold the transforms worst, because ranges are noisier than angles, and they need every heading.
-/// A vehicle that turns on the spot shows them all within seconds, slowly enough for every lock; `tests/calibration/advice.rs` has what this is
-/// worth, and what other ways are.
-pub const OPENING: &str =
-    "turn around on the spot, drive 15 m straight towards the stations, and turn once around there";
+/// Inter-prism distances along the line of sight constrain the transforms least, because ranges are noisier than angles.
+/// They need every heading. A vehicle that turns on the spot provides all headings within seconds, slowly enough for every
+/// lock. `tests/calibration/advice.rs` compares this opening with others.
+pub const OPENING: &str = "turn around on the spot, drive 15 m straight towards the stations if the place allows, and turn \
+                           once around there";
 
-/// Lays the opening out as places to drive through (m), from a place and a heading there towards the middle of the stations.
+/// Lays the opening out as waypoints (m), from a position and heading towards the centroid of the stations.
 pub fn opening_m(
     at_m: Vector2<f64>,
     heading: Vector2<f64>,
@@ -35,7 +35,7 @@ mod tests {
     fn the_opening_leads_to_the_stations_and_turns_at_both_ends() {
         let (at_m, stations_m) = (Vector2::new(60.0, 8.0), Vector2::new(1.0, -1.0));
         let towards = (stations_m - at_m).normalize();
-        // Whichever way the vehicle stands, towards the stations and away from them included.
+        // All headings of the vehicle, including towards the stations and away from them.
         for eighth in 0..8 {
             let rad = f64::from(eighth) * std::f64::consts::FRAC_PI_4;
             let heading = nalgebra::Rotation2::new(rad) * towards;
@@ -50,7 +50,7 @@ mod tests {
             );
             assert!((places_m[places_m.len() - 1] - at_m - towards * LEG_M).norm() < 1e-9);
         }
-        // Where the vehicle is at the stations themselves, it goes as it heads.
+        // A vehicle at the stations themselves keeps its heading.
         let there = opening_m(stations_m, Vector2::x(), stations_m);
         assert!((there[3] - stations_m - Vector2::x() * LEG_M).norm() < 1e-9);
         assert!(OPENING.contains("15 m"), "{OPENING} for {LEG_M} m");

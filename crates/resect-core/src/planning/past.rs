@@ -1,4 +1,4 @@
-//! Plans of what was driven before: of presets, and of past deployments.
+//! Plans from earlier drives: presets and past deployments.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -14,25 +14,25 @@ use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Thresholds;
 use crate::simulation::{Ground, Preset, Scenario, simulate_scenario};
 
-/// Waypoints of a way that was driven are this far apart (m).
+/// Spacing of the waypoints along a recorded path (m).
 const APART_M: f64 = 2.0;
-/// A vehicle's place is looked at so often (s).
+/// Sampling interval of a vehicle's position (s).
 const STEP_S: f64 = 0.2;
 
-/// An answer that half of the distances are off by more from (mm) is one of readings that contradict each other, wherever it
-/// ended.
+/// Largest median error of the distances (mm); above it the readings contradict each other and the calibration is not
+/// usable.
 const MOST_MISFIT_MM: f64 = 100.0;
 
-/// Why a deployment is no plan.
+/// Reason for which a deployment gives no plan.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{deployment}: {why}; a plan is made of a deployment that `calibrate` has an answer for")]
+#[error("{deployment}: {why}; choose a deployment that `calibrate` can solve")]
 pub struct NoPlan {
     deployment: String,
     why: String,
 }
 
 impl Plan {
-    /// What a preset drives with a seed, where it drives it.
+    /// Returns the plan of a preset's drive with a seed, at its own positions.
     pub fn from_preset(preset: Preset, seed: u64) -> Self {
         let scenario = preset.scenario();
         let noiseless = Scenario { control_point_sets: 0, pillars: false, ..scenario.clone() };
@@ -63,7 +63,10 @@ impl Plan {
         }
     }
 
-    /// What was driven in a deployment that has an answer, in the frame of its station 1.
+    /// Returns the plan of a deployment's drive, in the frame of its station 1.
+    ///
+    /// # Errors
+    /// [`NoPlan`] without a usable calibration or a known rig, or if the tracks are not in the frames of the stations.
     pub fn from_analysis(deployment: &Deployment, analysis: &Analysis) -> Result<Self, NoPlan> {
         let lacking = |why: String| NoPlan { deployment: deployment.name.clone(), why };
         let answer = analysis.answer.as_ref().map_err(|error| {
@@ -76,20 +79,19 @@ impl Plan {
         if verdict > Verdict::Weak {
             let verdict = verdict.name();
             return Err(lacking(format!(
-                "its answer is {verdict}: where its stations stand is not known"
+                "its calibration is {verdict}, so the station positions are unknown"
             )));
         }
         let misfit_mm = answer.evaluation.inter_prism_mm.map_or(0.0, |spread| spread.median);
         if misfit_mm > MOST_MISFIT_MM {
             return Err(lacking(format!(
-                "the distances between its prisms are off by {misfit_mm:.0} mm (median): where its stations stand is not \
-                 known"
+                "its inter-prism distances are off by {misfit_mm:.0} mm (median), so the station positions are unknown"
             )));
         }
-        let transforms =
-            calibration.placing_tracks(deployment).filter(|_| !triplets.is_empty()).ok_or_else(
-                || lacking("its tracks are not in the frames of its stations".to_owned()),
-            )?;
+        let transforms = calibration
+            .placing_tracks(deployment)
+            .filter(|_| !triplets.is_empty())
+            .ok_or_else(|| lacking("its tracks are not in the stations' own frames".to_owned()))?;
         let placed = |index: usize| -> [Vector3<f64>; 3] {
             let points_m = triplets.triplet_m(index);
             std::array::from_fn(|station| transforms[station].apply(&points_m[station]))
@@ -108,21 +110,23 @@ impl Plan {
                 prisms_m: [Vector3::zeros(); 3],
                 slope_rms_rad: Ground::default().slope_rms_rad,
             },
-            (None, _) => return Err(lacking("its rig is not known".to_owned())),
+            (None, _) => {
+                return Err(lacking("the prism positions of its rig are unknown".to_owned()));
+            }
         };
         let waypoints = waypoints_along(&triplets.time_s, &level_m, APART_M);
         let inter_prism_sigma_m = analysis.settings.calibration.inter_prism_sigma_m;
         let joint = calibration.joint();
         Ok(Self {
-            // Who looks at the plan sees what it rests on.
+            // The name shows the quality of the calibration behind the plan.
             name: match verdict {
                 Verdict::Good => deployment.name.clone(),
-                _ => format!("{} (of a {} answer)", deployment.name, verdict.name()),
+                _ => format!("{} (from a {} calibration)", deployment.name, verdict.name()),
             },
-            // Whoever reads or changes a plan wants no more digits than a plan can keep.
+            // Numbers are rounded to the digits that matter in a plan.
             stations_m: transforms.map(|station| station.translation_m.map(|m| rounded(m, 3))),
             turn_radius_m: 1.0,
-            // Nobody says how high prisms stand above the ground: it lies at their own height here.
+            // The height of the prisms above the ground is unknown, so the ground is placed at their mean height.
             ground: Ground {
                 height_m: rounded(height_m, 2),
                 slope_rms_rad: rounded(as_driven.slope_rms_rad.to_degrees(), 2).to_radians(),
@@ -144,12 +148,12 @@ impl Plan {
 }
 
 impl PlannedInstrument {
-    /// An instrument that reads as well as an estimate learned, and as often.
+    /// Returns an instrument with the precision and rate of an estimate.
     pub fn from_estimate(joint: &JointEstimate) -> Self {
         let levels = &joint.levels;
         Self {
             range_mm: rounded(1e3 * levels.range_m(), 2),
-            // What is learned is how many times the stated noise it is, share and constant alike.
+            // The estimated level scales the stated noise, its constant and its ppm term alike.
             range_ppm: rounded(1e3 * levels.range_m(), 2),
             angle_arcsec: rounded(levels.angle_rad / ARCSECOND_RAD, 2),
             rate_hz: rounded(joint.solution.readings_hz(), 2),
@@ -165,22 +169,22 @@ fn rounded(value: f64, decimals: i32) -> f64 {
     (value * scale).round() / scale
 }
 
-/// The rig as it stood on the vehicle while it drove.
+/// Attitude of the rig on the vehicle during a drive.
 pub(super) struct AsDriven {
-    /// Prisms about their middle: x ahead, y left, z up.
+    /// Prisms relative to their mean: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
-    /// How the vehicle pitched and rolled (root mean square).
+    /// Pitch and roll of the vehicle (rad, root mean square).
     pub slope_rms_rad: f64,
 }
 
 impl AsDriven {
-    /// From where the prisms were at some times; `None` of prisms on a line, or of a vehicle that never moved.
+    /// Estimates the attitude from positions of the prisms; `None` for prisms on a line or a vehicle that never moves.
     pub fn of(
         prisms_m: &[Vector3<f64>; 3],
         time_s: &[f64],
         places_m: &[[Vector3<f64>; 3]],
     ) -> Option<Self> {
-        /// So far apart two places tell where the vehicle heads (m).
+        /// Distance between two positions that determines the heading (m).
         const HEADING_M: f64 = 0.5;
         let middle_m = (prisms_m[0] + prisms_m[1] + prisms_m[2]) / 3.0;
         let poses: Vec<RigidTransform> =
@@ -192,7 +196,7 @@ impl AsDriven {
         let (mut ahead, mut from) = (Vector3::zeros(), 0);
         for now in 1..poses.len() {
             let gone_m = poses[now].apply(&middle_m) - poses[from].apply(&middle_m);
-            // Across a gap nobody knows which way was driven.
+            // The path across a gap is unknown.
             if time_s[now] - time_s[now - 1] > 1.0 {
                 from = now;
             } else if gone_m.norm() > HEADING_M {
@@ -208,7 +212,7 @@ impl AsDriven {
 }
 
 impl Default for Plan {
-    /// The stations, rig and instruments of the preset warthog, and a figure-eight at the far end of where it drives.
+    /// The stations, rig and instruments of the preset warthog, without a path.
     fn default() -> Self {
         let scenario = Preset::Warthog.scenario();
         Self {

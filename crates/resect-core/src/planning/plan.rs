@@ -16,13 +16,13 @@ use crate::simulation::{Ground, Preset, Waypoint};
 pub struct Plan {
     #[serde(default)]
     pub name: String,
-    /// Wanted root mean square error at the far end of the track, at most (mm).
+    /// Target for the root mean square error at the far end of the track (mm).
     #[serde(default = "target_mm")]
     pub target_mm: f64,
     /// Speed towards waypoints without a speed of their own.
     #[serde(default = "speed_m_per_s")]
     pub speed_m_per_s: f64,
-    /// The tightest turn of the vehicle.
+    /// Smallest turning radius of the vehicle (m).
     #[serde(default = "turn_radius_m")]
     pub turn_radius_m: f64,
     /// Positions of the instruments of stations 1, 2, 3.
@@ -47,16 +47,16 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlannedRig {
-    /// Prisms 1, 2, 3 in the frame of the vehicle, whose origin is on the ground: x ahead, y left, z up. Equal where all
+    /// Prisms 1, 2, 3 in the frame of the vehicle, whose origin is on the ground: x ahead, y left, z up (m). Equal if all
     /// stations track one prism.
     pub prisms_m: [Vector3<f64>; 3],
-    /// Standard deviation of the distances between them.
+    /// Standard deviation of the distances between them (m).
     pub inter_prism_sigma_m: f64,
-    /// A sight that passes another, nearer prism by less than this is hidden by its housing or mast.
+    /// Largest distance between a sight and another, nearer prism whose housing or mast hides the target.
     pub clearance_m: f64,
 }
 
-/// Precision (1 σ), rate and reach of the planned stations, in the units of data sheets.
+/// Precision (1 σ), rate and range limits of the planned stations, in the units of data sheets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlannedInstrument {
@@ -67,13 +67,13 @@ pub struct PlannedInstrument {
     pub rate_hz: f64,
     /// Standard deviation of the stamps.
     pub stamp_jitter_ms: f64,
-    /// Standard deviation of the slow random walk of ranges, if [`ErrorSizes::ranges_wander`] is set.
+    /// Standard deviation of the time-correlated range errors, if [`ErrorSizes::ranges_wander`] is set.
     pub range_wander_mm: f64,
     /// Shortest and longest range at which a moving prism is tracked.
     pub reach_m: [f64; 2],
     /// Rate at which each station loses its prism for some seconds, per minute.
     pub lost_locks_per_minute: f64,
-    /// Share of readings that are grossly wrong.
+    /// Share of outliers among the readings.
     pub outlier_share: f64,
 }
 
@@ -114,7 +114,7 @@ fn turn_radius_m() -> f64 {
 }
 
 impl PlannedRig {
-    /// All stations track the same prism.
+    /// Returns true if all stations track the same prism.
     pub fn is_one_prism(&self) -> bool {
         self.prisms_m[0] == self.prisms_m[1] && self.prisms_m[0] == self.prisms_m[2]
     }
@@ -122,7 +122,7 @@ impl PlannedRig {
 
 /// Largest coordinate of a plan (m): beyond it the earth's curvature matters.
 const FURTHEST_M: f64 = 20_000.0;
-/// Longest way (m): some hours of driving.
+/// Largest length of the path (m): some hours of driving.
 const LONGEST_WAY_M: f64 = 20_000.0;
 
 impl Plan {
@@ -143,7 +143,7 @@ impl Plan {
             ("range_mm", range_mm, [0.01, 1e3], "give 0.01 to 1000 mm"),
             ("range_ppm", range_ppm, [0.0, 1e3], "give 0 to 1000 ppm"),
             ("angle_arcsec", angle_arcsec, [0.01, 3600.0], "give 0.01 to 3600 arcseconds"),
-            ("rate_hz", one.rate_hz, [0.5, 50.0], "give 0.5 to 50 readings a second"),
+            ("rate_hz", one.rate_hz, [0.5, 50.0], "give 0.5 to 50 readings per second"),
             ("stamp_jitter_ms", one.stamp_jitter_ms, [0.0, 100.0], "give 0 to 100 ms"),
             ("range_wander_mm", one.range_wander_mm, [0.0, 100.0], "give 0 to 100 mm"),
             ("lost_locks_per_minute", one.lost_locks_per_minute, [0.0, 5.0], "give 0 to 5"),
@@ -162,7 +162,7 @@ impl Plan {
         let [nearest_m, furthest_m] = one.reach_m;
         if !(0.0..furthest_m).contains(&nearest_m) {
             let what = format!("reach_m is [{nearest_m}, {furthest_m}]");
-            return Err((what, "give the nearest and the furthest prism that is followed"));
+            return Err((what, "give the shortest and the longest tracking range in metres"));
         }
         let [shortest_m, longest_m] = self.ground.wavelengths_m;
         if !(0.1..longest_m).contains(&shortest_m) || longest_m > 1e4 {
@@ -175,22 +175,25 @@ impl Plan {
     fn check_places(&self) -> Result<(), (String, &'static str)> {
         let far = |p: &Vector3<f64>| !p.iter().all(|value| value.abs() <= FURTHEST_M);
         if let Some(station) = self.stations_m.iter().position(far) {
-            let what = format!("station {} is no place near the origin", station + 1);
+            let what = format!("station {} has no valid position", station + 1);
             return Err((what, "give metres in a level frame, up to 20 km from its origin"));
         }
         for (a, b) in crate::deployment::PAIRS {
             if (self.stations_m[a] - self.stations_m[b]).norm() < 0.1 {
-                let what = format!("stations {} and {} stand at one place", a + 1, b + 1);
-                return Err((what, "give three places"));
+                let what = format!("stations {} and {} have the same position", a + 1, b + 1);
+                return Err((what, "give three different positions"));
             }
             let apart_m = (self.rig.prisms_m[a] - self.rig.prisms_m[b]).norm();
             if !self.rig.is_one_prism() && !(0.01..=50.0).contains(&apart_m) {
                 let what = format!("prisms {} and {} are {apart_m} m apart", a + 1, b + 1);
-                return Err((what, "give places of prisms in metres, or three times the same"));
+                return Err((what, "give prism positions in metres, or one position three times"));
             }
         }
         if self.rig.prisms_m.iter().any(far) {
-            return Err(("a prism is at no place".to_owned(), "give metres about the vehicle"));
+            return Err((
+                "a prism has no valid position".to_owned(),
+                "give metres in the vehicle's frame",
+            ));
         }
         if !(-FURTHEST_M..=FURTHEST_M).contains(&self.ground.height_m) {
             return Err((format!("height_m is {}", self.ground.height_m), "give metres"));
@@ -201,8 +204,8 @@ impl Plan {
                 && (0.5..=1000.0).contains(&ramp.radius_m)
                 && ramp.height_m.abs() <= ramp.radius_m;
             if !is_sound {
-                let what = "a ramp has no place, or is steeper than it is wide".to_owned();
-                return Err((what, "give centre, radius (from 0.5 m) and a height below it"));
+                let what = "a ramp has no valid position, or is higher than its radius".to_owned();
+                return Err((what, "give a centre, a radius from 0.5 m, and a smaller height"));
             }
         }
         for piece in &self.way {
@@ -210,13 +213,13 @@ impl Plan {
         }
         let waypoints = self.waypoints();
         if waypoints.iter().any(|at| !(at.x_m.abs() <= FURTHEST_M && at.y_m.abs() <= FURTHEST_M)) {
-            let what = "a waypoint is no place near the origin".to_owned();
+            let what = "a waypoint has no valid position".to_owned();
             return Err((what, "give metres in the frame of the stations"));
         }
         let length_m = super::way::length_m(&waypoints);
         if !(1.0..=LONGEST_WAY_M).contains(&length_m) {
             let what = format!("the way is {:.1} m long", length_m.abs());
-            return Err((what, "give waypoints or manoeuvres that are 1 m to 20 km together"));
+            return Err((what, "give waypoints or manoeuvres of 1 m to 20 km in total"));
         }
         Ok(())
     }

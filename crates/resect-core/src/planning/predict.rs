@@ -1,4 +1,4 @@
-//! From a plan to what its drive leaves open, by the information of the joint estimate.
+//! Prediction of the covariance of a planned drive, by the information matrix of the joint estimate.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,8 +11,10 @@ use crate::calibration::inter_prism;
 use crate::calibration::inter_prism::Foreseen;
 use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
-use crate::calibration::joint::prisms::Prisms;
-use crate::calibration::joint::{Expected, JointEstimate, Levels, RIGID_M, Wander, stated_range_m};
+use crate::calibration::joint::prism_motion::PrismMotion;
+use crate::calibration::joint::{
+    ExpectedNoise, JointEstimate, NoiseLevels, RIG_FLEX_SIGMA_M, RangeWander, stated_range_m,
+};
 use crate::calibration::{ErrorSizes, Verdict};
 use crate::deployment::PAIRS;
 use crate::evaluation::far_end::{FarEnd, far_end};
@@ -22,42 +24,42 @@ use crate::geometry::RigidTransform;
 use crate::progress::Progress;
 use crate::simulation::{EPOCH_S, Scenario, Simulated};
 
-/// The vehicle's own σ are told at so many instants at most.
+/// Largest number of instants at which the σ of the vehicle's pose is predicted.
 const MOST_INSTANTS: f64 = 400.0;
-/// How long a lost lock lasts, of those that the simulation draws (s).
+/// Mean duration of a simulated lost lock (s).
 const LOST_LOCK_S: f64 = 7.75;
-/// What straight lines between readings leave of the variance of their noise, on average.
+/// Factor by which linear interpolation reduces the variance of the noise of readings, on average.
 const INTERPOLATED: f64 = 2.0 / 3.0;
-/// No vehicle is smoother than this, as the joint estimate has it (m/s³).
+/// Smallest jerk of a vehicle in the joint estimate (m/s³).
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
-/// How long ranges are correlated that wander for seconds to minutes (s).
+/// Correlation time of time-correlated range errors, which last seconds to minutes (s).
 const WANDER_S: f64 = 12.0;
 
-/// A plan that was driven, and what the joint estimate would leave open of it.
+/// A simulated plan, with the predicted joint estimate.
 pub struct Looked {
     pub driven: Driven,
-    pub expected: Expected,
+    pub expected: ExpectedNoise,
     pub estimate: Option<JointEstimate>,
-    /// What the distances hold; `None` of one prism.
+    /// Prediction from the inter-prism distances; `None` with one prism.
     pub foreseen: Option<Foreseen>,
 }
 
 impl Looked {
-    /// The estimate, where no direction is free.
+    /// Returns the estimate; `None` if a direction is unobservable.
     pub fn held(&self) -> Option<&JointEstimate> {
         let is_held = self.foreseen.as_ref().is_none_or(|foreseen| foreseen.is_held);
         self.estimate.as_ref().filter(|_| is_held)
     }
 }
 
-/// Drives a plan, and looks at what its readings hold.
+/// Simulates a plan and predicts the estimate from its readings.
 pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let driven = drive(plan)?;
     let expected = expected(plan, &driven.simulated);
     let truth = &driven.simulated.truth;
     let triplets = &driven.pipeline.triplets;
     let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
-    let estimate = joint::foresee(
+    let estimate = joint::predict(
         triplets,
         &truth.station1_from_station,
         inter_prism_m,
@@ -73,7 +75,7 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     Ok(Looked { driven, expected, estimate, foreseen })
 }
 
-/// Says what a planned drive will tell: the σ that an estimate of it is going to have, and what limits them.
+/// Predicts the covariance of an estimate from a planned drive, and its limits.
 pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
     let looked = look(plan)?;
     let held = looked.held().and_then(|found| held(plan, &looked.driven, found));
@@ -101,36 +103,36 @@ pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
     Ok(prediction)
 }
 
-/// How large errors are, the rig's distances among them.
+/// Returns the standard deviations of the priors, that of the rig's distances included.
 pub fn sizes(plan: &Plan) -> ErrorSizes {
     ErrorSizes { inter_prism_m: plan.rig.inter_prism_sigma_m, ..plan.errors }
 }
 
-/// What an estimate of such a drive would learn from its readings.
-pub fn expected(plan: &Plan, simulated: &Simulated) -> Expected {
+/// Returns the noise levels that an estimate would learn from the readings of such a drive.
+pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
     let PlannedInstrument { range_mm, range_ppm, angle_arcsec, .. } = plan.instrument;
-    // Readings that will be missing count as noise of those that are there.
+    // Missing readings are modelled as more noise of the others.
     let more = (usable_share(&plan.instrument) * EFFICIENCY).sqrt().recip();
     let range_m = mean_range_m(simulated);
     let read_m = 1e-3 * range_mm + 1e-6 * range_ppm * range_m;
-    Expected {
-        levels: Levels {
+    ExpectedNoise {
+        levels: NoiseLevels {
             range: more * read_m / stated_range_m(range_m),
             angle_rad: more * angle_arcsec * ARCSECOND_RAD,
             jitter_s: more * 1e-3 * plan.instrument.stamp_jitter_ms,
             jerk_m_per_s3: jerk_m_per_s3(simulated),
         },
-        wander: Wander {
+        wander: RangeWander {
             sigma_m: (1e-3 * plan.instrument.range_wander_mm).max(1e-4),
             correlation_s: WANDER_S,
         },
     }
 }
 
-/// The share of readings that are left where stations lose their prisms and read wrongly now and then.
+/// Share of usable readings with lost locks and outliers.
 fn usable_share(instrument: &PlannedInstrument) -> f64 {
     let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
-    // What one station lacks, the others' readings are not held together by.
+    // A reading constrains the others only if all three stations have one.
     (1.0 - lost).powi(3) * (1.0 - instrument.outlier_share)
 }
 
@@ -139,7 +141,7 @@ fn mean_range_m(simulated: &Simulated) -> f64 {
     ranges_m.sum::<f64>() / simulated.records.len().max(1) as f64
 }
 
-/// How the prisms will jerk, from reading to reading (m/s³, root mean square).
+/// Jerk of the prisms from reading to reading (m/s³, root mean square).
 fn jerk_m_per_s3(simulated: &Simulated) -> f64 {
     let Scenario { rate_hz, duration_s, prisms_m, .. } = &simulated.scenario;
     let knots = (duration_s * rate_hz) as usize;
@@ -156,8 +158,8 @@ fn jerk_m_per_s3(simulated: &Simulated) -> f64 {
     ((squares / jerks).sqrt() * rate_hz.powi(3)).max(LEAST_JERK_M_PER_S3)
 }
 
-/// Mean square of the noise of the three distances (m²), from interpolated readings.
-fn distance_noise_m2(driven: &Driven, levels: &Levels) -> f64 {
+/// Mean square of the noise of the three distances between interpolated readings (m²).
+fn distance_noise_m2(driven: &Driven, levels: &NoiseLevels) -> f64 {
     let triplets = &driven.pipeline.triplets;
     let transforms = &driven.simulated.truth.station1_from_station;
     let mut sum_m2 = 0.0;
@@ -188,12 +190,12 @@ fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> 
     Some(Held {
         sigma: estimate.sigma(),
         covariance,
-        dominant: std::array::from_fn(|place| estimate.dominant(place)),
+        dominant: std::array::from_fn(|place| estimate.largest_source(place)),
         far_end: FarEnd { position_m: found.position_m + plan.stations_m[0], ..found },
     })
 }
 
-/// The vehicle about once a second, with its σ where the estimate knows a motion.
+/// Returns the vehicle's positions about once a second, with their σ if the estimate has a motion.
 fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>) -> Vec<OnTheWay> {
     let Simulated { scenario, truth, .. } = &driven.simulated;
     let step_s = (scenario.duration_s / MOST_INSTANTS).max(1.0);
@@ -207,10 +209,10 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
     };
     let known: Vec<(f64, [Option<f64>; 2])> =
         match estimate.map(|found| found.solution.instants(&times_s, &Progress::default())) {
-            Some(Ok(Prisms::Rig(instants))) => instants
+            Some(Ok(PrismMotion::Rig(instants))) => instants
                 .iter()
                 .filter_map(|instant| {
-                    let pose = rig_pose(&truth.prisms_m, RIGID_M, instant)?;
+                    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
                     let rms = |at: usize| {
                         let block: Matrix3<f64> = pose.covariance.fixed_view::<3, 3>(at, at).into();
                         Some(block.trace().sqrt())
@@ -218,7 +220,7 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
                     Some((instant.time_s, [rms(0), rms(3)]))
                 })
                 .collect(),
-            Some(Ok(Prisms::Prism(instants))) => instants
+            Some(Ok(PrismMotion::Prism(instants))) => instants
                 .iter()
                 .map(|at| (at.time_s, [Some(at.position_covariance.trace().sqrt()), None]))
                 .collect(),

@@ -32,8 +32,8 @@ impl Piece {
                 for at in waypoints {
                     let speed = at.speed_m_per_s.unwrap_or(1.0);
                     if !(0.01..=20.0).contains(&speed) {
-                        let what = format!("a waypoint is driven to at {speed} m/s");
-                        return Err((what, "give 0.01 to 20 m/s, or 0 for the plan's own"));
+                        let what = format!("a waypoint has a speed of {speed} m/s");
+                        return Err((what, "give 0.01 to 20 m/s, or 0 for the plan's speed"));
                     }
                     if !(0.0..=86_400.0).contains(&at.stand_s) {
                         let what = format!("the vehicle stands for {} s", at.stand_s);
@@ -46,14 +46,14 @@ impl Piece {
                 let is_sound = (1.0..=1000.0).contains(length_m)
                     && (1..=100).contains(times)
                     && heading_rad.is_finite();
-                let what = "a figure-eight has no length, or is driven too often".to_owned();
+                let what = "a figure-eight has an invalid length or number of rounds".to_owned();
                 is_sound.then_some(()).ok_or((what, "give 1 to 1000 m, and 1 to 100 times"))
             }
             Self::Loop(Loop { radius_m, turns, from_rad, .. }) => {
                 let is_sound = (0.5..=1000.0).contains(radius_m)
                     && (0.01..=100.0).contains(&turns.abs())
                     && from_rad.is_finite();
-                let what = "a loop has no radius, or is driven too often".to_owned();
+                let what = "a loop has an invalid radius or number of turns".to_owned();
                 is_sound.then_some(()).ok_or((what, "give 0.5 to 1000 m, and 0.01 to 100 turns"))
             }
         }
@@ -67,9 +67,9 @@ pub fn length_m(waypoints: &[Waypoint]) -> f64 {
 
 /// Thins a recorded track (s, m) to waypoints about `apart_m` apart, with speeds and stops.
 pub fn waypoints_along(time_s: &[f64], places_m: &[Vector2<f64>], apart_m: f64) -> Vec<Waypoint> {
-    /// Slower than this is standing.
+    /// Speed below which the vehicle stands (m/s).
     const STANDING_M_PER_S: f64 = 0.05;
-    /// Over so long a speed is significant against the noise of readings.
+    /// Window over which a speed is significant against the noise of readings (s).
     const WINDOW_S: f64 = 2.0;
     let (Some(first_s), Some(first_m)) = (time_s.first(), places_m.first()) else {
         return Vec::new();
@@ -88,7 +88,7 @@ pub fn waypoints_along(time_s: &[f64], places_m: &[Vector2<f64>], apart_m: f64) 
             continue;
         }
         let moving_s = (now_s - from_s - stood_s).max(0.1);
-        // Where it stood is about where the last waypoint is.
+        // The stop was near the previous waypoint.
         waypoints[last].stand_s += stood_s;
         let speed_m_per_s = Some((leg_m / moving_s).clamp(0.05, 20.0));
         waypoints.push(Waypoint { speed_m_per_s, ..Waypoint::at(*here_m) });

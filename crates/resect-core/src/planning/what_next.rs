@@ -1,4 +1,4 @@
-//! What to drive next: manoeuvres from where the vehicle is now, by what they would add to what is read already.
+//! Manoeuvres to drive next from the vehicle's current position, ranked by the information they add to the readings so far.
 
 use nalgebra::{SMatrix, Vector2, Vector3};
 use rayon::prelude::*;
@@ -14,51 +14,51 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
-/// Places at which the far end is looked for, by station.
+/// Largest number of positions at which the far-end error is evaluated, by station.
 const MOST_PLACES: usize = 300;
 
-/// What a drive in progress holds.
+/// Information of a drive in progress.
 #[derive(Clone, Debug)]
 pub struct Known {
-    /// What is open at the far end now; `None` where a direction is free.
+    /// Current error at the far end; `None` if a direction is unobservable.
     pub far_end: Option<FarEnd>,
-    /// What the drive holds so far; `None` of one prism.
+    /// Observability of the eight directions so far; `None` with one prism.
     pub observability: Option<Observability>,
-    /// Whether the target is met, and no direction is free or weak.
+    /// True if the target is met and no direction is free or weak.
     pub is_enough: bool,
 }
 
-/// What is known of a drive in progress, and what to drive next.
+/// State of a drive in progress, and manoeuvres to drive next.
 #[derive(Clone, Debug)]
-pub struct Advice {
+pub struct DriveAdvice {
     pub now: Known,
-    /// What gains most in a second comes first, and as long as a direction is free, what leaves the fewest open; what gains
-    /// nothing is left out.
+    /// Sorted by the number of free or weak directions left, then by the gain per second. Moves without a gain are omitted.
     pub moves: Vec<NextMove>,
 }
 
-/// A manoeuvre from where the vehicle is.
+/// A manoeuvre from the vehicle's current position.
 #[derive(Clone, Debug)]
 pub struct NextMove {
-    /// "drive a figure-eight of 16 m here, 40 s: 1.6 mm foreseen". What is foreseen of the readings so far is not said: it is another
-    /// number than the σ of their answer.
+    /// "drive a figure-eight of 16 m here, 40 s: 1.6 mm predicted". The prediction for the readings so far is omitted,
+    /// because it differs from the σ of their estimate.
     pub sentence: String,
-    /// The way in the frame of station 1, from where the vehicle is.
+    /// Path from the vehicle's current position (m, station 1's frame).
     pub waypoints_m: Vec<Vector2<f64>>,
-    /// What is foreseen to be open at the far end, of the readings so far (m; `None` where a direction is free) and afterwards (m).
+    /// Predicted error at the far end from the readings so far (m; `None` if a direction is unobservable), and after the
+    /// manoeuvre (m).
     pub before_m: Option<f64>,
     pub after_m: f64,
     pub takes_s: f64,
-    /// How many of the eight directions are still free or weak then.
+    /// Number of the eight directions that remain free or weak after the manoeuvre.
     pub open: usize,
-    /// How much more is known at the far end, by time (1/σ², 1/m²/s): what is known adds up, which σ does not.
+    /// Gain of information at the far end per second (1/σ², 1/m²/s); information is additive, σ is not.
     pub gain_per_m2_s: f64,
 }
 
-/// What the readings so far hold, and whether they are enough.
+/// Returns the information of the readings so far, and whether it is sufficient.
 ///
-/// `covariance` is what the joint estimate of them leaves open of (x, y, z, yaw) of stations 2 and 3, where there is one; what is
-/// foreseen takes its place otherwise, which knows of no steps of stations and no jumps of clocks.
+/// `covariance` is that of (x, y, z, yaw) of stations 2 and 3 by the joint estimate, if there is one. Otherwise the
+/// predicted covariance is used, which does not account for steps of stations and clocks.
 pub fn known(
     so_far: &SoFar<'_>,
     covariance: Option<&SMatrix<f64, 8, 8>>,
@@ -73,8 +73,11 @@ pub fn known(
     Ok(Known { far_end, observability: found.observability, is_enough: is_steady && is_met })
 }
 
-/// What to drive next. `None` where the readings so far say of no vehicle that it moves.
-pub fn what_next(so_far: &SoFar<'_>, progress: &Progress) -> Result<Option<Advice>, Cancelled> {
+/// Returns manoeuvres to drive next. `None` if the readings so far show no motion of the vehicle.
+pub fn what_next(
+    so_far: &SoFar<'_>,
+    progress: &Progress,
+) -> Result<Option<DriveAdvice>, Cancelled> {
     let Some(here) = Here::of(so_far) else { return Ok(None) };
     let now = known(so_far, None, progress)?;
     let places_m = places_m(so_far);
@@ -85,14 +88,14 @@ pub fn what_next(so_far: &SoFar<'_>, progress: &Progress) -> Result<Option<Advic
         let open = found.observability.map_or(0, |seen| 8 - seen.count(Hold::Held));
         Ok((far.map(|far| far.sigma_m), open))
     };
-    // What is foreseen is compared with what is foreseen.
+    // Predictions are compared with a prediction.
     let (before_m, _) = look(so_far.triplets)?;
     let one = |(what, way_m): (String, Vec<Vector2<f64>>)| {
         let Some((triplets, takes_s)) = here.driven(so_far, &way_m) else { return Ok(None) };
         let (Some(after_m), open) = look(&triplets)? else { return Ok(None) };
         let known = |sigma_m: f64| sigma_m.powi(-2);
         let gain_per_m2_s = (known(after_m) - before_m.map_or(0.0, known)) / takes_s.max(1.0);
-        let sentence = format!("{what}, {takes_s:.0} s: {:.1} mm foreseen", after_m * 1e3);
+        let sentence = format!("{what}, {takes_s:.0} s: {:.1} mm predicted", after_m * 1e3);
         let found = NextMove {
             sentence,
             waypoints_m: way_m,
@@ -108,11 +111,11 @@ pub fn what_next(so_far: &SoFar<'_>, progress: &Progress) -> Result<Option<Advic
     let tried: Vec<Option<NextMove>> = tried.collect::<Result<_, Cancelled>>()?;
     let mut moves: Vec<NextMove> = tried.into_iter().flatten().collect();
     moves.sort_by(|a, b| a.open.cmp(&b.open).then(b.gain_per_m2_s.total_cmp(&a.gain_per_m2_s)));
-    Ok(Some(Advice { now, moves }))
+    Ok(Some(DriveAdvice { now, moves }))
 }
 
-/// What some readings hold.
-struct Foreseen {
+/// Predicted covariance and observability of some readings.
+struct PredictedDrive {
     held: Option<SMatrix<f64, 8, 8>>,
     observability: Option<Observability>,
 }
@@ -121,26 +124,27 @@ fn foreseen(
     so_far: &SoFar<'_>,
     triplets: &Triplets,
     progress: &Progress,
-) -> Result<Foreseen, Cancelled> {
+) -> Result<PredictedDrive, Cancelled> {
     let SoFar { station1_from_station, sizes, expected, .. } = so_far;
     let inter_prism_m = pairwise_distances(so_far.prisms_m);
     let is_rig = inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
     let distances_m = is_rig.then_some(&inter_prism_m);
     let estimate =
-        joint::foresee(triplets, station1_from_station, distances_m, sizes, expected, progress)?;
+        joint::predict(triplets, station1_from_station, distances_m, sizes, expected, progress)?;
     let covariance = estimate.map(|estimate| estimate.covariance);
     let seen = distances_m.and_then(|distances_m| {
         inter_prism::foresee(triplets, distances_m, station1_from_station, covariance)
     });
     let held = covariance.filter(|_| seen.as_ref().is_none_or(|seen| seen.is_held));
-    Ok(Foreseen { held, observability: seen.map(|seen| seen.observability) })
+    Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })
 }
 
 fn rigid(so_far: &SoFar<'_>) -> [RigidTransform; 3] {
     so_far.station1_from_station.map(RigidTransform::from)
 }
 
-/// Where the far end is looked for: along the track so far, and at the places that are named, by station in its own frame.
+/// Positions at which the far-end error is evaluated (m, by station in its own frame): the track so far and the places of
+/// `so_far`.
 fn places_m(so_far: &SoFar<'_>) -> [Vec<Vector3<f64>>; 3] {
     let step = (so_far.triplets.len() / MOST_PLACES).max(1);
     std::array::from_fn(|station| {

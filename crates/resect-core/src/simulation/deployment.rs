@@ -1,12 +1,12 @@
-//! A simulated drive as a deployment, without files between.
+//! Conversion of a simulated drive to a deployment, without files.
 
 use super::simulated::Simulated;
 use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
 
 impl Simulated {
-    /// The readings of the drive with the true rig, as measured: numbers are not rounded as files round them.
+    /// Returns the readings of the drive with the true rig; numbers are not rounded as in files.
     ///
-    /// Control points and GNSS are left out. `resect_io::simulation_files` writes and reads everything.
+    /// Control points and GNSS are omitted. `resect_io::simulation_files` writes and reads everything.
     pub fn readings(&self) -> Deployment {
         let track = |station: usize| Track {
             measurements: (self.records.iter())

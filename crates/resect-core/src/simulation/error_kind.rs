@@ -1,39 +1,39 @@
-//! Kinds of errors that a simulated drive can have.
+//! Kinds of systematic errors of a simulated drive.
 
 use rand_chacha::ChaCha8Rng;
 
 use super::random::Stream;
 
-/// A kind of errors that instruments and rig make: what is drawn together, or left out together.
+/// A kind of errors of instruments and rig, which are drawn or omitted together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// Tripods turn, move and lean during the drive.
+    /// Rotation, displacement and tilt of tripods during the drive.
     Settling,
-    /// Ranges are off by a constant of each station, and one of each prism.
+    /// Additive range errors of each station and of each prism.
     RangeOffset,
-    /// Ranges are off by a share of themselves.
+    /// Scale errors of ranges.
     RangeScale,
-    /// Ranges are off by what changes within seconds to minutes.
+    /// Range errors correlated over seconds to minutes.
     RangeWander,
-    /// The angles of a reading are of an earlier moment than its range.
+    /// Latency of angles relative to ranges.
     Latency,
-    /// Every stamp is off on its own.
+    /// Independent errors of stamps.
     StampJitter,
-    /// Clocks are off by a constant, and drift.
+    /// Offsets and drifts of clocks.
     ClockOffset,
-    /// Clocks jump, and the recording pauses.
+    /// Steps of clocks, and pauses of the recording.
     ClockJumps,
-    /// Zenith angles are off by a constant.
+    /// Vertical index errors.
     Index,
-    /// Lines of sight are not square to their horizontal axes.
+    /// Collimation errors.
     Collimation,
-    /// Vertical axes are not upright.
+    /// Tilts of vertical axes.
     Tilt,
-    /// The earth is round, and light bends.
+    /// Curvature of the earth and refraction of light.
     Curvature,
-    /// The distances between prisms that are written are wrong.
+    /// Errors of the written distances between prisms.
     Distances,
-    /// All ranges are off by the same constant.
+    /// Error of the prism constant, the same for all ranges.
     PrismConstant,
 }
 
@@ -74,7 +74,7 @@ impl ErrorKind {
         }
     }
 
-    /// The random numbers of this kind alone, so that leaving it out leaves the others as they are.
+    /// Returns the random number generator of this kind. Omitting one kind does not change the others.
     pub fn rng(self, seed: u64) -> ChaCha8Rng {
         Stream::ErrorKind(self as usize).rng(seed)
     }

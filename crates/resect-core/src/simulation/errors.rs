@@ -1,6 +1,6 @@
-//! What can be wrong with instruments and rig beyond noise: nothing, unless a scenario asks for it.
+//! Systematic errors of instruments and rig: none unless a scenario sets them.
 //!
-//! Stations and prisms are 0 to 2 here, and 1 to 3 where `truth.toml` lists the errors for people.
+//! Stations and prisms are numbered from 0 to 2 here, and from 1 to 3 in `truth.toml`.
 
 use nalgebra::{Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -9,64 +9,64 @@ use serde::{Serialize, Serializer};
 use super::random::{Stream, normal};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
-/// Errors that no reading shows by itself.
+/// Systematic errors of the instruments and the rig.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SystematicErrors {
-    /// How late each station's stamps are (s).
+    /// Offset of each station's clock (s), added to every stamp.
     #[serde(skip_serializing_if = "is_nothing")]
     pub clock_offset_s: [f64; 3],
-    /// How fast each station's stamps fall behind (s per s).
+    /// Drift of each station's clock (s/s): stamps are later by this times the time of the drive.
     #[serde(skip_serializing_if = "is_nothing")]
     pub clock_drift: [f64; 3],
-    /// Error of every stamp on its own, 1 σ (s).
+    /// Standard deviation of the independent error of each stamp (s).
     #[serde(skip_serializing_if = "is_nothing")]
     pub stamp_jitter_s: f64,
-    /// How much earlier each station takes the angles of a reading than its range (s).
+    /// Latency of each station's angles (s): they are measured this much before the range.
     ///
-    /// The stamp is that of the range: range at t, angles at t − latency.
+    /// The stamp is the time of the range: range at t, angles at t − latency.
     #[serde(skip_serializing_if = "is_nothing")]
     pub latency_s: [f64; 3],
-    /// Added to every range beside the prism constant (m).
+    /// Error of the prism constant, added to every range (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub prism_constant_m: f64,
-    /// Added to every range of each station (m).
+    /// Additive error of each station's ranges (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_offset_m: [f64; 3],
-    /// Share of itself by which each station measures a range too long.
+    /// Relative scale error of each station's ranges, positive for ranges that are too long.
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_scale: [f64; 3],
-    /// Added to every range to each of the vehicle's prisms, whichever station measures it (m).
+    /// Additive range error of each of the vehicle's prisms, the same for all stations (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub prism_offset_m: [f64; 3],
-    /// Added to each station's zenith angles (rad).
+    /// Vertical index error of each station, added to its zenith angles (rad).
     #[serde(skip_serializing_if = "is_nothing")]
     pub index_rad: [f64; 3],
-    /// How far each station's line of sight is off square to its horizontal axis (rad).
+    /// Collimation error of each station: deviation of the line of sight from the normal to the horizontal axis (rad).
     ///
-    /// It adds this much over the sine of the zenith angle to the azimuth.
+    /// The error of the azimuth is this divided by the sine of the zenith angle.
     #[serde(skip_serializing_if = "is_nothing")]
     pub collimation_rad: [f64; 3],
-    /// How far each station leans about its own x and y (rad).
+    /// Tilt of each station's vertical axis about its own x and y (rad).
     #[serde(skip_serializing_if = "is_nothing")]
     pub tilt_rad: [[f64; 2]; 3],
-    /// Added to the distances 12, 13, 23 that are written (m).
+    /// Errors of the written distances 12, 13, 23 between the prisms (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub inter_prism_m: [f64; 3],
-    /// What makes the ranges of every station wander during the drive.
+    /// Time-correlated errors of every station's ranges.
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_wander: Option<Wander>,
-    /// The roundness of the earth and the bending of light.
+    /// Curvature of the earth and refraction of light.
     #[serde(skip_serializing_if = "is_nothing")]
     pub curvature: Option<Curvature>,
-    /// Jumps of clocks.
+    /// Steps of clocks.
     #[serde(skip_serializing_if = "is_nothing")]
     pub clock_steps: Vec<ClockStep>,
-    /// Stations that do not stay where they were set up; what happens to one station adds up.
+    /// Settling of stations; several entries of one station add up.
     #[serde(skip_serializing_if = "is_nothing")]
     pub settling: Vec<Settling>,
 }
 
-/// A clock that jumps: all stamps from a time on are later by so much.
+/// A step of a clock: all stamps from `at_s` on are later by `by_s`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClockStep {
     #[serde(serialize_with = "number")]
@@ -75,25 +75,25 @@ pub struct ClockStep {
     pub by_s: f64,
 }
 
-/// A tripod that gives way.
+/// Settling of a tripod.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settling {
     #[serde(serialize_with = "number")]
     pub station: usize,
-    /// When the settling begins (s of the drive).
+    /// Start (s of the drive).
     pub from_s: f64,
-    /// How long it takes, evenly (s); 0 is at once.
+    /// Duration, at a constant rate (s); 0 for a step.
     pub over_s: f64,
-    /// How far the station turns about its own z (rad).
+    /// Rotation about the station's own z (rad).
     pub turn_rad: f64,
-    /// How far the station moves, in station 1's set-up frame (m).
+    /// Displacement (m, station 1's set-up frame).
     pub move_m: Vector3<f64>,
-    /// How far the station leans about its own x and y (rad).
+    /// Tilt about the station's own x and y (rad).
     pub lean_rad: [f64; 2],
 }
 
 impl Settling {
-    /// How much of it has happened (0 to 1).
+    /// Returns the share of the settling that has happened by a time of the drive (0 to 1).
     fn share_at(&self, time_s: f64) -> f64 {
         if time_s < self.from_s {
             0.0
@@ -105,18 +105,18 @@ impl Settling {
     }
 }
 
-/// Errors of ranges that last: an Ornstein–Uhlenbeck process, of its own for each station.
+/// Time-correlated errors of ranges: an independent Ornstein–Uhlenbeck process for each station.
 ///
-/// Tilted and 360° prisms make such errors while the vehicle turns. Targets that stand still are spared.
+/// Tilted and 360° prisms cause such errors while the vehicle turns. Readings of static targets have none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wander {
-    /// 1 σ at any one time (m).
+    /// Standard deviation at any time (m).
     pub sigma_m: f64,
-    /// Time after which 1/e of an error is left (s).
+    /// Correlation time, after which an error has decayed to 1/e (s).
     pub correlation_s: f64,
 }
 
-/// The errors of one station's ranges over time.
+/// Generator of the time-correlated range errors of one station.
 pub struct WanderingRange {
     wander: Wander,
     rng: ChaCha8Rng,
@@ -128,7 +128,7 @@ impl WanderingRange {
         Self { wander, rng: Stream::RangeWander(station).rng(seed), last: None }
     }
 
-    /// The error (m) at a time (s), which is not before the last one that was asked for.
+    /// Returns the error (m) at a time (s). Times must not decrease from call to call.
     pub fn at_m(&mut self, time_s: f64) -> f64 {
         let Wander { sigma_m, correlation_s } = self.wander;
         let drawn_m = sigma_m * normal(&mut self.rng);
@@ -141,21 +141,21 @@ impl WanderingRange {
     }
 }
 
-/// Stations on a round earth, each level by its own plumb line, and light that bends down on its way.
+/// Curvature of the earth, with each station levelled by its own plumb line, and refraction, which bends light down.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Curvature {
     pub earth_radius_m: f64,
-    /// Curvature of a sight over that of the earth, k.
+    /// Refraction coefficient k: curvature of a line of sight over that of the earth.
     pub refraction: f64,
 }
 
 impl Curvature {
-    /// The mean earth, and Gauss's k, which surveyors use where nothing better is known.
+    /// Mean radius of the earth, and Gauss's k, which surveyors use if no better value is known.
     pub const STANDARD: Self = Self { earth_radius_m: 6_371_000.0, refraction: 0.13 };
 }
 
 impl SystematicErrors {
-    /// What is stamped on a reading at a time of the drive (s), but for the jitter.
+    /// Returns the stamp of a reading at a time of the drive (s), without jitter.
     pub fn stamp_s(&self, station: usize, time_s: f64) -> f64 {
         let steps = self.clock_steps.iter();
         let stepped_s: f64 = steps
@@ -165,7 +165,8 @@ impl SystematicErrors {
         time_s + self.clock_offset_s[station] + self.clock_drift[station] * time_s + stepped_s
     }
 
-    /// The frame that a station's set-up frame has become by a time of the drive (s), into the frame of station 1's set-up.
+    /// Returns the pose of a station's frame at a time of the drive (s), settling included, in the frame of station 1's
+    /// set-up.
     pub fn settled(
         &self,
         station: usize,
@@ -186,7 +187,8 @@ impl SystematicErrors {
         }
     }
 
-    /// How the axes of a station lean against its frame: its plumb line is not station 1's, nor are its axes upright.
+    /// Returns the rotation from a station's axes to its frame: the tilt, and the difference between its plumb line and
+    /// station 1's.
     pub fn frame_from_axes(
         &self,
         station: usize,
@@ -195,14 +197,14 @@ impl SystematicErrors {
         let [x, y] = self.tilt_rad[station];
         let tilt = Rotation3::new(Vector3::new(x, y, 0.0));
         self.curvature.map_or(tilt, |curvature| {
-            // Up is away from the centre of the earth: it leans the way one has gone.
+            // Up points away from the earth's centre, so it leans in the direction of the displacement from station 1.
             let gone = station1_from_set_up.translation_m / curvature.earth_radius_m;
             let lean = Vector3::new(-gone.y, gone.x, 0.0);
             Rotation3::new(station1_from_set_up.inverse().rotate(&lean)) * tilt
         })
     }
 
-    /// What an instrument makes of a sight along its axes, to one of the vehicle's prisms or to another target.
+    /// Returns the reading of a true sight in a station's axes. `prism` is one of the vehicle's, `None` for another target.
     pub fn misread(&self, station: usize, prism: Option<usize>, sight: Polar) -> Polar {
         let Polar { range_m, azimuth_rad, zenith_rad } = sight;
         let bent_rad = self.curvature.map_or(0.0, |curvature| {
@@ -215,7 +217,7 @@ impl SystematicErrors {
                     + prism.map_or(0.0, |prism| self.prism_offset_m[prism])
                     + self.prism_constant_m),
             azimuth_rad: azimuth_rad + self.collimation_rad[station] / zenith_rad.sin(),
-            // The light comes in from above the straight line, so the target seems higher.
+            // The light arrives from above the straight line, so the target appears higher.
             zenith_rad: zenith_rad + self.index_rad[station] - bent_rad,
         }
     }
@@ -225,7 +227,7 @@ fn is_nothing<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// A station as people number it.
+/// Serializes a station as its number from 1 to 3.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
 fn number<S: Serializer>(station: &usize, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_u64(*station as u64 + 1)

@@ -1,4 +1,4 @@
-//! Errors at the size that they have in the field, drawn at random.
+//! Random systematic errors, as large as in the field.
 
 use std::f64::consts::E;
 
@@ -12,63 +12,67 @@ use super::random::normal;
 use super::scenario::Scenario;
 use crate::geometry::ARCSECOND_RAD;
 
-// Where nothing else is said, a size is 1 σ of a normal distribution about nothing; `[a, b]` is from a to b.
+// Sizes are standard deviations of zero-mean normal distributions; `[a, b]` is a uniform distribution, unless stated
+// otherwise.
 
-/// Tripods turn by tens of microradians in hours, says common surveying experience; more in sun and soft ground.
+/// Rotation of a tripod (rad): tens of microradians in hours by common surveying experience; more in sun and on soft
+/// ground.
 const TURN_RAD: f64 = 30e-6;
-/// Tripods also move, by about a millimetre.
+/// Displacement of a tripod along each axis (m): about a millimetre in total.
 const MOVE_M: f64 = 0.0005;
-/// A compensator takes out most of what a tripod leans.
+/// Tilt of a tripod (rad), most of which the compensator corrects.
 const LEAN_RAD: f64 = ARCSECOND_RAD;
-/// Share of drives in which tripods give way at once, not slowly: assumed.
+/// Share of drives in which tripods settle in steps, not slowly (assumed).
 const AT_ONCE: f64 = 0.5;
-/// A tripod that settles slowly takes this share of the drive's rest: assumed.
+/// Duration of slow settling, as a share of the rest of the drive (assumed).
 const SLOW_SHARE: [f64; 2] = [0.2, 1.0];
-/// Centring and constants of prisms are off by 0.3 mm (GPH1P) to 2 mm (360°), says Leica's manual of the iCR70.
+/// Additive error of a prism (m): 0.3 mm (GPH1P) to 2 mm (360°) for centring and constant, by Leica's manual of the iCR70.
 const PRISM_OFFSET_M: f64 = 0.0007;
-/// Zero points of the stations' ranges are taken for as good as those of prisms.
+/// Additive range error of a station (m), assumed as large as that of a prism.
 const RANGE_OFFSET_M: f64 = 0.0007;
-/// The air is 1 ppm per kelvin and 0.3 ppm per hectopascal, says the EDM formula: five degrees off.
+/// Scale error of ranges: by the EDM formula 1 ppm per kelvin and 0.3 ppm per hectopascal, for an error of five degrees.
 const RANGE_SCALE: f64 = 5e-6;
-/// Turning 360° and tilted prisms are up to 2 to 5 mm off (Lackner and Lienhart 2016).
+/// Time-correlated range error (m): turning 360° prisms and tilted prisms are off by up to 2 to 5 mm (Lackner and Lienhart
+/// 2016).
 const WANDER_M: f64 = 0.001;
-/// How long the wandering of ranges is correlated: seconds to minutes, as likely in every octave (s).
+/// Correlation time of range errors (s): seconds to minutes, log-uniform.
 const WANDER_CORRELATION_S: [f64; 2] = [2.0, 60.0];
-/// Angles lag ranges by 0 to about 30 ms, by instrument (the Bonn rts-network's own calibration; a report on an
-/// MS50); a fit to the published drives finds 0 ± 2 ms.
+/// Latency of the angles (s): 0 to about 30 ms by instrument (the Bonn rts-network's own calibration; a report on an MS50).
+/// A fit to the published drives gives 0 ± 2 ms.
 const LATENCY_S: [f64; 2] = [0.0, 0.015];
-/// Stamps are given when a serial message arrives, which jitters by 1 to 15 ms in the authors' system.
+/// Standard deviation of stamps (s), given on arrival of a serial message, which jitters by 1 to 15 ms in the authors'
+/// system.
 const STAMP_JITTER_S: [f64; 2] = [0.0, 0.005];
-/// Station 3 of the published drives is 4 ms late.
+/// Clock offset (s): station 3 of the published drives is late by 4 ms.
 const CLOCK_OFFSET_S: f64 = 0.004;
-/// The authors' synchronised clocks drift by parts per million.
+/// Clock drift (s/s): the authors' synchronised clocks drift by parts per million.
 const CLOCK_DRIFT: f64 = 5e-6;
-/// Share of drives in which clocks jump once: seen in the authors' system, how often is assumed.
+/// Share of drives with one clock step: observed in the authors' system, with an assumed frequency.
 const JUMPING_ONCE: f64 = 0.08;
-/// Share of drives in which they jump twice.
+/// Share of drives with two clock steps.
 const JUMPING_TWICE: f64 = 0.02;
-/// How far they jump, either way.
+/// Size of a clock step (s), of either sign.
 const JUMP_S: [f64; 2] = [0.005, 0.030];
-/// Share of drives whose recording pauses: assumed.
+/// Share of drives with pauses of the recording (assumed).
 const PAUSING: f64 = 0.5;
-/// The most pauses of one drive: assumed.
+/// Largest number of pauses in a drive (assumed).
 const MOST_PAUSES: usize = 3;
-/// How long a pause is: assumed.
+/// Duration of a pause (s, assumed).
 const PAUSE_S: [f64; 2] = [5.0, 60.0];
-/// The vertical index is 1″ to 10″ off, say the manuals of instruments, as are collimation and tilt.
+/// Vertical index error (rad): 1″ to 10″ in the manuals of instruments, as for collimation and tilt.
 const INDEX_RAD: f64 = 4.0 * ARCSECOND_RAD;
-/// See the vertical index.
+/// Collimation error (rad); source as for the vertical index error.
 const COLLIMATION_RAD: f64 = 3.0 * ARCSECOND_RAD;
-/// See the vertical index; a compensator takes out the most of it.
+/// Tilt of the vertical axis (rad), most of which the compensator corrects; source as for the vertical index error.
 const TILT_RAD: f64 = 1.5 * ARCSECOND_RAD;
-/// Geodesy takes k = 0.13 in general; it changes with hour and ground.
+/// Refraction coefficient k: 0.13 is the usual value in geodesy; it changes with time of day and ground.
 const REFRACTION: [f64; 2] = [0.05, 0.25];
-/// What is left of two prisms' centring in the distance between them, GPR1.
+/// Error of the distance between two prisms (m), from the centring of two GPR1.
 const DISTANCE_M: f64 = 0.001;
-/// The constant of a GPH1P, in Leica's manual of the iCR70.
+/// Error of the prism constant (m), for a GPH1P, from Leica's manual of the iCR70.
 const PRISM_CONSTANT_M: f64 = 0.0003;
 
-/// Gives a scenario errors of one kind as large as in the field, in place of those that it has of that kind.
+/// Draws the errors of one kind as large as in the field, and replaces those of that kind in the scenario.
 pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let duration_s = scenario.duration_s;
     let errors = &mut scenario.errors;
@@ -93,7 +97,7 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         ErrorKind::RangeOffset => {
             errors.range_offset_m = normals(RANGE_OFFSET_M, rng);
             errors.prism_offset_m = normals(PRISM_OFFSET_M, rng);
-            // One prism that all stations follow has one offset.
+            // A prism that all stations track has one offset.
             let [first, second, third] = scenario.prisms_m;
             if first == second && first == third {
                 errors.prism_offset_m = [errors.prism_offset_m[0]; 3];
@@ -108,7 +112,7 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         ErrorKind::Latency => errors.latency_s = std::array::from_fn(|_| between(LATENCY_S, rng)),
         ErrorKind::StampJitter => errors.stamp_jitter_s = between(STAMP_JITTER_S, rng),
         ErrorKind::ClockOffset => {
-            // Station 1's clock is the one that the others are held against.
+            // Station 1's clock is the reference.
             let ([offset_2, offset_3], [drift_2, drift_3]) =
                 (normals(CLOCK_OFFSET_S, rng), normals(CLOCK_DRIFT, rng));
             errors.clock_offset_s = [0.0, offset_2, offset_3];
@@ -148,12 +152,12 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 }
 
 impl Scenario {
-    /// This scenario with errors of all kinds, as large as they are in the field.
+    /// Returns the scenario with errors of all kinds, as large as in the field.
     pub fn with_field_errors(self, seed: u64) -> Self {
         Self { drawn_errors: ErrorKind::ALL.to_vec(), ..self }.draw_errors(seed)
     }
 
-    /// This scenario with the errors that are still to be drawn: afterwards they are its own.
+    /// Draws the kinds of errors listed in `drawn_errors`, and empties the list.
     pub fn draw_errors(mut self, seed: u64) -> Self {
         for kind in std::mem::take(&mut self.drawn_errors) {
             draw(kind, &mut self, &mut kind.rng(seed));

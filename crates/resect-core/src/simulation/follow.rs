@@ -1,5 +1,5 @@
-//! A driver who follows waypoints: straight from one to the next, around corners on bends as wide as the vehicle needs, and on
-//! the spot where there is no room for one.
+//! A driver that follows waypoints: on straight legs between them, and around corners on bends of the vehicle's turning
+//! radius. Without room for a bend, the vehicle turns on the spot.
 
 use std::f64::consts::PI;
 
@@ -9,19 +9,19 @@ use super::planar::{Planar, reacting};
 use super::waypoint::Waypoint;
 use crate::geometry::wrap_to_pi;
 
-/// Bends begin this far before a corner and end as far behind it (m), and further where the turn needs it: legs that are not
-/// twice as long become one bend.
+/// Shortest distance from a bend's beginning to the corner, and from the corner to its end (m). A wide turn needs more;
+/// legs shorter than twice this become one bend.
 const ROUNDED_M: f64 = 1.5;
-/// Tighter bends than this are turned on the spot (m).
+/// Smallest radius of a bend (m); the vehicle turns on the spot instead of a tighter one.
 const TIGHTEST_M: f64 = 0.3;
-/// No vehicle turns faster (rad/s).
+/// Largest rate of rotation of a vehicle (rad/s).
 const FASTEST_TURN_RAD_PER_S: f64 = 0.4;
-/// How a vehicle brakes before it stands (m/s²), and the speed that it stops from (m/s).
+/// Deceleration before a stop (m/s²), and the speed at which the vehicle stops (m/s).
 const BRAKE_M_PER_S2: f64 = 0.5;
 const CREEP_M_PER_S: f64 = 0.03;
 
-/// A piece of what is driven.
-struct Piece {
+/// A segment of the path.
+struct PathPiece {
     shape: Shape,
     length_m: f64,
     speed_m_per_s: f64,
@@ -32,14 +32,14 @@ enum Shape {
         from_m: Vector2<f64>,
         along: Vector2<f64>,
     },
-    /// To the left where `side` is 1, and to the right where it is −1.
+    /// An arc, to the left if `side` is 1 and to the right if it is −1.
     Bend {
         centre_m: Vector2<f64>,
         radius_m: f64,
         from_rad: f64,
         side: f64,
     },
-    /// Standing, and turning meanwhile.
+    /// A stop, with a rotation on the spot.
     Stay {
         at: Planar,
         turn_rad: f64,
@@ -47,13 +47,14 @@ enum Shape {
     },
 }
 
-/// A driver on the way.
+/// State of a vehicle that follows waypoints.
 pub struct Follower {
-    pieces: Vec<Piece>,
-    /// How fast each piece may be entered, so that there is room to brake for what comes after it; and the end.
+    pieces: Vec<PathPiece>,
+    /// Largest speed at the beginning of each segment, from which the vehicle can brake for the later ones; the last entry
+    /// is the end.
     enter_m_per_s: Vec<f64>,
     piece: usize,
-    /// How far into the piece the vehicle is (m), or for how long it has stood (s).
+    /// Distance driven in the current segment (m), or time stood in it (s).
     into: f64,
     speed_m_per_s: f64,
     pose: Planar,
@@ -71,7 +72,7 @@ impl Follower {
         Self { pieces, enter_m_per_s, piece: 0, into: 0.0, speed_m_per_s: 0.0, pose }
     }
 
-    /// Where the vehicle is.
+    /// Returns the current pose.
     pub fn pose(&self) -> Planar {
         self.pose
     }
@@ -80,7 +81,7 @@ impl Follower {
         self.piece >= self.pieces.len()
     }
 
-    /// Drives on for a while (s). Headings go on from what they were, without a jump by a whole turn.
+    /// Drives for a time (s). Headings are continuous, without jumps by whole turns.
     pub fn drive(&mut self, for_s: f64) {
         let before_rad = self.pose.heading_rad;
         self.go_on(for_s);
@@ -116,8 +117,8 @@ impl Follower {
     }
 }
 
-impl Piece {
-    /// The fastest that it may be driven where so much of it is left (m), and the next piece is entered so fast.
+impl PathPiece {
+    /// Returns the largest speed with `left_m` of the segment left (m), if the next one begins at `next_m_per_s`.
     fn most_m_per_s(&self, left_m: f64, next_m_per_s: f64) -> f64 {
         let braking = (next_m_per_s.powi(2) + 2.0 * BRAKE_M_PER_S2 * left_m).sqrt();
         match self.shape {
@@ -129,7 +130,7 @@ impl Piece {
 }
 
 impl Shape {
-    /// So far into it (m), or after so long (s).
+    /// Returns the pose at a distance (m) or, for a stop, a time (s) from the segment's beginning.
     fn at(&self, into: f64) -> Planar {
         match self {
             Self::Line { from_m, along } => {
@@ -149,10 +150,10 @@ impl Shape {
     }
 }
 
-/// What is driven from waypoint to waypoint.
-fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Vec<Piece> {
+/// Returns the segments of the path along waypoints.
+fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Vec<PathPiece> {
     let Some(first) = waypoints.first() else { return Vec::new() };
-    // Waypoints at one place are one, which the vehicle stands at as long as at all of them.
+    // Merges consecutive waypoints at one place and adds up their stops.
     let mut stops: Vec<Waypoint> = vec![*first];
     for at in &waypoints[1..] {
         let last = stops.len() - 1;
@@ -168,7 +169,7 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Ve
     let stay = |at: &Waypoint, heading_rad: f64, turn_rad: f64| {
         let for_s = at.stand_s + turn_rad.abs() / FASTEST_TURN_RAD_PER_S;
         let at = Planar { x_m: at.x_m, y_m: at.y_m, heading_rad };
-        Piece { shape: Shape::Stay { at, turn_rad, for_s }, length_m: 0.0, speed_m_per_s: 0.0 }
+        PathPiece { shape: Shape::Stay { at, turn_rad, for_s }, length_m: 0.0, speed_m_per_s: 0.0 }
     };
     pieces.push(stay(first, heading_rad(0), 0.0));
     let mut from_m = first.place_m();
@@ -188,7 +189,7 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Ve
         let until_m = to.place_m() - along[leg] * before_m;
         let speed_m_per_s = to.speed_m_per_s.unwrap_or(cruise_m_per_s);
         let line = Shape::Line { from_m, along: along[leg] };
-        pieces.push(Piece {
+        pieces.push(PathPiece {
             shape: line,
             length_m: (until_m - from_m).dot(&along[leg]).max(0.0),
             speed_m_per_s,
@@ -201,7 +202,11 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Ve
                 let centre_m = until_m + aside * radius_m;
                 let from_rad = (-aside.y).atan2(-aside.x);
                 let shape = Shape::Bend { centre_m, radius_m, from_rad, side };
-                pieces.push(Piece { shape, length_m: radius_m * turn_rad.abs(), speed_m_per_s });
+                pieces.push(PathPiece {
+                    shape,
+                    length_m: radius_m * turn_rad.abs(),
+                    speed_m_per_s,
+                });
                 from_m += along[leg + 1] * before_m;
             }
             None => {
@@ -218,16 +223,16 @@ fn pieces(waypoints: &[Waypoint], turn_radius_m: f64, cruise_m_per_s: f64) -> Ve
     pieces
 }
 
-/// A bend in place of a corner.
+/// A bend that rounds a corner.
 struct Corner {
     radius_m: f64,
     turn_rad: f64,
-    /// How far before the corner it begins, and behind it ends.
+    /// Distance from the bend's beginning to the corner, and from the corner to its end (m).
     before_m: f64,
 }
 
 impl Corner {
-    /// `None` where the way is straight, or has no room.
+    /// Returns the bend of a corner; `None` for a straight path, or without room for a bend.
     fn of(turn_rad: f64, room_m: f64, turn_radius_m: f64) -> Option<Self> {
         let half = (0.5 * turn_rad.abs()).tan();
         let before_m = (turn_radius_m * half).max(ROUNDED_M).min(room_m);
@@ -250,7 +255,7 @@ mod tests {
         Waypoint { x_m, y_m, speed_m_per_s: None, stand_s }
     }
 
-    /// Where the vehicle is at every step until it arrives.
+    /// Returns the pose after every step until the vehicle arrives.
     fn driven(waypoints: &[Waypoint]) -> Vec<Planar> {
         let mut follower = Follower::new(waypoints, 3.5, 0.8);
         let mut poses = vec![follower.pose()];
@@ -278,7 +283,7 @@ mod tests {
                     turned.abs() <= FASTEST_TURN_RAD_PER_S * STEP_S * 1.2,
                     "{turned} rad at once in {way:?}"
                 );
-                // It drives ahead, never aside.
+                // The vehicle never moves sideways.
                 let heading = Vector2::new(pair[0].heading_rad.cos(), pair[0].heading_rad.sin());
                 let gone = Vector2::new(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
                 assert!(gone.perp(&heading).abs() < 0.02 * STEP_S, "aside in {way:?}");
@@ -299,7 +304,7 @@ mod tests {
         let standing = poses.windows(2).filter(|p| p[0].x_m == p[1].x_m && p[0].y_m == p[1].y_m);
         let stood_s = standing.count() as f64 * STEP_S;
         assert!((stood_s - 13.0).abs() < 0.1, "{stood_s}");
-        // The bend of radius 3.5 m passes the corner at (√2 − 1) times that.
+        // A bend of radius 3.5 m passes the corner at (√2 − 1) times the radius.
         let nearest_m =
             poses.iter().map(|at| (at.x_m - 20.0).hypot(at.y_m)).fold(f64::INFINITY, f64::min);
         assert!((nearest_m - 3.5 * (2.0_f64.sqrt() - 1.0)).abs() < 0.01, "{nearest_m}");

@@ -1,4 +1,4 @@
-//! Three RTK receivers on the vehicle, with their noise and moments without a fixed solution.
+//! Three RTK receivers on the vehicle, with noise and epochs without a fixed solution.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -11,15 +11,15 @@ use crate::deployment::GnssFix;
 use crate::geometry::Geodetic;
 
 const RATE_HZ: f64 = 1.0;
-/// What receivers of this kind state under open sky, east and north, then up (m).
+/// Standard deviations stated by such receivers under open sky: east, north, up (m).
 const SIGMA_M: [f64; 3] = [0.006, 0.006, 0.012];
 /// Factor by which the noise is larger without fixed ambiguities.
 const FLOAT_FACTOR: f64 = 30.0;
 const FLOAT_SHARE: f64 = 0.03;
-/// Where station 1 stands: any place will do.
+/// Position of station 1, arbitrary.
 const STATION1: Geodetic = Geodetic { latitude_rad: 0.816, longitude_rad: -1.244, height_m: 60.0 };
 
-/// Positions of antennas 1, 2, 3, given in the vehicle's frame (m).
+/// Simulates the positions of antennas 1, 2, 3, given in the vehicle's frame (m).
 pub fn measure(
     antennas_m: &[Vector3<f64>; 3],
     motion: &Motion,
@@ -45,7 +45,7 @@ pub fn measure(
     })
 }
 
-/// Columns east, north and up of a place, in Earth-centred coordinates.
+/// Returns the rotation matrix with the columns east, north and up at a position, in Earth-centred coordinates.
 fn east_north_up(place: &Geodetic) -> Matrix3<f64> {
     let (sin_lat, cos_lat) = place.latitude_rad.sin_cos();
     let (sin_lon, cos_lon) = place.longitude_rad.sin_cos();

@@ -2,21 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The ground that the vehicle drives on.
+/// Ground of the drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ground {
-    /// Mean height (m) in the frame of the stations: below 0 under the instrument of station 1 in its own frame.
+    /// Mean height (m) in the frame of the stations; negative if below station 1's instrument, in its own frame.
     pub height_m: f64,
-    /// Root-mean-square slope of its bumps, which pitch and roll the vehicle.
+    /// Root-mean-square slope of the bumps, which pitch and roll the vehicle (rad).
     pub slope_rms_rad: f64,
-    /// Shortest and longest wavelength of the bumps.
+    /// Shortest and longest wavelength of the bumps (m).
     pub wavelengths_m: [f64; 2],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ramps: Vec<Ramp>,
 }
 
-/// A rise that is driven up and down again: the square of a cosine about its centre.
+/// A rise in the shape of a squared cosine about its centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {

@@ -1,4 +1,4 @@
-//! Readings of three stations that track a moving prism each, with noise, outliers and lost locks.
+//! Readings of three stations, each tracking a moving prism, with noise, outliers and lost locks.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,10 +16,10 @@ use super::waypoint::Waypoint;
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
-/// The readings of the rig are averaged over this many.
+/// Number of readings of the rig that are averaged.
 const RIG_READINGS: f64 = 10.0;
 
-/// Simulates a drive of a scenario and all readings of it; the same seed gives the same bytes.
+/// Simulates a drive of a scenario and all its readings; the same seed gives the same bytes.
 pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let motion = Motion::drive(scenario, &mut rng);
@@ -65,7 +65,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     }
 }
 
-/// Readings of a drive, and how many were wrong or lost.
+/// Readings of a drive, with the numbers of outliers and of lost readings.
 #[derive(Default)]
 struct Recording {
     records: Vec<RawRecord>,
@@ -73,7 +73,7 @@ struct Recording {
     lost_readings: usize,
 }
 
-/// One station that tracks its prism during a drive.
+/// One station that tracks its prism.
 struct SimulatedStation<'a> {
     scenario: &'a Scenario,
     seed: u64,
@@ -136,7 +136,7 @@ impl SimulatedStation<'_> {
             let frame = errors.settled(self.station, self.set_up, time_s);
             sight(errors, self.station, self.set_up, &frame, &point_m)
         };
-        // Range and angles need not be of the same moment.
+        // Range and angles may be measured at different times.
         let angles = see(t - errors.latency_s[self.station]);
         let sight = Polar { range_m: see(t).range_m, ..angles };
         errors.misread(self.station, Some(prism), sight)
@@ -154,7 +154,7 @@ impl SimulatedStation<'_> {
     }
 }
 
-/// Reads the rig from a few metres away; the vehicle stands level, with a random heading.
+/// Simulates a static reading of the rig from a few metres away; the vehicle stands level, with a random heading.
 fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> [Polar; 3] {
     let heading: f64 = rng.random_range(0.0..TAU);
     let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
@@ -165,7 +165,7 @@ fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> [Polar; 3] {
     })
 }
 
-/// Returns a point of station 1's set-up frame in the axes of a station whose frame has moved to `frame`.
+/// Returns the sight to a point (m, station 1's set-up frame) in the axes of a station whose frame has moved to `frame`.
 fn sight(
     errors: &SystematicErrors,
     station: usize,
@@ -177,7 +177,7 @@ fn sight(
     Polar::from_cartesian(axes.inverse() * frame.inverse().apply(point_m))
 }
 
-/// Returns the reading of a target that stands still, right after the station is set up.
+/// Returns the reading of a static target right after the station's set-up.
 fn standing(
     errors: &SystematicErrors,
     station: usize,
@@ -226,7 +226,7 @@ fn spans(
     }
 }
 
-/// Reads four pillars on a line past the stations, whose coordinates are known to a millimetre.
+/// Simulates readings of four pillars on a line past the stations, with coordinates known to a millimetre.
 fn pillars(
     scenario: &Scenario,
     station1_from_station: &[LevelTransform; 3],
@@ -252,7 +252,7 @@ fn pillars(
     ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
 }
 
-/// Reads ten targets on poles around the area, once from every station.
+/// Simulates one reading of ten targets on poles around the area from every station.
 fn control_point_set(
     scenario: &Scenario,
     station1_from_station: &[LevelTransform; 3],

@@ -1,8 +1,9 @@
-//! Deployments with known truth, made from a preset and a seed; the same seed gives the same bytes.
+//! Simulated deployments with known ground truth, from a preset and a seed; the same seed gives the same bytes.
 //!
-//! [`scenario`] describes the drive, [`preset`] has ready-made ones, [`motion`] moves the vehicle over the ground, [`instrument`] simulates the readings of the
-//! stations and [`gnss`] those of the antennas. `resect_io::simulation_files` writes the readings as the files of a real deployment.
-//! [`errors`] has the systematic errors of instruments, and [`field_errors`] their sizes in the field.
+//! [`scenario`] describes the drive and [`preset`] has ready-made ones. [`motion`] moves the vehicle over the ground.
+//! [`instrument`] simulates the readings of the stations and [`gnss`] those of the antennas. [`errors`] has the systematic
+//! errors of instruments, and [`field_errors`] their sizes in the field. `resect_io::simulation_files` writes the readings
+//! as the files of a real deployment.
 
 mod deployment;
 mod error_kind;

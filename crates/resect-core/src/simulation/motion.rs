@@ -1,4 +1,4 @@
-//! A vehicle that drives itself over uneven ground.
+//! Motion of a vehicle over uneven ground.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,13 +13,13 @@ use super::scenario::{Path, Scenario};
 use super::waypoint::Waypoint;
 use crate::geometry::wrap_to_pi;
 
-/// The vehicle stands this long at the start, and at each stop.
+/// Duration of the stop at the start and of later stops (s), and time between stops (s).
 const STAND_S: f64 = 8.0;
 const BETWEEN_STOPS_S: f64 = 75.0;
-/// The tightest bend (m).
+/// Smallest turning radius (m).
 const TURN_RADIUS_M: f64 = 3.5;
 
-/// Where the vehicle is at every hundredth of a second.
+/// Poses of the vehicle at intervals of a hundredth of a second.
 #[derive(Clone, Debug)]
 pub struct Motion {
     poses: Vec<Planar>,
@@ -29,14 +29,14 @@ pub struct Motion {
 impl Motion {
     pub fn drive(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Self {
         let steps = (scenario.duration_s / STEP_S).ceil() as usize + 1;
-        // Drawn in any case, and in this order.
+        // Always drawn, and in this order, so that other random numbers do not change.
         let mut terrain = Terrain::new(scenario, rng);
         let phases = std::array::from_fn(|_| rng.random_range(0.0..TAU));
         let poses = match &scenario.path {
             Path::Waypoints { waypoints, turn_radius_m } => {
                 let mut follower =
                     Follower::new(waypoints, *turn_radius_m, scenario.cruise_m_per_s);
-                // Where a way is laid elsewhere, its ground is the same.
+                // The ground is fixed to the start of the path, so a displaced path has the same ground.
                 terrain.from = follower.pose();
                 let follow = |_| {
                     let pose = follower.pose();
@@ -84,13 +84,14 @@ impl Motion {
         f64::from(steps) * STEP_S
     }
 
-    /// World position (m) of a point of the vehicle at a time (s).
+    /// Returns the world position (m) of a point of the vehicle at a time (s).
     pub fn position_m(&self, point_m: &Vector3<f64>, time_s: f64) -> Vector3<f64> {
         let (origin_m, world_from_vehicle) = self.pose(time_s);
         origin_m + world_from_vehicle * point_m
     }
 
-    /// World position (m) of the vehicle's origin at a time (s), and its axes in the world: x ahead, y left, z up.
+    /// Returns the world position (m) of the vehicle's origin at a time (s), and its axes in the world: x ahead, y left, z
+    /// up.
     pub fn pose(&self, time_s: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let at = (time_s / STEP_S).clamp(0.0, (self.poses.len() - 2) as f64);
         let (index, weight) = (at as usize, at.fract());
@@ -111,12 +112,12 @@ impl Motion {
     }
 }
 
-/// A sum of waves, its slopes being what tilts the vehicle.
+/// Height of the ground as a sum of waves, whose slopes tilt the vehicle.
 #[derive(Clone, Debug)]
 struct Terrain {
     mean_m: f64,
     waves: Vec<Wave>,
-    /// Where the waves count from.
+    /// Origin and direction of the waves' coordinates.
     from: Planar,
     ramps: Vec<Ramp>,
 }
@@ -137,7 +138,7 @@ impl Terrain {
                 let wavelength = rng.random_range(ground.wavelengths_m[0]..ground.wavelengths_m[1]);
                 let direction: f64 = rng.random_range(0.0..TAU);
                 let k = TAU / wavelength;
-                // Each wave brings an equal part of the mean square slope, (a k)²/2.
+                // Each wave contributes an equal share of the mean square slope, (a k)²/2.
                 let amplitude_m = ground.slope_rms_rad * (2.0 / WAVES as f64).sqrt() / k;
                 let wave_numbers = [k * direction.cos(), k * direction.sin()];
                 Wave { amplitude_m, wave_numbers, phase: rng.random_range(0.0..TAU) }
@@ -151,7 +152,7 @@ impl Terrain {
         }
     }
 
-    /// Height (m) and slopes along x and y.
+    /// Returns the height (m) and the slopes along x and y.
     fn at(&self, x_m: f64, y_m: f64) -> (f64, [f64; 2]) {
         let mut height = self.mean_m;
         let (sin_from, cos_from) = self.from.heading_rad.sin_cos();
@@ -175,7 +176,7 @@ impl Terrain {
             }
             let phase = PI * away_m / ramp.radius_m;
             height += 0.5 * ramp.height_m * (1.0 + phase.cos());
-            // By the distance over itself: at the top it is level.
+            // Divided by the distance; the slope is zero at the top.
             let falls = 0.5 * ramp.height_m * PI / ramp.radius_m * phase.sin() / away_m.max(1e-9);
             slope[0] -= falls * dx;
             slope[1] -= falls * dy;
@@ -184,7 +185,7 @@ impl Terrain {
     }
 }
 
-/// Steers along a path that is not made of waypoints.
+/// Steering along a path without waypoints.
 struct Driver<'a> {
     path: &'a Path,
     driven_m: f64,
@@ -204,7 +205,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Curvature (1/m, left positive) for the next piece of the way.
+    /// Returns the curvature (1/m, left positive) of the next step of the path.
     fn curvature(&mut self, pose: &Planar, advance_m: f64) -> f64 {
         self.driven_m += advance_m;
         let most = 1.0 / TURN_RADIUS_M;

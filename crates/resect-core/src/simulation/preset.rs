@@ -1,4 +1,4 @@
-//! The ready-made scenarios.
+//! Ready-made scenarios.
 
 use nalgebra::Vector3;
 
@@ -13,25 +13,25 @@ use crate::geometry::ARCSECOND_RAD;
 pub enum Preset {
     /// A Warthog-like rig (about 0.9, 0.8 and 1.0 m) wandering over uneven ground, with control points.
     Warthog,
-    /// A small HD2-like rig (0.35 m) up and down a tunnel.
+    /// A small HD2-like rig (0.35 m) that drives up and down a tunnel.
     Hd2Tunnel,
     /// The Warthog on flat ground, where only the rig excludes the mirror twin.
     FlatFloor,
-    /// The Warthog where it pitches and rolls more.
+    /// The Warthog on ground with larger slopes, and so larger pitch and roll.
     UnevenGround,
-    /// One prism that all three stations follow, for method C.
+    /// One prism tracked by all three stations, for method C.
     SinglePrism,
-    /// Eights: turns to both sides.
+    /// Figure-eights: turns to both sides.
     FigureEight,
-    /// Eights with prisms a hand's breadth apart, sensitive to each millimetre of a distance.
+    /// Figure-eights with prisms a hand's breadth apart, sensitive to a millimetre of error in their distances.
     ShortBaselines,
     /// One straight line on flat ground: most directions are not observable.
     StraightLine,
-    /// Round and round on flat ground.
+    /// Circles on flat ground.
     Circle,
     /// Two straight legs on flat ground with one turn between them.
     LShape,
-    /// The Warthog with all the errors of real instruments, drawn from the seed as large as in the field.
+    /// The Warthog with systematic errors of all kinds, drawn from the seed as large as in the field.
     FieldErrors,
 }
 
@@ -43,7 +43,7 @@ const fn bend(length_m: f64, curvature_per_m: f64) -> Bend {
 const EIGHT: &[Bend] = &[bend(37.7, 1.0 / 6.0), bend(37.7, -1.0 / 6.0)];
 const STRAIGHT: &[Bend] = &[bend(1000.0, 0.0)];
 const CIRCLE: &[Bend] = &[bend(1000.0, 0.1)];
-/// A quarter turn of radius 1 m between the legs, as a skid-steered vehicle does it.
+/// A quarter turn of radius 1 m between the legs, as by a skid-steered vehicle.
 const TWO_LEGS: &[Bend] = &[bend(45.0, 0.0), bend(1.57, 1.0), bend(1000.0, 0.0)];
 
 const NOISE: Noise = Noise {
@@ -126,7 +126,7 @@ fn flat_ground() -> Ground {
     Ground { slope_rms_rad: 0.0, ..Ground::default() }
 }
 
-/// Drives bends on flat ground, so that nothing but their shape matters.
+/// Returns a scenario of bends on flat ground, to isolate the effect of their shape.
 fn drive_bends(name: &'static str, bends: &'static [Bend], duration_s: f64) -> Scenario {
     Scenario {
         name,

@@ -1,4 +1,4 @@
-//! Random numbers: Gaussian ones, and streams that do not disturb each other.
+//! Normal random numbers, and independent random streams.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -8,14 +8,14 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// What draws from a stream of its own, so that an option never changes what others draw; the main stream is 0.
+/// An independent random stream, so that an option never changes other random numbers; the main stream is 0.
 #[derive(Clone, Copy)]
 pub enum Stream {
-    /// The wandering ranges of a station (0 to 2).
+    /// Time-correlated range errors of a station (0 to 2).
     RangeWander(usize),
-    /// The jittering stamps of a station (0 to 2).
+    /// Stamp errors of a station (0 to 2).
     StampJitter(usize),
-    /// The sizes of the errors of one kind, by its place among the kinds.
+    /// Sizes of the errors of one kind, by its index among the kinds.
     ErrorKind(usize),
 }
 

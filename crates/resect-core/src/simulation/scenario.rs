@@ -10,13 +10,13 @@ use super::waypoint::Waypoint;
 /// The path of the vehicle, in the frame of station 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Path {
-    /// Winding about a centre (m), turning back at a radius (m).
+    /// A winding path about a centre (m), which turns back at a radius (m).
     Wander { centre_m: [f64; 2], radius_m: f64 },
-    /// Along x between two ends (m), weaving by an amplitude (m) with a wavelength (m), and back.
+    /// Back and forth along x between two ends (m), weaving with an amplitude (m) and a wavelength (m).
     Tunnel { from_x_m: f64, to_x_m: f64, amplitude_m: f64, wavelength_m: f64 },
-    /// Along x from a start (m), straight but for bends, and from the beginning again where they end.
+    /// A repeated sequence of bends, from a start (m) in the direction of x.
     Bends { start_m: [f64; 2], bends: &'static [Bend] },
-    /// From one waypoint to the next, corners rounded by the tightest turn (m), to a stop at the last one.
+    /// Waypoints, with corners rounded to the smallest turning radius (m), and a stop at the last one.
     Waypoints { waypoints: Vec<Waypoint>, turn_radius_m: f64 },
 }
 
@@ -45,7 +45,7 @@ pub struct Scenario {
     pub duration_s: f64,
     pub cruise_m_per_s: f64,
     pub path: Path,
-    /// In the frame of station 1.
+    /// The ground, in the frame of station 1.
     pub ground: Ground,
     pub noise: Noise,
     /// Readings per second of each station.
@@ -66,9 +66,9 @@ pub struct Scenario {
     pub pillars: bool,
     /// Start and end (s of the drive) of gaps of all stations; the vehicle drives on meanwhile.
     pub pauses_s: Vec<[f64; 2]>,
-    /// Prism constant that is to be added to every range of the simulated instruments.
+    /// Prism constant, to be added to every range of the simulated instruments (m).
     pub prism_constant_m: f64,
     pub errors: SystematicErrors,
-    /// Kinds of errors that are drawn from the seed, in place of those above.
+    /// Kinds of errors that are drawn from the seed and replace those in `errors`.
     pub drawn_errors: Vec<ErrorKind>,
 }

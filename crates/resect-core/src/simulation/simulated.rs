@@ -1,4 +1,4 @@
-//! A simulated deployment and its truth.
+//! A simulated deployment and its ground truth.
 
 use nalgebra::Vector3;
 
@@ -7,10 +7,10 @@ use super::scenario::Scenario;
 use crate::deployment::{ControlPointSet, GnssFix, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
-/// Unix time of the first reading (s); any will do.
+/// Unix time of the first reading (s), arbitrary.
 pub const EPOCH_S: f64 = 1_760_000_000.0;
 
-/// Everything that was measured, and the truth behind it.
+/// All simulated readings and their ground truth.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     /// The scenario, with the errors that were drawn.
@@ -25,27 +25,28 @@ pub struct Simulated {
     pub truth: Truth,
 }
 
-/// What no calibration may look at.
+/// Ground truth, not available to any calibration.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// How the stations were set up, level by station 1's plumb line: what is wrong besides is in the errors.
+    /// Poses of the stations at set-up, level by station 1's plumb line. Other deviations are among the errors.
     pub station1_from_station: [LevelTransform; 3],
     pub inter_prism_m: [f64; 3],
-    /// Prisms about the vehicle's origin: x ahead, y left, z up (m).
+    /// Prisms in the vehicle's frame: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
-    /// The drive itself, from [`EPOCH_S`] on.
+    /// Motion of the vehicle from [`EPOCH_S`] on.
     pub motion: Motion,
-    /// Readings that were given a gross error, and how many were suppressed as lost locks.
+    /// Number of readings with a gross error, and number of readings suppressed by lost locks.
     pub outliers: usize,
     pub lost_readings: usize,
 }
 
 impl Simulated {
-    /// Where the frame of each station is at a time of the drive (s, 0 at [`EPOCH_S`]), settling included.
+    /// Returns the pose of each station's frame at a time of the drive (s, 0 at [`EPOCH_S`]), settling included.
     ///
-    /// It maps the station's frame of that moment into station 1's frame at set-up, which is the frame of all
-    /// truth here. Station 1's own is the identity only until it settles. A frame is what the tripod carries, so the
-    /// leaning of [`super::Settling`] is in it; tilt and plumb line are errors of the axes against it, and are not.
+    /// Each transform maps the station's frame of that time into station 1's frame at set-up, in which all ground truth is
+    /// given. The transform of station 1 is the identity until it settles. A frame is fixed to the tripod, so it contains
+    /// the tilt of [`super::Settling`]. Tilt and plumb line of the axes are errors relative to the frame and are not
+    /// contained.
     pub fn station1_from_station_at(&self, time_s: f64) -> [RigidTransform; 3] {
         let errors = &self.scenario.errors;
         std::array::from_fn(|station| {

@@ -1,4 +1,4 @@
-//! What each error does to readings, against the same drive without it.
+//! Effect of each systematic error on readings, compared with the same drive without it.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use super::*;
 use crate::deployment::Measurement;
 use crate::geometry::{ARCSECOND_RAD, Polar, wrap_to_pi};
 
-/// A minute of the Warthog's drive without noise, read with some errors.
+/// Simulates a minute of the Warthog's drive without noise, with some systematic errors.
 fn drive(errors: SystematicErrors) -> Simulated {
     simulate_scenario(&Scenario { errors, ..noiseless() }, 5)
 }
@@ -27,7 +27,7 @@ fn none() -> SystematicErrors {
     SystematicErrors::default()
 }
 
-/// Readings of a station, stamped from 0 on.
+/// Readings of a station, with stamps from 0 on.
 fn readings(simulated: &Simulated, station: usize) -> Vec<Measurement> {
     let own = simulated.records.iter().filter(|record| record.station == station as i64 + 1);
     let readings: Vec<_> = own
@@ -44,7 +44,7 @@ fn polar(m: &Measurement) -> Polar {
     Polar { range_m: m.range_m, azimuth_rad: m.azimuth_rad, zenith_rad: m.zenith_rad }
 }
 
-/// Each station's readings without and with some errors, side by side.
+/// Pairs of each station's readings without and with some errors.
 fn side_by_side(errors: SystematicErrors) -> [Vec<(Measurement, Measurement)>; 3] {
     let (right, wrong) = (drive(none()), drive(errors));
     std::array::from_fn(|station| {
@@ -54,7 +54,7 @@ fn side_by_side(errors: SystematicErrors) -> [Vec<(Measurement, Measurement)>; 3
     })
 }
 
-/// Sights of targets that stand still, without and with some errors, with station and prism.
+/// Readings of static targets without and with some errors, with station and prism.
 fn standing(errors: SystematicErrors) -> Vec<(usize, Option<usize>, Polar, Polar)> {
     let (right, wrong) = (drive(none()), drive(errors));
     let points = |simulated: &Simulated| -> Vec<(usize, Polar)> {
@@ -93,7 +93,7 @@ fn ranges_are_wrong_by_offset_scale_and_prism() {
             assert_eq!(wrong.azimuth_rad, right.azimuth_rad);
         }
     }
-    // Control points and pillars are no prisms of the vehicle; the rig is read by station 1.
+    // Control points and pillars are not prisms of the vehicle; station 1 reads the rig.
     for (station, prism, right, wrong) in standing(errors()) {
         near(wrong.range_m - right.range_m, expected_m(station, prism, right.range_m), 1e-12);
     }
@@ -156,7 +156,7 @@ fn a_station_that_turns_at_once_reads_larger_azimuths_from_then_on() {
     let settling = vec![Settling { turn_rad: 1e-3, ..settling(1) }];
     let [first, second, third] = side_by_side(SystematicErrors { settling, ..none() });
     for (right, wrong) in second {
-        // Counter-clockwise as all rotations are, whereas azimuths turn clockwise.
+        // Rotations are counter-clockwise, but azimuths increase clockwise.
         let turned_rad = if right.time_s < 20.0 { 0.0 } else { 1e-3 };
         near(wrap_to_pi(wrong.azimuth_rad - right.azimuth_rad), turned_rad, 1e-12);
         near(wrong.zenith_rad, right.zenith_rad, 1e-12);
@@ -179,7 +179,7 @@ fn a_station_that_settles_slowly_is_half_way_at_half_time() {
 fn readings_fit_the_truth_through_the_frames_of_their_moments() {
     let errors = || SystematicErrors {
         settling: vec![
-            // Station 1 too, and one station twice.
+            // Station 1 settles as well, and one station settles twice.
             Settling { move_m: Vector3::new(0.01, -0.02, 0.005), over_s: 10.0, ..settling(0) },
             Settling { lean_rad: [2e-3, -1e-3], ..settling(1) },
             Settling { turn_rad: -3e-3, from_s: 40.0, ..settling(1) },
@@ -200,12 +200,12 @@ fn readings_fit_the_truth_through_the_frames_of_their_moments() {
         }
     }
     assert!(furthest_m[0] > 0.02 && furthest_m[1] > 0.05 && furthest_m[2] < 1e-6, "{furthest_m:?}");
-    // A move is in the directions of station 1, however a station is turned.
+    // A displacement is along the axes of station 1, for any yaw of the station.
     let [first, second, _] = simulated.station1_from_station_at(25.0);
     assert!((first.translation_m - Vector3::new(0.005, -0.01, 0.0025)).norm() < 1e-12);
     assert_eq!(second.translation_m, truth.station1_from_station[1].translation_m);
     near(second.tilt_rad(), 2e-3_f64.hypot(1e-3), 1e-8);
-    // What stands still was read before.
+    // Static targets were read before the settling.
     assert!(standing(errors()).iter().all(|(_, _, right, wrong)| right == wrong));
 }
 
@@ -259,7 +259,7 @@ fn jittering_stamps_change_nothing_but_stamps() {
         (values.map(|value| value * value).sum::<f64>() / errors_s.len() as f64).sqrt()
     };
     near(rms(&mut errors_s.iter().copied()), stamp_jitter_s, 0.0004);
-    // Independent ones differ by √2 as much.
+    // Independent errors differ by √2 times their standard deviation.
     let differences = &mut errors_s.windows(2).map(|pair| pair[1] - pair[0]);
     near(rms(differences), 2.0_f64.sqrt() * stamp_jitter_s, 0.0006);
 }
@@ -338,10 +338,10 @@ fn plumb_lines_200_m_apart_differ_by_6_5_arcseconds() {
     let apart_rad = 6.475 * ARCSECOND_RAD;
     let station1_from_station = &right.truth.station1_from_station[1];
     for (right, wrong) in readings(&right, 1).iter().zip(&readings(&wrong, 1)) {
-        // Up leans towards +x there, so what lies that way seems higher: its zenith angle is smaller.
+        // Up leans towards +x there, so targets in that direction appear higher, with a smaller zenith angle.
         let ahead = station1_from_station.rotate(&polar(right).to_cartesian()).xy().normalize().x;
         near(wrong.zenith_rad - right.zenith_rad, -ahead * apart_rad, 1e-8);
-        // Stations are set up facing anywhere: that is yaw, not an error.
+        // The heading of a station at set-up is its yaw, not an error.
         near(wrap_to_pi(wrong.azimuth_rad - right.azimuth_rad), 0.0, 0.1 * apart_rad);
     }
     assert_eq!(readings(&right, 0), readings(&wrong, 0), "station 1's is the reference");
@@ -365,7 +365,7 @@ fn refraction_lifts_what_is_far() {
 
 #[test]
 fn a_leaning_station_sees_the_world_lean_the_other_way() {
-    // About y by the right hand: up goes towards +x, so that what is ahead seems higher.
+    // A right-handed rotation about y leans up towards +x, so targets ahead appear higher.
     let tilt_rad = [[0.0, 1e-3], [0.0; 2], [0.0; 2]];
     let [first, ..] = side_by_side(SystematicErrors { tilt_rad, ..none() });
     for (right, wrong) in first {
@@ -376,7 +376,7 @@ fn a_leaning_station_sees_the_world_lean_the_other_way() {
 
 #[test]
 fn every_kind_is_drawn_on_its_own() {
-    // This seed has a jump of a clock, and pauses.
+    // This seed gives a clock step and pauses.
     let all = noiseless().with_field_errors(15);
     for left_out in ErrorKind::ALL {
         let mut scenario = noiseless();
@@ -415,7 +415,7 @@ fn errors_are_drawn_as_large_as_in_the_field() {
         (0.0007, |e| e.prism_offset_m[0]),
         (5e-6, |e| e.range_scale[1]),
         (0.001, |e| e.range_wander.expect("drawn").sigma_m),
-        // What is uniform from 0 on has an rms of 1/√3 of its most.
+        // A uniform distribution from 0 has an rms of 1/√3 of its maximum.
         (0.015 / 3.0_f64.sqrt(), |e| e.latency_s[0]),
         (0.005 / 3.0_f64.sqrt(), |e| e.stamp_jitter_s),
         (0.004, |e| e.clock_offset_s[1]),

@@ -1,20 +1,20 @@
-//! Places that a vehicle is driven through.
+//! Waypoints of a vehicle.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-/// A place that is driven through.
+/// A waypoint.
 ///
-/// In a file it is `[x, y]` (m), with the speed (m/s) as third number and the time that the vehicle stands there (s) as fourth.
-/// A speed of 0 stands for the usual speed of the drive.
+/// In a file it is `[x, y]` (m), optionally followed by the speed (m/s) and the duration of a stop there (s). A speed of 0
+/// means the usual speed of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct Waypoint {
     pub x_m: f64,
     pub y_m: f64,
-    /// Speed on the way there; `None` for the usual speed of the drive.
+    /// Speed towards the waypoint (m/s); `None` for the usual speed of the drive.
     pub speed_m_per_s: Option<f64>,
-    /// Time that the vehicle stands there.
+    /// Duration of a stop there (s).
     pub stand_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A number with its uncertainty.
+//! Numbers with their uncertainty.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,14 +25,14 @@ pub enum Quantity {
     Length,
     Angle,
     Time,
-    /// Seconds a second.
+    /// Seconds per second.
     Drift,
-    /// A share of a range.
+    /// Ratio to a range.
     Share,
 }
 
 impl Quantity {
-    /// The SI unit.
+    /// Returns the SI unit.
     pub fn si_unit(self) -> &'static str {
         match self {
             Self::Length => "m",
@@ -43,7 +43,7 @@ impl Quantity {
         }
     }
 
-    /// Factor to the unit in which errors are told, and that unit.
+    /// Returns the factor to the unit for display, and that unit.
     pub fn told(self) -> (f64, &'static str) {
         match self {
             Self::Length => (1e3, "mm"),
@@ -55,15 +55,15 @@ impl Quantity {
     }
 }
 
-/// Estimates closer to their reference than this many σ are not significant.
+/// Estimates within this many σ of their reference are not significant.
 pub const SUPPORTED_SIGMAS: f64 = 2.0;
 
-/// " (3.1 σ)", and where that is so, that it is not told from zero.
+/// Returns " (3.1 σ)", with a note that it is not significant where that is so.
 pub fn sigmas_in_words(sigmas: f64) -> String {
     let sigmas = sigmas.abs();
     if sigmas > SUPPORTED_SIGMAS {
         format!(" ({sigmas:.1} σ)")
     } else {
-        format!(" ({sigmas:.1} σ: not told from zero)")
+        format!(" ({sigmas:.1} σ: not significant)")
     }
 }

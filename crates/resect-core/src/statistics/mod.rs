@@ -1,7 +1,8 @@
 //! Statistics that all modules share, one definition of each, with its source.
 //!
-//! Here are medians, quantiles and robust spreads. [`robust`] has loss functions, [`sandwich`] the covariance of an estimate
-//! from data that is correlated in time, with and without a prior, and [`tables`] the quantiles of distributions.
+//! This module has medians, quantiles and robust estimates of spread. [`robust`] has loss functions. [`sandwich`] computes the
+//! covariance of an estimate from data that is correlated in time, with or without a prior. [`tables`] has quantiles of
+//! distributions.
 
 pub mod estimate;
 mod order;

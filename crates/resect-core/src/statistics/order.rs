@@ -1,20 +1,20 @@
-//! Medians, quantiles, and spreads that a few wild values leave alone.
+//! Medians, quantiles, and robust estimates of spread.
 //!
-//! A quantile is the linear interpolation between order statistics (definition 7 of Hyndman & Fan 1996, "Sample quantiles
-//! in statistical packages"), as numpy has it; so the median of an even count is the mean of the middle two. Lists hold no
+//! A quantile is the linear interpolation between order statistics (definition 7 of Hyndman & Fan 1996, "Sample quantiles in
+//! statistical packages"), as in numpy. The median of an even count is therefore the mean of the middle two. Lists must not contain
 //! NaN.
 
-/// σ of normal errors over the median of their sizes: 1/Φ⁻¹(3/4).
+/// σ of normal errors over the median of their absolute values: 1/Φ⁻¹(3/4).
 const SIGMA_OVER_MEDIAN_SIZE: f64 = 1.482_602_218_505_602;
-/// A normal error is below −σ, and above σ, with this chance: Φ(−1).
+/// Probability that a normal error is below −σ, and that it is above σ: Φ(−1).
 const BELOW_MINUS_SIGMA: f64 = 0.158_655_253_931_457;
 
-/// The value that half of the list is below; `None` of nothing.
+/// Returns the median; `None` of an empty list.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     quantiles(values, [0.5]).map(|[median]| median)
 }
 
-/// The values below which these shares of the list lie, the shares in increasing order; `None` of nothing.
+/// Returns the quantiles for shares in increasing order; `None` of an empty list.
 pub fn quantiles<const N: usize>(
     values: impl IntoIterator<Item = f64>,
     shares: [f64; N],
@@ -22,7 +22,7 @@ pub fn quantiles<const N: usize>(
     debug_assert!(shares.is_sorted());
     let mut keys: Vec<i64> = values.into_iter().map(key).collect();
     let last = keys.len().checked_sub(1)?;
-    // A selection leaves what is greater on the right, where the next one looks.
+    // A selection moves greater values to the right, where the next selection searches.
     let mut first = 0;
     Some(shares.map(|share| {
         let rank = share * last as f64;
@@ -33,7 +33,7 @@ pub fn quantiles<const N: usize>(
     }))
 }
 
-/// The value below which a share of an ordered list lies; `None` of nothing.
+/// Returns a quantile of a sorted list; `None` of an empty list.
 pub fn quantile_of_sorted(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let rank = share * last as f64;
@@ -41,18 +41,18 @@ pub fn quantile_of_sorted(sorted: &[f64], share: f64) -> Option<f64> {
     Some(between(sorted[low], rank, || sorted[(low + 1).min(last)]))
 }
 
-/// σ of errors about zero as their median size tells it, were they normal; `None` of nothing.
+/// Returns σ of errors about zero from the median of their absolute values, for normal errors; `None` of an empty list.
 pub fn sigma_of_errors(errors: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(SIGMA_OVER_MEDIAN_SIZE * median(errors.into_iter().map(f64::abs))?)
 }
 
-/// σ of values about whatever they lie about, as the middle 68 % of them tell it; `None` of nothing.
+/// Returns σ of values about any centre, as half the width of their middle 68 %; `None` of an empty list.
 pub fn central_sigma(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let [low, high] = quantiles(values, [BELOW_MINUS_SIGMA, 1.0 - BELOW_MINUS_SIGMA])?;
     Some(0.5 * (high - low))
 }
 
-/// A value between the one at the rank below a fractional one and the next, which is asked for only where it counts.
+/// Interpolates between the values at the ranks below and above a fractional rank. The second is computed only if it has a weight.
 fn between(low: f64, rank: f64, high: impl FnOnce() -> f64) -> f64 {
     match rank.fract() {
         0.0 => low,
@@ -60,7 +60,7 @@ fn between(low: f64, rank: f64, high: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// An integer that sorts as the float does ([`f64::total_cmp`]) and is selected faster.
+/// Returns an integer that sorts like the float ([`f64::total_cmp`]) and is selected faster.
 fn key(value: f64) -> i64 {
     flip_negative(value.to_bits() as i64)
 }
@@ -69,7 +69,7 @@ fn value(key: i64) -> f64 {
     f64::from_bits(flip_negative(key) as u64)
 }
 
-/// The larger a negative float is, the smaller are its bits.
+/// Flips the bits of negative floats, which otherwise sort in reverse.
 fn flip_negative(bits: i64) -> i64 {
     bits ^ (((bits >> 63) as u64) >> 1) as i64
 }
@@ -97,7 +97,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let mut errors: Vec<f64> = (0..40_000).map(|_| 0.02 * normal()).collect();
-        // 1 σ of both is 0.8 % here.
+        // Both have a σ of 0.8 % here.
         let about_zero = |errors: &[f64]| sigma_of_errors(errors.iter().copied()).expect("many");
         let about_any =
             |errors: &[f64]| central_sigma(errors.iter().map(|e| e + 5.0)).expect("many");

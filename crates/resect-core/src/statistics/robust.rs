@@ -1,26 +1,27 @@
 //! Robust losses by their influence ψ, the derivative of the loss. Errors have the unit of the bend or scale, usually σ.
 
-/// Bend of Huber's loss from the square to the size of an error (σ): 95 % as efficient as least squares on normal
-/// errors (Huber 1964, "Robust estimation of a location parameter"; the number is Holland & Welsch's, 1977).
+/// Bend of Huber's loss between its quadratic and its linear range (σ): 95 % as efficient as least squares on normal errors.
+/// The loss is from Huber 1964, "Robust estimation of a location parameter", the number from Holland & Welsch 1977.
 pub const HUBER_BEND: f64 = 1.345;
-/// The influence of an error.
+
+/// Influence of an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
-    /// ψ(x)/x: the weight of its square.
+    /// ψ(x)/x: the weight of the squared error.
     pub weight: f64,
     /// ψ'(x).
     pub slope: f64,
 }
 
-/// The influence of the squared loss.
+/// Influence of the squared loss.
 pub const SQUARED: Influence = Influence { weight: 1.0, slope: 1.0 };
 
-/// Huber's loss: linear beyond the bend.
+/// Returns the influence of Huber's loss, which is linear beyond the bend.
 pub fn huber(size: f64, bend: f64) -> Influence {
     if size > bend { Influence { weight: bend / size, slope: 0.0 } } else { SQUARED }
 }
 
-/// Cauchy's loss: half weight at the scale, and a decreasing influence beyond it.
+/// Returns the influence of Cauchy's loss: half weight at the scale, and a decreasing influence beyond it.
 pub fn cauchy(size: f64, scale: f64) -> Influence {
     let square = (size / scale).powi(2);
     let weight = 1.0 / (1.0 + square);
@@ -31,7 +32,7 @@ pub fn cauchy(size: f64, scale: f64) -> Influence {
 mod tests {
     use super::*;
 
-    /// E[ψ']² / E[ψ²] of normal errors: the efficiency against least squares.
+    /// Returns E[ψ']² / E[ψ²] of normal errors: the efficiency relative to least squares.
     fn efficiency(influence: impl Fn(f64) -> Influence) -> f64 {
         let (mut slope, mut square) = (0.0, 0.0);
         let step = 1e-3;

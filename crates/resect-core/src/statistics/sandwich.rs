@@ -1,46 +1,45 @@
-//! The covariance of an estimate from data that is correlated in time, by blocks of time that are not.
+//! Covariance of an estimate from data that is correlated in time within blocks, and independent between blocks.
 //!
-//! With the information H = Σ H_b of the blocks and the gradient g_b of each at the minimum, the covariance is
-//! H⁻¹ (Σ g_b g_bᵀ) H⁻¹ (Liang & Zeger 1986). The gradients at a minimum are smaller than those of the errors, because
-//! the estimate follows each block by its leverage A_b = L⁻¹ H_b L⁻ᵀ, H = L Lᵀ: were the blocks' errors as the information
-//! says, Σ E[g_b g_bᵀ] would be made of A_b (I − A_b), and not of A_b. So each gradient is multiplied by
-//! (I − A_b)^(−1/2), which makes that exact (Bell & McCaffrey 2002, "Bias reduction in standard errors for linear
-//! regression with multi-stage samples": CR2). A common factor, such as B / (B − 1) of B blocks or B / (B − n) of n
-//! unknowns, is right only where each block tells about every unknown alike; a bend tells about some.
+//! With the information H = Σ H_b of the blocks and the gradient g_b of each at the minimum, the covariance is H⁻¹ (Σ g_b g_bᵀ) H⁻¹
+//! (Liang & Zeger 1986). The gradients at a minimum are smaller than those of the errors, because the estimate follows each block
+//! by its leverage A_b = L⁻¹ H_b L⁻ᵀ, H = L Lᵀ. If the blocks' errors had the stated information, Σ E[g_b g_bᵀ] would consist of
+//! A_b (I − A_b) instead of A_b. Each gradient is therefore multiplied by (I − A_b)^(−1/2), which makes the expectation exact (CR2:
+//! Bell & McCaffrey 2002, "Bias reduction in standard errors for linear regression with multi-stage samples"). A common factor,
+//! such as B / (B − 1) of B blocks or B / (B − n) of n unknowns, is right only if all blocks inform about all unknowns equally. A
+//! bend informs about some of them.
 //!
-//! With prior knowledge of precision P that counts with weight w in the cost, the minimum has A = H + wP in the place of H,
-//! and the prior pulls at it by its own error, of covariance P⁻¹: the covariance is A⁻¹ (Σ g_b g_bᵀ + w²P) A⁻¹. With
-//! blocks whose errors are φ times what their information says this is A⁻¹ (φH + w²P) A⁻¹, and not (H/φ + P)⁻¹ unless
-//! w = φ. The estimate follows the blocks less the more the prior holds it: A_b = L⁻¹ H_b L⁻ᵀ with A = L Lᵀ. Then
+//! With a prior of precision P and weight w in the cost, the minimum has A = H + wP instead of H. The prior adds its own error, of
+//! covariance P⁻¹, so the covariance is A⁻¹ (Σ g_b g_bᵀ + w²P) A⁻¹. With block errors of φ times their stated variance this is A⁻¹
+//! (φH + w²P) A⁻¹, and not (H/φ + P)⁻¹ unless w = φ. A strong prior reduces the leverages: A_b = L⁻¹ H_b L⁻ᵀ with A = L Lᵀ. Then
 //! E[g_b g_bᵀ] = φ (H_b − H_b A⁻¹ H_b) as before if w = φ; with another w the difference is below φ H_b / 4B.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A block that alone holds a direction says nothing about the error along it: leverages end here.
+/// Upper limit of leverages: a block that alone determines a direction contains no information about its error there.
 const MOST_LEVERAGE: f64 = 0.9;
-/// Leverages that are together (Frobenius' norm) below this need no eigenvalues: a series gets there sooner.
+/// Below this Frobenius norm of the leverage, a series is faster than eigenvalues.
 const SERIES_LEVERAGE: f64 = 0.7;
-/// Below this none of them matters much, negative ones included.
+/// Below this norm all leverages are negligible, negative ones included.
 const SMALL_LEVERAGE: f64 = 0.1;
-/// What is this much smaller is lost in rounding; the series is there after so many terms at most.
+/// Relative size of rounding errors, and the most terms of the series, which reaches that size earlier.
 const ROUNDING: f64 = 1e-12;
 const MOST_TERMS: u32 = 80;
 
-/// What one block of time says: its part of the information, and of the gradient at the minimum.
+/// Information of one block of time, and its gradient at the minimum.
 pub struct Block {
     pub information: DMatrix<f64>,
     pub gradient: DVector<f64>,
 }
 
-/// What is known of the unknowns without the data.
+/// Prior of the unknowns.
 pub struct Prior {
-    /// 1/σ² of each; zero where nothing is known.
+    /// 1/σ² of each unknown; zero without a prior.
     pub precision: DVector<f64>,
-    /// What it counts by in the cost that was minimised, where the information of the data counts once.
+    /// Weight of the prior in the minimised cost, where the data has weight 1.
     pub weight: f64,
 }
 
-/// The covariance; `None` where the information, that of the prior included, leaves a direction free.
+/// Returns the covariance; `None` if the information, with the prior, leaves a direction unobservable.
 pub fn covariance(blocks: &[Block], prior: Option<&Prior>) -> Option<DMatrix<f64>> {
     let unknowns = blocks.first()?.gradient.len();
     let mut information = DMatrix::zeros(unknowns, unknowns);
@@ -63,10 +62,10 @@ pub fn covariance(blocks: &[Block], prior: Option<&Prior>) -> Option<DMatrix<f64
     covariance.iter().all(|entry| entry.is_finite()).then_some(covariance)
 }
 
-/// (I − A)^(−1/2) g.
+/// Returns (I − A)^(−1/2) g.
 fn unfollowed(leverage: DMatrix<f64>, gradient: DVector<f64>) -> DVector<f64> {
-    // A loss that sets errors aside can make a block's information negative along some directions, and the series counts
-    // these: they are nothing while they are small, and must not be there otherwise.
+    // A redescending loss can make a block's information negative along some directions. The series includes these, which is
+    // harmless only while they are small.
     let size = leverage.norm();
     if size < SMALL_LEVERAGE || (size < SERIES_LEVERAGE && has_no_negative(&leverage)) {
         return by_series(&leverage, gradient);
@@ -79,7 +78,7 @@ fn unfollowed(leverage: DMatrix<f64>, gradient: DVector<f64>) -> DVector<f64> {
     spectrum.eigenvectors * parts
 }
 
-/// Whether a matrix is positive semidefinite, but for rounding.
+/// Returns true if a matrix is positive semidefinite, except for rounding.
 fn has_no_negative(leverage: &DMatrix<f64>) -> bool {
     let mut lifted = leverage.clone();
     for k in 0..lifted.nrows() {
@@ -88,7 +87,7 @@ fn has_no_negative(leverage: &DMatrix<f64>) -> bool {
     lifted.cholesky().is_some()
 }
 
-/// The sum of all c_k Aᵏ g with c_0 = 1 and c_k = c_(k−1) (2k − 1)/2k, until nothing is added any more.
+/// Returns Σ c_k Aᵏ g with c_0 = 1 and c_k = c_(k−1) (2k − 1)/2k, until terms are negligible.
 fn by_series(leverage: &DMatrix<f64>, mut term: DVector<f64>) -> DVector<f64> {
     let mut sum = term.clone();
     let mut next = term.clone();

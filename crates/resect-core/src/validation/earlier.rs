@@ -1,4 +1,4 @@
-//! An earlier calibration, whose validity for another run is in question.
+//! An earlier calibration, to be validated by another run.
 
 use nalgebra::SMatrix;
 
@@ -7,26 +7,26 @@ use crate::calibration::{Method, Verdict};
 use crate::deployment::{Deployment, Finding, Severity, TrackFrame};
 use crate::geometry::RigidTransform;
 
-/// An earlier calibration: what is asked whether it holds.
+/// An earlier calibration, to be validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Earlier {
-    /// A file, or a deployment.
+    /// Name of a file or of a deployment.
     pub name: String,
     pub method: Method,
     pub verdict: Verdict,
-    /// What limits it first.
+    /// The first finding that limits it.
     pub doubt: Option<String>,
-    /// The frames that its tracks were in; `None` where that is not known.
+    /// Frames of its tracks; `None` if unknown.
     pub track_frame: Option<TrackFrame>,
     pub station1_from_station: [RigidTransform; 3],
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction was free.
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` if a direction was unobservable.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
-    /// The rig's distances as they were measured for it (m).
+    /// Inter-prism distances as measured for this calibration (m).
     pub inter_prism_m: Option<[f64; 3]>,
 }
 
 impl Earlier {
-    /// The answer to a deployment that is open.
+    /// Returns the calibration of an open deployment.
     pub fn of(deployment: &Deployment, answer: &Answer) -> Self {
         let calibration = &answer.calibration;
         Self {
@@ -41,13 +41,13 @@ impl Earlier {
         }
     }
 
-    /// The frames that its transforms are about: control points are always seen in the stations' own.
+    /// Returns the frames of its transforms. Control points are always in the stations' own frames.
     pub fn frame(&self) -> Option<TrackFrame> {
         if self.method.is_from_tracks() { self.track_frame } else { Some(TrackFrame::Own) }
     }
 }
 
-/// The first that limits an answer.
+/// Returns the first finding that limits a calibration.
 pub fn first_doubt(findings: &[Finding]) -> Option<String> {
     let first = findings.iter().find(|finding| finding.severity > Severity::Note);
     first.map(ToString::to_string)

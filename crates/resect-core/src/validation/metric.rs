@@ -1,4 +1,4 @@
-//! The inter-prism metric of a run under an earlier calibration, beside the one under its own answer.
+//! Inter-prism metric of a run with an earlier calibration, compared with its own calibration.
 
 use nalgebra::{SMatrix, Vector3};
 
@@ -11,31 +11,32 @@ use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
-/// A normal deviate that chance exceeds with probability [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE).
+/// Critical value of a standard normal variable, one-sided, at significance level
+/// [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE).
 const NORMAL_OF_ONE: f64 = 2.8782;
-/// More triplets than this say nothing new about how distances follow the transforms.
+/// Largest number of triplets for the sensitivity of distances to the transforms; more add no information.
 const MOST_TRIPLETS: usize = 2000;
 
-/// What the earlier transforms make of the run's distances between prisms.
+/// Errors of the run's inter-prism distances with the earlier transforms, compared with its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetricThere {
-    /// |distance error| against the measured distances, pooled over the pairs (mm): by the earlier transforms, and by the
-    /// run's own. Clocks and instruments are put right as the run's own answer says for both.
+    /// Absolute distance errors relative to the measured distances, pooled over the pairs (mm), with the earlier transforms
+    /// and with the run's own. Both use the clock and instrument corrections of the run's own calibration.
     pub earlier_mm: Spread,
     pub own_mm: Spread,
-    /// How much the distances of one differ from those of the other (m, rms), and what σ allows.
+    /// Difference between the distances of both (m, rms), and its critical value.
     pub apart_m: f64,
     pub allowed_m: f64,
 }
 
 impl MetricThere {
-    /// Whether the earlier transforms are worse by more than σ allows.
+    /// Returns true if the earlier transforms are significantly worse.
     pub fn is_worse(&self) -> bool {
         self.apart_m > self.allowed_m && self.earlier_mm.median > self.own_mm.median
     }
 }
 
-/// `known_m` are the measured distances. `None` without triplets.
+/// Returns the metric with both calibrations; `None` without triplets. `known_m` are the measured distances (m).
 pub fn metric_there(
     earlier: &Earlier,
     own: &Answer,
@@ -57,9 +58,9 @@ pub fn metric_there(
     })
 }
 
-/// Mean over the distances of gᵀg, g being how a distance follows (x, y, z, yaw) of stations 2 and 3.
+/// Mean of g gᵀ over the distances, with the gradient g of a distance with respect to (x, y, z, yaw) of stations 2 and 3.
 ///
-/// Where all stations follow one prism, a distance of nothing has no direction: there it is the three coordinates.
+/// If all stations track one prism, the distance is zero and has no direction; the three coordinates are used instead.
 fn follows(
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
@@ -94,11 +95,11 @@ fn follows(
     (distances > 0.0).then(|| sum / distances)
 }
 
-/// What a mean square dᵀA d of normal d with covariance Σ exceeds with probability
-/// [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE), from AΣ (m²).
+/// Critical value at significance level [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE) of dᵀA d (m²), for normal d with
+/// covariance Σ, from AΣ.
 ///
-/// A shifted multiple of χ² with the same first three moments (Pearson's approximation: Imhof 1961), and the cube root of
-/// that normal (Wilson & Hilferty 1931).
+/// The distribution is approximated by a shifted multiple of χ² with the same first three moments (Pearson's approximation:
+/// Imhof 1961). The cube root of that χ² is nearly normal (Wilson & Hilferty 1931).
 fn allowed_m2(follows_covariance: &SMatrix<f64, 8, 8>) -> f64 {
     let squared = follows_covariance * follows_covariance;
     let (first, second) = (follows_covariance.trace(), squared.trace());
@@ -123,7 +124,7 @@ mod tests {
         const DRAWS: usize = 100_000;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        // A drive tells of few directions well, and of others hardly.
+        // Drives determine a few directions well and others hardly.
         for share in [1.0, 0.5, 0.2] {
             let sizes = SVector::<f64, 8>::from_fn(|k, _| f64::powi(share, k as i32));
             let allowed = allowed_m2(&SMatrix::from_diagonal(&sizes.component_mul(&sizes)));

@@ -1,17 +1,17 @@
-//! Whether a calibration holds for another run of the same set-up.
+//! Validation of a calibration by another run of the same set-up.
 //!
-//! The run has an answer of its own, which knows nothing of the earlier one. [`moved`] asks of the difference whether a
-//! station was moved or turned since, and which; [`metric`] asks what the earlier answer does to the prisms' distances
-//! there; [`in_words`] tells it. [`one_frame`] brings runs together where stations were set up anew.
+//! The run has a calibration of its own, independent of the earlier one. [`moved`] tests the difference for a move of a
+//! station and finds that station. [`metric`] evaluates the inter-prism distances with the earlier calibration.
+//! [`in_words`] formats the result. [`one_frame`] aligns runs whose stations were set up anew.
 //!
-//! **What the difference may be.** Its covariance is that of the earlier answer, that of the own one, and what every tripod
-//! settles in between, which is taken to be once more what it settles during a drive
-//! ([`ErrorSizes::settling_m`](crate::calibration::ErrorSizes), `settling_rad`). Errors that both runs have in common
-//! (prisms, rig, the same instruments) are counted twice although they partly cancel: the tests are conservative, and most
-//! so in height, where the rig's distances dominate.
+//! **Covariance of the difference.** It is the sum of the covariances of both calibrations and of the settling of every
+//! tripod in between. That settling is assumed as large as during a drive
+//! ([`ErrorSizes::settling_m`](crate::calibration::ErrorSizes), `settling_rad`). Errors common to both runs (prisms, rig,
+//! the same instruments) are counted twice although they partly cancel. The tests are therefore conservative, most of all
+//! in height, where the rig's distances dominate.
 //!
 //! **Five tests**, each at a fifth of [`LEVEL`] (Bonferroni): the whole difference, a move of each station alone, and the
-//! metric. Together they reject a calibration that holds once in a hundred runs, or less.
+//! metric. Together they reject a valid calibration at most once in a hundred runs.
 
 mod earlier;
 pub mod in_words;

@@ -1,8 +1,10 @@
-//! Whether a station was moved or turned between two runs: which one, how much, and how well that is known.
+//! Tests for a displacement or rotation of a station between two runs: the station, the size of its move, and its
+//! covariance.
 //!
-//! A station that moves has four numbers, (x, y, z) and yaw. Those of stations 2 and 3 change their own transform, those of
-//! station 1 both, since it is what they are told in. "Only this station moved" is fitted to the eight numbers of the
-//! difference: what it explains of their χ² tests whether it moved, and what it leaves whether that is all.
+//! A move of a station has four parameters, (x, y, z) and yaw. A move of station 2 or 3 changes its own transform. A move
+//! of station 1 changes both transforms, because it is their reference. "Only this station moved" is fitted to the eight
+//! components of the difference. The χ² that the fit explains tests whether the station moved. The remaining χ² tests
+//! whether that is the only cause.
 
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
 
@@ -11,42 +13,42 @@ use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::{LevelTransform, wrap_to_pi};
 
-/// χ² of four numbers that chance exceeds with probability [`LEVEL_OF_ONE`].
+/// Critical χ² with four degrees of freedom at significance level [`LEVEL_OF_ONE`].
 const CHI_SQUARE_OF_ONE: f64 = 16.924;
-/// A station that explains the difference this much better than another, in χ², is the one: a hundred times likelier.
+/// Excess of explained χ² that identifies one station rather than another: a likelihood ratio of one hundred.
 const CLEARLY: f64 = 9.2;
-/// Steps of Gauss & Newton; only a turn of station 1 needs more than one.
+/// Gauss–Newton steps; only a rotation of station 1 needs more than one.
 const STEPS: usize = 6;
 
-/// The difference of two answers to one set-up, and what could have made it.
+/// The difference between two calibrations of one set-up, and its possible causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Own answer minus the earlier one: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
+    /// Own calibration minus the earlier one: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub values: SVector<f64, 8>,
-    /// Covariance of both answers together, and of what tripods settle in between.
+    /// Sum of the covariances of both calibrations and of the settling of tripods in between.
     pub covariance: SMatrix<f64, 8, 8>,
     pub chi_square: f64,
-    /// How often chance makes a larger χ² where nothing moved.
+    /// Probability of a larger χ² if nothing moved.
     pub p_value: f64,
-    /// What each of stations 1 to 3 would have done, were it the only one that moved.
+    /// Fitted move of each of stations 1 to 3, as if only that station had moved.
     pub stations: [StationMove; 3],
 }
 
-/// What a station would have done, were it the only one that moved.
+/// Fitted move of a station, as if only that station had moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StationMove {
-    /// (x, y, z) along station 1's axes as they were (m), and the turn about z (rad), with their covariance.
+    /// Displacement along station 1's axes before the move (m) and rotation about z (rad), with their covariance.
     pub by: Vector4<f64>,
     pub covariance: Matrix4<f64>,
-    /// χ² that it explains, and how often chance explains more where it did not move.
+    /// Explained χ², and the probability of a larger one if the station did not move.
     pub chi_square: f64,
     pub p_value: f64,
-    /// How often chance leaves more, where only it moved.
+    /// Probability of a larger remaining χ² if only this station moved.
     pub rest_p_value: f64,
 }
 
 impl StationMove {
-    /// The move along x, y or z (m), or the turn (rad).
+    /// Returns the displacement along x, y or z (m), or the rotation (rad).
     pub fn part(&self, part: usize) -> Estimate {
         Estimate { value: self.by[part], sigma: self.covariance[(part, part)].max(0.0).sqrt() }
     }
@@ -55,7 +57,7 @@ impl StationMove {
         self.part(3)
     }
 
-    /// How far it moved (m), with σ along the way.
+    /// Returns the length of the displacement (m), with the σ along it.
     pub fn moved_m(&self) -> Estimate {
         let by: Vector3<f64> = self.by.xyz();
         let along = by.try_normalize(1e-12).unwrap_or_else(Vector3::x);
@@ -63,26 +65,27 @@ impl StationMove {
         Estimate { value: by.norm(), sigma: along.dot(&(covariance * along)).max(0.0).sqrt() }
     }
 
-    /// The least move (m) along its worst axis, and the least turn (rad), that would show in every second run.
+    /// Returns the minimal detectable displacement along its worst axis (m) and rotation (rad), detected with probability one half.
+    /// `None` if the covariance is not positive definite.
     pub fn visible(&self) -> Option<(f64, f64)> {
         let precision = self.covariance.cholesky()?.inverse();
         let least = |part: usize| (CHI_SQUARE_OF_ONE / precision[(part, part)]).sqrt();
         Some(((0..3).map(least).fold(0.0, f64::max), least(3)))
     }
 
-    /// Whether more changed than chance changes.
+    /// Returns true if the move is significant.
     pub fn rejects(&self) -> bool {
         self.p_value < LEVEL_OF_ONE
     }
 
-    /// Whether nothing else needs to have moved.
+    /// Returns true if the remaining difference is not significant.
     pub fn explains_all(&self) -> bool {
         self.rest_p_value >= LEVEL_OF_ONE
     }
 }
 
 impl Difference {
-    /// `None` where the covariance is none.
+    /// Compares two calibrations; `None` if the covariance is not positive definite.
     pub fn between(
         before: &[LevelTransform; 3],
         after: &[LevelTransform; 3],
@@ -112,12 +115,12 @@ impl Difference {
         })
     }
 
-    /// Whether any test says that something moved.
+    /// Returns true if any test finds a significant difference.
     pub fn rejects(&self) -> bool {
         self.p_value < LEVEL_OF_ONE || self.stations.iter().any(StationMove::rejects)
     }
 
-    /// What the difference comes from, given that it is one.
+    /// Returns the cause of a significant difference.
     pub fn cause(&self) -> Cause {
         let alone = |station: &usize| {
             self.stations[*station].rejects() && self.stations[*station].explains_all()
@@ -132,7 +135,7 @@ impl Difference {
         }
     }
 
-    /// Whether a station is this far, or turned this far, from where it was.
+    /// Returns true if station 2 or 3 is displaced (m) or rotated (rad) by more than these limits.
     pub fn reaches(&self, far_m: f64, far_rad: f64) -> bool {
         [0, 4].into_iter().any(|slot| {
             let far = self.values.fixed_rows::<3>(slot).norm();
@@ -140,14 +143,14 @@ impl Difference {
         })
     }
 
-    /// The largest σ of the translations (m).
+    /// Returns the largest standard deviation of a translation (m).
     pub fn largest_sigma_m(&self) -> f64 {
         let variance = |k: usize| if k % 4 == 3 { 0.0 } else { self.covariance[(k, k)] };
         (0..8).map(variance).fold(0.0, f64::max).sqrt()
     }
 }
 
-/// Covariance of what the three tripods settle between two runs, as stations 2 and 3 show it.
+/// Covariance of (x, y, z, yaw) of stations 2 and 3 due to the settling of the three tripods between two runs.
 pub fn settled(before: &[LevelTransform; 3], sizes: &ErrorSizes) -> SMatrix<f64, 8, 8> {
     let (move_m2, turn_rad2) = (sizes.settling_m.powi(2), sizes.settling_rad.powi(2));
     let own = Matrix4::from_diagonal(&Vector4::new(move_m2, move_m2, move_m2, turn_rad2));
@@ -158,13 +161,13 @@ pub fn settled(before: &[LevelTransform; 3], sizes: &ErrorSizes) -> SMatrix<f64,
     of(0) + of(1) + of(2)
 }
 
-/// How the eight numbers change with the four of one station's move, as long as it is small.
+/// Jacobian of (x, y, z, yaw) of stations 2 and 3 with respect to a small move of one station.
 fn shape(station: usize, before: &[LevelTransform; 3]) -> SMatrix<f64, 8, 4> {
     let mut shape = SMatrix::<f64, 8, 4>::zeros();
     match station.checked_sub(1) {
         Some(slot) => shape.fixed_view_mut::<4, 4>(4 * slot, 0).fill_with_identity(),
         None => {
-            // The world goes the other way about station 1, and the others with it.
+            // A move of station 1 is the opposite move of everything else in its frame.
             for slot in 0..2 {
                 shape.fixed_view_mut::<4, 4>(4 * slot, 0).copy_from(&-Matrix4::identity());
                 let arm = Vector3::z().cross(&before[slot + 1].translation_m);
@@ -175,7 +178,7 @@ fn shape(station: usize, before: &[LevelTransform; 3]) -> SMatrix<f64, 8, 4> {
     shape
 }
 
-/// Where the stations stand once one of them has moved.
+/// Returns the transforms of the stations after a move of one of them.
 fn once_moved(
     station: usize,
     by: &Vector4<f64>,
@@ -194,7 +197,8 @@ fn once_moved(
     after
 }
 
-/// "Only this station moved", by least squares: the four numbers, their covariance, and the χ² that is left.
+/// Fits "only this station moved" by least squares: the four parameters, their covariance, and the remaining χ². `None` if
+/// the normal matrix is not positive definite.
 fn only(
     station: usize,
     before: &[LevelTransform; 3],
@@ -212,7 +216,7 @@ fn only(
     Some((by, covariance, left.dot(&(precision * left))))
 }
 
-/// (x, y, z, yaw) of stations 2 and 3.
+/// Difference a − b of (x, y, z, yaw) of stations 2 and 3 (m, rad).
 fn minus(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> SVector<f64, 8> {
     SVector::from_fn(|k, _| {
         let (a, b) = (&a[k / 4 + 1], &b[k / 4 + 1]);
@@ -223,7 +227,7 @@ fn minus(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> SVector<f64, 8> {
     })
 }
 
-/// How often χ² of an even number of degrees of freedom is larger than this.
+/// Probability that χ² with an even number of degrees of freedom exceeds a value.
 fn chance_of_more<const DEGREES: usize>(chi_square: f64) -> f64 {
     const { assert!(DEGREES.is_multiple_of(2)) };
     let half = 0.5 * chi_square;
@@ -245,7 +249,7 @@ mod tests {
         [LevelTransform::IDENTITY, at(5.2, -2.6, 3.1), at(-5.4, 0.4, -0.5)]
     }
 
-    /// A covariance of 2 mm and 0.05 mrad, the two stations having half of it in common.
+    /// Covariance with σ of 2 mm and 0.05 mrad, and a correlation of one half between the two stations.
     fn covariance() -> SMatrix<f64, 8, 8> {
         let sigma = |k: usize| if k % 4 == 3 { 5e-5 } else { 2e-3 };
         SMatrix::from_fn(|i, j| {
@@ -264,14 +268,14 @@ mod tests {
 
     #[test]
     fn stations_that_moved_alike_cannot_be_told_apart() {
-        // Stations 2 and 3 moved by the same, or station 1 the other way: the least that explains it is told.
+        // Stations 2 and 3 moved alike, or station 1 moved the opposite way: the simplest explanation is chosen.
         let before = stations();
         let mut after = before;
         after[1].translation_m.x += 0.05;
         after[2].translation_m.x += 0.05;
         let found = Difference::between(&before, &after, covariance()).expect("a covariance");
         assert_eq!(found.cause(), Cause::Station(0));
-        // Where nothing is known of station 3, station 1 might as well have moved as station 2.
+        // Without information on station 3, moves of stations 1 and 2 are indistinguishable.
         let mut blind = covariance();
         for k in 4..8 {
             blind[(k, k)] *= 1e6;
@@ -287,7 +291,7 @@ mod tests {
         let sizes = ErrorSizes { settling_m: 1e-3, settling_rad: 2e-4, ..ErrorSizes::default() };
         let before = stations();
         let covariance = settled(&before, &sizes);
-        // By the moves themselves, one number of one station at a time.
+        // Sum over moves by one σ of settling, one component of one station at a time.
         let mut sum = SMatrix::<f64, 8, 8>::zeros();
         for station in 0..3 {
             for part in 0..4 {
@@ -314,7 +318,7 @@ mod tests {
             prop_assert!((found.stations[station].by - by).norm() < 1e-6);
         }
 
-        /// Whether anything moved does not depend on which run came first.
+        /// The tests do not depend on the order of the runs.
         #[test]
         fn the_order_of_runs_does_not_matter(
             off in proptest::collection::vec(-1.0..1.0f64, 8),

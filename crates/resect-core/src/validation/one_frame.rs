@@ -1,7 +1,7 @@
-//! Runs beside each other in one frame: where station 1 of another run stands in the frame of this one's.
+//! Placement of another run in the frame of this run's station 1.
 //!
-//! Runs of one set-up have one frame, station 1's, and [`super::validate`] says whether they are. Stations that were set up
-//! anew are brought together by the control points that both runs read, where these lie alike.
+//! Runs of one set-up share the frame of station 1, and [`super::validate()`] tests whether they do. If stations were set up
+//! anew, the frames are aligned on control points that both runs read, provided that these points agree.
 
 use nalgebra::Vector3;
 
@@ -14,40 +14,40 @@ use crate::deployment::Deployment;
 use crate::evaluation::site::seen_m;
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 
-/// So many common control points tell a frame, and whether they are the same points.
+/// Smallest number of common control points for an alignment with a check that they are the same points.
 const FEWEST_POINTS: usize = 3;
-/// Common points that lie alike to this (m, root mean square of a coordinate) are the same points.
+/// Largest residual of common points that are the same (m, root mean square of a coordinate).
 const ALIKE_M: f64 = 0.010;
-/// Points closer to their middle than this in plan leave the heading open (m, root of the sum of squares).
+/// Smallest horizontal spread of the points about their mean that determines the heading (m, root of the sum of squares).
 const NARROWEST_M: f64 = 1.0;
 
-/// Where another run lies, and how that is known.
+/// Pose of another run's station 1 in this run's frame, and its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     pub station1_from_other: LevelTransform,
     pub by: PlacedBy,
 }
 
-/// What brings two runs together.
+/// Source of the alignment of two runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacedBy {
-    /// No station moved in between.
+    /// The set-up is the same: no station moved in between.
     SetUp,
-    /// So many control points of both, and what they leave (m, root mean square of a coordinate).
+    /// Number of common control points, and their residual (m, root mean square of a coordinate).
     ControlPoints { points: usize, rms_m: f64 },
 }
 
-/// Why a run cannot be placed beside another.
+/// Reason for which a run cannot be placed in the frame of another.
 #[derive(Clone, Debug)]
 pub enum NotPlaced {
-    /// It has no answer, or no way.
+    /// The run has no calibration, or no path.
     Itself(String),
-    /// The stations were set up anew, and the control points do not bring the runs together.
+    /// The stations were set up anew, and the control points do not align the runs.
     SetUpAnew { validation: Box<Validation>, points: String },
 }
 
 impl NotPlaced {
-    /// One sentence.
+    /// Returns the reason as one sentence.
     pub fn in_words(&self, tell: &Tell<'_>) -> String {
         match self {
             Self::Itself(why) => why.clone(),
@@ -58,7 +58,7 @@ impl NotPlaced {
     }
 }
 
-/// Places another run beside one that has an answer.
+/// Places another run in the frame of a run with a calibration.
 pub fn place(
     (deployment, answer): (&Deployment, &Answer),
     (other, analysis): (&Deployment, &Analysis),
@@ -84,7 +84,7 @@ fn by_control_points(
 ) -> Result<Placed, String> {
     let mut pairs: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
     for set in &deployment.control_points {
-        // A number means something inside its file only.
+        // Marker numbers identify points only within their file.
         let Some(same) = other.control_points.iter().find(|other| other.file == set.file) else {
             continue;
         };
@@ -95,26 +95,21 @@ fn by_control_points(
     }
     let count = pairs.len();
     if count < FEWEST_POINTS {
-        return Err(format!(
-            "they have {count} control points in common, of {FEWEST_POINTS} that it takes"
-        ));
+        return Err(format!("{count} common control points, {FEWEST_POINTS} needed"));
     }
     let (own_m, theirs_m): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
     let middle_m = own_m.iter().sum::<Vector3<f64>>() / count as f64;
     let spread_m2: f64 = own_m.iter().map(|p| (p - middle_m).xy().norm_squared()).sum();
     let found = align_level(&own_m, &theirs_m).filter(|_| spread_m2 > NARROWEST_M * NARROWEST_M);
     let Some(station1_from_other) = found else {
-        return Err("their common control points lie on top of each other".to_owned());
+        return Err("the common control points lie in one place".to_owned());
     };
     let left = own_m.iter().zip(&theirs_m);
     let square: f64 =
         left.map(|(own, other)| (station1_from_other.apply(other) - own).norm_squared()).sum();
     let rms_m = (square / (3 * count) as f64).sqrt();
     if rms_m > ALIKE_M {
-        return Err(format!(
-            "control points of the same names lie otherwise, by {:.0} mm rms",
-            1e3 * rms_m
-        ));
+        return Err(format!("the common control points differ by {:.0} mm rms", 1e3 * rms_m));
     }
     Ok(Placed { station1_from_other, by: PlacedBy::ControlPoints { points: count, rms_m } })
 }

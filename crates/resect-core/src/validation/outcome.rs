@@ -1,16 +1,16 @@
 //! The outcome of a validation, and the level of its tests.
 
-/// How often a calibration that holds is said not to, at most.
+/// Significance level: largest probability of rejecting a valid calibration.
 pub const LEVEL: f64 = 0.01;
-/// How often each of the five tests may say so by chance.
+/// Significance level of each of the five tests.
 pub const LEVEL_OF_ONE: f64 = LEVEL / 5.0;
 
-/// Whether a calibration holds for another run.
+/// Outcome of the validation of a calibration by another run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Holds,
     DoesNotHold(Cause),
-    /// The data cannot tell, for this reason.
+    /// Inconclusive, for this reason.
     CannotBeTold(String),
 }
 
@@ -19,22 +19,22 @@ impl Outcome {
         match self {
             Self::Holds => "holds",
             Self::DoesNotHold(_) => "does not hold",
-            Self::CannotBeTold(_) => "cannot be told",
+            Self::CannotBeTold(_) => "inconclusive",
         }
     }
 }
 
-/// Why a calibration does not hold.
+/// Cause for which a calibration does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// This station alone (0 to 2) moved or turned, which explains the whole difference.
+    /// Only this station (0 to 2) moved or turned; that explains the whole difference.
     Station(usize),
-    /// One of these stations (0 to 2) moved or turned, which explain it alike.
+    /// One of these stations (0 to 2) moved or turned; they explain the difference equally well.
     OneOf(Vec<usize>),
-    /// No station explains it alone.
+    /// No single station explains the difference.
     NoneAlone,
-    /// The stations stand elsewhere altogether.
+    /// The stations were set up elsewhere.
     OtherSetUp,
-    /// No test of a station rejects, but the metric is worse than σ allows.
+    /// No test of a station is significant, but the metric is significantly worse.
     Metric,
 }

@@ -16,35 +16,35 @@ use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::evaluation::known_distances_m;
 use crate::geometry::{LevelTransform, RigidTransform};
 
-/// A difference that is not known better than this (m, 1 σ) hides what matters: answers are weak from here on as well.
+/// Largest standard deviation of a conclusive difference (m); a calibration with a larger one is weak as well.
 const COARSE_SIGMA_M: f64 = 0.020;
-/// Stations further from where they were were carried, not knocked (m, rad).
+/// Displacement (m) and rotation (rad) beyond which a station was set up elsewhere, not knocked.
 const CARRIED_M: f64 = 0.3;
 const CARRIED_RAD: f64 = 0.05;
-/// Distances of a rig that differ by more than so many σ are of two rigs.
+/// Distances that differ by more than this (σ) belong to different rigs.
 const OTHER_RIG_SIGMAS: f64 = 3.0;
 
-/// What is said of a calibration and a run, and all that it rests on.
+/// Result of the validation of a calibration by a run, with its evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
     /// Names of the earlier calibration and of the run.
     pub earlier: String,
     pub deployment: String,
     pub outcome: Outcome,
-    /// What else has to be known to read it.
+    /// Limits of the validation.
     pub caveats: Vec<Finding>,
-    /// The verdict on the run's own answer; `None` where there is none.
+    /// Verdict on the run's own calibration; `None` without one.
     pub own_verdict: Option<Verdict>,
-    /// `None` where an answer or its σ is missing, or they are about different frames.
+    /// `None` if a calibration or its covariance is missing, or if they refer to different frames.
     pub difference: Option<Difference>,
-    /// `None` likewise, and where the rig's distances are not known.
+    /// `None` in the same cases, and if the rig's distances are unknown.
     pub metric: Option<MetricThere>,
 }
 
-/// The run without its control points, to be analysed for [`validate`].
+/// Returns the run without its control points, to be analysed for [`validate`].
 ///
-/// They are read before or after a drive, and a station that moves in between makes them contradict it: the question here
-/// is about the drive.
+/// Control points are read before or after a drive, so a move of a station in between makes them contradict the drive. The
+/// validation is about the drive.
 pub fn drive_alone(deployment: &Arc<Deployment>) -> Arc<Deployment> {
     if deployment.control_points.is_empty() {
         return Arc::clone(deployment);
@@ -54,7 +54,7 @@ pub fn drive_alone(deployment: &Arc<Deployment>) -> Arc<Deployment> {
     Arc::new(alone)
 }
 
-/// Whether an earlier calibration holds for a run, by that run's own analysis, which [`drive_alone`] prepares.
+/// Tests whether an earlier calibration holds for a run. `own` is the analysis of the run that [`drive_alone`] returns.
 pub fn validate(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Validation {
     let answer = own.answer.as_deref().map_err(ToString::to_string);
     let mut validation = Validation {
@@ -105,24 +105,28 @@ fn outcome(
     let cannot = |why: String| Outcome::CannotBeTold(why);
     if in_other_frames(earlier, deployment) {
         return cannot(
-            "it is about other frames: the stations' own for one run, and one that the tracks were turned into for the other"
+            "the runs have different frames: the stations' own in one, a common frame of the tracks in the other"
                 .to_owned(),
         );
     }
     let answer = match answer {
         Ok(answer) => &answer.calibration,
-        Err(why) => return cannot(format!("the run has no answer of its own: {why}")),
+        Err(why) => return cannot(format!("the run has no calibration of its own: {why}")),
     };
     if answer.verdict != Verdict::Good {
         let why = first_doubt(&answer.findings);
-        return cannot(with_doubt("the run's own answer is", answer.verdict, why.as_deref()));
+        return cannot(with_doubt("the run's own calibration is", answer.verdict, why.as_deref()));
     }
     if earlier.verdict > Verdict::Weak {
-        return cannot(with_doubt("it is itself", earlier.verdict, earlier.doubt.as_deref()));
+        return cannot(with_doubt(
+            "the earlier calibration is",
+            earlier.verdict,
+            earlier.doubt.as_deref(),
+        ));
     }
     let Some(difference) = &found.difference else {
         return cannot(
-            "one of the answers has no σ that a difference could be held against".to_owned(),
+            "one of the two calibrations has no σ to test the difference with".to_owned(),
         );
     };
     if difference.rejects() {
@@ -138,20 +142,20 @@ fn outcome(
     let sigma_m = difference.largest_sigma_m();
     if sigma_m > COARSE_SIGMA_M {
         return cannot(format!(
-            "the two answers agree, but σ of their difference is up to {:.0} mm, which hides what matters",
+            "σ of the difference is up to {:.0} mm, too large to detect a relevant move",
             sigma_m * 1e3
         ));
     }
     Outcome::Holds
 }
 
-/// "the run's own answer is weak: …".
+/// Formats a verdict with its reason: "the run's own calibration is weak: …".
 fn with_doubt(of: &str, verdict: Verdict, doubt: Option<&str>) -> String {
     let why = doubt.map_or(String::new(), |doubt| format!(": {doubt}"));
     format!("{of} {}{why}", verdict.name())
 }
 
-/// What is not tested, and matters to whoever reads the result.
+/// Returns findings on limits that the tests do not cover.
 fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Finding> {
     let mut caveats = Vec::new();
     if earlier.verdict == Verdict::Weak {
@@ -160,7 +164,7 @@ fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Fi
     }
     let own_method = own.settings.calibration.method.unwrap_or_default();
     for (which, method) in
-        [("earlier calibration", earlier.method), ("run's own answer", own_method)]
+        [("earlier calibration", earlier.method), ("run's own calibration", own_method)]
     {
         if method != Method::Joint {
             caveats.push(compared_without_joint_estimate(which, &method.to_string()));

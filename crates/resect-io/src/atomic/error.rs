@@ -1,4 +1,4 @@
-//! Why a file could not be written, and what helps.
+//! The error of writing a file, with a remedy.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -10,19 +10,19 @@ use super::part::folder_of;
 pub struct WriteError {
     pub path: PathBuf,
     pub error: std::io::Error,
-    /// What was to be done with it, in a word.
+    /// Past participle of the failed action: "written" or "created".
     what: &'static str,
 }
 
 impl WriteError {
-    /// Why a file could not be written.
+    /// Error of a file that cannot be written.
     pub fn of_file(path: &Path, error: std::io::Error) -> Self {
         Self { path: path.to_owned(), error, what: "written" }
     }
 
-    /// Why a folder could not be made.
+    /// Error of a folder that cannot be created.
     pub fn of_folder(path: &Path, error: std::io::Error) -> Self {
-        Self { path: path.to_owned(), error, what: "made" }
+        Self { path: path.to_owned(), error, what: "created" }
     }
 
     fn remedy(&self) -> String {
@@ -31,23 +31,21 @@ impl WriteError {
             _ if self.path.as_os_str().is_empty() => "the name is empty; give one",
             ErrorKind::NotFound if !folder.exists() => {
                 return format!(
-                    "there is no folder {}; make it, or name another",
+                    "folder {} does not exist; create it, or choose another",
                     folder.display()
                 );
             }
-            ErrorKind::IsADirectory => "this is a folder; name a file in it",
-            ErrorKind::NotADirectory => {
-                "a file is named as if it were a folder; name another folder"
-            }
-            ErrorKind::AlreadyExists => "a file has this name; name another folder",
+            ErrorKind::IsADirectory => "this is a folder; give a file name in it",
+            ErrorKind::NotADirectory => "the path uses a file as a folder; choose another folder",
+            ErrorKind::AlreadyExists => "a file has this name; choose another folder",
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-                "name a folder and a file that you may write to"
+                "choose a folder and a file with write permission"
             }
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-                "make room there, or name a place with more; what was there before is as it was"
+                "free space there, or choose another disk; the previous content is unchanged"
             }
-            ErrorKind::InvalidFilename => "name it shorter",
-            _ => "name a folder that is there and that you may write to",
+            ErrorKind::InvalidFilename => "choose a shorter name",
+            _ => "choose an existing folder with write permission",
         };
         remedy.to_owned()
     }

@@ -1,6 +1,6 @@
-//! Files that are either the old one or the new one, never half of it, whenever the program or the machine stops.
+//! Atomic writing: a crash of the program or the machine leaves either the old file or the new one, never half a file.
 //!
-//! Everything that the program writes goes through here: first a hidden file beside it ([`part`]), then its name.
+//! All files are written by this module: first a hidden temporary file beside the target ([`part`]), which then replaces the target.
 
 mod error;
 mod part;

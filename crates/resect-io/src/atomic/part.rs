@@ -1,14 +1,14 @@
-//! Half-written files: hidden, beside the file that they are to become, and told by their names.
+//! Temporary files: hidden, beside their target, recognisable by their names.
 //!
-//! Whoever writes one holds a lock on it, which ends with the process however that ends: a part whose lock can be had is
-//! left over. That needs no list of processes, and holds where several machines or containers share a folder.
+//! The writing process locks its temporary file; the lock ends with the process. A temporary file that can be locked is therefore
+//! abandoned. This needs no list of processes, and works if several machines or containers share a folder.
 
 use std::ffi::OsString;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A half-written file, removed when it is dropped.
+/// A temporary file, removed when dropped.
 pub(super) struct Part {
     /// Locked as long as it is open.
     file: File,
@@ -18,18 +18,18 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Begins an empty one beside the file that it is to become.
+    /// Creates an empty temporary file beside its target.
     pub(super) fn beside(target: &Path) -> std::io::Result<Self> {
         loop {
             let path = part_of(target);
             let file = match File::options().write(true).create_new(true).open(&path) {
-                // Of an earlier process that had this number, on a disk that knows no locks.
+                // Left by an earlier process with the same id, on a file system without locks.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => continue,
                 other => other?,
             };
-            // Without locks, as on some network's disks, nothing that is left over is removed either.
+            // Without locks, as on some network file systems, abandoned files are not removed either.
             _ = file.lock();
-            // Another process may have taken it for left over between opening and locking.
+            // Between opening and locking, another process may have removed it as abandoned.
             if path.exists() {
                 return Ok(Self { file, path, target: target.to_owned(), is_placed: false });
             }
@@ -40,7 +40,7 @@ impl Part {
         &self.file
     }
 
-    /// Lets it take the file's place.
+    /// Replaces the target.
     pub(super) fn place(mut self) -> std::io::Result<()> {
         std::fs::rename(&self.path, &self.target)?;
         self.is_placed = true;
@@ -57,14 +57,14 @@ impl Drop for Part {
     }
 }
 
-/// Removes what processes that are gone left of this file.
+/// Removes temporary files of a target whose processes have ended.
 pub(super) fn remove_left_of(target: &Path) {
     let Some(name) = target.file_name() else { return };
     let Ok(entries) = std::fs::read_dir(folder_of(target)) else { return };
     for entry in entries.flatten() {
         let part = entry.file_name();
         let is_of_target = target_name(part.as_encoded_bytes()) == Some(name.as_encoded_bytes());
-        // A pipe would wait to be opened.
+        // Opening a pipe would block.
         if is_of_target && entry.file_type().is_ok_and(|kind| kind.is_file()) {
             remove_if_left(&entry.path());
         }
@@ -79,7 +79,7 @@ fn remove_if_left(part: &Path) {
     }
 }
 
-/// A name of its own for each write, so that two at once do not mix.
+/// Returns a unique name, so that two simultaneous writes do not mix.
 fn part_of(path: &Path) -> PathBuf {
     static WRITES: AtomicU64 = AtomicU64::new(0);
     let mut name = OsString::from(".");
@@ -89,13 +89,13 @@ fn part_of(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The file that a half-written one, left by a program that was killed, was to become.
+/// Returns the target of an abandoned temporary file; `None` if the name is not that of a temporary file.
 pub fn target_of_part(part: &Path) -> Option<PathBuf> {
     let target = target_name(part.file_name()?.as_encoded_bytes())?;
     Some(part.with_file_name(std::str::from_utf8(target).ok()?))
 }
 
-/// The name between the dot and `.PID-N.part`.
+/// Returns the name between the dot and `.PID-N.part`.
 fn target_name(part: &[u8]) -> Option<&[u8]> {
     let inner = part.strip_prefix(b".")?.strip_suffix(b".part")?;
     let dot = inner.iter().rposition(|byte| *byte == b'.')?;
@@ -104,7 +104,7 @@ fn target_name(part: &[u8]) -> Option<&[u8]> {
     (is_number(process.as_bytes()) && is_number(number.as_bytes())).then_some(&inner[..dot])
 }
 
-/// Makes the new name outlive a power cut, where a folder can be synced; the file itself is there either way.
+/// Syncs the folder, where the system can, so that the new name survives a power cut. The content is already synced.
 fn sync_folder(folder: &Path) {
     #[cfg(unix)]
     {
@@ -116,7 +116,7 @@ fn sync_folder(folder: &Path) {
     }
 }
 
-/// The folder that a file lies in.
+/// The folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -1,4 +1,4 @@
-//! Writing of files: a hidden part first, then its place.
+//! Writing of files: a temporary file first, which then replaces the target.
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use super::error::WriteError;
 use super::part::{self, Part, folder_of};
 
-/// Writes beside the file, waits until that is on the disk, then lets it take the file's place.
+/// Writes a temporary file beside the target, syncs it to disk, then replaces the target.
 ///
-/// Behind a link, what it points to is replaced; a pipe or a device is written to as it is.
+/// The target of a symbolic link is replaced, not the link. A pipe or a device is written to directly.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     ready(path, bytes)?.place().map(drop)
 }
 
-/// Writes like [`write()`] what is too large to be held in memory.
+/// Writes like [`write()`], from a closure, for content too large for memory.
 pub fn write_with(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -21,21 +21,21 @@ pub fn write_with(
     ready_with(path, fill)?.place().map(drop)
 }
 
-/// Makes a folder and those that it lies in, where they are not there yet.
+/// Creates a folder and its missing parents.
 pub fn make_folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|error| WriteError::of_folder(path, error))
 }
 
-/// A new file that is on the disk and not yet in its place; where it is dropped before, nothing of it stays.
+/// A new file, synced to disk, that has not replaced its target yet. Dropping it removes it.
 #[must_use]
 pub struct Ready {
     path: PathBuf,
-    /// None where it was written to a device, which has no place to take.
+    /// `None` for a device or a pipe, which is already written.
     part: Option<Part>,
 }
 
 impl Ready {
-    /// Lets the new file take its place; gives its path.
+    /// Replaces the target; returns the path.
     pub fn place(self) -> Result<PathBuf, WriteError> {
         let Self { path, part } = self;
         match part.map_or(Ok(()), Part::place) {
@@ -45,12 +45,12 @@ impl Ready {
     }
 }
 
-/// Lets files that belong together take their places; gives their paths.
+/// Replaces the targets of files that belong together; returns their paths.
 pub fn place_all(all: Vec<Ready>) -> Result<Vec<PathBuf>, WriteError> {
     all.into_iter().map(Ready::place).collect()
 }
 
-/// Does all of [`write()`] but the last step: of files that belong together, none is replaced before all are on the disk.
+/// Does all of [`write()`] except the replacement. Files that belong together are replaced only when all are on disk.
 pub fn ready(path: &Path, bytes: impl AsRef<[u8]>) -> Result<Ready, WriteError> {
     ready_with(path, |file| file.write_all(bytes.as_ref()))
 }
@@ -81,11 +81,11 @@ fn fill_beside(
         return Ok(None);
     }
     let permissions = old.map(|old| old.permissions());
-    // Whoever may not write to a file may not replace it either.
+    // A read-only file must not be replaced either.
     if permissions.as_ref().is_some_and(std::fs::Permissions::readonly) {
         return Err(std::io::ErrorKind::PermissionDenied.into());
     }
-    // First, since they may be what fills the disk.
+    // Before writing, since abandoned files may be what fills the disk.
     part::remove_left_of(&target);
     let part = Part::beside(&target)?;
     let mut file = BufWriter::new(part.file());
@@ -93,17 +93,17 @@ fn fill_beside(
     file.flush()?;
     drop(file);
     if let Some(permissions) = permissions {
-        // Some file systems have none to set; that is no reason not to save.
+        // Some file systems have no permissions; that does not prevent saving.
         _ = part.file().set_permissions(permissions);
     }
     part.file().sync_all()?;
     Ok(Some(part))
 }
 
-/// What a link leads to, whether that is there yet or not.
+/// Returns the final target of symbolic links, existing or not.
 fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
     let mut target = path.to_owned();
-    // As many as systems follow.
+    // The limit that operating systems have.
     for _ in 0..40 {
         if let Ok(target) = target.canonicalize() {
             return Ok(target);
@@ -113,7 +113,7 @@ fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
             Err(_) => return Ok(target),
         }
     }
-    // They lead in a circle.
+    // The links form a cycle.
     path.canonicalize()
 }
 
@@ -135,7 +135,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("a.toml");
         write(&file, "one").expect("written");
-        // Of a run that was killed.
+        // Left by a process that was killed.
         std::fs::write(folder.path().join(".a.toml.4194999-0.part"), "tw").expect("written");
         write(&file, "two").expect("written");
         assert_eq!(std::fs::read_to_string(&file).expect("there"), "two");
@@ -221,21 +221,21 @@ mod tests {
         permissions.set_readonly(true);
         std::fs::set_permissions(&file, permissions).expect("set");
         for (path, remedy) in [
-            (folder.path().join("no/such.csv"), "no; make it, or name another"),
-            (folder.path().to_owned(), "this is a folder; name a file in it"),
-            (file.join("x.csv"), "named as if it were a folder"),
-            (file.clone(), "that you may write to"),
-            (folder.path().join("x".repeat(300)), "name it shorter"),
+            (folder.path().join("no/such.csv"), "no does not exist; create it, or choose another"),
+            (folder.path().to_owned(), "this is a folder; give a file name in it"),
+            (file.join("x.csv"), "uses a file as a folder"),
+            (file.clone(), "with write permission"),
+            (folder.path().join("x".repeat(300)), "choose a shorter name"),
             (PathBuf::new(), "the name is empty; give one"),
         ] {
             let line = write(&path, "new").expect_err("cannot be").to_string();
             assert!(line.contains(remedy) && line.contains("cannot be written: "), "{line}");
         }
         for (path, remedy) in
-            [(file.clone(), "a file has this name"), (file.join("x"), "as if it were a folder")]
+            [(file.clone(), "a file has this name"), (file.join("x"), "uses a file as a folder")]
         {
             let line = make_folder(&path).expect_err("cannot be").to_string();
-            assert!(line.contains(remedy) && line.contains("cannot be made: "), "{line}");
+            assert!(line.contains(remedy) && line.contains("cannot be created: "), "{line}");
         }
         assert_eq!(std::fs::read_to_string(&file).expect("there"), "old");
         assert_eq!(names(folder.path()), ["a.csv"]);
@@ -246,7 +246,7 @@ mod tests {
     fn a_full_device_is_an_error_with_its_remedy() {
         let error = write(Path::new("/dev/full"), "x").expect_err("full").to_string();
         assert!(
-            error.contains("/dev/full: cannot be written: ") && error.contains("make room"),
+            error.contains("/dev/full: cannot be written: ") && error.contains("free space"),
             "{error}"
         );
     }

@@ -8,7 +8,7 @@ pub struct Losses<'a> {
     pub first: &'a str,
     pub count: usize,
     pub bytes: u64,
-    /// Messages that were read all the same.
+    /// Number of messages that could be read.
     pub messages: usize,
 }
 
@@ -25,7 +25,7 @@ pub fn bag_damaged(file: &str, losses: &Losses<'_>) -> Finding {
     };
     Finding::new(
         FindingKind::BagDamaged,
-        format!("{first}{more}{lost}; what could be saved is {messages} messages"),
+        format!("{first}{more}{lost}; {messages} messages could be read"),
     )
     .about(Subject::File(file.to_owned()))
     .within(file)
@@ -42,7 +42,7 @@ pub fn bag_messages_malformed(file: &str, count: usize, first: &str) -> Finding 
         .count("messages", count)
 }
 
-/// `remark` names what the interrupted recording left.
+/// `remark` describes the state in which the interrupted recording left the file.
 pub fn bag_incomplete(file: &str, remark: &str) -> Finding {
     Finding::new(FindingKind::BagIncomplete, remark)
         .about(Subject::File(file.to_owned()))
@@ -53,7 +53,7 @@ pub fn bag_splits_unread(file: &str, others: &[&str]) -> Finding {
     Finding::new(
         FindingKind::BagSplitsUnread,
         format!(
-            "{file} is one piece of a recording; {} beside it is not read: open the folder, or name them all in tracks of \
+            "{file} is one of several bags of a recording; not read: {}. Open the folder, or list all bags in `tracks` of \
              deployment.toml",
             others.join(", ")
         ),
@@ -71,7 +71,7 @@ pub fn bag_missing(names: &[&str], missing: u64) -> Finding {
     Finding::new(
         FindingKind::BagMissing,
         format!(
-            "{} bags are read as one drive: {}; piece {missing} is missing",
+            "{} bags are read as one drive: {}; bag number {missing} is missing",
             names.len(),
             names.join(", ")
         ),
@@ -84,8 +84,8 @@ pub fn readings_without_stamp(station: usize, count: usize) -> Finding {
     Finding::new(
         FindingKind::ReadingsWithoutStamp,
         format!(
-            "station {}: {count} readings have no synchronised time (header.stamp is zero); they are taken at \
-             theodolite_time, the station's own clock, which nothing synchronises",
+            "station {}: {count} readings have no synchronised time (header.stamp is zero); theodolite_time is used, \
+             the station's own unsynchronised clock",
             station + 1
         ),
     )
@@ -97,8 +97,8 @@ pub fn readings_without_time(station: usize, count: usize) -> Finding {
     Finding::new(
         FindingKind::ReadingsWithoutTime,
         format!(
-            "station {}: {count} readings have no time of their own; they are taken at the time when the recorder got them, \
-             which is late by an unknown and changing delay",
+            "station {}: {count} readings have no stamp; their time of arrival at the recorder is used, with an \
+             unknown and varying latency",
             station + 1
         ),
     )
@@ -107,15 +107,15 @@ pub fn readings_without_time(station: usize, count: usize) -> Finding {
 }
 
 pub fn positions_not_read(topics: &str) -> Finding {
-    Finding::new(FindingKind::PositionsNotRead, format!("positions that are not read: {topics}"))
+    Finding::new(FindingKind::PositionsNotRead, format!("positions not read: {topics}"))
 }
 
 pub fn positions_in_instrument_frames(topics: &[String]) -> Finding {
     Finding::new(
         FindingKind::PositionsInInstrumentFrames,
         format!(
-            "positions of {} are taken as in the frame of each instrument, the prism constant in them; if an instrument was set \
-             up on coordinates of a site, its rates mean something else",
+            "positions of {} are read in each instrument's own frame and include the prism constant; if an instrument \
+             was set up in site coordinates, the range and angle rates are not those that it measured",
             topics.join(", ")
         ),
     )
@@ -124,7 +124,10 @@ pub fn positions_in_instrument_frames(topics: &[String]) -> Finding {
 pub fn topic_without_positions(station: usize, topic: &str, there: &str) -> Finding {
     Finding::new(
         FindingKind::TopicWithoutPositions,
-        format!("station {}: no position on its topic `{topic}`; there are {there}", station + 1),
+        format!(
+            "station {}: no position on its topic `{topic}`; topics with positions: {there}",
+            station + 1
+        ),
     )
     .about(Subject::Station(station))
 }
@@ -132,7 +135,7 @@ pub fn topic_without_positions(station: usize, topic: &str, there: &str) -> Find
 pub fn theodolite_messages_not_read(count: usize) -> Finding {
     Finding::new(
         FindingKind::TheodoliteMessagesNotRead,
-        format!("{count} theodolite messages are not read, because `topics` names others"),
+        format!("{count} theodolite messages are not read: `topics` names other topics"),
     )
     .count("messages", count)
 }

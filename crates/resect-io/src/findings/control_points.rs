@@ -2,7 +2,7 @@
 
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
-/// A reading in a file of control points. `number` is the station as the file has it.
+/// A reading in a file of control points. `number` is the station's number in the file.
 pub struct ReadingPlace<'a> {
     pub file: &'a str,
     pub line: usize,
@@ -38,7 +38,7 @@ pub fn control_point_reading_implausible(place: &ReadingPlace<'_>) -> Finding {
 pub fn control_point_repeated(place: &ReadingPlace<'_>) -> Finding {
     let ReadingPlace { marker, number, .. } = place;
     let message =
-        format!("marker {marker} of station {number} stands twice; the first reading is used");
+        format!("marker {marker} of station {number} is repeated; the first reading is used");
     place.finding(FindingKind::ControlPointRepeated, &message)
 }
 
@@ -51,7 +51,7 @@ pub fn pillar_coordinates_unknown(file: &str, marker: i64) -> Finding {
     Finding::new(
         FindingKind::PillarCoordinatesUnknown,
         format!(
-            "{file}: pillar {marker} stands in no survey of pillars, so its coordinates are not known"
+            "{file}: coordinates of pillar {marker} are unknown: no survey of pillars contains it"
         ),
     )
     .about(Subject::Point { file: file.to_owned(), marker })
@@ -60,16 +60,16 @@ pub fn pillar_coordinates_unknown(file: &str, marker: i64) -> Finding {
 pub fn pillars_without_readings() -> Finding {
     Finding::new(
         FindingKind::PillarsWithoutReadings,
-        "the survey of pillars belongs to no file of readings, and all points count as control points; name the file with \
-         the pillars' readings Two_points.txt",
+        "the survey of pillars has no file of readings, so all points are read as control points; rename the file \
+         with the pillars' readings to Two_points.txt",
     )
 }
 
-/// `file` has the coordinates, `readings` should have the readings.
+/// `file` has the coordinates; `readings` lacks the readings.
 pub fn known_point_not_measured(file: &str, readings: &str, marker: i64) -> Finding {
     Finding::new(
         FindingKind::KnownPointNotMeasured,
-        format!("{file}: marker {marker} of {readings} was not measured"),
+        format!("{file}: marker {marker} has no reading in {readings}"),
     )
     .about(Subject::Point { file: readings.to_owned(), marker })
 }

@@ -4,7 +4,7 @@ use resect_core::deployment::Finding;
 
 use super::{bags, control_points, positions, readings, rig, surveys, tracks, trajectories};
 
-/// An example of each kind of finding that this crate makes.
+/// Returns an example of each kind of finding of this crate.
 pub fn examples() -> Vec<Finding> {
     [
         bags::examples(),

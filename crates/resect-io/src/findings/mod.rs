@@ -1,4 +1,4 @@
-//! Findings of opening files: one constructor for each kind, with its message.
+//! Findings of opening files: one constructor with its message for each kind.
 
 pub mod bags;
 pub mod control_points;

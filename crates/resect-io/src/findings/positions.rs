@@ -1,33 +1,35 @@
-//! Findings about tracks that are positions, and the transforms that were applied to them.
+//! Findings about tracks given as positions, and the transforms that were applied to them.
 
-use resect_core::deployment::{Finding, FindingKind, Message, Subject, ToldAngle, ToldIn, Unit};
+use resect_core::deployment::{
+    AngleFormat, Finding, FindingKind, Message, MessageAngle, Subject, Unit,
+};
 
 pub fn tracks_in_station_frames() -> Finding {
     Finding::new(
         FindingKind::TracksInStationFrames,
-        "the tracks are positions, each in its station's own frame; prism constants are in them",
+        "the tracks are positions in each station's own frame and include the prism constants",
     )
 }
 
 pub fn tracks_in_common_frame() -> Finding {
     Finding::new(
         FindingKind::TracksInCommonFrame,
-        "the tracks were turned into one frame before they were written, and what turned them is not known: C and D give \
-         what is left to turn in that frame (compose it with what was applied for the stations' own), A and B are about \
-         the stations' own frames and are not compared with the drive; the outlier filter sees rates about the origin of \
-         that frame, which for stations 2 and 3 is not the instrument; and a rigid transform may have tilted a station by \
-         more than its compensator leaves",
+        "the tracks were transformed into one frame with unknown transforms before they were written. C and D \
+         estimate the remaining transforms in that frame; compose them with the applied ones for the stations' own. A \
+         and B refer to the stations' own frames and are not compared with the drive. The outlier filter uses rates \
+         about the origin of that frame, not about instruments 2 and 3. A rigid transform may have tilted a station \
+         beyond the accuracy of its compensator",
     )
 }
 
-/// `line` is where the set of transforms begins.
+/// `line` is the first line of the set of transforms.
 pub fn track_transform_inverted(file: &str, line: usize) -> Finding {
     Finding::new(
         FindingKind::TrackTransformInverted,
         format!(
-            "the tracks were turned into one frame with the transforms of {file} (from line {line}) before they were written; \
-             this is undone, so ranges and angles are the instruments' again. That their ranges then come in steps shows them \
-             to be the ones, to about half a millimetre"
+            "the tracks were written in one frame, and the transforms of {file} (from line {line}) are undone: ranges \
+             and angles are the instruments' again. The ranges then have the instruments' step size, which confirms \
+             the transforms to about half a millimetre"
         ),
     )
     .about(Subject::File(file.to_owned()))
@@ -37,7 +39,7 @@ pub fn transforms_unreadable(file: &str, error: &str) -> Finding {
     Finding::new(FindingKind::TransformsUnreadable, error).about(Subject::File(file.to_owned()))
 }
 
-/// `sets` of transforms were tried, the first in `first`.
+/// `sets` is the number of sets tried; `first` is the first of the `files` that contain them.
 pub fn transforms_not_confirmed(first: &str, files: usize, sets: usize) -> Finding {
     let more = match files - 1 {
         0 => String::new(),
@@ -46,8 +48,8 @@ pub fn transforms_not_confirmed(first: &str, files: usize, sets: usize) -> Findi
     Finding::new(
         FindingKind::TransformsNotConfirmed,
         format!(
-            "none of the {sets} sets of transforms in {first}{more} is shown to be the one that was applied: undone, the \
-             ranges do not come in the steps of an instrument"
+            "none of the {sets} sets of transforms in {first}{more} is confirmed as the applied one: undoing it gives \
+             ranges without an instrument's step size"
         ),
     )
     .about(Subject::File(first.to_owned()))
@@ -56,10 +58,8 @@ pub fn transforms_not_confirmed(first: &str, files: usize, sets: usize) -> Findi
 
 pub fn transform_tilts_station(file: &str, station: usize, tilt_rad: f64) -> Finding {
     let message = Message::from(format!("{file} tilts station {} by ", station + 1))
-        .angle(ToldAngle::size(tilt_rad, ToldIn::Arcseconds, 0))
-        .text(
-            ", more than a compensator leaves; whoever uses the tracks as published has that in them",
-        );
+        .angle(MessageAngle::size(tilt_rad, AngleFormat::Arcseconds, 0))
+        .text(", beyond the accuracy of a compensator; the published tracks contain this tilt");
     Finding::new(FindingKind::TransformTiltsStation, message)
         .about(Subject::Station(station))
         .quantity("tilt", tilt_rad, Unit::Radian)

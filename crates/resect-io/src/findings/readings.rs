@@ -2,7 +2,7 @@
 
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
-/// `place` is the first of the dropped records.
+/// `place` is the place of the first dropped record.
 pub fn records_dropped(station: Option<usize>, reason: &str, count: usize, place: &str) -> Finding {
     let message = match station {
         Some(station) => format!("station {}: {reason}: {count} dropped ({place})", station + 1),
@@ -27,7 +27,7 @@ pub fn stamps_out_of_order(station: usize, count: usize, files: &str) -> Finding
     .count("readings", count)
 }
 
-/// `first` is the place of the first one: " (first at …)", or empty.
+/// `first` is the place of the first one, as " (first at …)", or empty.
 pub fn stamps_repeated(station: usize, count: usize, first: &str) -> Finding {
     let message = format!("station {}: {count} duplicate stamps dropped{first}", station + 1);
     Finding::new(FindingKind::StampsRepeated, message)
@@ -46,7 +46,7 @@ pub fn station_without_readings(station: usize, files: &str) -> Finding {
     .about(Subject::Station(station))
 }
 
-/// `counts` are the impossible readings by reason.
+/// `counts` are the numbers of impossible readings by reason.
 pub fn readings_implausible(
     station: usize,
     impossible: usize,
@@ -59,8 +59,8 @@ pub fn readings_implausible(
     Finding::new(
         FindingKind::ReadingsImplausible,
         format!(
-            "station {}: {impossible} of {valid} readings that are marked as valid ({:.1} %) cannot be any ({}): the recorder \
-             writes invalid readings as valid, and the others may be no better",
+            "station {}: {impossible} of {valid} readings marked as valid ({:.1} %) are impossible ({}): the recorder \
+             marks invalid readings as valid, so the others may be wrong too",
             station + 1,
             100.0 * share,
             counts.join(", ")
@@ -78,7 +78,7 @@ pub fn stamps_whole_seconds(stations: &[usize]) -> Finding {
     Finding::new(
         FindingKind::StampsWholeSeconds,
         format!(
-            "every stamp of {list} is a whole second: too coarse for a moving prism, which goes a metre in that time"
+            "every stamp of {list} is a whole second: too coarse, because a prism moves a metre in that time"
         ),
     )
     .about(match stations {
@@ -91,21 +91,21 @@ pub fn stamps_relative(first_s: f64) -> Finding {
     Finding::new(
         FindingKind::StampsRelative,
         format!(
-            "stamps count from a start of their own (the first is {first_s:.3} s): they cannot be compared with GNSS"
+            "stamps have an arbitrary start (the first is {first_s:.3} s) and cannot be compared with GNSS"
         ),
     )
     .quantity("first_stamp", first_s, Unit::Second)
 }
 
-/// The stations (0 to 2) and the spans of their readings (s).
+/// `spans_s` are the spans of the readings of the two stations (0 to 2), in seconds.
 pub fn stations_without_common_time(stations: [usize; 2], spans_s: [[f64; 2]; 2]) -> Finding {
     let [a, b] = stations.map(|station| station + 1);
     let [[a_from, a_to], [b_from, b_to]] = spans_s.map(|span| span.map(short_number));
     Finding::new(
         FindingKind::StationsWithoutCommonTime,
         format!(
-            "stations {a} and {b} never measured at the same time: {a_from} to {a_to} s, {b_from} to {b_to} s; their clocks \
-             differ, or they are not of one drive"
+            "stations {a} and {b} never measured at the same time: {a_from} to {a_to} s, {b_from} to {b_to} s; their \
+             clocks differ, or the tracks are of different drives"
         ),
     )
     .about(Subject::Named(format!("stations {a} and {b}")))
@@ -117,7 +117,7 @@ pub fn station_list(numbers: &[usize]) -> String {
     if numbers.len() == 1 { format!("station {list}") } else { format!("stations {list}") }
 }
 
-/// A number with as many digits as a message needs.
+/// Formats a number with as many digits as a message needs.
 pub fn short_number(value: f64) -> String {
     match value.abs() {
         size if size >= 1e11 => format!("{value:.3e}"),

@@ -5,15 +5,15 @@ use resect_core::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
 pub fn rig_file_preferred() -> Finding {
     Finding::new(
         FindingKind::RigFilePreferred,
-        "the rig is the one that was named, not inter_prism_m of deployment.toml",
+        "the given rig is used, not inter_prism_m of deployment.toml",
     )
 }
 
 pub fn rig_unknown() -> Finding {
     Finding::new(
         FindingKind::RigUnknown,
-        "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the tracks, set \
-         inter_prism_m in deployment.toml, or name a file of the rig",
+        "the inter-prism distances are unknown, and method D needs them; put calibration_results.csv beside the \
+         tracks, set inter_prism_m in deployment.toml, or give a file of the rig",
     )
     .with(Remedy::GiveRig)
 }
@@ -22,9 +22,9 @@ pub fn rig_derived_from_reading(file: &str) -> Finding {
     Finding::new(
         FindingKind::RigDerivedFromReading,
         format!(
-            "the inter-prism distances are derived from {file}, one reading of each prism: no file gives them \
-             (calibration_results.csv, or inter_prism_m in deployment.toml), and what is wrong in the reading is wrong in the \
-             answer"
+            "the inter-prism distances are derived from {file}, with one reading of each prism: an error of a reading \
+             is an error of the answer. Give the distances in calibration_results.csv, or as inter_prism_m in \
+             deployment.toml"
         ),
     )
     .about(Subject::File(file.to_owned()))
@@ -35,7 +35,7 @@ pub fn rig_reading_disagrees(file: &str, largest_m: f64) -> Finding {
     Finding::new(
         FindingKind::RigReadingDisagrees,
         format!(
-            "the inter-prism distances and the reading of the rig ({file}) disagree by {:.1} mm; one of them is wrong",
+            "the inter-prism distances and the reading of the rig ({file}) differ by {:.1} mm; one of them is wrong",
             largest_m * 1e3
         ),
     )
@@ -46,7 +46,7 @@ pub fn rig_reading_disagrees(file: &str, largest_m: f64) -> Finding {
 pub fn prism_positions_of_other_rig(largest_m: f64) -> Finding {
     Finding::new(
         FindingKind::PrismPositionsOfOtherRig,
-        "prisms_m of deployment.toml is of another rig than the one that was named; it is left out",
+        "prisms_m of deployment.toml is ignored: it belongs to another rig than the given one",
     )
     .quantity("difference", largest_m, Unit::Metre)
 }
@@ -54,7 +54,7 @@ pub fn prism_positions_of_other_rig(largest_m: f64) -> Finding {
 pub fn prism_positions_disagree(largest_m: f64) -> Finding {
     Finding::new(
         FindingKind::PrismPositionsDisagree,
-        format!("prisms_m and the inter-prism distances disagree by {:.1} mm", largest_m * 1e3),
+        format!("prisms_m and the inter-prism distances differ by {:.1} mm", largest_m * 1e3),
     )
     .quantity("difference", largest_m, Unit::Metre)
 }

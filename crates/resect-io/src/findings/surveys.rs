@@ -7,32 +7,32 @@ fn about(kind: FindingKind, file: &str, message: impl AsRef<str>) -> Finding {
         .about(Subject::File(file.to_owned()))
 }
 
-/// `first` are the first of them in words.
+/// `first` describes the first of them.
 pub fn survey_readings_unusable(file: &str, count: usize, first: &str) -> Finding {
-    let message = format!("{count} readings without a usable range or angle left out ({first})");
+    let message = format!("{count} readings left out: no usable range or angle ({first})");
     about(FindingKind::SurveyReadingsUnusable, file, message).count("readings", count)
 }
 
-/// `first` are the first of them in words.
+/// `first` describes the first of them.
 pub fn survey_points_inconsistent(file: &str, count: usize, first: &str) -> Finding {
     let message = format!(
-        "{count} points left out, whose readings are not of one point ({first}); give different points different names, and \
-         each set-up a file of its own"
+        "{count} points left out: their readings are of different points ({first}); give each point its own name, and \
+         each set-up its own file"
     );
     about(FindingKind::SurveyPointsInconsistent, file, message).count("points", count)
 }
 
 pub fn survey_angles_seem_elevations(file: &str) -> Finding {
-    let message = "half of the points would be within 30° of the zenith; its vertical angles seem to count from the horizon, \
-                   but are read as zenith angles";
+    let message = "the vertical angles seem to be elevations, but are read as zenith angles: half of the points would \
+                   be within 30° of the zenith";
     about(FindingKind::SurveyAnglesSeemElevations, file, message)
 }
 
-/// `lines` names what the file has of further set-ups: "lines", "readings".
+/// `lines` names the records of further set-ups: "lines" or "readings".
 pub fn survey_other_set_ups(file: &str, count: usize, lines: &str) -> Finding {
     let message = format!(
-        "{count} {lines} of further set-ups of the instrument left out; a file is one station in one place, so give each \
-         set-up its own"
+        "{count} {lines} of further set-ups left out: a file may hold one set-up of one station; save each set-up in \
+         its own file"
     );
     about(FindingKind::SurveyOtherSetUps, file, message).count("readings", count)
 }
@@ -44,14 +44,12 @@ pub fn survey_readings_incomplete(file: &str, count: usize, missing: &str) -> Fi
 }
 
 pub fn survey_points_deleted(file: &str, count: usize) -> Finding {
-    let message = format!("{count} points that were deleted in the job left out");
+    let message = format!("{count} points left out: deleted in the job");
     about(FindingKind::SurveyPointsDeleted, file, message).count("points", count)
 }
 
 pub fn survey_prism_constant_missing(file: &str, count: usize) -> Finding {
-    let message = format!(
-        "{count} readings without a prism constant of their target; the deployment's is added"
-    );
+    let message = format!("{count} readings without a prism constant; the deployment's is added");
     about(FindingKind::SurveyPrismConstantMissing, file, message).count("readings", count)
 }
 
@@ -59,12 +57,12 @@ pub fn survey_prism_constant_missing(file: &str, count: usize) -> Finding {
 pub fn survey_prism_constant_included(file: &str, constants_m: &[f64]) -> Finding {
     let stated: Vec<String> = constants_m.iter().map(|m| format!("{:+.1}", m * 1e3)).collect();
     let stated = if stated.is_empty() {
-        "which it does not state".to_owned()
+        "not stated in the file".to_owned()
     } else {
         format!("{} mm by words 51 and 58", stated.join(", "))
     };
     let message = format!(
-        "the instrument added its prism constant ({stated}) to the slope distances; nothing is added to them again"
+        "the slope distances already include the instrument's prism constant ({stated}); nothing is added"
     );
     about(FindingKind::SurveyPrismConstantIncluded, file, message)
 }
@@ -72,14 +70,14 @@ pub fn survey_prism_constant_included(file: &str, constants_m: &[f64]) -> Findin
 /// `constants` are the different constants (mm).
 pub fn survey_prism_constants_added(file: &str, constants: &[String]) -> Finding {
     let message = format!(
-        "the prism constants of its targets ({} mm) are added to its distances, and no other",
+        "the targets' prism constants ({} mm) are added to the distances; no other constant is added",
         constants.join(", ")
     );
     about(FindingKind::SurveyPrismConstantsAdded, file, message)
 }
 
 pub fn survey_prism_constant_kept(file: &str) -> Finding {
-    let message = "prism_constant_m is not added to its ranges, which have their own";
+    let message = "prism_constant_m is not added: the ranges have their own prism constants";
     about(FindingKind::SurveyPrismConstantKept, file, message)
 }
 
@@ -88,23 +86,23 @@ pub fn survey_empty(file: &str) -> Finding {
 }
 
 pub fn survey_coordinates_left_out(file: &str) -> Finding {
-    let message = "coordinates without readings are left out; where they are surveyed ones, name it in control_points of \
-                   deployment.toml";
+    let message = "coordinates without readings are left out; if they are surveyed, add this file to control_points \
+                   in deployment.toml";
     about(FindingKind::SurveyCoordinatesLeftOut, file, message)
 }
 
 pub fn survey_station_unknown(file: &str) -> Finding {
-    let message = "left out, because it is not known which station read it; let its name end with the number of the station, \
-                   or name the files of stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]";
+    let message = "left out: its station is unknown; end the file name with the station number, or list the files of \
+                   stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]";
     about(FindingKind::SurveyStationUnknown, file, message)
 }
 
 pub fn survey_station_repeated(file: &str, other: &str) -> Finding {
-    let message = format!("left out, because {other} is of the same station as well");
+    let message = format!("left out: {other} is of the same station");
     about(FindingKind::SurveyStationRepeated, file, message)
 }
 
-/// `names` are the first names in their order; `more` follow them or not.
+/// `names` are the first names in order; `more` is true if further names follow.
 pub fn survey_points_numbered(file: &str, names: &[&str], more: bool) -> Finding {
     let more = if more { ", …" } else { "" };
     let message = format!("points are numbered in order of appearance: {}{more}", names.join(", "));

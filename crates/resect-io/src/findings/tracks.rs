@@ -6,20 +6,20 @@ pub fn file_unreadable(file: &str) -> Finding {
     Finding::new(
         FindingKind::FileUnreadable,
         format!(
-            "{file}: cannot be read and was passed over; check its permissions, if it belongs to the deployment"
+            "{file}: cannot be read and was skipped; check its permissions if it belongs to the deployment"
         ),
     )
     .about(Subject::File(file.to_owned()))
 }
 
-/// A folder's date that is not the day of its readings.
+/// A date in a folder's name that differs from the day of the readings.
 pub struct OtherDate<'a> {
     pub folder: &'a str,
-    /// The date in the name, in words.
+    /// The date in the name, formatted.
     pub date: &'a str,
     /// Days from the date to the first stamp.
     pub days: f64,
-    /// The stations (0 to 2) whose stamps are off.
+    /// Stations (0 to 2) whose stamps contradict the date.
     pub stations: &'a [usize],
 }
 
@@ -29,8 +29,8 @@ pub fn folder_date_contradicts_stamps(other: &OtherDate<'_>) -> Finding {
     Finding::new(
         FindingKind::FolderDateContradictsStamps,
         format!(
-            "the folder is named {folder}, but the stamps of station {} are {:.0} days {} {date}: either the name or the data \
-             is wrong, and rig and control points may be of another day than the tracks",
+            "the folder name {folder} contradicts the stamps: those of station {} are {:.0} days {} {date}. Either \
+             the name or the data is wrong; check that rig and control points are of the same day as the tracks",
             stations.join(", "),
             days.abs(),
             if days > 0.0 { "after" } else { "before" },
@@ -39,25 +39,25 @@ pub fn folder_date_contradicts_stamps(other: &OtherDate<'_>) -> Finding {
     .quantity("days", days, Unit::Count)
 }
 
-/// `columns` says what the columns are taken as.
+/// `columns` describes the meaning of the columns.
 pub fn table_columns(file: &str, columns: &str) -> Finding {
     Finding::new(FindingKind::TableColumns, format!("{file}: {columns}"))
         .about(Subject::File(file.to_owned()))
 }
 
-/// `clock` says which column gives the stamps, and how.
+/// `clock` describes the source of the stamps.
 pub fn table_clock(file: &str, clock: &str) -> Finding {
     Finding::new(
         FindingKind::TableClock,
         format!(
-            "{file}: {clock}; ranges contain the prism constant that was set on the instrument (by the program's source: not \
-             tried on a real recording)"
+            "{file}: {clock}; ranges contain the prism constant set on the instrument (according to the program's \
+             source; not tested with a real recording)"
         ),
     )
     .about(Subject::File(file.to_owned()))
 }
 
-/// `from` names who gives the constants.
+/// `from` names the source of the constants.
 pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool) -> Finding {
     let constants = match constants_m {
         [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
@@ -65,7 +65,8 @@ pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool)
     };
     let message = if in_tracks {
         format!(
-            "prism constant of {from}, {constants}, added to ranges of control points and rig; those of the tracks contain it"
+            "prism constant of {from}, {constants}, added to ranges of control points and rig; the tracks contain it \
+             already"
         )
     } else {
         format!("prism constant of {from}, {constants}, added to every range")
@@ -91,9 +92,8 @@ pub fn readings_masked(count: usize) -> Finding {
 }
 
 pub fn masked_readings_missing(count: usize) -> Finding {
-    let message = format!(
-        "{count} of the masked readings are not in the tracks; they were masked in other data"
-    );
+    let message =
+        format!("{count} masked readings are not in the tracks: the mask was made for other data");
     Finding::new(FindingKind::MaskedReadingsMissing, message).count("readings", count)
 }
 
@@ -101,8 +101,8 @@ pub fn gnss_antennas_missing(files: usize) -> Finding {
     Finding::new(
         FindingKind::GnssAntennasMissing,
         format!(
-            "{files} GNSS solution file(s) left out: three antennas are needed; name them in deployment.toml: gnss = [\"…\", \
-             \"…\", \"…\"]"
+            "{files} GNSS solution file(s) left out: three antennas are needed; list them in deployment.toml: gnss = \
+             [\"…\", \"…\", \"…\"]"
         ),
     )
     .count("files", files)
@@ -111,8 +111,8 @@ pub fn gnss_antennas_missing(files: usize) -> Finding {
 pub fn gnss_origins_differ() -> Finding {
     Finding::new(
         FindingKind::GnssOriginsDiffer,
-        "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; solve \
-         them with the same settings",
+        "the GNSS antennas are left out: some positions are Earth-centred, others relative to a base station; solve \
+         all with the same settings",
     )
 }
 
@@ -123,7 +123,7 @@ pub fn gnss_stamps_out_of_order(file: &str, count: usize) -> Finding {
         .count("fixes", count)
 }
 
-/// `line` is the place of the first one.
+/// `line` is the line of the first one.
 pub fn gnss_stamps_repeated(file: &str, count: usize, line: usize) -> Finding {
     let message = format!("{count} duplicate stamps dropped (first at line {line} of {file})");
     Finding::new(FindingKind::GnssStampsRepeated, message)
@@ -138,7 +138,7 @@ pub(super) fn examples() -> Vec<Finding> {
         file_unreadable("old.csv"),
         folder_date_contradicts_stamps(&other),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
-        table_clock("tracks.csv", "stamps are ref_time, when each answer arrived"),
+        table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),
         prism_constant_added(&[0.01; 3], "deployment.toml", false),
         span_selected(10.0, 70.0),
         readings_masked(3),

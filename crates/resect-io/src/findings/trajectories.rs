@@ -1,10 +1,13 @@
-//! Findings about files of trajectories.
+//! Findings about files with trajectories.
 
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
 pub fn estimate_out_of_order(file: &str) -> Finding {
-    Finding::new(FindingKind::EstimateOutOfOrder, format!("{file}: its times go back; sorted"))
-        .about(Subject::File(file.to_owned()))
+    Finding::new(
+        FindingKind::EstimateOutOfOrder,
+        format!("{file}: poses were not in time order and were sorted"),
+    )
+    .about(Subject::File(file.to_owned()))
 }
 
 pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
@@ -16,7 +19,8 @@ pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
 
 /// `without` of `all` poses have no orientation.
 pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> Finding {
-    let message = format!("{file}: {without} of {all} poses have no orientation; none is used");
+    let message =
+        format!("{file}: {without} of {all} poses have no orientation; no orientation is used");
     Finding::new(FindingKind::EstimateOrientationsMissing, message)
         .about(Subject::File(file.to_owned()))
         .count("without_orientation", without)
@@ -24,7 +28,7 @@ pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> 
 }
 
 pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
-    let message = format!("{file}: {count} quaternions have another length than one; made one");
+    let message = format!("{file}: {count} quaternions without unit length were normalised");
     Finding::new(FindingKind::EstimateQuaternionsNormalised, message)
         .about(Subject::File(file.to_owned()))
         .count("poses", count)

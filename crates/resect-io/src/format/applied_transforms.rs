@@ -1,8 +1,8 @@
-//! Transforms that brought tracks into one frame: `list_tf/*.csv` of the authors' repository.
+//! Transforms applied to tracks, to bring them into one frame: `list_tf/*.csv` of the authors' repository.
 //!
-//! Written by `save_tf` of its scripts: twelve numbers a line, the first three rows of a homogeneous 4×4 matrix
-//! `common_from_station` in row-major order (m); three lines, for stations 1, 2, 3, make one set. A file with several
-//! sets has one for each random split of the control points.
+//! Written by `save_tf` of its scripts: twelve numbers a line, the first three rows of a homogeneous 4×4 matrix `common_from_station`
+//! in row-major order (m). Three lines, for stations 1, 2, 3, form one set. A file with several sets has one for each random split
+//! of the control points.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -11,23 +11,23 @@ use resect_core::geometry::RigidTransform;
 
 /// Numbers on a line.
 pub const FIELDS: usize = 12;
-/// Furthest that a rotation matrix may be from orthogonal.
+/// Largest deviation of a rotation matrix from orthogonality.
 const ORTHOGONAL: f64 = 1e-6;
 
-/// `common_from_station` of stations 1, 2, 3, and the line where they begin.
+/// `common_from_station` of stations 1, 2, 3, and the first line of the set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AppliedTransforms {
     pub line: usize,
     pub common_from_station: [RigidTransform; 3],
 }
 
-/// Whether a line is a transform.
+/// Returns true if a line is a rigid transform.
 pub fn looks_like(line: &str) -> bool {
     let values: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
     values.is_ok_and(|values| transform(&values).is_some())
 }
 
-/// Every set of a file.
+/// Reads all sets of a file.
 pub fn read(file: &str, text: &str) -> Result<Vec<AppliedTransforms>, OpenError> {
     let remedy = "a line has the first three rows of a 4×4 matrix";
     let mut transforms = Vec::new();
@@ -62,7 +62,7 @@ fn transform(values: &[f64]) -> Option<RigidTransform> {
     })
 }
 
-/// The text that [`read`] reads.
+/// Returns a text that [`read`] reads.
 pub fn write(sets: &[[RigidTransform; 3]]) -> String {
     let line = |transform: &RigidTransform| {
         let rows = transform.matrix().fixed_rows::<3>(0).transpose();
@@ -88,7 +88,7 @@ mod tests {
         let off = read_back[1].common_from_station[1].matrix() - transform.matrix();
         assert!(off.abs().max() < 1e-12, "{off}");
         let error = read("t.csv", &write(&[set])[..40]).expect_err("cut").to_string();
-        // The first line, 24 characters, is whole.
+        // The first line, 24 characters, is complete.
         assert!(error.starts_with("t.csv:2: not a rigid"), "{error}");
         let mirrored = "1 0 0 0 0 1 0 0 0 0 -1 0\n";
         assert!(read("t.csv", mirrored).expect_err("mirrored").to_string().contains("t.csv:1"));

@@ -1,14 +1,14 @@
-//! Measurements of one station as the robotic total station network of Bonn lets them be downloaded.
+//! Measurements of one station, in the download format of Bonn's robotic total station network.
 //!
-//! `ref_time, ts_time, h_angle, v_angle, distance, num_chars, geocom_return_code, rpc_return_code`, from
-//! `rts-api/rtsapi/services/measurement_service.py` and `rts_observations.py` of Engineering-Geodesy-Bonn/rts-network: a file
-//! for each job of one station, named by identifiers that do not number the stations. Angles are radians, clockwise and
-//! from the zenith; the range is the instrument's own slope distance, which contains the constant of the prism that was set
-//! on it; a reading is valid where both return codes are 0. `ref_time` is when the answer of the instrument had arrived at
-//! the computer (Unix s). `ts_time` is the instrument's clock: since it was switched on in a raw download (s; ms in records
-//! from before that program divides it), brought to the computer's clock in a corrected one (s).
+//! Columns: `ref_time, ts_time, h_angle, v_angle, distance, num_chars, geocom_return_code, rpc_return_code`. Source:
+//! `rts-api/rtsapi/services/measurement_service.py` and `rts_observations.py` of Engineering-Geodesy-Bonn/rts-network. There is one
+//! file for each job of one station, named by identifiers that do not number the stations. Angles are radians, clockwise and from the
+//! zenith. The range is the instrument's own slope distance, including the prism constant set on it. A reading is valid if both return
+//! codes are 0. `ref_time` is the arrival of the instrument's answer at the computer (Unix s). `ts_time` is the instrument's clock.
+//! In a raw download it counts from power-on (s; ms in records older than the program's conversion). In a corrected one it is
+//! converted to the computer's clock (s).
 //!
-//! Written from that source: no real recording was at hand to try it on.
+//! Written from that source; not tested on a real recording.
 
 use crate::findings::tracks::table_clock;
 use std::io::Read;
@@ -30,10 +30,10 @@ pub const COLUMNS: [&str; 7] = [
     "rpc_return_code",
 ];
 
-/// A corrected stamp and the arrival of its answer are closer than this (s).
+/// Largest median difference between corrected stamps and arrivals of the answers (s).
 const NEAR_S: f64 = 60.0;
 
-struct Reading {
+struct BonnReading {
     line: usize,
     arrived_s: f64,
     instrument: f64,
@@ -43,7 +43,7 @@ struct Reading {
     zenith_rad: f64,
 }
 
-/// Every line, of the given station. `progress` counts its bytes.
+/// Reads all lines, as readings of the given station. `progress` counts bytes.
 pub fn read(
     file: &str,
     reader: impl Read,
@@ -58,7 +58,7 @@ pub fn read(
         let codes = [row.whole(file, 5, COLUMNS[5])?, row.whole(file, 6, COLUMNS[6])?];
         let status = codes.into_iter().find(|code| *code != 0).unwrap_or(0);
         let line = row.line;
-        readings.push(Reading {
+        readings.push(BonnReading {
             line,
             arrived_s,
             instrument,
@@ -76,7 +76,7 @@ pub fn read(
     into.findings.push(table_clock(file, &clock.said()));
     into.ranges_include_prism_constant = true;
     for reading in readings {
-        let Reading { line, status, range_m, azimuth_rad, zenith_rad, .. } = reading;
+        let BonnReading { line, status, range_m, azimuth_rad, zenith_rad, .. } = reading;
         let time_s = clock.time_s(&reading);
         let measurement = Measurement { time_s, range_m, azimuth_rad, zenith_rad };
         into.push(&RawRecord { station, status, place: line, measurement, own_clock_s: None });
@@ -84,20 +84,20 @@ pub fn read(
     Ok(())
 }
 
-/// How a reading's stamp is found.
+/// Source of the stamps.
 enum Clock {
-    /// The instrument's stamps are those of the computer already.
+    /// The instrument's stamps are already on the computer's clock.
     Corrected,
-    /// The instrument's own count, on a straight line of the computer's time.
+    /// The instrument's clock, fitted by a straight line to the computer's time.
     Line { unit: &'static str, per_second: f64, drift: f64, at: [f64; 2], scatter_s: f64 },
-    /// The reading's arrival: there is too little to put a line through.
-    Arrival,
+    /// The reading's arrival: there are too few readings for a line, or they do not fit one.
+    Arrival { too_few: bool },
 }
 
 impl Clock {
-    fn of(readings: &[Reading]) -> Self {
+    fn of(readings: &[BonnReading]) -> Self {
         let valid =
-            |r: &&Reading| r.status == 0 && r.arrived_s.is_finite() && r.instrument.is_finite();
+            |r: &&BonnReading| r.status == 0 && r.arrived_s.is_finite() && r.instrument.is_finite();
         let pairs: Vec<_> =
             readings.iter().filter(valid).map(|r| [r.instrument, r.arrived_s]).collect();
         let apart_s = median(pairs.iter().map(|[own, arrived]| (arrived - own).abs()));
@@ -110,21 +110,22 @@ impl Clock {
             pairs.iter().map(|pair| (pair[a] - mean[a]) * (pair[b] - mean[b])).sum::<f64>()
         };
         let slope = moment(0, 1) / moment(0, 0);
-        // A clock of quartz is off by parts per million; a count of milliseconds by a thousand.
+        // A quartz clock is wrong by parts per million; milliseconds differ from seconds by a factor of a thousand.
         let (unit, per_second) = if slope > 0.5 { ("seconds", 1.0) } else { ("milliseconds", 1e3) };
         let drift = slope * per_second - 1.0;
-        if pairs.len() < 10 || drift.is_nan() || drift.abs() > 0.01 {
-            return Self::Arrival;
+        let too_few = pairs.len() < 10;
+        if too_few || drift.is_nan() || drift.abs() > 0.01 {
+            return Self::Arrival { too_few };
         }
         let off = |[own, arrived]: &[f64; 2]| arrived - mean[1] - slope * (own - mean[0]);
         let scatter_s = (pairs.iter().map(|pair| off(pair).powi(2)).sum::<f64>() / count).sqrt();
         Self::Line { unit, per_second, drift, at: mean, scatter_s }
     }
 
-    fn time_s(&self, reading: &Reading) -> f64 {
+    fn time_s(&self, reading: &BonnReading) -> f64 {
         match self {
             Self::Corrected => reading.instrument,
-            Self::Arrival => reading.arrived_s,
+            Self::Arrival { .. } => reading.arrived_s,
             Self::Line { per_second, drift, at: [own, arrived_s], .. } => {
                 arrived_s + (1.0 + drift) / per_second * (reading.instrument - own)
             }
@@ -134,15 +135,19 @@ impl Clock {
     fn said(&self) -> String {
         match self {
             Self::Corrected => {
-                "stamps are ts_time, which is brought to ref_time already".to_owned()
+                "stamps are ts_time, already corrected to ref_time".to_owned()
             }
-            Self::Arrival => {
-                "stamps are ref_time, when each answer arrived: ts_time fits no line of it"
+            Self::Arrival { too_few: true } => {
+                "stamps are ref_time, the time of arrival: there are too few readings to fit ts_time to it"
+                    .to_owned()
+            }
+            Self::Arrival { too_few: false } => {
+                "stamps are ref_time, the time of arrival: ts_time is not a linear function of it"
                     .to_owned()
             }
             Self::Line { unit, drift, scatter_s, .. } => format!(
-                "a raw download: stamps are ts_time ({unit} since the instrument was switched on) on a straight line of \
-                 ref_time (drift {:.1} ppm, answers scatter by {:.1} ms), the delay of transmission still in them",
+                "a raw download: stamps are ts_time ({unit} since the instrument was switched on), fitted to ref_time \
+                 by a straight line (drift {:.1} ppm, scatter {:.1} ms); they still contain the transmission latency",
                 drift * 1e6,
                 scatter_s * 1e3
             ),
@@ -154,7 +159,7 @@ impl Clock {
 mod tests {
     use super::*;
 
-    /// A file as the program writes it: readings every 50 ms, answers late by up to 8 ms, one in ten without a reading.
+    /// A file as the program writes it: readings every 50 ms, answers delayed by up to 8 ms, one record in ten without a reading.
     fn file(instrument: impl Fn(f64) -> f64) -> String {
         let mut text = "ref_time, ts_time, h_angle, v_angle, distance, num_chars, geocom_return_code, rpc_return_code\n".to_owned();
         for k in 0..200 {
@@ -180,7 +185,7 @@ mod tests {
     fn clocks_of_every_download_give_the_same_stamps() {
         let power_on_s = 1.7e9 - 4321.0;
         let cases: [(String, &str); 3] = [
-            (file(|time_s| time_s), "brought to ref_time already"),
+            (file(|time_s| time_s), "already corrected to ref_time"),
             (file(|time_s| (time_s - power_on_s) * (1.0 + 20e-6)), "seconds since the instrument"),
             (
                 file(|time_s| (time_s - power_on_s) * (1.0 + 20e-6) * 1e3),
@@ -192,7 +197,7 @@ mod tests {
             assert!(said.contains(expected) && said.contains("status 1284"), "{said}");
             assert!(included);
             assert_eq!(readings.len(), 180);
-            // The mean delay of the answers stays in a raw download.
+            // The mean delay of the answers remains in a raw download.
             let late_s = readings[0].time_s - 1.7e9;
             assert!((-0.001..0.006).contains(&late_s), "{late_s}");
             let off_s = |k: usize| (readings[k].time_s - readings[0].time_s) - k as f64 / 9.0 * 0.5;

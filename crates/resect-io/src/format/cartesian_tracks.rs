@@ -1,30 +1,30 @@
-//! Positions of one prism over time as the authors of the paper publish them: `t x y z`, one file a station.
+//! Positions of one prism over time, as the authors of the paper publish them: `t x y z`, one file a station.
 //!
-//! `total_stations/trimble{1,2,3}.csv` of the repository norlab-ulaval/RTS_project: no header, separated by spaces,
-//! seconds and metres, the prism constant included. In its scripts a point is d·(sin a · sin ζ, cos a · sin ζ, cos ζ)
-//! with the azimuth a and the zenith angle ζ, so x is east and y north where azimuth 0 is north; that is our frame
-//! turned by 90° about z. (Scripts of 2023 write (cos a, −sin a), our own frame. The two differ by one turn of all
-//! stations alike.) Tried on the run of 2022-07-11: station 1's readings come out as its bag has them.
+//! `total_stations/trimble{1,2,3}.csv` of the repository norlab-ulaval/RTS_project: no header, separated by spaces, seconds and metres,
+//! with the prism constant. Its scripts compute a point as d·(sin a · sin ζ, cos a · sin ζ, cos ζ) with the azimuth a and the zenith
+//! angle ζ. Hence x is east and y is north if azimuth 0 is north: our frame rotated by 90° about z. (Scripts of 2023 use (cos a, −sin a),
+//! our own frame. The two differ by one rotation common to all stations.) Tested on the run of 2022-07-11: station 1's readings agree
+//! with its bag.
 
 use nalgebra::Vector3;
 
 use crate::error::OpenError;
 
-/// A position and when it was measured.
+/// A position and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
     pub line: usize,
     pub time_s: f64,
-    /// The position in the axes of the file (m); what is not finite is the caller's business.
+    /// The position in the axes of the file (m); may be non-finite, which the caller handles.
     pub position_m: Vector3<f64>,
 }
 
-/// A vector of a file in the axes of the program: theirs are x along azimuth 90° and y along azimuth 0.
+/// Converts a vector of a file into the axes of the program. In the file, x is along azimuth 90° and y along azimuth 0.
 pub fn own_from_theirs(v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.y, -v.x, v.z)
 }
 
-/// Every line; numbers that are not finite are let through.
+/// Reads all lines, including non-finite numbers.
 pub fn read(file: &str, text: &str) -> Result<Vec<Position>, OpenError> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     lines
@@ -48,16 +48,16 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Position>, OpenError> {
         .collect()
 }
 
-/// Whether stamps follow each other in even steps, as those of interpolated positions do and a station's never.
+/// Returns true if stamps are evenly spaced, as those of interpolated positions are and those of a station never.
 pub fn evenly_spaced(head: &str) -> bool {
-    /// Decimals of a double near 1.7e9 s.
+    /// Resolution of stamps: decimals of a double near 1.7e9 s.
     const SAME_STEP_S: f64 = 1e-6;
     let mut stamps: Vec<f64> = head
         .lines()
         .filter_map(|line| line.split_whitespace().next()?.parse().ok())
         .take(40)
         .collect();
-    // The last may be cut off.
+    // The last line may be cut off.
     stamps.pop();
     let step_s = |pair: &[f64]| pair[1] - pair[0];
     stamps.len() >= 10

@@ -1,7 +1,7 @@
-//! Control points as the authors' tools write them: one line for each station and marker.
+//! Control points in the format of the authors' tools: one line for each station and marker.
 //!
-//! The column called `elevation` is a zenith angle; distances lack the prism constant; the clocks of
-//! the stations are not comparable, so the stamps are not read.
+//! The column named `elevation` is a zenith angle; distances lack the prism constant. The stamps are not read, because the
+//! clocks of the stations are not comparable.
 
 use super::table;
 use crate::error::OpenError;
@@ -16,7 +16,7 @@ use resect_core::geometry::Polar;
 pub const COLUMNS: [&str; 6] =
     ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
 
-/// The points of one file, to every range the prism constant of its station added.
+/// Reads the points of one file, and adds the station's prism constant to every range.
 pub fn read(
     file: &str,
     text: &str,
@@ -59,7 +59,7 @@ pub fn read(
     Ok((ControlPointSet { file: file.to_owned(), points, pillars: false }, findings))
 }
 
-/// The text that [`read`] reads.
+/// Returns a text that [`read`] reads.
 pub fn write(set: &ControlPointSet, prism_constant_m: f64) -> String {
     let mut text = COLUMNS.join(" , ") + " , sec , nsec\n";
     for station in 0..3 {

@@ -1,4 +1,4 @@
-//! `deployment.toml`: what the user knows better than any guess.
+//! `deployment.toml`: overrides of the user, which take precedence over anything recognised.
 
 use toml_edit::{DocumentMut, Item};
 
@@ -11,7 +11,7 @@ pub fn read(file: &str, text: &str) -> Result<Overrides, OpenError> {
     Ok(overrides)
 }
 
-/// Any TOML file of the program, with the line of its first mistake.
+/// Parses any TOML file of the program; the error gives the line of the first mistake.
 pub fn parse_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> Result<T, OpenError> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
@@ -20,29 +20,29 @@ pub fn parse_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> Res
     })
 }
 
-/// The text of a `deployment.toml` that says what `text` said and, over it, what `put_right` says.
+/// Returns the text of a `deployment.toml` with the keys of `corrections` replaced or added.
 ///
-/// Comments, order and everything that `put_right` is silent about stay as they are.
-pub fn merge(file: &str, text: &str, put_right: &Overrides) -> Result<String, OpenError> {
-    // What no reader could open must not be built upon.
+/// Comments, order and all other keys are preserved.
+pub fn merge(file: &str, text: &str, corrections: &Overrides) -> Result<String, OpenError> {
+    // Invalid text must not be extended.
     read(file, text)?;
     let broken = |what: String| OpenError::file(file, what, "correct the file by hand");
     let mut merged: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| broken(error.message().to_owned()))?;
-    let own = toml::to_string(put_right).map_err(|error| broken(error.to_string()))?;
+    let own = toml::to_string(corrections).map_err(|error| broken(error.to_string()))?;
     let own: DocumentMut =
         own.parse().map_err(|error: toml_edit::TomlError| broken(error.message().to_owned()))?;
     for (key, item) in own.iter() {
         let mut item = item.clone();
         match (&mut item, merged.get(key)) {
-            // A comment behind the old value stays behind the new one.
+            // Preserves a comment after the value.
             (Item::Value(new), Some(Item::Value(old))) => *new.decor_mut() = old.decor().clone(),
-            // So do a table's place and the comment above it.
+            // Preserves the position of a table, and the comment above it.
             (Item::Table(new), Some(Item::Table(old))) => {
                 *new.decor_mut() = old.decor().clone();
                 new.set_position(old.position());
             }
-            // Where tables stand in another document means nothing in this one.
+            // Positions of tables in another document are meaningless here.
             (Item::Table(table), _) => table.set_position(None),
             (Item::ArrayOfTables(tables), _) => {
                 tables.iter_mut().for_each(|table| table.set_position(None));
@@ -52,7 +52,7 @@ pub fn merge(file: &str, text: &str, put_right: &Overrides) -> Result<String, Op
         merged[key] = item;
     }
     let text = merged.to_string();
-    // What is written is what will be read.
+    // Checks that the result can be read.
     read(file, &text)?;
     Ok(text)
 }
@@ -66,8 +66,8 @@ mod tests {
                        # as logged\n[columns]\ntime = \"t\"\n";
 
     #[test]
-    fn what_is_put_right_is_merged_and_everything_else_stays() {
-        let put_right = Overrides {
+    fn what_is_corrections_is_merged_and_everything_else_stays() {
+        let corrections = Overrides {
             stations: Some([1, 3, 2]),
             azimuth: Some(AzimuthSense::CounterClockwise),
             prism_constant_m: Some(PrismConstants::All(-0.0345)),
@@ -77,13 +77,13 @@ mod tests {
             ]),
             ..Overrides::default()
         };
-        let text = merge("deployment.toml", OLD, &put_right).expect("valid");
+        let text = merge("deployment.toml", OLD, &corrections).expect("valid");
         for kept in
             ["# the drive in the rain\nname = \"day 2\"", "# MT1000", "# as logged\n[columns]"]
         {
             assert!(text.contains(kept), "{kept} is gone from\n{text}");
         }
-        let expected = put_right.over(read("deployment.toml", OLD).expect("valid"));
+        let expected = corrections.over(read("deployment.toml", OLD).expect("valid"));
         assert_eq!(read("deployment.toml", &text).expect("own text"), expected, "{text}");
         let new = merge("deployment.toml", "", &expected).expect("valid");
         assert_eq!(read("deployment.toml", &new).expect("own text"), expected, "{new}");
@@ -91,7 +91,7 @@ mod tests {
         let other = Overrides { columns: Some(other), ..Overrides::default() };
         let replaced = merge("deployment.toml", OLD, &other).expect("valid");
         assert!(replaced.contains("# as logged\n[columns]\ntime = \"stamp\""), "{replaced}");
-        // Once more, it changes nothing.
+        // A second merge changes nothing.
         assert_eq!(merge("deployment.toml", &text, &expected).expect("valid"), text);
     }
 

@@ -1,11 +1,11 @@
-//! Telling that a file is a trajectory that another system estimated; `resect_core::estimates` reads it.
+//! Recognition of a trajectory estimated by another system; [`estimate_file`](crate::estimate_file) reads it.
 //!
-//! Only files with orientations are told: positions alone may as well be a station's track.
+//! Only files with orientations are recognised: positions alone may equally be a station's track.
 
-/// A quaternion's length, and a matrix's rows, differ from one by no more than this.
+/// Largest difference from one of a quaternion's length, and of the lengths of a matrix's rows.
 const ROUNDED: f64 = 1e-2;
 
-/// Whether the first lines of a file are TUM, EuRoC, KITTI, or a table whose header names a quaternion.
+/// Returns true if the first lines of a file are TUM, EuRoC, KITTI, or a table whose header names a quaternion.
 pub fn looks_like(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let is_comment = |line: &&str| line.starts_with(['#', '%']);
@@ -28,7 +28,7 @@ fn fields(line: &str) -> impl Iterator<Item = &str> {
     line.split([',', ';', ' ', '\t']).map(str::trim).filter(|field| !field.is_empty())
 }
 
-/// "timestamp,x,y,z,qx,qy,qz,qw", and EuRoC's `q_RS_w []`.
+/// Returns true for "timestamp,x,y,z,qx,qy,qz,qw", and for EuRoC's `q_RS_w []`.
 fn names_a_quaternion(header: &str) -> bool {
     let names: Vec<String> =
         fields(header.trim_start_matches(['#', '%'])).map(str::to_ascii_lowercase).collect();

@@ -1,17 +1,16 @@
 //! Leica GSI-8 and GSI-16: readings of points by one instrument.
 //!
-//! The format is described in the manuals of the instruments ("Data format" in the TPS1100 user manual 2.2.1) and, unit by
-//! unit, in the package geocompy (MIT). A line is a block of words of 15 or 23 characters: word index in columns 1–2, unit
-//! in column 6, a sign, 8 or 16 characters; a line of GSI-16 begins with `*`. Read are 11 (point), 21 (Hz), 22 (V),
-//! 31 (slope distance), 51 and 58 (prism constant), 81–83 (coordinates) and 84–86 (station).
+//! The format is described in the manuals of the instruments ("Data format" in the TPS1100 user manual 2.2.1) and, unit by unit, in
+//! the package geocompy (MIT). A line is a block of words of 15 or 23 characters: word index in columns 1–2, unit in column 6, a
+//! sign, 8 or 16 characters. A line of GSI-16 begins with `*`. The words read are 11 (point), 21 (Hz), 22 (V), 31 (slope distance),
+//! 51 and 58 (prism constant), 81–83 (coordinates) and 84–86 (station).
 //!
-//! The instrument stores the slope distance with its corrections, the prism constant of its setting among them
-//! (`31` beside `51`: ppm and mm that were applied), so nothing is added to it here. V is taken for a zenith
-//! angle, as it is by default. Feet are international ones. Lines that hold codes (41) are passed over.
+//! The instrument stores the corrected slope distance, which includes the prism constant of its setting (`31` beside `51`: applied
+//! ppm and mm), so nothing is added to it here. V is read as a zenith angle, the instruments' default. Feet are international feet.
+//! Code lines (41) are skipped.
 //!
-//! Written after these documents and tried on the public jobs of totalopenstation and geocompy (one of which is a single
-//! line without ends of lines), not on a calibration of three stations. There are no stamps finer than whole seconds, so
-//! a file of it is no track.
+//! Written from these documents and tested on the public jobs of totalopenstation and geocompy, one of which is a single line without
+//! line ends. Not tested on a calibration of three stations. The finest stamps are whole seconds, so such a file cannot be a track.
 
 use crate::findings::surveys::{
     survey_other_set_ups, survey_prism_constant_included, survey_readings_incomplete,
@@ -25,7 +24,7 @@ use super::survey::{Sighting, Survey};
 use crate::error::OpenError;
 use resect_core::geometry::Polar;
 
-/// Whether a line is a block of words.
+/// Returns true if a line is a block of words.
 pub fn looks_like(line: &str) -> bool {
     let line = line.trim_start().as_bytes();
     let block = line.strip_prefix(b"*").unwrap_or(line);
@@ -35,7 +34,7 @@ pub fn looks_like(line: &str) -> bool {
         && block[2..6].iter().all(|byte| byte.is_ascii_digit() || *byte == b'.')
 }
 
-/// What is said of one point.
+/// The words of one point.
 #[derive(Default)]
 struct Block<'a> {
     point: Option<&'a str>,
@@ -48,7 +47,7 @@ struct Block<'a> {
     station_m: [Option<f64>; 3],
 }
 
-/// Every reading, and coordinates that stand without one.
+/// Reads all readings, and coordinates of points without a reading.
 pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     let mut survey = Survey::default();
     let mut constants_m: Vec<f64> = Vec::new();
@@ -66,7 +65,7 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     }
     for block in &all {
         let Some(point) = block.point else { continue };
-        // A set-up writes its coordinates on a line of its own, or on every line.
+        // A set-up writes its coordinates on a separate line, or on every line.
         if block.station_m.iter().any(Option::is_some) {
             match station_m {
                 None => station_m = Some(block.station_m),
@@ -108,7 +107,7 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     Ok(survey)
 }
 
-/// Every block of a line: one as a rule, all of the job where a download lost its ends of lines.
+/// Splits a line into blocks: usually one; all of the job if a download lost its line ends.
 fn blocks(line: &str) -> Result<Vec<Block<'_>>, String> {
     let (words, length) = match line.strip_prefix('*') {
         Some(words) => (words, 23),
@@ -117,7 +116,7 @@ fn blocks(line: &str) -> Result<Vec<Block<'_>>, String> {
     let mut blocks: Vec<Block<'_>> = Vec::new();
     let mut rest = words;
     while !rest.is_empty() {
-        // Names may have characters of more than a byte.
+        // Names may contain characters of more than one byte.
         let end = rest.char_indices().map(|(at, _)| at).chain([rest.len()]).nth(length);
         let end = end.ok_or_else(|| format!("the word `{rest}` is cut short"))?;
         let word = &rest[..end];
@@ -157,13 +156,13 @@ fn blocks(line: &str) -> Result<Vec<Block<'_>>, String> {
     Ok(blocks)
 }
 
-/// A name without the zeros it is filled up with.
+/// Returns a name without its leading zeros.
 fn name(data: &str) -> &str {
     let name = data[1..].trim().trim_start_matches('0');
     if name.is_empty() { "0" } else { name }
 }
 
-/// A sign and digits.
+/// Parses a sign and digits.
 fn whole(data: &str) -> Option<f64> {
     data[1..].bytes().all(|byte| byte.is_ascii_digit()).then(|| data.parse().ok())?
 }

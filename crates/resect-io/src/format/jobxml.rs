@@ -1,14 +1,13 @@
 //! Trimble JobXML (`.jxl`): readings of points by one instrument.
 //!
-//! By the schema (JobXMLSchema 5.72; JobXML.xsd in KubaSzostak/JobXML, MIT) a `PointRecord` has a `Circle` with
-//! `HorizontalCircle`, `VerticalCircle` (degrees; a zenith angle, beyond 180° in face II) and `EDMDistance` (m), to which
-//! no correction has been applied: no prism constant, and the ppm of its `AtmosphereRecord` only where that says
-//! `ApplyPPMToRawDistances` is false. So the `PrismConstant` (m) of its `TargetRecord` is added here, and the ppm where
-//! they are due; without a `TargetRecord` the deployment's prism constant. Circles are not oriented, as they should
-//! not be. Keyed-in points have a `Grid` with North, East, Elevation (m).
+//! By the schema (JobXMLSchema 5.72; JobXML.xsd in KubaSzostak/JobXML, MIT) a `PointRecord` has a `Circle` with `HorizontalCircle`,
+//! `VerticalCircle` (degrees; a zenith angle, beyond 180° in face II) and `EDMDistance` (m). No prism constant has been applied to the
+//! distance, and the ppm of its `AtmosphereRecord` have been applied only if `ApplyPPMToRawDistances` is false. The `PrismConstant`
+//! (m) of its `TargetRecord` is therefore added here, or without a `TargetRecord` the deployment's prism constant, and the ppm if
+//! necessary. Circles are not oriented, as required here. Keyed-in points have a `Grid` with North, East, Elevation (m).
 //!
-//! Written after the schema as others quote it, and not tried on a recording of a calibration of three stations. Records are
-//! stamped with whole seconds, so a file of it is no track.
+//! Written from quotations of the schema; not tested on a calibration of three stations. Records are stamped with whole seconds, so
+//! such a file cannot be a track.
 
 use crate::findings::surveys::{
     survey_other_set_ups, survey_points_deleted, survey_prism_constant_missing,
@@ -24,7 +23,7 @@ use crate::error::OpenError;
 use resect_core::deployment::Finding;
 use resect_core::geometry::Polar;
 
-/// Returns whether a text begins like a job.
+/// Returns true if a text begins like a job.
 pub fn looks_like(head: &str) -> bool {
     head.trim_start().starts_with('<') && head.contains("<JOBFile")
 }
@@ -65,7 +64,7 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     Ok(job.survey)
 }
 
-/// A job that is being read.
+/// A job while it is read.
 struct Job<'a, 'i> {
     file: &'a str,
     /// Records by kind and ID.
@@ -96,7 +95,7 @@ impl<'a, 'i> Job<'a, 'i> {
         Ok(())
     }
 
-    /// Adds a sighting, with its prism constant and its ppm applied to the range.
+    /// Adds a sighting; its prism constant and ppm are applied to the range.
     fn read_sighting(
         &mut self,
         record: &Node<'a, 'i>,
@@ -130,7 +129,7 @@ impl<'a, 'i> Job<'a, 'i> {
         self.records.get(&(kind, id?)).copied()
     }
 
-    /// Returns the ppm that are to be applied to ranges of a station; zero where the instrument has applied them.
+    /// Returns the ppm still to be applied to ranges of a station; zero if the instrument has applied them.
     fn ppm(&self, station: Option<&'a str>) -> Result<f64, OpenError> {
         let atmosphere = self
             .record("StationRecord", station)
@@ -179,7 +178,7 @@ fn text_of<'a>(node: &Node<'a, '_>, name: &str) -> Option<&'a str> {
     child(node, name)?.text().map(str::trim).filter(|text| !text.is_empty())
 }
 
-/// Returns a number, or `None` where it is absent or empty.
+/// Returns a number; `None` if it is absent or empty.
 fn number(file: &str, node: &Node<'_, '_>, name: &str) -> Result<Option<f64>, OpenError> {
     let Some(text) = text_of(node, name) else { return Ok(None) };
     match text.parse::<f64>() {
@@ -237,7 +236,7 @@ mod tests {
         assert_eq!(survey.coordinates, [("K".to_owned(), Vector3::new(1.0, 2.0, 3.0))]);
         let said = survey.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         for expected in [
-            "1 points that were deleted",
+            "1 points left out: deleted",
             "1 readings of further",
             "1 readings without a distance",
             "1 readings without a prism constant",

@@ -1,7 +1,7 @@
-//! Any table of tracks with a header, by what the user says of its columns ([`ColumnMapping`]).
+//! Reading of any table of tracks with a header, by the user's mapping of its columns ([`ColumnMapping`]).
 //!
-//! Columns are separated by commas, semicolons, tabs or bars; where it is not a comma, numbers may have a decimal comma.
-//! An empty number is no reading, and counted as such.
+//! Columns are separated by commas, semicolons, tabs or bars; unless separated by commas, numbers may have a decimal comma. An empty
+//! number means no reading, and is counted.
 
 mod head;
 mod stamps;
@@ -28,24 +28,24 @@ use resect_core::deployment::{Measurement, RawRecord};
 use resect_core::geometry::Polar;
 use resect_core::progress::Progress;
 
-/// Named columns from which on an unknown table may hold tracks: time, and three of a position.
+/// Fewest named columns of an unknown table that may contain tracks: time, and three of a position.
 const FEWEST_COLUMNS: usize = 4;
-const REMEDY: &str = "correct the line, or what [columns] in deployment.toml says of it";
+const REMEDY: &str = "correct the line, or [columns] in deployment.toml";
 
-/// The first rows of a table, as they stand and as they are understood.
+/// The first rows of a table, as text and as records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
     pub header: Vec<String>,
-    /// The first twenty, as text.
+    /// The first twenty rows.
     pub rows: Vec<Vec<String>>,
-    /// The first rows as they are understood, or why they are not. Without a column of stations all are station 1's.
+    /// Records of the rows, or the reason why a row is not one. Without a column of stations, all are station 1's.
     pub read: Vec<Result<RawRecord, String>>,
 }
 
-/// What a mapping makes of a table that begins with `head`; its last line may be cut off and does not count.
+/// Applies a mapping to a table that begins with `head`; the last line may be cut off and is ignored.
 pub fn preview(head: &str, mapping: &ColumnMapping) -> Preview {
     let (header, rows) = first_rows(head);
-    let columns = Columns::of(&header, separator(&header), mapping);
+    let columns = MappedColumns::of(&header, separator(&header), mapping);
     let mut stamps = Stamps::default();
     let read = rows.iter().map(|(line, row)| match (&columns, row) {
         (Err(what), _) | (_, Err(what)) => Err(what.clone()),
@@ -65,12 +65,12 @@ pub fn preview(head: &str, mapping: &ColumnMapping) -> Preview {
     }
 }
 
-/// Refuses a reading whose angles cannot be in the unit that was chosen.
+/// Refuses a reading if its angles cannot be in the chosen unit.
 fn within_a_turn(record: RawRecord) -> Result<RawRecord, String> {
     let Measurement { azimuth_rad, zenith_rad, .. } = record.measurement;
     if azimuth_rad.abs() > TAU || zenith_rad.abs() > TAU {
         return Err(format!(
-            "azimuth {:.1}°, zenith angle {:.1}°: more than a turn; the angles are in another unit",
+            "the angles are in another unit: azimuth {:.1}°, zenith angle {:.1}° is more than a turn",
             azimuth_rad.to_degrees(),
             zenith_rad.to_degrees()
         ));
@@ -78,7 +78,7 @@ fn within_a_turn(record: RawRecord) -> Result<RawRecord, String> {
     Ok(record)
 }
 
-/// Reads all of a table; `progress` counts its bytes. `station` is whose file it is where no column tells.
+/// Reads a whole table; `progress` counts its bytes. `station` is the station number if no column contains it.
 pub fn read(
     file: &str,
     reader: impl Read,
@@ -90,7 +90,7 @@ pub fn read(
     into.begin_file(file, "line");
     let mut chunks = TextChunks::new(file, reader);
     let (header, mut number) = table::read_header(file, &mut chunks, progress)?;
-    let columns = Columns::of(&header, separator(&header), mapping).map_err(|what| {
+    let columns = MappedColumns::of(&header, separator(&header), mapping).map_err(|what| {
         OpenError::line(file, number, what, "correct [columns] in deployment.toml")
     })?;
     let mut stamps = Stamps::default();
@@ -113,14 +113,14 @@ pub fn read(
     if !found {
         return Err(polar_csv::no_measurement(file));
     }
-    if matches!(columns.position, Position::Cartesian(_)) {
+    if matches!(columns.position, PositionColumns::Cartesian(_)) {
         into.ranges_include_prism_constant = true;
     }
     into.findings.push(table_columns(file, &columns.said()));
     Ok(())
 }
 
-/// Whether a text begins as a table that may hold tracks: a header of names, and numbers below.
+/// Returns true if a text begins like a table of tracks: a header of names, and numbers below.
 pub fn looks_like(head: &str) -> bool {
     let (header, rows) = first_rows(head);
     let Ok(names) = table::fields(&header, separator(&header)) else { return false };
@@ -138,29 +138,29 @@ pub fn looks_like(head: &str) -> bool {
         && first.iter().filter(|field| is_numeric(field)).count() >= 3
 }
 
-/// Whether a header names every column of a mapping.
+/// Returns true if a header has all columns of a mapping.
 pub fn fits(header: &str, mapping: &ColumnMapping) -> bool {
-    Columns::of(header, separator(header), mapping).is_ok()
+    MappedColumns::of(header, separator(header), mapping).is_ok()
 }
 
-/// A mapping, found in a header.
-struct Columns<'m> {
+/// A mapping with the indices of its columns.
+struct MappedColumns<'m> {
     mapping: &'m ColumnMapping,
     separator: char,
     count: usize,
     time: usize,
     station: Option<usize>,
     status: Option<usize>,
-    position: Position,
+    position: PositionColumns,
 }
 
-enum Position {
+enum PositionColumns {
     /// Range, azimuth, vertical angle.
     Polar([usize; 3]),
     Cartesian([usize; 3]),
 }
 
-impl<'m> Columns<'m> {
+impl<'m> MappedColumns<'m> {
     fn of(header: &str, separator: char, mapping: &'m ColumnMapping) -> Result<Self, String> {
         let names = table::fields(header, separator)?;
         let find = |column: &str| {
@@ -172,19 +172,22 @@ impl<'m> Columns<'m> {
         };
         let maybe = |column: &Option<String>| column.as_deref().map(find).transpose();
         if mapping.time.trim().is_empty() {
-            return Err("no column of time is named".to_owned());
+            return Err("no time column is given".to_owned());
         }
         let ColumnMapping { range, azimuth, vertical, x, y, z, .. } = mapping;
         let polar = [maybe(range)?, maybe(azimuth)?, maybe(vertical)?];
         let cartesian = [maybe(x)?, maybe(y)?, maybe(z)?];
         let position = match (polar, cartesian) {
             ([Some(range), Some(azimuth), Some(vertical)], [None, None, None]) => {
-                Position::Polar([range, azimuth, vertical])
+                PositionColumns::Polar([range, azimuth, vertical])
             }
-            ([None, None, None], [Some(x), Some(y), Some(z)]) => Position::Cartesian([x, y, z]),
+            ([None, None, None], [Some(x), Some(y), Some(z)]) => {
+                PositionColumns::Cartesian([x, y, z])
+            }
             _ => {
                 return Err(
-                    "either range, azimuth and vertical are to be named, or x, y and z".to_owned()
+                    "give the columns of range, azimuth and vertical, or those of x, y and z"
+                        .to_owned(),
                 );
             }
         };
@@ -199,7 +202,7 @@ impl<'m> Columns<'m> {
         })
     }
 
-    /// The record that a row is, or what is wrong with it.
+    /// Returns the record of a row, or the reason why the row is not a record.
     fn understand(
         &self,
         fields: &[Cow<'_, str>],
@@ -215,9 +218,9 @@ impl<'m> Columns<'m> {
         let station = match self.station {
             Some(column) => station_number(&fields[column]).ok_or_else(|| {
                 let name = name(&mapping.station);
-                format!("`{}` in column `{name}` is no station's number", shown(&fields[column]))
+                format!("`{}` in column `{name}` is not a station number", shown(&fields[column]))
             })?,
-            None => station.ok_or("no column of stations is named")?,
+            None => station.ok_or("no station column is given")?,
         };
         let decimal_comma = self.separator != ',';
         let status = match self.status {
@@ -236,10 +239,10 @@ impl<'m> Columns<'m> {
             in_column(column, name(own), value)
         };
         let polar = match self.position {
-            Position::Cartesian([x, y, z]) => Polar::from_cartesian(
+            PositionColumns::Cartesian([x, y, z]) => Polar::from_cartesian(
                 [length(x, &mapping.x)?, length(y, &mapping.y)?, length(z, &mapping.z)?].into(),
             ),
-            Position::Polar([range, azimuth, vertical]) => {
+            PositionColumns::Polar([range, azimuth, vertical]) => {
                 let vertical_rad = angle(vertical, &mapping.vertical)?;
                 Polar {
                     range_m: length(range, &mapping.range)?,
@@ -253,7 +256,7 @@ impl<'m> Columns<'m> {
         };
         Ok(RawRecord {
             station,
-            // What is no whole number is not 0 either.
+            // A fraction that truncates to 0 is not a valid status.
             status: if status == 0.0 { 0 } else { (status as i64).max(1) },
             place: line,
             measurement: Measurement {
@@ -266,22 +269,22 @@ impl<'m> Columns<'m> {
         })
     }
 
-    /// What the columns were taken for.
+    /// Describes the meaning of the columns.
     fn said(&self) -> String {
         let ColumnMapping { time, range, azimuth, vertical, x, y, z, .. } = self.mapping;
         let position: Vec<_> = match self.position {
-            Position::Polar(_) => [range, azimuth, vertical].into_iter().flatten().collect(),
-            Position::Cartesian(_) => [x, y, z].into_iter().flatten().collect(),
+            PositionColumns::Polar(_) => [range, azimuth, vertical].into_iter().flatten().collect(),
+            PositionColumns::Cartesian(_) => [x, y, z].into_iter().flatten().collect(),
         };
         let position: Vec<_> = position.into_iter().map(|name| shown(name)).collect();
         let how = match self.position {
-            Position::Polar(_) => format!(
+            PositionColumns::Polar(_) => format!(
                 "range ({}), azimuth and {} angle ({})",
                 self.mapping.length_unit.words(),
                 self.mapping.vertical_angle.words(),
                 self.mapping.angle_unit.words()
             ),
-            Position::Cartesian(_) => format!(
+            PositionColumns::Cartesian(_) => format!(
                 "coordinates in the station's own frame ({}), which contain the prism constant",
                 self.mapping.length_unit.words()
             ),

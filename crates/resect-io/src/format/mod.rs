@@ -1,7 +1,7 @@
-//! The file formats: one file each, and [`recognise`], the one place that tells them apart.
+//! The file formats: one file for each, and [`recognise`], which distinguishes them.
 //!
-//! Readers take text (or, for bags, a path) and give data plus findings; which file plays which part in
-//! a deployment is decided in [`mod@crate::open`].
+//! Readers take text (or, for bags, a path) and return data with findings. The role of each file in a deployment is decided in
+//! [`mod@crate::open`].
 
 pub mod applied_transforms;
 pub mod bag;

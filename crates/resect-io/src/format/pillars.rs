@@ -8,7 +8,7 @@ use resect_core::deployment::ControlPointSet;
 
 pub const COLUMNS: [&str; 3] = ["marker_number", "distance_m", "height_m"];
 
-/// Marker and coordinates (m) of each pillar: x along the line from the first, z up.
+/// Reads marker and coordinates (m) of each pillar: x along the line from the first pillar, z up.
 pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenError> {
     let mut seen = Vec::new();
     table::read_columns(file, text, &COLUMNS)?
@@ -16,7 +16,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenErro
         .map(|row| {
             let marker = row.whole(file, 0, COLUMNS[0])?;
             if seen.contains(&marker) {
-                let what = format!("pillar {marker} stands twice");
+                let what = format!("pillar {marker} is listed twice");
                 return Err(OpenError::line(file, row.line, what, "keep one of the lines"));
             }
             seen.push(marker);
@@ -35,7 +35,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenErro
         .collect()
 }
 
-/// The text that [`read`] reads, of the points whose coordinates are known.
+/// Returns a text that [`read`] reads, with the points whose coordinates are known.
 pub fn write(set: &ControlPointSet) -> String {
     let mut text = COLUMNS.join(",") + "\n";
     for (marker, known_m) in set.points.iter().filter_map(|p| Some((p.marker, p.known_m?))) {

@@ -13,7 +13,7 @@ use resect_core::progress::Progress;
 
 pub const COLUMNS: [&str; 5] = ["timestamp", "id", "distance", "ha", "va"];
 
-/// Every line, unchecked but for being numbers. `progress` counts its bytes.
+/// Reads all lines; only numbers are checked. `progress` counts bytes.
 pub fn read(
     file: &str,
     reader: impl Read,
@@ -37,7 +37,7 @@ pub fn read(
     if found { Ok(()) } else { Err(no_measurement(file)) }
 }
 
-/// A mapping that names no column of time or position, with the names of this format: it says no more than the units.
+/// Adds the column names of this format to a mapping that has only units; returns any other mapping unchanged.
 pub fn with_own_names(units: &ColumnMapping) -> ColumnMapping {
     let ColumnMapping { time, range, azimuth, vertical, x, y, z, .. } = units;
     if !time.is_empty() || [range, azimuth, vertical, x, y, z].iter().any(|name| name.is_some()) {
@@ -54,13 +54,13 @@ pub fn with_own_names(units: &ColumnMapping) -> ColumnMapping {
     }
 }
 
-/// The error of a table that ends with its header.
+/// The error of a table that has only a header.
 pub(super) fn no_measurement(file: &str) -> OpenError {
     let what = "has a header but no measurement";
     OpenError::file(file, what, "record the deployment again")
 }
 
-/// The text that [`read`] reads.
+/// Returns a text that [`read`] reads.
 pub fn write(records: &[RawRecord]) -> String {
     let mut text = COLUMNS.join(",") + "\n";
     for RawRecord { station, measurement: m, .. } in records {

@@ -1,4 +1,4 @@
-//! Telling formats apart, by content.
+//! Recognition of formats by content.
 
 use super::format::{Format, SESSION_KEY};
 use super::text_chunks::BYTE_ORDER_MARK;
@@ -7,12 +7,13 @@ use super::{
     mapped_csv, pillars, polar_csv, rig_files, rtklib_pos, surveyed_points, table,
 };
 
-/// Recognises a file from its name's last part (only for TOML, which says what it is by name) and its first
-/// bytes; a few hundred are enough.
+/// Recognises a file by its first bytes; a few hundred suffice. Only TOML files are recognised by `file_name`, without folder.
 pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     match file_name {
         "deployment.toml" => return Format::DeploymentToml,
-        "truth.toml" => return Format::Ignored("truth of a simulation: never read to calibrate"),
+        "truth.toml" => {
+            return Format::Ignored("ground truth of a simulation: not used for calibration");
+        }
         _ => {}
     }
     if let Some(format) = bag::recognise(head) {
@@ -28,7 +29,7 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         return Format::Ignored("empty");
     };
     if first.starts_with(SESSION_KEY) {
-        return Format::Ignored("a session: `resect FILE` opens it");
+        return Format::Ignored("a session: open it with `resect FILE`");
     }
     if jobxml::looks_like(text) {
         Format::JobXml
@@ -53,7 +54,7 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
             (Some(15), _) => Format::RigReading,
             (Some(3 | 6), None) => Format::RigDistances,
             (Some(4), _) if cartesian_tracks::evenly_spaced(text) => {
-                Format::Ignored("positions at even steps of time: interpolated, not measured")
+                Format::Ignored("positions at equal time steps: interpolated, not measured")
             }
             (Some(4), _) => Format::CartesianTrack,
             _ if is_applied_transforms(first) => Format::AppliedTransforms,
@@ -63,12 +64,12 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     }
 }
 
-/// Whether a line is what Cartesian tracks were turned with, which are rows of matrices as KITTI's poses are.
+/// Returns true if a line is a transform applied to Cartesian tracks, which has as many numbers as a pose of KITTI.
 fn is_applied_transforms(line: &str) -> bool {
     numeric_fields(line) == Some(applied_transforms::FIELDS) && applied_transforms::looks_like(line)
 }
 
-/// Number of white-space separated fields, if all are numbers.
+/// Returns the number of white-space separated fields, if all are numbers.
 fn numeric_fields(line: &str) -> Option<usize> {
     let fields: Vec<_> = line.split_whitespace().collect();
     fields.iter().all(|field| field.parse::<f64>().is_ok()).then_some(fields.len())

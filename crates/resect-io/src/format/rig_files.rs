@@ -1,4 +1,4 @@
-//! The two files that describe the prisms on the vehicle.
+//! The files that describe the prisms on the vehicle.
 
 use nalgebra::Vector3;
 
@@ -8,7 +8,7 @@ use resect_core::geometry::Polar;
 /// Plausible distances between prisms (m): from a millimetre to the size of a ship.
 pub const PLAUSIBLE_DISTANCE_M: std::ops::RangeInclusive<f64> = 1e-3..=100.0;
 
-/// `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).
+/// Reads `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).
 pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 3]>), OpenError> {
     let values = numbers(file, 1, text)?;
     if let Some(bad) = values.iter().find(|v| !PLAUSIBLE_DISTANCE_M.contains(*v)) {
@@ -31,16 +31,16 @@ pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 
     }
 }
 
-/// The text that [`read_distances`] reads.
+/// Returns a text that [`read_distances`] reads.
 pub fn write_distances(inter_prism_m: &[f64; 3], inter_antenna_m: Option<&[f64; 3]>) -> String {
     let all = inter_prism_m.iter().chain(inter_antenna_m.into_iter().flatten());
     all.map(|distance| format!("{distance:.6}")).collect::<Vec<_>>().join(" ") + "\n"
 }
 
-/// `calibration_raw.csv`: one static station's reading of prisms 1, 2, 3 (then antennas and lidar).
+/// Reads `calibration_raw.csv`: one static station's readings of prisms 1, 2, 3 (then antennas and lidar).
 ///
-/// Columns 0–2 horizontal angle in degrees, minutes, seconds, 6–8 zenith angle, 12 distance (m). The prism
-/// constants belong to the first three rows only. Gives the prisms' positions in that station's frame (m).
+/// Columns 0–2 are the horizontal angle in degrees, minutes, seconds, 6–8 the zenith angle, 12 the distance (m). The prism constants
+/// apply to the first three rows only. Returns the prisms' positions in that station's frame (m).
 pub fn read_rig_reading(
     file: &str,
     text: &str,
@@ -85,17 +85,17 @@ pub fn read_rig_reading(
     })
 }
 
-/// Whether a line of 13 numbers is a position with its covariance: the fourth is 1.
+/// Returns true if a line of 13 numbers is a position with its covariance: the fourth is 1.
 pub fn is_sensor_position(line: &str) -> bool {
     line.split_whitespace().nth(3).and_then(|field| field.parse().ok()) == Some(1.0)
 }
 
-/// `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, 3, then
-/// GNSS antennas and lidar. Gives the three prisms (m).
+/// Reads `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, 3, then GNSS
+/// antennas and lidar. Returns the three prisms (m).
 ///
-/// Computed by its scripts from `calibration_raw.csv`, so in the frame of the static station that read the rig (z up), for
-/// all its name. Whether the prism constant is in it is not said: on the run of 2022-07-11 it is not (their ranges are
-/// those of the reading to the micrometre), which changes the distances between the prisms by a millimetre.
+/// The authors' scripts compute it from `calibration_raw.csv`, so its frame is that of the static station that measured the rig (z
+/// up), despite its name. The format does not state if the prism constant is included. On the run of 2022-07-11 it is not: the ranges
+/// are those of the reading to the micrometre. This changes the distances between the prisms by a millimetre.
 pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3], OpenError> {
     let mut prisms = Vec::new();
     for (index, line) in
@@ -106,7 +106,8 @@ pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3]
         match position_m.filter(|p| p.iter().all(|value| value.is_finite())) {
             Some(position_m) => prisms.push(position_m),
             None => {
-                let remedy = "columns are x y z in metres, 1, and nine of a covariance";
+                let remedy =
+                    "columns are x y z in metres, 1, and the nine elements of a covariance";
                 return Err(OpenError::line(file, index + 1, "not a position", remedy));
             }
         }
@@ -117,8 +118,8 @@ pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3]
     })
 }
 
-/// The text that [`read_rig_reading`] reads, angles to the second and distances to the millimetre, as a
-/// station shows them.
+/// Returns a text that [`read_rig_reading`] reads, with angles to the second and distances to the millimetre, as a station
+/// displays them.
 pub fn write_rig_reading(prisms: &[Polar; 3], prism_constant_m: f64) -> String {
     let mut text = String::new();
     for prism in prisms {

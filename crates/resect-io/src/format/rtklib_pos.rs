@@ -1,12 +1,12 @@
-//! GNSS solutions as RTKLIB and Emlid write them (`.pos`): one fix a line, below `%` lines that describe them.
+//! GNSS solutions in the format of RTKLIB and Emlid (`.pos`): one fix a line, below `%` lines that describe them.
 //!
-//! "Positioning solution file" in appendix B.1 of the RTKLIB manual 2.4.2, and where it is silent `outsolheads` and
-//! `outsols` of RTKLIB's `solution.c`: the `%` line with the columns begins with the time scale, then come three
-//! coordinates and the quality. The user chooses the scale, the coordinates and the separator; a stamp is a date
-//! and a time of day or a week and its seconds, both in the scale that the header names.
+//! Sources: "Positioning solution file" in appendix B.1 of the RTKLIB manual 2.4.2, and for details `outsolheads` and `outsols` of
+//! RTKLIB's `solution.c`. The `%` line with the columns begins with the time scale; three coordinates and the quality follow. The
+//! user chooses the time scale, the coordinates and the separator. A stamp is a date and a time of day, or a week and its seconds,
+//! both in the time scale of the header.
 //!
-//! Heights may be above the ellipsoid or the sea. They are taken for the former: between antennas of one vehicle
-//! the difference is a few parts in a million of their distance.
+//! Heights may be above the ellipsoid or the sea; they are read as ellipsoidal. Between antennas of one vehicle the difference is a few
+//! parts in a million of their distance.
 
 use crate::findings::tracks::{gnss_stamps_out_of_order, gnss_stamps_repeated};
 use jiff::civil::{Date, date};
@@ -17,7 +17,7 @@ use crate::error::OpenError;
 use resect_core::deployment::{Finding, GnssFix};
 use resect_core::geometry::Geodetic;
 
-/// The largest quality that RTKLIB knows (`MAXSOLQ`).
+/// Largest quality of RTKLIB (`MAXSOLQ`).
 const LARGEST_QUALITY: f64 = 7.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,18 +31,18 @@ enum TimeScale {
 enum Coordinates {
     /// Latitude, longitude (degrees), height (m).
     Degrees,
-    /// Latitude, longitude (degrees, minutes and seconds as fields of their own), height (m).
+    /// Latitude, longitude (degrees, minutes and seconds in separate fields), height (m).
     DegreesMinutesSeconds,
-    /// Metres: ECEF, or east, north, up of the base.
+    /// ECEF, or east, north, up from the base (m).
     Cartesian,
 }
 
-/// What the line that names the columns says.
+/// Content of the line that names the columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layout {
     time_scale: TimeScale,
     coordinates: Coordinates,
-    /// Fields of every line.
+    /// Number of fields in each line.
     fields: usize,
 }
 
@@ -64,7 +64,7 @@ impl Layout {
             | ["e-baseline(m)", "n-baseline(m)", "u-baseline(m)", "Q"] => Coordinates::Cartesian,
             _ => return None,
         };
-        // A stamp is one column of two fields, and an angle in degrees, minutes and seconds one of three.
+        // A stamp is one column of two fields; an angle in degrees, minutes and seconds is one column of three.
         let fields = names.len() + 1 + coordinates.fields() - 3;
         Some(Self { time_scale, coordinates, fields })
     }
@@ -75,7 +75,7 @@ impl Coordinates {
         if self == Self::DegreesMinutesSeconds { 7 } else { 3 }
     }
 
-    /// The position (m) of as many numbers as there are fields.
+    /// Returns the position (m); `None` for coordinates that are not on earth. `numbers` has as many values as there are fields.
     fn position_m(self, numbers: &[f64]) -> Option<Vector3<f64>> {
         let (latitude_deg, longitude_deg, height_m) = match (self, numbers) {
             (Self::Cartesian, [x, y, z]) => return Some(Vector3::new(*x, *y, *z)),
@@ -94,19 +94,19 @@ impl Coordinates {
     }
 }
 
-/// The sign stands before the degrees, also where they are "-0".
+/// Converts to degrees. The sign of the degrees applies to the whole angle, also for "-0".
 fn degrees(degrees: f64, minutes: f64, seconds: f64) -> f64 {
     (degrees.abs() + minutes / 60.0 + seconds / 3600.0).copysign(degrees)
 }
 
-/// Fields of a line, whichever separator the user chose; spaces pad the columns with all of them.
+/// Splits a line at any separator that the user can choose; spaces pad the columns with all of them.
 fn split(line: &str) -> impl Iterator<Item = &str> {
     line.split([' ', '\t', ',', ';']).filter(|field| !field.is_empty())
 }
 
-/// Whether this is the beginning of a solution file, which may end before the line that names the columns.
+/// Returns true for the beginning of a solution file, even if it ends before the line that names the columns.
 pub fn looks_like(head: &str) -> bool {
-    // What RTKPOST writes first of all: the program, or nothing before the legend where the user wants it short.
+    // First words of RTKPOST's header: the program or, with the short header, the legend.
     let starts =
         ["program   :", "inp file  :", "(lat/lon/height=", "(x/y/z-ecef=", "(e/n/u-baseline="];
     head.lines()
@@ -117,14 +117,14 @@ pub fn looks_like(head: &str) -> bool {
         })
 }
 
-/// The fixes in strictly increasing order of time.
+/// Reads the fixes in strictly increasing order of time.
 pub fn read(file: &str, text: &str) -> Result<(Vec<GnssFix>, Vec<Finding>), OpenError> {
     let mut layout = None;
     let mut fixes = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let (number, line) = (index + 1, line.trim());
         if line.starts_with('%') {
-            // A receiver that starts anew repeats the header, perhaps with other settings.
+            // A receiver that restarts repeats the header, possibly with other settings.
             layout = Layout::of(line).or(layout);
         } else if !line.is_empty() {
             let Some(layout) = layout else {
@@ -182,7 +182,7 @@ fn read_fix(file: &str, number: usize, line: &str, layout: Layout) -> Result<Gns
     Ok(GnssFix { time_s: layout.time_scale.unix_s(clock_s), position_m, quality: *quality as u8 })
 }
 
-/// Sorts by time and keeps the first of equal stamps, and says so.
+/// Sorts by time, keeps the first of equal stamps, and returns findings about both.
 fn put_in_order(file: &str, fixes: &mut Vec<(usize, GnssFix)>) -> Vec<Finding> {
     let mut findings = Vec::new();
     let late = fixes.windows(2).filter(|w| w[1].1.time_s < w[0].1.time_s).count();
@@ -205,10 +205,10 @@ fn put_in_order(file: &str, fixes: &mut Vec<(usize, GnssFix)>) -> Vec<Finding> {
     findings
 }
 
-/// The text that [`read`] reads, of fixes in ECEF: latitude, longitude and height at the times of GPS.
+/// Returns a text that [`read`] reads, from fixes in ECEF: latitude, longitude and height at GPS time.
 ///
-/// Positions to 0.1 mm, as RTKLIB writes them; the columns after the quality, which its own reader does not
-/// need, are left out.
+/// Positions have 0.1 mm, as RTKLIB writes them; the columns after the quality are left out, since RTKLIB's reader does not need
+/// them.
 pub fn write(fixes: &[GnssFix]) -> String {
     let mut text = String::from(
         "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp)\n\
@@ -233,7 +233,7 @@ const WEEK_S: f64 = 7.0 * 86_400.0;
 /// The first day of week 0 of GPS.
 const GPS_WEEK_0: Date = date(1980, 1, 6);
 
-/// Year and month whose first second follows a leap second, since GPS time and UTC agreed (IERS Bulletin C).
+/// Year and month that begin directly after a leap second, since GPS time and UTC agreed (IERS Bulletin C).
 const LEAPS: [(i16, i8); 18] = [
     (1981, 7),
     (1982, 7),
@@ -256,7 +256,7 @@ const LEAPS: [(i16, i8); 18] = [
 ];
 
 impl TimeScale {
-    /// Unix time of a clock of this scale, read as if it were UTC's.
+    /// Converts seconds from 1970 on a clock of this scale to Unix time.
     fn unix_s(self, clock_s: f64) -> f64 {
         match self {
             Self::Gpst => unix_from_gpst_s(clock_s),
@@ -266,7 +266,7 @@ impl TimeScale {
     }
 }
 
-/// Unix times of the leap seconds, each with their number from then on.
+/// Unix times of the leap seconds, each with the total number from then on.
 fn leaps() -> impl Iterator<Item = (f64, f64)> {
     LEAPS
         .iter()
@@ -282,7 +282,7 @@ fn gpst_from_unix_s(unix_s: f64) -> f64 {
     unix_s + leaps().take_while(|(since_s, _)| *since_s <= unix_s).count() as f64
 }
 
-/// Seconds from 1970-01-01 to what a clock shows: date and time of day, or week and its seconds.
+/// Returns the seconds from 1970-01-01 to a clock reading: date and time of day, or week and its seconds.
 fn clock_s(first: &str, second: &str) -> Option<f64> {
     if !first.contains('/') {
         let week: u16 = first.parse().ok()?;
@@ -308,9 +308,9 @@ fn clock_s(first: &str, second: &str) -> Option<f64> {
     right.then_some(unix_of_day_s(day) + of_day_s)
 }
 
-/// `yyyy/mm/dd hh:mm:ss.sss` of seconds since 1970-01-01.
+/// Formats seconds since 1970-01-01 as `yyyy/mm/dd hh:mm:ss.sss`.
 fn calendar(clock_s: f64) -> String {
-    // Whole milliseconds first: cutting off the rest would write the one before.
+    // Rounds to milliseconds first, because formatting truncates.
     let clock_ms = (clock_s * 1e3).round() as i64;
     let [first, last] = [jiff::Timestamp::MIN, jiff::Timestamp::MAX];
     let stamp = jiff::Timestamp::from_millisecond(clock_ms);
@@ -318,7 +318,7 @@ fn calendar(clock_s: f64) -> String {
     Offset::UTC.to_datetime(stamp).strftime("%Y/%m/%d %H:%M:%S%.3f").to_string()
 }
 
-/// Seconds from 1970-01-01 to a date, were every day as long.
+/// Returns the seconds from 1970-01-01 to a date, with days of equal length.
 fn unix_of_day_s(day: Date) -> f64 {
     day.duration_since(date(1970, 1, 1)).as_secs_f64()
 }

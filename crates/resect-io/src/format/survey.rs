@@ -1,4 +1,4 @@
-//! Readings of named points by one instrument: what the surveyors' formats have in common.
+//! Readings of named points by one instrument: the common content of the surveyors' formats.
 
 use crate::findings::surveys::{
     survey_angles_seem_elevations, survey_points_inconsistent, survey_readings_unusable,
@@ -11,36 +11,36 @@ use nalgebra::Vector3;
 use resect_core::deployment::Finding;
 use resect_core::geometry::{Polar, wrap_to_pi};
 
-/// Readings of one point further apart than this (m) are of different points.
+/// Largest distance between readings of one point (m).
 const SAME_POINT_M: f64 = 0.05;
-/// Half of all points steeper than this (zenith angle, rad) are no control points: the angles count from the horizon.
+/// If half of all points are steeper than this zenith angle (rad), the vertical angles count from the horizon.
 const STEEP_RAD: f64 = PI / 6.0;
 
-/// Cases of one kind that a finding names.
+/// Number of cases of one kind that a finding names.
 const NAMED: usize = 3;
 
-/// What a file of one instrument holds.
+/// Contents of a file of one instrument.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     /// The sightings in the order of the file.
     pub sightings: Vec<Sighting>,
-    /// Names and coordinates (east, north, up; m) that stand there without a reading.
+    /// Names and coordinates (east, north, up; m) of points without a reading.
     pub coordinates: Vec<(String, Vector3<f64>)>,
     pub findings: Vec<Finding>,
 }
 
-/// One pointing at one point.
+/// One sighting of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sighting {
     pub point: String,
     /// The reading in either face: a zenith angle beyond 180° is face II.
     pub polar: Polar,
-    /// Whether the prism constant is in the range.
+    /// True if the range includes the prism constant.
     pub complete: bool,
 }
 
 impl Sighting {
-    /// The reading in face I, and whether it was made in face II.
+    /// Returns the reading converted to face I, and true if it was made in face II.
     fn in_face_one(&self) -> (Polar, bool) {
         let zenith_rad = self.polar.zenith_rad.rem_euclid(TAU);
         if zenith_rad <= PI {
@@ -52,8 +52,8 @@ impl Sighting {
 }
 
 impl Survey {
-    /// Every point once, in order of appearance: the mean of its readings, both faces with the same weight. Where a range
-    /// lacks the prism constant, `prism_constant_m` is added.
+    /// Returns every point once, in order of appearance: the mean of its readings, with equal weight of both faces. `prism_constant_m`
+    /// is added to ranges that lack the prism constant.
     pub fn points(
         &self,
         file: &str,
@@ -105,7 +105,7 @@ impl Survey {
     }
 }
 
-/// Cases of one kind: how many, and the first of them in words.
+/// Cases of one kind: their number, and descriptions of the first.
 #[derive(Default)]
 struct Several {
     count: usize,
@@ -125,7 +125,7 @@ impl Several {
     }
 }
 
-/// The mean of readings of one point; `None` of nothing.
+/// Mean of readings of one point; `None` without readings.
 fn mean(readings: &[Polar]) -> Option<Polar> {
     let first = readings.first()?;
     let of = |value: &dyn Fn(&Polar) -> f64| {
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn both_faces_weigh_the_same() {
-        // Collimation 1e-4, vertical index 2e-4: opposite in the two faces. Azimuth 0 lies between the readings.
+        // Collimation error 1e-4, vertical index error 2e-4: opposite in the two faces. The readings are on both sides of azimuth 0.
         let survey = Survey {
             sightings: vec![
                 sighting("a", 1e-4, 1.5 + 2e-4, 20.0),

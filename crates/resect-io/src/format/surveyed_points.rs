@@ -1,7 +1,7 @@
-//! Coordinates of control points in a frame of their own (a map, a local grid): `file,marker_number,x_m,y_m,z_m`.
+//! Coordinates of control points in a separate frame (a map, a local grid): `file,marker_number,x_m,y_m,z_m`.
 //!
-//! A marker number means something inside its own file only, so each line names the file with the readings. The
-//! frame is right-handed and z is up.
+//! A marker number is unique within its own file only, so each line names the file with the readings. The frame is right-handed
+//! with z up.
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ pub const COLUMNS: [&str; 5] = ["file", "marker_number", "x_m", "y_m", "z_m"];
 
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 pub struct SurveyedPoint {
-    /// The file of the readings, relative to the folder.
+    /// File with the readings, relative to the folder.
     pub file: String,
     pub marker_number: i64,
     x_m: f64,
@@ -47,7 +47,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<SurveyedPoint>, OpenError> {
             (&other.file, other.marker_number) == (&point.file, point.marker_number)
         };
         if points.iter().any(same) {
-            let what = format!("marker {} of {} stands twice", point.marker_number, point.file);
+            let what = format!("marker {} of {} is listed twice", point.marker_number, point.file);
             return Err(OpenError::line(file, place, what, "keep one of the lines"));
         }
         points.push(point);

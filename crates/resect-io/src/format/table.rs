@@ -1,4 +1,4 @@
-//! Tables of text with a header: which columns there are, the numbers in them, and what is wrong with a line.
+//! Text tables with a header: columns, numbers, and errors by line.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -7,7 +7,7 @@ use super::text_chunks::TextChunks;
 use crate::error::OpenError;
 use resect_core::progress::Progress;
 
-/// One row: the wanted columns in the order they were asked for.
+/// One row: the wanted columns in the order requested.
 #[derive(Debug, PartialEq)]
 pub struct Row<const N: usize> {
     pub line: usize,
@@ -15,7 +15,7 @@ pub struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// A value that must be a whole number.
+    /// Returns a value that must be a whole number.
     pub fn whole(&self, file: &str, index: usize, column: &str) -> Result<i64, OpenError> {
         let value = self.values[index];
         if value.fract() == 0.0 && value.abs() < 1e15 {
@@ -29,17 +29,16 @@ impl<const N: usize> Row<N> {
 
 const CORRECT: &str = "correct or delete the line";
 
-/// Whether a header names all these columns, whatever separates them.
+/// Returns true if a header names all these columns, with any separator.
 pub fn header_has(header: &str, columns: &[&str]) -> bool {
     let names: Vec<_> = header.split([',', ';', '\t', '|', ' ']).map(bare).collect();
     columns.iter().all(|column| names.iter().any(|name| name.eq_ignore_ascii_case(column)))
 }
 
-/// Gives `take` the named columns of a comma-separated table, wherever they stand, row by row; `progress` counts its
-/// bytes.
+/// Calls `take` with the named columns of each row of a comma-separated table, in any order of columns; `progress` counts bytes.
 ///
-/// A field that is not a number, a missing column, a row of another length or another separator is an
-/// error with its line; `NaN` is a number here, and the caller's business.
+/// A field that is not a number, a missing column, a row of another length or another separator is an error with its line. `NaN` is
+/// passed on as a number.
 pub fn for_each_row<const N: usize>(
     file: &str,
     reader: impl Read,
@@ -77,7 +76,7 @@ pub fn for_each_row<const N: usize>(
     Ok(())
 }
 
-/// All rows that [`for_each_row`] gives.
+/// Returns all rows of [`for_each_row`].
 pub fn read_columns<const N: usize>(
     file: &str,
     text: &str,
@@ -91,7 +90,7 @@ pub fn read_columns<const N: usize>(
     Ok(rows)
 }
 
-/// The first line with anything in it, and its number.
+/// Reads the first line that is not blank, and its number.
 pub fn read_header(
     file: &str,
     chunks: &mut TextChunks<impl Read>,
@@ -124,7 +123,7 @@ fn comma_separated<'a>(
     fields(header, ',').map_err(|what| OpenError::line(file, line, what, CORRECT))
 }
 
-/// Where the wanted columns stand.
+/// Returns the indices of the wanted columns.
 fn positions<const N: usize>(
     file: &str,
     line: usize,
@@ -142,8 +141,8 @@ fn positions<const N: usize>(
     Ok(positions)
 }
 
-/// The row that a text begins with, and how many bytes it takes up: the quick way, for rows of plain numbers. `None` of
-/// whatever is not as plain, right or wrong; [`any_row`] tells.
+/// Parses the first row of a text and returns its length in bytes: the fast path, for rows of plain numbers. `None` for any other
+/// row, valid or not, which [`any_row`] parses.
 fn plain_row<const N: usize>(text: &[u8], slots: &[Option<usize>]) -> Option<([f64; N], usize)> {
     let mut values = [0.0; N];
     let mut rest = text;
@@ -162,7 +161,7 @@ fn plain_row<const N: usize>(text: &[u8], slots: &[Option<usize>]) -> Option<([f
         rest = match (is_last, rest) {
             (false, [b',', rest @ ..])
             | (true, [b'\n', rest @ ..] | [b'\r', b'\n', rest @ ..] | rest @ []) => rest,
-            // The end of what is skipped may be a carriage return.
+            // A skipped field may end with a carriage return.
             _ => return None,
         };
     }
@@ -176,7 +175,7 @@ fn past_spaces(mut text: &[u8]) -> &[u8] {
     text
 }
 
-/// The row of one line: quoted fields, blank lines (`None`), and everything that is wrong.
+/// Parses one line in general: quoted fields, blank lines (`None`), and all errors.
 fn any_row<const N: usize>(
     file: &str,
     number: usize,
@@ -210,13 +209,13 @@ pub fn wrong_length(file: &str, line: usize, fields: usize, expected: usize) -> 
     OpenError::line(file, line, what, "the line may be cut short; complete or delete it")
 }
 
-/// A line as text.
+/// Returns a line as text.
 pub fn utf8<'a>(file: &str, number: usize, line: &'a [u8]) -> Result<&'a str, OpenError> {
     std::str::from_utf8(line)
         .map_err(|_| OpenError::line(file, number, "not UTF-8 text", "save it as UTF-8"))
 }
 
-/// The fields of a line without its end, without the space and the quotes around them. An error is what is wrong.
+/// Splits a line without its end into fields, trimmed and without quotes; the error describes the fault.
 pub fn fields(line: &str, separator: char) -> Result<Vec<Cow<'_, str>>, String> {
     let mut fields = Vec::new();
     let mut rest = line;
@@ -247,7 +246,7 @@ pub fn fields(line: &str, separator: char) -> Result<Vec<Cow<'_, str>>, String> 
     }
 }
 
-/// Where the quote is that ends a quoted field; doubled ones stand for themselves.
+/// Returns the position of the quote that ends a quoted field; doubled quotes are part of it.
 fn closing_quote(quoted: &str) -> Option<usize> {
     let mut at = 0;
     loop {
@@ -259,13 +258,13 @@ fn closing_quote(quoted: &str) -> Option<usize> {
     }
 }
 
-/// A field without the space and the quotes around it.
+/// Returns a field without surrounding space and quotes.
 fn bare(field: &str) -> &str {
     let field = field.trim();
     field.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).map_or(field, str::trim)
 }
 
-/// Text of a file as it may stand in a line for people: short, and without what a terminal would obey.
+/// Returns text of a file for a message: shortened, with control characters escaped.
 pub fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut shown: String = text.trim().chars().take(LONGEST).flat_map(printable).collect();
@@ -284,7 +283,7 @@ fn printable(character: char) -> impl Iterator<Item = char> {
     as_it_is.into_iter().chain(escaped.into_iter().flatten())
 }
 
-/// Whether a character changes how those around it are shown, and is not seen itself.
+/// Returns true for an invisible character that changes the display of its neighbours.
 fn is_unseen(character: char) -> bool {
     matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }

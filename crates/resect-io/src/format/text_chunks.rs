@@ -1,22 +1,22 @@
-//! Text of any size, a few hundred kilobytes of whole lines at a time.
+//! Reading of text of any size, a few hundred kilobytes of whole lines at a time.
 
 use std::io::Read;
 
 use crate::error::OpenError;
 
-/// What some editors put before UTF-8 text.
+/// Character that some editors write before UTF-8 text.
 pub const BYTE_ORDER_MARK: char = '\u{feff}';
 
 const CHUNK_BYTES: usize = 1 << 18;
-/// Longer lines are no rows of a table of measurements; a file without any line end must not fill the memory.
+/// Longer lines are no rows of measurements; a file without any line end must not fill the memory.
 const LONGEST_LINE_BYTES: usize = 1 << 20;
 
-/// Hands out the whole lines of a text, in order.
+/// Returns the whole lines of a text, in order.
 pub struct TextChunks<R> {
     file: String,
     reader: R,
     buffer: Vec<u8>,
-    /// What of the buffer is read and not handed out yet.
+    /// Bytes of the buffer that are read and not returned yet.
     start: usize,
     filled: usize,
     ended: bool,
@@ -24,21 +24,21 @@ pub struct TextChunks<R> {
 }
 
 impl<R: Read> TextChunks<R> {
-    /// The text of a reader; errors name `file`.
+    /// Reads from `reader`; errors name `file`.
     pub fn new(file: &str, reader: R) -> Self {
         let buffer = vec![0; CHUNK_BYTES];
         let file = file.to_owned();
         Self { file, reader, buffer, start: 0, filled: 0, ended: false, at_beginning: true }
     }
 
-    /// The next line, with its end; `None` after the last.
+    /// Returns the next line, with its end; `None` after the last.
     pub fn line(&mut self) -> Result<Option<&[u8]>, OpenError> {
         let whole = self.fill()?;
         let end = memchr::memchr(b'\n', whole).map_or(whole.len(), |at| at + 1);
         Ok(self.hand_out(end))
     }
 
-    /// Several whole lines, with their ends; `None` after the last.
+    /// Returns several whole lines, with their ends; `None` after the last.
     pub fn lines(&mut self) -> Result<Option<&[u8]>, OpenError> {
         let whole = self.fill()?.len();
         Ok(self.hand_out(whole))
@@ -50,7 +50,7 @@ impl<R: Read> TextChunks<R> {
         (bytes > 0).then(|| &self.buffer[from..from + bytes])
     }
 
-    /// Reads on until there is a whole line, and gives all whole lines in the buffer; none at the end of the text.
+    /// Reads until there is a whole line, and returns all whole lines in the buffer; empty at the end of the text.
     fn fill(&mut self) -> Result<&[u8], OpenError> {
         loop {
             let waiting = &self.buffer[self.start..self.filled];
@@ -70,7 +70,7 @@ impl<R: Read> TextChunks<R> {
         if self.filled == self.buffer.len() {
             if self.filled >= LONGEST_LINE_BYTES {
                 let what = "has a line of more than a megabyte";
-                return Err(OpenError::file(&self.file, what, "it is no table of measurements"));
+                return Err(OpenError::file(&self.file, what, "it is not a table of measurements"));
             }
             self.buffer.resize(2 * self.filled, 0);
         }
@@ -79,7 +79,7 @@ impl<R: Read> TextChunks<R> {
             Ok(read) => self.filled += read,
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
             Err(error) => {
-                let what = format!("cannot be read on ({error})");
+                let what = format!("cannot be read further ({error})");
                 return Err(OpenError::file(&self.file, what, "check the disk and copy it again"));
             }
         }
@@ -99,7 +99,7 @@ impl<R: Read> TextChunks<R> {
 mod tests {
     use super::*;
 
-    /// A reader that gives a few bytes at a time, as a slow disk may.
+    /// A reader that returns a few bytes at a time, as a slow disk may.
     struct Drops<'a>(&'a [u8], usize);
 
     impl Read for Drops<'_> {

@@ -1,4 +1,4 @@
-//! Several bags of one drive: recorders split what they write, and what was stopped and started again is still one drive.
+//! Several bags of one drive: recorders split their files, and an interrupted recording is still one drive.
 
 use crate::findings::bags::{bag_missing, bag_splits_unread, bags_joined};
 use std::path::Path;
@@ -10,10 +10,10 @@ use crate::format::bag::{Piece, natural_key};
 use resect_core::deployment::Finding;
 use resect_core::progress::Progress;
 
-/// Bags whose recordings are further apart than this (s) are not taken for one drive: in less, nobody moves three stations.
+/// Longest pause between bags of one drive (s): nobody moves three stations in less.
 const LONGEST_PAUSE_S: f64 = 600.0;
 
-/// A bag that lies on disk, as its reader wants it; `None` of any other file.
+/// Returns a bag on disk as its reader takes it; `None` for any other file.
 pub fn piece(file: &FoundFile) -> Option<Piece<'_>> {
     match &file.content {
         Content::Disk(path) if file.format.is_bag() => Some(Piece { path, file: &file.file }),
@@ -21,8 +21,8 @@ pub fn piece(file: &FoundFile) -> Option<Piece<'_>> {
     }
 }
 
-/// The bags in the order of their recording, if they follow each other without overlapping; `None` where they are something
-/// else, such as the same drive in several containers.
+/// Returns the bags in the order of their recording, if they follow each other without overlap; `None` otherwise, as for the same
+/// drive in several containers.
 pub fn of_one_drive<'a>(
     candidates: &[&'a FoundFile],
     progress: &Progress,
@@ -36,7 +36,7 @@ pub fn of_one_drive<'a>(
         match bag::span_s(&piece, progress) {
             Ok(Some(span_s)) => spans.push((span_s, *file)),
             Err(OpenError::Cancelled) => return Err(OpenError::Cancelled),
-            // It belongs to the others if it is called like them, and says nothing of its own.
+            // The span of this bag is unknown, so the order is not determined.
             Ok(None) | Err(_) => return Ok(None),
         }
     }
@@ -48,7 +48,7 @@ pub fn of_one_drive<'a>(
     Ok(spans.windows(2).all(follows).then(|| spans.into_iter().map(|(_, file)| file).collect()))
 }
 
-/// What is worth knowing of the bags that were chosen: that they are several, or a piece of more.
+/// Returns a finding if the chosen bags are several, or one of several files of a split recording.
 pub fn finding(chosen: &[&FoundFile], files: &[FoundFile]) -> Option<Finding> {
     let bags: Vec<_> = chosen.iter().filter(|file| file.format.is_bag()).collect();
     match bags[..] {
@@ -73,9 +73,9 @@ pub fn finding(chosen: &[&FoundFile], files: &[FoundFile]) -> Option<Finding> {
     }
 }
 
-/// The name of a piece: `drive_3.bag`, `drive/drive_3.db3.zstd`.
+/// Name of a file of a split recording: `drive_3.bag`, `drive/drive_3.db3.zstd`.
 struct SplitName<'a> {
-    /// The name with the folder, up to the last underscore.
+    /// The path up to the last underscore.
     stem: &'a str,
     number: u64,
 }
@@ -88,7 +88,7 @@ fn split_name(file: &str) -> Option<SplitName<'_>> {
     Some(SplitName { stem, number: number.parse().ok()? })
 }
 
-/// A number that the pieces leave out, where all are pieces of the same recording.
+/// Returns the first missing number, if all files belong to the same split recording.
 fn missing_piece(names: &[&str]) -> Option<u64> {
     let pieces: Vec<_> = names.iter().map(|name| split_name(name)).collect::<Option<_>>()?;
     let first = pieces.first()?;
@@ -96,7 +96,7 @@ fn missing_piece(names: &[&str]) -> Option<u64> {
         return None;
     }
     let last = pieces.iter().map(|piece| piece.number).max()?;
-    // Dates look like numbers of pieces too.
+    // Dates look like numbers of split files, too.
     let there = |number: &u64| pieces.iter().any(|piece| piece.number == *number);
     (last < 1000).then(|| (0..last).find(|number| !there(number))).flatten()
 }

@@ -1,10 +1,9 @@
-//! Tracks as positions, one file a station: which files make a deployment, and in which frame they are.
+//! Tracks as positions, one file a station: selection of the files, and their frame.
 //!
-//! The authors of the paper publish their tracks after turning all of them into one frame. Where the transforms that
-//! they applied lie with the tracks and can be shown to be the ones, they are undone, so that ranges and angles are the
-//! instruments' again. What shows them: a total station gives ranges in steps (0.01 mm while it tracks), and only about
-//! its own origin are the ranges in steps. That holds the origin to about half a millimetre in the plane;
-//! height and rotation are taken from the same transform.
+//! The authors of the paper publish their tracks transformed into one frame. If the transforms are in the folder and the data
+//! confirms them, they are inverted, so that ranges and angles are the instruments' again. Confirmation: a total station rounds
+//! ranges (to 0.01 mm while it tracks), and only ranges from its true origin are multiples of this step. This determines the origin
+//! to about half a millimetre in the plane; height and rotation are taken from the same transform.
 
 use crate::findings::positions::{
     track_transform_inverted, tracks_in_common_frame, tracks_in_station_frames,
@@ -27,29 +26,29 @@ use resect_core::geometry::{Polar, RigidTransform};
 use resect_core::progress::Progress;
 use resect_core::statistics::quantiles;
 
-/// Prisms of one vehicle are no further apart than this (m).
+/// Largest distance between prisms of one vehicle (m).
 const LARGEST_RIG_M: f64 = 5.0;
-/// Half the distances of prisms of one vehicle, which are steady, lie within this (m).
+/// Largest interquartile range of a distance between prisms of one vehicle (m).
 const STEADY_M: f64 = 0.1;
-/// Fewest distances that say whether they are steady.
+/// Fewest distances from which their interquartile range is computed.
 const FEWEST_DISTANCES: usize = 10;
 /// Longest gap to interpolate over, when two tracks are compared (s).
 const LONGEST_GAP_S: f64 = 1.0;
-/// Steps in which instruments give ranges (m).
+/// Steps to which instruments round ranges (m).
 const RANGE_STEPS_M: [f64; 3] = [1e-5, 1e-4, 1e-3];
-/// Readings this far apart (m) saw the station from different sides.
+/// Least movement between consecutive readings (m) for their difference of ranges to count.
 const MOVED_M: f64 = 0.1;
-/// Fewest readings that show anything.
+/// Fewest values from which an agreement is computed.
 const FEWEST_MOVED: usize = 50;
-/// Agreement with the steps that shows an origin: 1 is perfect, chance gives 0.14 or less.
+/// Least agreement with the steps that confirms an origin: 1 is perfect, chance gives 0.14 or less.
 const SHOWN: f64 = 0.35;
-/// An origin is only shown if one a little off in the plane (m) agrees by so much less.
+/// An origin is confirmed only if origins displaced by this much in the plane (m) agree worse by the factor `WORSE_BY`.
 const A_LITTLE_M: f64 = 0.001;
 const WORSE_BY: f64 = 0.8;
-/// A compensator leaves less tilt than this (rad): 20″.
+/// Largest tilt that a compensator leaves (rad): 20″.
 const COMPENSATOR_RAD: f64 = 20.0 * ARCSECOND_RAD;
 
-/// The three files of stations 1, 2, 3, where the tracks are of this kind; `None` leaves the choice to others.
+/// Returns the files of stations 1, 2, 3 if the tracks are positions; `None` otherwise.
 pub fn choose<'a>(
     name: &str,
     chosen: Option<&[String]>,
@@ -60,7 +59,7 @@ pub fn choose<'a>(
         let named: Vec<_> =
             chosen.iter().filter_map(|own| cartesian().find(|f| f.file == *own)).collect();
         return match named[..] {
-            // In the order in which they are named.
+            // In the order named.
             [_, _, _] if chosen.len() == 3 => Ok(Some(named)),
             [one] if chosen.len() == 1 => set_of(one, &cartesian()).map(Some),
             [] => Ok(None),
@@ -93,7 +92,7 @@ fn incomplete(file: &str) -> OpenError {
     )
 }
 
-/// The files in the same folder whose names differ in the last number only, for stations 1, 2, 3.
+/// Returns the files of stations 1, 2, 3 in the same folder, with names that differ only in the last number.
 fn set_of<'a>(
     one: &FoundFile,
     files: &(impl Iterator<Item = &'a FoundFile> + Clone),
@@ -108,8 +107,7 @@ fn set_of<'a>(
     (1..=3).map(of).collect::<Option<_>>().ok_or_else(|| incomplete(&one.file))
 }
 
-/// Reads the files of stations 1, 2, 3 into polar readings, and gives the frame they are in and the files of transforms
-/// that were used.
+/// Reads the files of stations 1, 2, 3 as polar readings; returns their frame, and the file of transforms if one was inverted.
 pub fn read<'a>(
     tracks: &[&FoundFile],
     files: &'a [FoundFile],
@@ -160,7 +158,7 @@ pub fn read<'a>(
     Ok((frame, used))
 }
 
-/// Whether the stations' prisms keep steady, short distances without any transform.
+/// Returns true if the distances between the prisms are constant and short without any transform.
 fn in_one_frame(positions: &[Vec<Position>; 3]) -> bool {
     let spreads: Vec<[f64; 2]> = PAIRS
         .iter()
@@ -173,7 +171,7 @@ fn in_one_frame(positions: &[Vec<Position>; 3]) -> bool {
         && spreads.iter().all(|[median, iqr]| *median < LARGEST_RIG_M && *iqr < STEADY_M)
 }
 
-/// Distances (m) at some hundred instants of the first track, the second interpolated.
+/// Returns the distances (m) at some hundred instants of the first track, with the second interpolated.
 fn distances_m(a: &[Position], b: &[Position]) -> Vec<f64> {
     let mut b: Vec<&Position> = b.iter().collect();
     b.sort_by(|x, y| x.time_s.total_cmp(&y.time_s));
@@ -190,7 +188,7 @@ fn distances_m(a: &[Position], b: &[Position]) -> Vec<f64> {
     a.iter().step_by(step).filter_map(at).collect()
 }
 
-/// The transforms that were applied, where a file has them and the readings show that they are the ones.
+/// Returns the applied transforms with their file, if the readings confirm them.
 fn applied<'a>(
     positions: &[Vec<Position>; 3],
     files: &'a [FoundFile],
@@ -203,7 +201,7 @@ fn applied<'a>(
         looked_at.push(file.file.as_str());
         let sets = match applied_transforms::read(&file.file, &file.uncounted_text()?) {
             Ok(sets) => sets,
-            // The tracks can be used without it.
+            // The tracks are usable without it.
             Err(error) => {
                 findings.push(transforms_unreadable(&file.file, &error.to_string()));
                 continue;
@@ -234,8 +232,8 @@ fn applied<'a>(
     Ok(Some((file, set)))
 }
 
-/// How well the ranges of all stations agree with the steps of an instrument once a set is undone; 0 where a set a
-/// little different would do as well, so that nothing is shown.
+/// Agreement of the ranges of all stations with an instrument's steps, after inverting a set of transforms. It is 0 if a slightly
+/// displaced origin agrees about as well.
 fn agreement(positions: &[Vec<Position>; 3], set: &AppliedTransforms) -> f64 {
     let of = |step_m: f64, in_steps: InSteps| {
         let each = positions.iter().zip(&set.common_from_station).map(|(own, applied)| {
@@ -247,31 +245,31 @@ fn agreement(positions: &[Vec<Position>; 3], set: &AppliedTransforms) -> f64 {
         });
         each.fold(1.0, f64::min)
     };
-    // The exact transforms show in all ranges; those that are a little off, of a drive around the stations, from each
-    // range to the next only.
+    // Exact transforms show in all ranges. Transforms that are slightly wrong, in a drive around the stations, show only in
+    // differences of consecutive ranges.
     let both =
         RANGE_STEPS_M.map(|step_m| f64::max(of(step_m, all_in_steps), of(step_m, next_in_steps)));
     both.into_iter().fold(0.0, f64::max)
 }
 
-/// Agreement of the ranges about an origin (m) with steps (m), from 0 (chance) to 1.
+/// Agreement of the ranges from an origin (m) with steps (m), from 0 (chance) to 1.
 type InSteps = fn(&[Position], &Vector3<f64>, f64) -> f64;
 
-/// Length of the mean of exp(2πi r / step) over all ranges: 1 where they are whole steps but for a constant, such as that
-/// of the prism.
+/// Length of the mean of exp(2πi r / step) over all ranges r. It is 1 if they are multiples of the step plus a constant, such as
+/// the prism constant.
 fn all_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
     mean_phase(positions.iter().map(|p| (p.position_m - origin_m).norm() / step_m))
 }
 
-/// Length of the mean of exp(2πi Δr / step) over consecutive readings that moved; an origin a little off changes these
-/// differences Δr of ranges less.
+/// Length of the mean of exp(2πi Δr / step) over consecutive readings that moved. An error of the origin changes these differences
+/// Δr of ranges less than the ranges.
 fn next_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
     let pairs = positions.windows(2).map(|pair| [pair[0].position_m, pair[1].position_m]);
     let moved = pairs.filter(|[a, b]| (a - b).norm() > MOVED_M);
     mean_phase(moved.map(|[a, b]| ((b - origin_m).norm() - (a - origin_m).norm()) / step_m))
 }
 
-/// Length of the mean of exp(2πi x); 0 of too few.
+/// Length of the mean of exp(2πi x); 0 for too few values.
 fn mean_phase(values: impl Iterator<Item = f64>) -> f64 {
     let (mut cos, mut sin, mut count) = (0.0, 0.0, 0);
     for value in values {

@@ -1,15 +1,15 @@
-//! A folder of many deployments, such as a clone of the authors' repository: it is not opened as one.
+//! Refusal to open a folder of many deployments, such as a clone of the authors' repository, as one.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::OpenError;
 
-/// What a deployment of the authors' layout has in it.
+/// Folder in each deployment of the authors' layout.
 const MARK: &str = "total_stations";
-/// Where the authors' repository keeps its deployments.
+/// Folder of the deployments in the authors' repository.
 const DATA: &str = "data";
 
-/// Refuses a folder with several deployments, with the names of a few.
+/// Refuses a folder with several deployments; the error names a few.
 pub fn refuse(folder: &Path) -> Result<(), OpenError> {
     let deployments = deployments(folder);
     if deployments.len() < 2 {
@@ -25,19 +25,19 @@ pub fn refuse(folder: &Path) -> Result<(), OpenError> {
     ))
 }
 
-/// Whether a folder is one of several deployments.
+/// Returns true if a folder contains several deployments.
 pub fn holds_many(folder: &Path) -> bool {
     deployments(folder).len() > 1
 }
 
-/// Folders of deployments in this one or in its `data`, sorted; without a look at any file. None where
-/// `deployment.toml` says what the folder is.
+/// Returns the folders of deployments in this folder or in its `data`, sorted, without opening any file. Empty if the folder has a
+/// `deployment.toml`.
 fn deployments(folder: &Path) -> Vec<PathBuf> {
     if folder.join("deployment.toml").exists() {
         return Vec::new();
     }
     let below = |folder: &Path| {
-        // What cannot be read is said when it is opened.
+        // Opening the folder reports unreadable folders.
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).filter(|path| path.join(MARK).is_dir())
     };

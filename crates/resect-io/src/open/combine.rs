@@ -1,4 +1,4 @@
-//! Gives every file of a folder its part in a deployment, and says what is missing.
+//! Combines the files of a folder into a deployment, and reports missing files.
 
 use crate::findings::tracks::file_unreadable;
 use std::path::Path;
@@ -17,43 +17,43 @@ use super::tracks;
 use crate::error::OpenError;
 use crate::format::{self, Format};
 
-/// Opens a folder by looking at what is in it, or a file of tracks with the rest of its folder.
+/// Opens a folder by the content of its files, or a file of tracks with the rest of its folder.
 pub fn open(path: &Path) -> Result<Deployment, OpenError> {
     combine(&find(path, &Progress::default())?, &Progress::default())
 }
 
-/// Opens files that are already in memory, as the built-in samples are.
+/// Opens files in memory, such as those of the built-in samples.
 pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, OpenError> {
     combine(&in_memory(name, files), &Progress::default())
 }
 
-/// Gives every file its part, reads those that have one, and says what was passed over.
+/// Combines the files into a deployment, and reports those that are not used.
 ///
 /// `progress` counts the bytes of the files that are read.
 pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
     put_together(found, progress, |name, overrides| tracks::read(name, found, overrides, progress))
 }
 
-/// Reads everything but tracks, for those whose readings come from elsewhere.
+/// Combines everything but tracks, for readings from another source.
 pub fn combine_without_tracks(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
     put_together(found, progress, |_, overrides| Ok(tracks::TracksRead::none(overrides)))
 }
 
-/// `read_tracks` is given the deployment's name and its overrides.
+/// `read_tracks` receives the deployment's name and its overrides.
 fn put_together<'a>(
     found: &'a Found,
     progress: &Progress,
     read_tracks: impl FnOnce(&str, &Overrides) -> Result<tracks::TracksRead<'a>, OpenError>,
 ) -> Result<Deployment, OpenError> {
     let files = &found.files;
-    // Only the folder's own: one further down belongs to another deployment.
+    // Only the file in the folder itself: one in a subfolder belongs to another deployment.
     let is_overrides =
         |f: &&FoundFile| f.format == Format::DeploymentToml && f.file == "deployment.toml";
     let in_folder = match files.iter().find(is_overrides) {
         Some(file) => format::deployment_toml::read(&file.file, &file.uncounted_text()?)?,
         None => Overrides::default(),
     };
-    let overrides = found.put_right.clone().over(in_folder.clone());
+    let overrides = found.corrections.clone().over(in_folder.clone());
     overrides.check().map_err(|(what, remedy)| OpenError::file(&found.name, what, remedy))?;
     let name = printable(overrides.name.as_ref().unwrap_or(&found.name));
     let unreadable = files.iter().filter(|f| f.format == Format::Unreadable);
@@ -69,7 +69,7 @@ fn put_together<'a>(
     let mut reading = Reading {
         files,
         overrides: &overrides,
-        put_right: &found.put_right,
+        corrections: &found.corrections,
         distances_of_files_m: None,
         progress,
         used: &mut used,
@@ -120,7 +120,10 @@ mod tests {
     fn two_representations_are_a_question() {
         let error =
             open_files("d", &[("a.csv", TRACKS), ("b.csv", TRACKS)]).expect_err("ambiguous");
-        assert!(error.to_string().contains("several files hold tracks: a.csv, b.csv"), "{error}");
+        assert!(
+            error.to_string().contains("several files contain tracks: a.csv, b.csv"),
+            "{error}"
+        );
         let toml = "tracks = \"b.csv\"\nprism_constant_m = 0.0\ninter_prism_m = [0.7, 0.9, 1.0]\n";
         let files = [("a.csv", TRACKS), ("b.csv", TRACKS), ("deployment.toml", toml)];
         let deployment = open_files("d", &files).expect("the override decides");

@@ -1,4 +1,4 @@
-//! Files of control points, and what is known of where their points are.
+//! Files of control points, and the known coordinates of their points.
 
 use crate::findings::control_points::{
     control_points_empty, known_point_not_measured, pillar_coordinates_unknown,
@@ -16,7 +16,7 @@ use crate::format;
 use crate::format::Format;
 use resect_core::deployment::{ControlPointSet, Finding};
 
-/// Every set, its points with their surveyed coordinates.
+/// Reads every set, with the surveyed coordinates of its points.
 pub fn read_control_point_sets<'a>(
     reading: &mut Reading<'a, '_>,
     prism_constants_m: &[f64; 3],
@@ -25,7 +25,7 @@ pub fn read_control_point_sets<'a>(
     let mut sets: Vec<ControlPointSet> = surveys.control_points(reading, prism_constants_m);
     let Reading { files, overrides, progress, used, findings, .. } = reading;
     let mut pillars = None;
-    // What the user names comes last.
+    // Files that the user names come last in the list.
     if let Some(file) = files.iter().rfind(|f| f.serves_as(Format::Pillars)) {
         pillars = Some(format::pillars::read(&file.file, &file.text(progress)?)?);
         used.push(&file.file);
@@ -69,14 +69,14 @@ pub fn read_control_point_sets<'a>(
     {
         return Err(OpenError::file(
             "deployment.toml",
-            format!("control_points names `{missing}`, which is no control-point file here"),
+            format!("control_points names `{missing}`, which is not a control-point file here"),
             "give names relative to the folder",
         ));
     }
     Ok(sets)
 }
 
-/// The set of a file by its name in the folder, or where the user named it, by the end of its path.
+/// Returns the set of a file, by its name in the folder, or by the end of its path if the user named it.
 fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut ControlPointSet> {
     let exactly = sets.iter().position(|set| set.file == file);
     let place =
@@ -84,10 +84,9 @@ fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut Con
     sets.get_mut(place)
 }
 
-/// One file of control points; `None`, with a finding, when it holds no usable one.
+/// Reads one file of control points; returns `None`, with a finding, if it has no usable point.
 ///
-/// Pillars are known by the markers of their survey, which gives their coordinates; failing that, by the authors'
-/// file name.
+/// Pillars are recognised by the markers of the pillar survey, which has their coordinates; without one, by the authors' file name.
 fn read_control_points(
     file: &str,
     text: &str,
@@ -104,7 +103,7 @@ fn read_control_points(
     let named = file.to_lowercase().contains("two_points");
     set.pillars = pillars.map_or(named, |pillars| {
         let known = |marker: i64| pillars.iter().any(|(pillar, _)| *pillar == marker);
-        // Ground points are numbered from 1 as well; a set of pillars holds nothing else.
+        // Ground points are numbered from 1 as well; a set of pillars contains nothing else.
         named || (set.points.len() == pillars.len() && set.points.iter().all(|p| known(p.marker)))
     });
     if let (true, Some(pillars)) = (set.pillars, pillars) {

@@ -1,4 +1,4 @@
-//! Whether the stamps of tracks are of the day that the folder is named after.
+//! Comparison of the stamps of tracks with the date in the folder's name.
 
 use crate::findings::tracks::{OtherDate, folder_date_contradicts_stamps};
 use jiff::civil::{Date, date};
@@ -6,13 +6,13 @@ use jiff::civil::{Date, date};
 use resect_core::deployment::{Finding, Track};
 
 const DAY_S: f64 = 86_400.0;
-/// Names are local dates, stamps UTC; and a drive may go on past midnight.
+/// Tolerance (days): names are local dates, stamps UTC, and a drive may continue past midnight.
 const TOLERANCE_DAYS: f64 = 1.0;
-/// Stamps before 2001 are counted from the start of something, not from 1970 (s).
+/// Earliest stamp that counts from 1970 (s): 2001. Earlier stamps count from another start.
 const EARLIEST_STAMP_S: f64 = 978_307_200.0;
 
-/// A doubt where a station's stamps are more than a day off the date in the folder's name: then other data lies in the
-/// folder than its name says, and rig and control points may be of another day too.
+/// Returns a finding if a station's stamps differ by more than a day from the date in the folder's name. The folder then contains
+/// other data than its name states, and the rig and control points may be of another day as well.
 pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
     let day = date_in(name)?;
     let day_s = day.duration_since(date(1970, 1, 1)).as_secs_f64();
@@ -22,7 +22,7 @@ pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
         .filter_map(|(station, track)| {
             let start_s = track.measurements.first().map(|m| m.time_s)?;
             let days = (start_s - day_s) / DAY_S;
-            // A day has its own length before the tolerance after it begins.
+            // The day lasts from its midnight to the next; the tolerance applies on both sides.
             let inside = (-TOLERANCE_DAYS..=1.0 + TOLERANCE_DAYS).contains(&days);
             (start_s > EARLIEST_STAMP_S && !inside).then_some((station, days.floor()))
         })
@@ -34,7 +34,7 @@ pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
     Some(folder_date_contradicts_stamps(&other))
 }
 
-/// A date `20220711` or `2022-07-11` in a name.
+/// Returns the date `20220711` or `2022-07-11` in a name.
 fn date_in(name: &str) -> Option<Date> {
     let bytes = name.as_bytes();
     let digits = |at: usize, n: usize| -> Option<i64> {

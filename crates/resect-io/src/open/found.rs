@@ -1,4 +1,4 @@
-//! The files that a deployment is put together from, before they are parsed.
+//! The files from which a deployment is combined, before they are parsed.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,12 +13,12 @@ use crate::recording::station_index;
 use resect_core::deployment::Overrides;
 use resect_core::progress::Progress;
 
-/// How deep below the given folder files are looked for.
+/// Depth of the search for files below the given folder.
 pub const FOLDER_DEPTH: usize = 3;
 
-/// A file before it is parsed: small ones in memory, bags where they lie.
+/// A file before it is parsed: its text in memory, or its path on disk.
 pub struct FoundFile {
-    /// Relative to the folder; the whole path of a file that the user named.
+    /// Path relative to the folder; the whole path if the user named the file.
     pub file: String,
     pub format: Format,
     pub content: Content,
@@ -31,26 +31,26 @@ pub enum Content {
     Memory(String),
 }
 
-/// Whether a file may play its part.
+/// Precedence of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// The file lies with the tracks.
+    /// The file is in the folder of the tracks.
     Beside,
     /// The user named it.
     Named,
-    /// The file lies with the tracks, and the user named another instead.
+    /// The file is in the folder of the tracks, and the user named another instead.
     SetAside,
 }
 
 impl FoundFile {
-    /// A file on disk, by its first bytes.
+    /// Recognises a file on disk by its first bytes.
     pub fn at(path: &Path, file: String) -> Result<Self, OpenError> {
         let io = |error| OpenError::Io { path: path.to_owned(), error };
         let metadata = path.metadata().map_err(io)?;
-        // To open a pipe would wait for whoever writes to it.
+        // Opening a pipe would block.
         if !metadata.is_file() && !metadata.is_dir() {
-            let what = "a pipe, a socket or a device, no file";
-            return Err(OpenError::file(&file, what, "save what it gives as a file"));
+            let what = "a pipe, a socket or a device, not a file";
+            return Err(OpenError::file(&file, what, "save its output as a file"));
         }
         let mut head = Vec::new();
         let opened = std::fs::File::open(path).map_err(io)?;
@@ -66,7 +66,7 @@ impl FoundFile {
         })
     }
 
-    /// A neighbour that cannot be read: whether it matters cannot be told either.
+    /// A file of the folder that cannot be read; it may not be needed.
     fn unreadable(path: &Path, top: &Path) -> Self {
         Self {
             file: below(top, path),
@@ -77,18 +77,18 @@ impl FoundFile {
         }
     }
 
-    /// Whether it may be read as this.
+    /// Returns true if the file may be read as this format.
     pub fn serves_as(&self, format: Format) -> bool {
         self.format == format && self.standing != Standing::SetAside
     }
 
-    /// Whether it is read when it lies beside the tracks.
+    /// Returns true if the file is read in addition to tracks.
     pub fn is_read_beside_tracks(&self) -> bool {
         let read = [&RIG[..], &CONTROL_POINTS, &GNSS].concat();
         self.standing != Standing::SetAside && read.contains(&self.format)
     }
 
-    /// What is in it from its first byte on, for a reader that takes it piece by piece.
+    /// Returns a reader of the content.
     pub fn reader(&self) -> Result<Box<dyn Read + '_>, OpenError> {
         match &self.content {
             Content::Memory(text) => Ok(Box::new(text.as_bytes())),
@@ -99,7 +99,7 @@ impl FoundFile {
         }
     }
 
-    /// The first line with anything in it.
+    /// Returns the first line that is not blank.
     pub fn header(&self) -> Result<String, OpenError> {
         let mut head = Vec::new();
         let io = |error| {
@@ -111,14 +111,14 @@ impl FoundFile {
         Ok(lines.find(|line| !line.is_empty()).unwrap_or_default().to_owned())
     }
 
-    /// What is in it, without a byte-order mark; counted as done.
+    /// Returns the text without a byte-order mark, and counts its bytes as done.
     pub fn text(&self, progress: &Progress) -> Result<String, OpenError> {
         let text = self.uncounted_text()?;
         progress.advance(self.bytes)?;
         Ok(text)
     }
 
-    /// The file's text, for a reader that counts on its own.
+    /// Returns the text, for a reader that counts its bytes itself.
     pub fn uncounted_text(&self) -> Result<String, OpenError> {
         let text = match &self.content {
             Content::Memory(text) => text.clone(),
@@ -137,18 +137,18 @@ impl FoundFile {
     }
 }
 
-/// Everything that a deployment is put together from.
+/// All files of a deployment.
 pub struct Found {
     /// Name of the deployment, unless `deployment.toml` names it.
     pub name: String,
-    /// The file of tracks that was asked for.
+    /// The file of tracks that was opened; `None` for a folder.
     pub chosen: Option<String>,
-    /// What the user says of them, over what `deployment.toml` says.
-    pub put_right: Overrides,
+    /// Overrides of the user, which take precedence over `deployment.toml`.
+    pub corrections: Overrides,
     pub files: Vec<FoundFile>,
 }
 
-/// What lies at a path: all of a folder, or a file of tracks with its neighbours.
+/// Finds the files at a path: all of a folder, or a file of tracks and the other files of its folder.
 pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
     let io = |error| OpenError::Io { path: path.to_owned(), error };
     let metadata = std::fs::metadata(path).map_err(io)?;
@@ -158,14 +158,14 @@ pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
     } else {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let format = FoundFile::at(&path, name.clone())?.format;
-        // These stand for their folder.
+        // These represent their folder.
         (!matches!(format, Format::DeploymentToml | Format::RosbagMetadata)).then_some(name)
     };
     let folder = if metadata.is_dir() { &path } else { path.parent().unwrap_or(Path::new(".")) };
     if metadata.is_dir() {
         collection::refuse(folder)?;
     }
-    // A single file: its neighbours can help, the folders below them are none of its business.
+    // For a single file, the other files of its folder are used, but no subfolders.
     let files = list_folder(folder, if chosen.is_some() { 1 } else { FOLDER_DEPTH }, progress)?;
     let name = match &chosen {
         Some(file) => Path::new(file).file_stem(),
@@ -178,14 +178,14 @@ pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
     {
         return Err(OpenError::file(
             file,
-            format!("holds no tracks of the stations ({})", found.format.describe()),
-            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
+            format!("contains no tracks of the stations ({})", found.format.describe()),
+            "open its folder, a polar CSV (timestamp,id,distance,ha,va), or a ROS 1 or ROS 2 bag",
         ));
     }
-    Ok(Found { name, chosen, put_right: Overrides::default(), files })
+    Ok(Found { name, chosen, corrections: Overrides::default(), files })
 }
 
-/// Files that are in memory, as those of the built-in samples.
+/// Returns files in memory, such as those of the built-in samples.
 pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
     let mut files: Vec<FoundFile> = files
         .iter()
@@ -198,11 +198,10 @@ pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
         })
         .collect();
     pass_over_derived(&mut files);
-    Found { name: name.to_owned(), chosen: None, put_right: Overrides::default(), files }
+    Found { name: name.to_owned(), chosen: None, corrections: Overrides::default(), files }
 }
 
-/// Gives what was computed from tracks its reason to be passed over, by the folder it lies in; positions also where their
-/// name has no station.
+/// Marks positions that were computed from tracks as ignored, by the name of their folder, or if their own name has no station.
 fn pass_over_derived(files: &mut [FoundFile]) {
     const FOLDERS: [&str; 5] =
         ["filtered_prediction", "raw_prediction", "ground_truth", "uncertainty", "gps_data"];
@@ -211,17 +210,17 @@ fn pass_over_derived(files: &mut [FoundFile]) {
     for file in files.iter_mut().filter(|f| f.format == Format::CartesianTrack) {
         if place(file) || station_in_name(&file.file).and_then(|(_, n)| station_index(n)).is_none()
         {
-            file.format = Format::Ignored("positions made from tracks, not measured ones");
+            file.format = Format::Ignored("positions computed from tracks, not measured");
         }
     }
 }
 
-/// A path as it is told: from the folder on.
+/// Returns a path relative to the folder.
 fn below(top: &Path, path: &Path) -> String {
     path.strip_prefix(top).unwrap_or(path).to_string_lossy().into_owned()
 }
 
-/// Whether a folder is a link to one that it lies in, which would be found again and again.
+/// Returns true if a folder is a link to one of its parents, which would cause an endless search.
 fn leads_back(path: &Path, lies_in: &Path) -> bool {
     match (path.is_symlink(), path.canonicalize(), lies_in.canonicalize()) {
         (true, Ok(target), Ok(lies_in)) => lies_in.starts_with(target),
@@ -229,8 +228,8 @@ fn leads_back(path: &Path, lies_in: &Path) -> bool {
     }
 }
 
-/// Every file in a folder, and in those below it, hidden ones left out; sorted by name. What lies in it and cannot be read
-/// is [`Format::Unreadable`].
+/// Lists the files in a folder and its subfolders, without hidden ones, sorted by name. Unreadable ones have the format
+/// [`Format::Unreadable`].
 pub fn list_folder(
     folder: &Path,
     depth: usize,
@@ -274,21 +273,21 @@ pub fn list_folder(
     Ok(files)
 }
 
-/// What the files are that the user can name beside the tracks.
+/// Formats of the files that the user can name in addition to the tracks.
 const RIG: [Format; 3] = [Format::RigReading, Format::SensorPositions, Format::RigDistances];
 const CONTROL_POINTS: [Format; 5] =
     [Format::ControlPoints, Format::Gsi, Format::JobXml, Format::Pillars, Format::SurveyedPoints];
 const GNSS: [Format; 1] = [Format::RtklibPos];
 
 impl Found {
-    /// Takes in the files that the user named, and sets aside those that they stand for.
+    /// Adds the files that the user named, and sets aside those that they replace.
     pub fn add(&mut self, extras: &Extras) -> Result<(), OpenError> {
-        self.put_right = extras.put_right.clone();
+        self.corrections = extras.corrections.clone();
         if let Some(rig) = &extras.rig {
             self.set_aside(&RIG);
             let shown = rig.display().to_string();
             let files = if rig.is_dir() {
-                // Sorted, and whatever else the folder holds is not the rig's.
+                // Only the rig's files, sorted.
                 let mut files = list_folder(rig, FOLDER_DEPTH, &Progress::default())?;
                 files.retain(|f| RIG.contains(&f.format));
                 for file in &mut files {
@@ -303,7 +302,7 @@ impl Found {
                 return Err(OpenError::file(
                     &shown,
                     format!("does not describe the rig ({what})"),
-                    "name calibration_results.csv (distances 12, 13, 23 in m), calibration_raw.csv, or their folder",
+                    "give calibration_results.csv (distances 12, 13, 23 in m), calibration_raw.csv, or their folder",
                 ));
             }
             files.into_iter().for_each(|file| self.name_file(file));
@@ -315,16 +314,16 @@ impl Found {
             self.name_one(
                 path,
                 &CONTROL_POINTS,
-                "holds no control points",
-                "name readings (theodolite_number,marker_number,…), pillars or coordinates of control points",
+                "contains no control points",
+                "give readings (theodolite_number,marker_number,…), pillars or coordinates of control points",
             )?;
         }
         if !extras.gnss.is_empty() {
             self.set_aside(&GNSS);
         }
         for path in &extras.gnss {
-            let remedy = "name the .pos files of antennas 1, 2 and 3";
-            self.name_one(path, &GNSS, "holds no GNSS solutions", remedy)?;
+            let remedy = "give the .pos files of antennas 1, 2 and 3";
+            self.name_one(path, &GNSS, "contains no GNSS solutions", remedy)?;
         }
         Ok(())
     }
@@ -351,7 +350,7 @@ impl Found {
         Ok(())
     }
 
-    /// Takes in a file that the user named; it must not count twice where it lies with the tracks as well.
+    /// Adds a file that the user named; the same file in the folder of the tracks is set aside.
     fn name_file(&mut self, file: FoundFile) {
         let same = |other: &FoundFile| match (&file.content, &other.content) {
             (Content::Disk(a), Content::Disk(b)) => {

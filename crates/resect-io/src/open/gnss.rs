@@ -1,4 +1,4 @@
-//! Which solution file belongs to which GNSS antenna.
+//! Assignment of solution files to GNSS antennas.
 
 use super::found::{FoundFile, Standing};
 use super::reading::Reading;
@@ -8,7 +8,7 @@ use crate::format;
 use crate::format::Format;
 use resect_core::deployment::GnssFix;
 
-/// Antennas 1, 2, 3: the files that the user or `deployment.toml` names, or the three that are there, by name.
+/// Reads the solutions of antennas 1, 2, 3: the files named by the user or `deployment.toml`, otherwise the only three, by name.
 pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
     let Reading { files, overrides, progress, used, findings, .. } = reading;
     let there: Vec<&FoundFile> = files.iter().filter(|f| f.serves_as(Format::RtklibPos)).collect();
@@ -20,7 +20,7 @@ pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 
                 there.iter().find(|f| f.file == *name).copied().ok_or_else(|| {
                     OpenError::file(
                         "deployment.toml",
-                        format!("gnss names `{name}`, which is no RTKLIB solution file here"),
+                        format!("gnss names `{name}`, which is not an RTKLIB solution file here"),
                         "give names relative to the folder",
                     )
                 })
@@ -34,7 +34,7 @@ pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 
         return Err(OpenError::file(
             "deployment.toml",
             "gnss names a file twice",
-            "each antenna has a file of its own",
+            "each antenna needs its own file",
         ));
     }
     let three: [&FoundFile; 3] = match chosen.try_into() {
@@ -53,7 +53,7 @@ pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 
         findings.extend(said);
         used.push(&file.file);
     }
-    // Coordinates about a base station are short, those about the Earth's centre are not.
+    // Coordinates relative to a base station are short, those relative to the Earth's centre are not.
     let about_the_earth =
         |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
     if !antennas.iter().all(|fixes| about_the_earth(fixes) == about_the_earth(&antennas[0])) {

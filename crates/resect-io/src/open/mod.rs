@@ -1,4 +1,4 @@
-//! The way from a path to a deployment: what is in a folder, which file plays which part, and what is missing.
+//! Opening of a path as a deployment: its files, the role of each, and missing ones.
 
 mod bags;
 mod cartesian;

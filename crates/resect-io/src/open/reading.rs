@@ -3,13 +3,13 @@ use resect_core::progress::Progress;
 
 use super::found::FoundFile;
 
-/// What the readers of everything beside the tracks share.
+/// Input and output shared by the readers of everything but tracks.
 pub struct Reading<'a, 'b> {
     pub files: &'a [FoundFile],
     pub overrides: &'a Overrides,
-    /// The overrides that the user says, over those that the folder says.
-    pub put_right: &'a Overrides,
-    /// The inter-prism distances by the rig's files (m), once they are read.
+    /// Overrides of the user, which take precedence over those of the folder.
+    pub corrections: &'a Overrides,
+    /// Distances between the prisms from the rig's files (m), after these are read.
     pub distances_of_files_m: Option<[f64; 3]>,
     pub progress: &'a Progress,
     /// Names of the files that were read.

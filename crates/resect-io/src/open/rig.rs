@@ -1,4 +1,4 @@
-//! The rig, from all files that describe it, and whether they agree.
+//! The rig, from all files that describe it, and their agreement.
 
 use crate::findings::rig::{
     prism_positions_disagree, prism_positions_of_other_rig, rig_derived_from_reading,
@@ -15,9 +15,9 @@ use crate::format::Format;
 use resect_core::deployment::pairwise_distances;
 use resect_core::deployment::{OneOrMany, Rig};
 
-/// Distances of one rig in two files that differ by more than this (m) are reported.
+/// Difference of a distance between two files of one rig above which it is reported (m).
 const RIG_TOLERANCE_M: f64 = 0.005;
-/// Distances in two files that differ by more than this (m) are of two rigs.
+/// Difference of a distance between two files above which they describe two rigs (m).
 const WRONG_RIG_M: f64 = 0.05;
 
 /// Formats of files that `rig` of `deployment.toml` can name.
@@ -29,7 +29,7 @@ const DESCRIBE_A_RIG: [Format; 5] = [
     Format::JobXml,
 ];
 
-/// Reads the rig; `None`, with a finding, where nothing gives the inter-prism distances.
+/// Reads the rig; returns `None`, with a finding, if the inter-prism distances are unknown.
 pub fn read_rig<'a>(
     reading: &mut Reading<'a, '_>,
     prism_constants_m: &[f64; 3],
@@ -40,17 +40,17 @@ pub fn read_rig<'a>(
     let measured = files.prisms.map(|(_, prisms_m)| pairwise_distances(&prisms_m));
     let by_files = files.distances.map(|(prisms, _)| prisms).or(measured);
     reading.distances_of_files_m = by_files;
-    let Reading { overrides, put_right, findings, .. } = reading;
+    let Reading { overrides, corrections, findings, .. } = reading;
     let inter_prism_m = match overrides.inter_prism_m {
-        // A file that the user names now goes before the overrides of the folder.
-        Some(_) if files.is_named && put_right.inter_prism_m.is_none() => {
+        // A file that the user names takes precedence over the overrides of the folder.
+        Some(_) if files.is_named && corrections.inter_prism_m.is_none() => {
             findings.push(rig_file_preferred());
             by_files
         }
         overriding => overriding.or(by_files),
     };
     let Some(inter_prism_m) = inter_prism_m else {
-        // One prism has no distances.
+        // A single prism has no distances.
         if overrides.prisms != Some(1) {
             findings.push(rig_unknown());
         }
@@ -97,7 +97,7 @@ struct RigFiles<'a> {
     prisms: Option<(&'a String, [Vector3<f64>; 3])>,
     /// Distances between the prisms, and between the antennas (m).
     distances: Option<([f64; 3], Option<[f64; 3]>)>,
-    /// The user has named one of the files.
+    /// True if the user named one of the files.
     is_named: bool,
 }
 
@@ -143,7 +143,7 @@ fn find_rig_file<'a>(
     format: Format,
 ) -> Result<Option<&'a FoundFile>, OpenError> {
     let named_files = reading.overrides.rig.as_ref().map(OneOrMany::as_slice);
-    // What the user names now goes before what deployment.toml names.
+    // Files that the user names take precedence over those that deployment.toml names.
     let wanted = |f: &&FoundFile| {
         f.standing == Standing::Named || named_files.is_none_or(|named| named.contains(&f.file))
     };
@@ -154,8 +154,8 @@ fn find_rig_file<'a>(
         [file] => Ok(Some(file)),
         [first, second, ..] => Err(OpenError::file(
             &first.file,
-            format!("and {} both hold {}", second.file, format.describe()),
-            "name the one to use in deployment.toml: rig = \"…\"; or leave one of them in the folder",
+            format!("and {} both contain {}", second.file, format.describe()),
+            "name the one to use in deployment.toml: rig = \"…\"; or keep only one in the folder",
         )),
     }
 }
@@ -177,7 +177,7 @@ fn check_triangle(inter_prism_m: &[f64; 3]) -> Result<(), OpenError> {
     Ok(())
 }
 
-/// Returns the prisms in the frame of the vehicle, if `deployment.toml` has them and they are of this rig.
+/// Returns the prisms in the frame of the vehicle (m), if `deployment.toml` has them and they match this rig.
 fn prisms_in_vehicle(
     reading: &mut Reading<'_, '_>,
     inter_prism_m: &[f64; 3],

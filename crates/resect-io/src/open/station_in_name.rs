@@ -1,6 +1,6 @@
-//! The number of a station in the name of its file.
+//! Station numbers in file names.
 
-/// The last number of a file's name, and the path without it.
+/// Returns the last number of a file's name, and the path with `#` in place of it.
 pub fn station_in_name(file: &str) -> Option<(String, i64)> {
     let folder = file.rfind(['/', '\\']).map_or(0, |at| at + 1);
     let end = folder + file[folder..].rfind(|c: char| c.is_ascii_digit())? + 1;

@@ -1,7 +1,7 @@
-//! What surveyors' files (GSI, JobXML) give a deployment: control points, their coordinates, the rig.
+//! Control points, their coordinates and the rig from surveyors' files (GSI, JobXML).
 //!
-//! One file is one instrument in one place. Whose it is, the number at the end of its name says, or `surveys` of
-//! `deployment.toml`. Files whose names differ in that number only make one set of control points.
+//! One file is one instrument in one place. The number at the end of its name, or `surveys` of `deployment.toml`, gives its station.
+//! Files whose names differ only in that number form one set of control points.
 
 use crate::findings::surveys::{
     survey_coordinates_left_out, survey_empty, survey_points_numbered, survey_prism_constant_kept,
@@ -21,14 +21,14 @@ use crate::recording::station_index;
 use resect_core::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany, PrismConstants};
 use resect_core::geometry::Polar;
 
-/// The surveyors' files of a folder, read.
+/// Contents of the surveyors' files of a folder.
 pub struct Surveys<'a> {
     files: Vec<(&'a FoundFile, Survey)>,
 }
 
-/// The readings of stations 1, 2, 3 that belong together.
+/// Readings of stations 1, 2, 3 that form one set.
 struct Group<'s> {
-    /// Names of the files without the station's number; what joins them.
+    /// Common name of the files, without the station's number.
     pattern: String,
     stations: [Option<(&'s str, &'s Survey)>; 3],
 }
@@ -37,7 +37,7 @@ struct Group<'s> {
 type RigPoints<'a> = (&'a String, [Vector3<f64>; 3]);
 
 impl<'a> Surveys<'a> {
-    /// Reads every one that is there and not set aside.
+    /// Reads every such file, except those set aside.
     pub fn read(reading: &mut Reading<'a, '_>) -> Result<Self, OpenError> {
         let mut files = Vec::new();
         for file in reading.files {
@@ -59,14 +59,14 @@ impl<'a> Surveys<'a> {
         {
             return Err(OpenError::file(
                 "deployment.toml",
-                format!("surveys names `{missing}`, which is no GSI or JobXML file here"),
+                format!("surveys names `{missing}`, which is not a GSI or JobXML file here"),
                 "give names relative to the folder, of stations 1, 2, 3",
             ));
         }
         Ok(Self { files })
     }
 
-    /// The sets of control points, one for each group of files; points are told apart by their names.
+    /// Returns the sets of control points, one for each group of files; points are identified by their names.
     pub fn control_points(
         &self,
         reading: &mut Reading<'a, '_>,
@@ -84,7 +84,7 @@ impl<'a> Surveys<'a> {
         for (file, survey) in self.files.iter().filter(|(file, _)| wanted(file)) {
             let name = file.file.as_str();
             if survey.sightings.is_empty() {
-                // What an instrument computed from its own set-up must not pass for a survey.
+                // Coordinates that an instrument computed from its own set-up are used only if the user names the file.
                 let by_name =
                     file.standing == Standing::Named || overrides.control_points.is_some();
                 if survey.coordinates.is_empty() {
@@ -130,7 +130,7 @@ impl<'a> Surveys<'a> {
         sets.filter(|set| !set.points.is_empty()).collect()
     }
 
-    /// The first three points of the file that `rig` of `deployment.toml` names, in the frame of its instrument (m).
+    /// Returns the first three points of the file that `rig` of `deployment.toml` names, in the frame of its instrument (m).
     pub fn rig(
         &self,
         named: Option<&[String]>,
@@ -143,7 +143,7 @@ impl<'a> Surveys<'a> {
         };
         findings.extend(survey.findings.iter().cloned());
         findings.extend(survey.points(&file.file, prism_constants_m[0]).1);
-        // The constant belongs to the prism, so to the station that follows it.
+        // The prism constant belongs to the prism, and so to the station that tracks it.
         let of = |prism: usize| survey.points(&file.file, prism_constants_m[prism]).0;
         let prisms: Option<Vec<Vector3<f64>>> = (0..3)
             .map(|prism| of(prism).get(prism).map(|(_, polar)| polar.to_cartesian()))
@@ -153,13 +153,13 @@ impl<'a> Surveys<'a> {
             _ => Err(OpenError::file(
                 &file.file,
                 "has fewer than three points",
-                "the first three are to be prisms 1, 2, 3",
+                "the first three must be prisms 1, 2, 3",
             )),
         }
     }
 }
 
-/// The group of a file, and its station from 0.
+/// Returns the group of a file, and its station, 0 to 2.
 fn whose(name: &str, surveys: Option<&[String; 3]>) -> Option<(String, usize)> {
     if let Some(surveys) = surveys {
         return surveys.iter().position(|own| own == name).map(|station| (String::new(), station));
@@ -203,7 +203,7 @@ impl Group<'_> {
     }
 }
 
-/// Gives points their markers: the number in their names, or where that does not tell them apart, their place.
+/// Numbers the points: by the numbers in their names if these are distinct, otherwise in order of appearance.
 fn number(file: &str, points: &mut [(String, ControlPoint)], findings: &mut Vec<Finding>) {
     let in_name: Option<Vec<i64>> = points
         .iter()

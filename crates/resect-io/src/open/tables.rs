@@ -1,4 +1,4 @@
-//! Tables among the files of tracks: those of one station each, and those whose columns the user has to name.
+//! Tables among the files of tracks: those of one station each, and those with columns that the user has to name.
 
 use std::path::PathBuf;
 
@@ -10,8 +10,8 @@ use crate::recording::Recording;
 use resect_core::deployment::ColumnMapping;
 use resect_core::progress::Progress;
 
-/// The tables that are tracks where nothing else is: those that the mapping fits; without one, a question about the only
-/// kind of table there is. `None` where there is none, or several kinds.
+/// Returns the tables that serve as tracks if nothing else does: those that the mapping fits. Without a mapping, asks about the
+/// only kind of table; `None` if there is no table, or several kinds.
 pub fn unknown<'a>(
     columns: Option<&ColumnMapping>,
     files: &'a [FoundFile],
@@ -31,7 +31,7 @@ pub fn unknown<'a>(
     }
 }
 
-/// Whether a file holds the track of one station, which it does not number.
+/// Returns true if a file contains the track of one station without its number.
 pub fn is_one_stations(file: &FoundFile, columns: Option<&ColumnMapping>) -> bool {
     match (file.format, columns) {
         (Format::PolarCsv, Some(columns)) => polar_csv::with_own_names(columns).station.is_none(),
@@ -41,8 +41,8 @@ pub fn is_one_stations(file: &FoundFile, columns: Option<&ColumnMapping>) -> boo
     }
 }
 
-/// Whose track each file holds, where it does not say so itself: three are of stations 1, 2, 3 in their order, if the
-/// user gave it or their names do.
+/// Returns the station number of each file that does not contain it: three files are of stations 1, 2, 3, in the order that the
+/// user or their names give.
 pub fn stations(
     folder: &str,
     tracks: &[&FoundFile],
@@ -66,7 +66,7 @@ pub fn stations(
     }
 }
 
-/// The numbers 1, 2, 3 of three names that differ in nothing else.
+/// Returns the numbers 1, 2, 3 of three names that differ in nothing else.
 fn by_number(names: &[&str]) -> Option<[i64; 3]> {
     let [a, b, c] = names else { return None };
     let differing = |digit: &str| {

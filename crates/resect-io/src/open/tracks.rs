@@ -1,4 +1,4 @@
-//! The tracks of a deployment: which files hold them, what they say, and what of it the user leaves out.
+//! The tracks of a deployment: their files, their readings, and the readings that the user leaves out.
 
 use super::cartesian;
 use super::found::{Found, FoundFile};
@@ -16,24 +16,24 @@ use resect_core::deployment::{
 };
 use resect_core::progress::Progress;
 
-/// Stamps of one station this close are the same reading (s): text files round them to microseconds.
+/// Largest difference of stamps of one reading (s): text files round them to microseconds.
 const SAME_STAMP_S: f64 = 2e-6;
 
-/// What the files with tracks gave.
+/// Contents of the files with tracks.
 pub struct TracksRead<'a> {
     pub tracks: [Track; 3],
     pub frame: TrackFrame,
     pub time_corrections: [Vec<TimeCorrection>; 3],
-    /// What belongs on every range of a station (m), whether or not those of the tracks contain it already.
+    /// Prism constants of the ranges of each station (m), even if those of the tracks contain them already.
     pub prism_constants_m: [f64; 3],
-    /// What is added to which ranges, once there are any.
+    /// Finding about added prism constants; `None` without ranges.
     pub about_prism_constant: Option<Finding>,
     /// Names of the files that were read.
     pub files: Vec<&'a str>,
     pub findings: Vec<Finding>,
 }
 
-/// Chooses the files with tracks, reads them, and marks what the user leaves out.
+/// Chooses the files with tracks, reads them, and marks the readings that the user leaves out.
 pub fn read<'a>(
     name: &str,
     found: &'a Found,
@@ -42,8 +42,8 @@ pub fn read<'a>(
 ) -> Result<TracksRead<'a>, OpenError> {
     let files = &found.files;
     let mut findings = Vec::new();
-    // What the user answered goes before the file that was asked for, and that before what the folder says.
-    let answered = found.put_right.tracks.as_ref().map(OneOrMany::as_slice);
+    // The user's answer takes precedence over the file that was opened, and that over deployment.toml.
+    let answered = found.corrections.tracks.as_ref().map(OneOrMany::as_slice);
     let named = overrides.tracks.as_ref().map(OneOrMany::as_slice);
     let chosen = answered.or(found.chosen.as_ref().map(std::slice::from_ref)).or(named);
     let columns = overrides.columns.as_ref();
@@ -63,17 +63,17 @@ pub fn read<'a>(
         read_files(&track_files, &stations, overrides, progress, &mut recording)?;
     }
     let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
-    let mut read = of_recording(recording, &track_names, &found.put_right, overrides)?;
+    let mut read = of_recording(recording, &track_names, &found.corrections, overrides)?;
     read.findings.splice(0..0, findings);
     read.findings.extend(dated::contradicts_folder(&found.name, &read.tracks));
     Ok(TracksRead { frame, files: used, ..read })
 }
 
-/// The tracks that a recording holds, by what the overrides say of them; `track_names` says where they come from.
+/// Returns the tracks of a recording, corrected by the overrides; `track_names` names their source.
 pub fn of_recording<'a>(
     mut recording: Recording,
     track_names: &str,
-    put_right: &Overrides,
+    corrections: &Overrides,
     overrides: &Overrides,
 ) -> Result<TracksRead<'a>, OpenError> {
     let time_corrections = std::mem::take(&mut recording.time_corrections);
@@ -89,12 +89,12 @@ pub fn of_recording<'a>(
         track.prism_constant_m = if include_constant { 0.0 } else { *constant_m };
     }
     leave_out(&mut tracks, overrides, &mut findings);
-    let about = about_prism_constant(constants_m, include_constant, put_right, overrides);
+    let about = about_prism_constant(constants_m, include_constant, corrections, overrides);
     Ok(TracksRead { tracks, time_corrections, findings, about_prism_constant: Some(about), ..none })
 }
 
 impl TracksRead<'_> {
-    /// Tracks that nothing was measured of yet.
+    /// Returns tracks without readings.
     pub fn none(overrides: &Overrides) -> Self {
         Self {
             tracks: Default::default(),
@@ -108,14 +108,14 @@ impl TracksRead<'_> {
     }
 }
 
-/// What is added to which ranges, and who says so.
+/// Returns the finding about added prism constants and their source.
 fn about_prism_constant(
     constants_m: &[f64; 3],
     included_in_tracks: bool,
-    put_right: &Overrides,
+    corrections: &Overrides,
     overrides: &Overrides,
 ) -> Finding {
-    let from = match (put_right.prism_constant_m, overrides.prism_constant_m) {
+    let from = match (corrections.prism_constant_m, overrides.prism_constant_m) {
         (Some(_), _) => "the user",
         (None, Some(_)) => "deployment.toml",
         (None, None) => "the MT1000",
@@ -123,7 +123,7 @@ fn about_prism_constant(
     prism_constant_added(constants_m, from, included_in_tracks)
 }
 
-/// Marks the readings that the user leaves out: those outside of the span, and the masked ones.
+/// Marks the readings that the user leaves out: those outside the span, and the masked ones.
 fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<Finding>) {
     if let Some([from_s, to_s]) = overrides.span_s {
         for track in tracks.iter_mut() {
@@ -153,7 +153,7 @@ fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<
     }
 }
 
-/// The files of tracks. Two representations in one folder are a question to the user.
+/// Chooses the files with tracks; asks the user if a folder has two representations.
 fn choose_tracks<'a>(
     name: &str,
     chosen: Option<&[String]>,
@@ -161,7 +161,7 @@ fn choose_tracks<'a>(
     files: &'a [FoundFile],
     progress: &Progress,
 ) -> Result<Vec<&'a FoundFile>, OpenError> {
-    // What may be a track is none unless it is asked for, or there is nothing else.
+    // A file that may be a track is used only if it was named, or if there is no other.
     let is_asked_for = |f: &FoundFile| chosen.is_some() && f.format.may_be_track();
     let candidates: Vec<_> =
         files.iter().filter(|f| f.format.is_track() || is_asked_for(f)).collect();
@@ -174,8 +174,8 @@ fn choose_tracks<'a>(
             candidates.iter().find(|f| f.file == *chosen).copied().ok_or_else(|| {
                 OpenError::file(
                     name,
-                    format!("`{chosen}` is no file with tracks (hidden files are not looked at)"),
-                    format!("the candidates here: {}", names().join(", ")),
+                    format!("`{chosen}` is not a file with tracks (hidden files are ignored)"),
+                    format!("candidates: {}", names().join(", ")),
                 )
             })
         };
@@ -192,7 +192,7 @@ fn choose_tracks<'a>(
             Err(OpenError::file(
                 name,
                 format!("no tracks of the stations among: {seen}"),
-                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
+                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 or ROS 2 bag",
             ))
         }
         _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => Ok(pieces),
@@ -201,7 +201,7 @@ fn choose_tracks<'a>(
     }
 }
 
-/// Reads the chosen files one after the other; bags among them are one recording.
+/// Reads the chosen files one after the other; all bags among them form one recording.
 fn read_files(
     files: &[&FoundFile],
     stations: &[Option<i64>],

@@ -8,12 +8,12 @@ use crate::findings::readings::{
 };
 use resect_core::deployment::Finding;
 
-/// Stamps before March 1973 count from a start of their own.
+/// Stamps before March 1973 do not count from 1970.
 const EARLIEST_UNIX_S: f64 = 1e8;
 
-/// An error where a column of any station cannot be in its unit; else what there is to say of the stations.
+/// Returns findings about the stations; an error if a column of any station cannot be in its unit.
 ///
-/// `is_table` tells whether `[columns]` of `deployment.toml` can put it right.
+/// `is_table` is true if `[columns]` of `deployment.toml` can correct it.
 pub fn check(
     all: &[StationSense; 3],
     files: &str,
@@ -30,7 +30,7 @@ pub fn check(
     Ok(findings)
 }
 
-/// Notes of clocks that count from a start of their own, and of stations that never measured at the same time.
+/// Returns findings about clocks that do not count from 1970, and about stations without common measuring time.
 fn clocks(all: &[StationSense; 3]) -> Vec<Finding> {
     let spans: Vec<_> =
         (0..3).filter_map(|station| Some((station, all[station].span_s?))).collect();

@@ -1,16 +1,16 @@
-//! Reasons why numbers cannot be a reading.
+//! Reasons why a reading is impossible.
 
 use std::f64::consts::{PI, TAU};
 
 use resect_core::deployment::Measurement;
 use resect_core::geometry::LONGEST_RANGE_M;
 
-/// The year 5138 in Unix seconds; milliseconds and nanoseconds are beyond it.
+/// The year 5138 in Unix seconds; smaller than any stamp of today in milliseconds or nanoseconds.
 pub const LATEST_STAMP_S: f64 = 1e11;
-/// Some instruments go on counting past a full turn or two; no further.
+/// Limit of the azimuth: some instruments count beyond one or two full turns, but no further.
 pub const LARGEST_AZIMUTH_RAD: f64 = 2.0 * TAU;
 
-/// Why numbers cannot be a reading of a total station.
+/// Reason why a reading of a total station is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Impossible {
     NotANumber,
@@ -23,11 +23,11 @@ pub enum Impossible {
 }
 
 impl Impossible {
-    /// Reasons that a recorder does not know of: it would not write such numbers if it knew that they are no readings.
+    /// Reasons that cast doubt on the recorder: it wrote the readings as valid.
     pub const DOUBTFUL: [Self; 5] =
         [Self::ZeroRange, Self::NegativeRange, Self::Zenith, Self::Far, Self::Azimuth];
 
-    /// The first thing that is impossible about a reading whose range lacks the prism constant.
+    /// Returns the first reason why a reading is impossible; the range lacks the prism constant.
     pub fn of(m: &Measurement) -> Option<Self> {
         if ![m.time_s, m.range_m, m.azimuth_rad, m.zenith_rad].iter().all(|v| v.is_finite()) {
             Some(Self::NotANumber)
@@ -48,11 +48,11 @@ impl Impossible {
         }
     }
 
-    /// What it is, after "a reading with".
+    /// Description, to follow "a reading with".
     pub fn words(self) -> &'static str {
         match self {
             Self::NotANumber => "not a number",
-            Self::ZeroRange => "a range of zero (no reading, whatever its status says)",
+            Self::ZeroRange => "a range of zero (no reading, despite its status)",
             Self::NegativeRange => "a negative range",
             Self::Zenith => "zenith angle outside 0..π rad",
             Self::Far => "range beyond 10 km",

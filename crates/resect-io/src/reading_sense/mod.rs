@@ -1,7 +1,7 @@
-//! Whether the numbers of a recording can be what they are taken for: radians, metres, seconds, and readings at all.
+//! Plausibility of the numbers of a recording as radians, metres, seconds, and readings.
 //!
-//! Judged by each station and column alone, before any calibration. What no column tells by itself (feet, a few degrees
-//! of azimuth) is left to the answer's own checks.
+//! Each column of each station is checked alone, before any calibration. Errors that no column shows alone (feet, a few degrees of
+//! azimuth) are left to the checks of the result.
 
 mod check;
 mod impossible;

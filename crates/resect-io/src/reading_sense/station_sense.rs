@@ -5,22 +5,21 @@ use crate::findings::readings::readings_implausible;
 use resect_core::deployment::{Finding, Measurement};
 use resect_core::statistics::median;
 
-/// Fewest readings of a column of which anything is said as a whole.
+/// Fewest readings for a statement about a column.
 pub const FEWEST: usize = 10;
-/// More whole-second stamps than this in a row are no chance.
+/// Number of consecutive whole-second stamps above which chance is excluded.
 const MANY: usize = 50;
-/// Share of impossible readings from which on the recorder is not believed.
+/// Share of impossible readings from which on the recorder is doubted.
 const DOUBTFUL_SHARE: f64 = 0.01;
 pub const LARGEST_SAMPLE: usize = 4096;
 
-/// What is remembered of a station's readings that its recorder calls valid: how many are impossible, and a sample spread
-/// evenly over all.
+/// Statistics of a station's readings with a valid status: counts of impossible ones, and an evenly spread sample.
 #[derive(Clone, Debug, Default)]
 pub struct StationSense {
     valid: u64,
     impossible: [u64; Impossible::DOUBTFUL.len()],
     pub sample: Vec<Sampled>,
-    /// Every how manieth reading is in the sample, less one.
+    /// Readings between two of the sample.
     skipped: u64,
     seen: u64,
     last_s: Option<f64>,
@@ -30,18 +29,18 @@ pub struct StationSense {
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled {
     pub measurement: Measurement,
-    /// Since the reading before.
+    /// Time since the previous reading (s); `None` without one.
     pub step_s: Option<f64>,
 }
 
 impl StationSense {
-    /// Takes note of a reading with a valid status, and of what is impossible about it.
+    /// Adds a reading with a valid status, and the reason if it is impossible.
     pub fn take(&mut self, m: &Measurement, impossible: Option<Impossible>) {
         self.valid += 1;
         if let Some(kind) = Impossible::DOUBTFUL.iter().position(|own| Some(*own) == impossible) {
             self.impossible[kind] += 1;
         }
-        // Where there is no range the rest is no reading either.
+        // Without a range, the angles and the stamp are no reading either.
         if matches!(impossible, Some(Impossible::NotANumber | Impossible::ZeroRange)) {
             return;
         }
@@ -72,7 +71,7 @@ impl StationSense {
         stamps.0.len() >= MANY && stamps.0.iter().all(|stamp_s| stamp_s.fract() == 0.0)
     }
 
-    /// The doubt that its impossible readings raise.
+    /// Returns a finding if the share of impossible readings is too large.
     pub fn doubt(&self, station: usize) -> Option<Finding> {
         let impossible: u64 = self.impossible.iter().sum();
         let share = impossible as f64 / self.valid.max(1) as f64;

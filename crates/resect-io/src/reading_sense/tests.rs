@@ -9,7 +9,7 @@ use resect_core::deployment::{Deployment, FindingKind, Measurement};
 
 use resect_core::simulation::{Preset, simulate};
 
-/// Rows of a sample, changed one by one: line, then time, station, range, azimuth, zenith angle.
+/// Returns the table of a sample with changed rows: index of the row; time, station, range, azimuth, zenith angle.
 fn changed(mut change: impl FnMut(usize, &mut [f64; 5])) -> String {
     let (_, text) = Sample::Warthog.files()[0];
     let mut out = polar_csv::COLUMNS.join(",") + "\n";
@@ -63,7 +63,7 @@ fn a_column_in_another_unit_is_refused_and_named() {
             },
             &["zenith angles of station 2 lie about 9", "convert them to radians"],
         ),
-        ("elevation", |r| r[4] = FRAC_PI_2 - r[4], &["angles of elevation", "vertical_angle"]),
+        ("elevation", |r| r[4] = FRAC_PI_2 - r[4], &["elevation angles", "vertical_angle"]),
         ("ms", |r| r[0] *= 1e3, &["stamps of stations 1, 2, 3", "milliseconds?", "time_format"]),
         ("ns", |r| r[0] *= 1e9, &["nanoseconds?"]),
         ("relative ms", |r| r[0] = (r[0] - 1.76e9) * 1e3, &["step by", "milliseconds?"]),

@@ -1,4 +1,4 @@
-//! Columns that cannot be in radians, metres or seconds: what they look like instead, and what puts them right.
+//! Columns that cannot be in radians, metres or seconds: their probable unit, and a remedy.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,16 +7,16 @@ use super::station_sense::{Column, FEWEST, StationSense};
 use crate::error::OpenError;
 use crate::findings::readings::{short_number, station_list};
 
-/// Nearer to the vertical than this no vehicle is tracked, so such zenith angles are angles of elevation.
+/// Steepest zenith angle at which a vehicle is tracked (rad); steeper ones are angles of elevation.
 const STEEPEST_RAD: f64 = 0.3;
-/// No instrument follows a moving prism as far away; what claims to is in millimetres.
+/// Longest range at which an instrument tracks a moving prism (m); longer ones are in millimetres.
 const LONGEST_TRACKING_M: f64 = 2_000.0;
-/// A station that tracks measures several times a second; its stamps do not step by this.
+/// Longest step of stamps (s): a tracking station measures several times a second.
 const LONGEST_STEP_S: f64 = 20.0;
 
-/// An error where a column of any station cannot be in its unit.
+/// Returns an error if a column of any station cannot be in its unit.
 ///
-/// `is_table` tells whether `[columns]` of `deployment.toml` can put it right.
+/// `is_table` is true if `[columns]` of `deployment.toml` can correct it.
 pub fn check(all: &[StationSense; 3], files: &str, is_table: bool) -> Result<(), OpenError> {
     let judged = Judged::all(all);
     let whats: Vec<_> = judged.iter().filter_map(Judged::what).collect();
@@ -48,7 +48,7 @@ impl StationSense {
             return None;
         }
         let largest = column.0.iter().copied().fold(0.0, f64::max);
-        // A circle that is not gone round does not tell; the zenith angles do, if they are off as well.
+        // Azimuths of less than a full turn do not show their unit; the zenith angles do, if they are wrong as well.
         let looks = match self.zenith().map(|zenith| zenith.looks) {
             Some(LooksLike::Degrees) if largest <= 360.0 => LooksLike::Degrees,
             Some(LooksLike::Gon) if largest <= 400.0 => LooksLike::Gon,
@@ -89,7 +89,7 @@ impl StationSense {
     }
 }
 
-/// What a column looks like, and the number that tells.
+/// The probable unit of a column, and the value that shows it.
 #[derive(Clone, Copy, Debug)]
 struct Suspicion {
     looks: LooksLike,
@@ -116,9 +116,9 @@ impl LooksLike {
             Self::Degrees => "degrees?",
             Self::Gon => "gon?",
             Self::DegreesOrGon => "degrees or gon?",
-            Self::NotRadians => "no radians",
-            Self::Elevation => "angles of elevation, or divided by 57.3 once too often?",
-            Self::SecondFace => "read in the second face?",
+            Self::NotRadians => "not radians",
+            Self::Elevation => "elevation angles, or divided by 57.3 once too often?",
+            Self::SecondFace => "measured in face right?",
             Self::Millimetres => "millimetres?",
             Self::Milliseconds => "milliseconds?",
             Self::Microseconds => "microseconds?",
@@ -126,7 +126,7 @@ impl LooksLike {
         }
     }
 
-    /// The line under `[columns]` that says so, where there is one.
+    /// Returns the line under `[columns]` that corrects the unit; `None` if no line does.
     fn key(self) -> Option<&'static str> {
         match self {
             Self::Degrees => Some("angle_unit = \"degrees\""),
@@ -141,10 +141,10 @@ impl LooksLike {
     }
 }
 
-/// A column, by how its suspicion is found and told.
+/// A column, with its suspicions by station and the words of its message.
 struct Judged {
     suspicions: [Option<Suspicion>; 3],
-    /// What the column is called, as in "zenith angles of station 2 lie about".
+    /// Name of the column, as in "zenith angles of station 2 lie about".
     name: &'static str,
     verb: &'static str,
     expected: String,
@@ -175,14 +175,14 @@ impl Judged {
                 suspicions: of(StationSense::range),
                 name: "ranges",
                 verb: "lie about",
-                expected: format!("no prism is followed beyond {LONGEST_TRACKING_M} m"),
+                expected: format!("no prism is tracked beyond {LONGEST_TRACKING_M} m"),
                 unit: "metres",
             },
             Self {
                 suspicions: of(StationSense::stamps),
                 name: "stamps",
                 verb: "lie about",
-                expected: "seconds of Unix are at 1.7e9".to_owned(),
+                expected: "Unix seconds are about 1.7e9".to_owned(),
                 unit: "seconds",
             },
             Self {
@@ -199,7 +199,7 @@ impl Judged {
         self.suspicions.into_iter().flatten().next()
     }
 
-    /// "zenith angles of station 2 lie about 91.3: degrees? (in radians …)".
+    /// Returns the message: "zenith angles of station 2 lie about 91.3: degrees? (in radians …)".
     fn what(&self) -> Option<String> {
         let first = self.first()?;
         let numbers: Vec<_> = (1..=3).filter(|n| self.suspicions[n - 1].is_some()).collect();
@@ -211,7 +211,7 @@ impl Judged {
     }
 }
 
-/// What puts it right: a line for each unit where one says it of all stations alike, else the user's own conversion.
+/// Returns the remedy: a line for each unit if one corrects all stations alike, otherwise a conversion by the user.
 fn remedy(all: &[StationSense; 3], judged: &[Judged], is_table: bool) -> String {
     let with_data = all.each_ref().map(|own| own.sample.len() >= FEWEST);
     let mut keys = Vec::new();
@@ -225,7 +225,7 @@ fn remedy(all: &[StationSense; 3], judged: &[Judged], is_table: bool) -> String 
         one_key_each &= first.looks.key().is_some();
         keys.extend(first.looks.key());
     }
-    // A unit of angles is one for both columns.
+    // Both columns of angles share one unit.
     let angles = judged.iter().filter(|column| column.unit == "radians");
     let looks: Vec<_> = angles.map(|column| column.first().map(|s| s.looks)).collect();
     if looks.contains(&Some(LooksLike::Degrees)) || looks.contains(&Some(LooksLike::Gon)) {
@@ -236,7 +236,7 @@ fn remedy(all: &[StationSense; 3], judged: &[Judged], is_table: bool) -> String 
     keys.dedup();
     let convert = format!("convert them to {}", units.join(" and "));
     if one_key_each {
-        format!("{convert}, or say so under [columns] in deployment.toml: {}", keys.join(", "))
+        format!("{convert}, or set under [columns] in deployment.toml: {}", keys.join(", "))
     } else {
         convert
     }

@@ -1,4 +1,4 @@
-//! The boxes of a chart: how wide they are, whether their numbers have room, and their marks.
+//! Boxes of a chart: widths, marks, and numbers if there is room.
 
 use super::sizes::SMALL;
 use crate::axis::{Axis, number};
@@ -7,14 +7,14 @@ use resect_core::experiment::{Quantiles, Study};
 
 pub struct Slots {
     left: f32,
-    /// Width of a group's share of the axis, and within it of a series'.
+    /// Width of a group on the axis, and of a series within it.
     pub slot: f32,
     pub unit: f32,
     half_box: f32,
     numbers: Option<Numbers>,
 }
 
-/// How numbers are written, at all boxes alike.
+/// Format of the numbers, equal for all boxes.
 struct Numbers {
     size: f32,
     digits: usize,
@@ -36,7 +36,7 @@ impl Slots {
             .into_iter()
             .find(|numbers| unit - numbers.widest >= 16.0);
         let half_box = match &numbers {
-            // As wide as a box in the middle may be; a slim one rather moves away from its number.
+            // As wide as a centred box may be; a narrow box is instead moved away from its number.
             Some(numbers) => {
                 let aside = 0.5 * (unit - numbers.widest - 6.0);
                 (0.5 * unit - numbers.widest - 5.0).max(aside.min(12.0)).min(20.0)
@@ -46,13 +46,13 @@ impl Slots {
         Self { left, slot, unit, half_box, numbers }
     }
 
-    /// Tells how far boxes stand from the middle of their shares, to leave room for their numbers.
+    /// Returns the offset of boxes from the middles of their slots, which gives room to their numbers.
     pub fn aside(&self) -> f32 {
         let numbers = self.numbers.as_ref();
         numbers.map_or(0.0, |it| (0.5 * self.unit - it.widest - 5.0 - self.half_box).min(0.0))
     }
 
-    /// What the marks mean, and how many values are behind them.
+    /// Returns the legend of the marks, with the number of values.
     pub fn caption(&self, chart: &Study) -> String {
         let n = || chart.all_quantiles().map(|quantiles| quantiles.n);
         let (Some(fewest), Some(most)) = (n().min(), n().max()) else { return String::new() };
@@ -66,7 +66,7 @@ impl Slots {
             format!("; {fewest} to {most} values each")
         };
         if chart.needs_log() && chart.all_quantiles().any(|quantiles| quantiles.q05 <= 0.0) {
-            caption += "; whiskers without an end reach zero";
+            caption += "; open whiskers reach zero";
         }
         caption
     }
@@ -98,12 +98,12 @@ impl Slots {
     ) {
         let [q05, q25, median, q75, q95] = quantiles.values().map(|value| axis.place(value));
         let end = x + 0.5 * self.unit;
-        // The box is in the middle unless its number needs the room.
+        // The box is centred unless its number needs the room.
         let x = x + self.aside();
         if let Some(numbers) = &self.numbers {
             let [median_text, range_text] = texts(quantiles, numbers.digits);
             let size = numbers.size;
-            // Beside the median; and above the whisker, out of the median's way.
+            // The median is beside its line; the interquartile range is above the whisker, clear of the median.
             let half = 0.5 * text_width(&median_text, size);
             let at = [x + self.half_box + 4.0 + half, median];
             paper(at, [half, 0.5 * size], marks);
@@ -131,7 +131,7 @@ impl Slots {
         marks.push(Mark::line([x - half, median], [x + half, median], ink, 2.4));
     }
 
-    /// A group without any box tells why once. Whether it is one.
+    /// Writes the common reason once in a group without any box; returns false if there is none, or it does not fit.
     fn draw_missing_group(
         &self,
         chart: &Study,
@@ -156,7 +156,7 @@ impl Slots {
         true
     }
 
-    /// Why a box is missing, upright where it would stand, or only that it is.
+    /// Writes the reason for a missing box upwards at its position, or a dash if it does not fit.
     fn draw_missing(&self, [x, bottom]: [f32; 2], room: f32, why: &str, marks: &mut Vec<Mark>) {
         let why = shortened(why, SMALL, room - 12.0);
         if why.is_empty() || self.unit < 1.3 * SMALL {
@@ -171,7 +171,7 @@ impl Slots {
     }
 }
 
-/// A box in words and numbers, or why there is none; `None` where none was to be.
+/// Describes a box in words and numbers, or the reason for its absence; `None` without either.
 pub fn said(chart: &Study, group: usize, series: usize) -> Option<String> {
     let of = chart.groups.get(group)?;
     let name = chart.series.get(series)?.name.trim();
@@ -182,8 +182,8 @@ pub fn said(chart: &Study, group: usize, series: usize) -> Option<String> {
             let [q05, q25, median, q75, q95] =
                 quantiles.values().map(|value| format!("{} mm", number(value, 3)));
             lines.push(format!("median {median}"));
-            lines.push(format!("half of them from {q25} to {q75}"));
-            lines.push(format!("nine in ten from {q05} to {q95}"));
+            lines.push(format!("quartiles {q25} and {q75}"));
+            lines.push(format!("90 % from {q05} to {q95}"));
             lines.push(format!("{} values", quantiles.n));
         }
         Err("") => return None,
@@ -193,12 +193,12 @@ pub fn said(chart: &Study, group: usize, series: usize) -> Option<String> {
     Some(lines.join("\n"))
 }
 
-/// The median and the interquartile range as they are written at a box.
+/// Formats the median and the interquartile range of a box.
 fn texts(quantiles: &Quantiles, digits: usize) -> [String; 2] {
     [quantiles.median, quantiles.q75 - quantiles.q25].map(|value| number(value, digits))
 }
 
-/// Paper under a text: hides the grid and the levels behind it, whose dashes would strike it through.
+/// Draws a background for a text, which hides the grid and the dashed levels behind it.
 fn paper([x, y]: [f32; 2], [half_width, half_height]: [f32; 2], marks: &mut Vec<Mark>) {
     const ABOUT: f32 = 1.5;
     marks.push(Mark::Rect {

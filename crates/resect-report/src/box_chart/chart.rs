@@ -1,4 +1,4 @@
-//! The layout of a chart: axis, boxes, foot, lines and texts.
+//! Layout of a chart: axis, boxes, foot, lines and texts.
 
 use super::boxes::{self, Slots};
 use super::foot::{Foot, FootText};
@@ -9,29 +9,29 @@ use crate::drawing::{Anchor, Drawing, Ink, Mark, shortened, text_width, wrap};
 use resect_core::deployment::Finding;
 use resect_core::experiment::Study;
 
-/// The axis of values of a study between two heights of a drawing.
+/// Returns the value axis of a study between two heights of a drawing.
 fn value_axis(study: &Study, bottom: f32, top: f32) -> Axis {
     Axis::of(study.values(), study.needs_log(), bottom, top, HEADROOM)
 }
 
-/// A chart on its canvas, and where its boxes stand.
+/// A chart on its canvas, with the positions of its boxes.
 pub struct LaidOut {
     pub drawing: Drawing,
     places: Places,
 }
 
-/// Where boxes stand, in units of the canvas.
+/// Positions of boxes (units of the canvas).
 struct Places {
-    /// Ends of the groups' axis, and of the values'.
+    /// Ends of the axis of groups, and of the axis of values.
     across: [f32; 2],
     upwards: [f32; 2],
-    /// Widths of a group's share of the axis, and of a series' within it.
+    /// Width of a group on the axis, and of a series within it.
     slot: f32,
     unit: f32,
 }
 
 impl LaidOut {
-    /// What there is to read of the box at a place of the canvas; `None` beside the boxes.
+    /// Returns the description of the box at a position on the canvas; `None` beside the boxes.
     pub fn said_at(&self, chart: &Study, [x, y]: [f32; 2]) -> Option<String> {
         let Places { across: [left, right], upwards: [bottom, top], slot, unit } = self.places;
         if !(left..right).contains(&x) || !(top..=bottom).contains(&y) {
@@ -52,9 +52,9 @@ pub fn draw(chart: &Study, size: [f32; 2]) -> Drawing {
     lay_out(chart, &chart.findings, size).drawing
 }
 
-/// Lays a study out, with these of its findings below it: where they stand beside it already, none.
+/// Lays out a study with these of its findings below it; none if they are already shown beside it.
 pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
-    // On a larger canvas the texts grow too, though less than the boxes.
+    // Texts grow with the canvas, though less than the boxes.
     let scale = ((size[0] * size[1]).sqrt() / 720.0).clamp(0.85, 1.5);
     let [width, height] = size.map(|side| side / scale);
     let mut marks = Vec::new();
@@ -65,8 +65,8 @@ pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
         level_texts.iter().flatten().map(|line| text_width(line, SMALL) + 10.0).fold(0.0, f32::max);
     let right = width - MARGIN - level_width;
 
-    // What stands left of the axis leaves the groups less room, their names then the axis, and that its own
-    // label: grow until it fits.
+    // Labels left of the axis reduce the room of the groups; the groups' names then shorten the axis, which changes
+    // its own labels. Increases the width until everything fits.
     let mut labels_width = 0.0;
     let (left, slots, foot, bottom, axis, value_lines) = loop {
         let left = MARGIN + labels_width + 8.0;
@@ -85,7 +85,7 @@ pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
     };
     if chart.all_quantiles().next().is_none() {
         let at = [0.5 * (left + right), 0.5 * (top + bottom)];
-        marks.push(Mark::text(at, "nothing to show", LABEL, Ink::Weak, Anchor::Middle));
+        marks.push(Mark::text(at, "no data", LABEL, Ink::Weak, Anchor::Middle));
     } else {
         for (value, label) in axis.ticks() {
             let y = axis.place(value);
@@ -100,7 +100,7 @@ pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
         marks.push(Mark::upwards(at, line, LABEL, Ink::Text, Anchor::Middle));
     }
     marks.push(Mark::line([left, bottom], [right, bottom], Ink::Weak, 1.0));
-    // The name of a single box stands right below it.
+    // The name of a single box is right below it.
     let aside = if chart.series.len() == 1 { slots.aside() } else { 0.0 };
     foot.draw([left, right], aside, bottom, width, &mut marks);
     let places = Places {
@@ -112,7 +112,7 @@ pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
     LaidOut { drawing: Drawing { size: [width, height], marks }.scaled(scale), places }
 }
 
-/// The label of the value axis, which says so if the axis is logarithmic, in one line where it fits.
+/// Returns the label of the value axis, which mentions a logarithmic scale, in one line if it fits.
 fn value_lines(chart: &Study, room: f32) -> Vec<String> {
     let mut lines = wrap(&chart.value_label, LABEL, room, 2);
     if chart.needs_log() {
@@ -125,7 +125,7 @@ fn value_lines(chart: &Study, room: f32) -> Vec<String> {
     lines
 }
 
-/// Title, subtitle and legend from the top down. Where they end.
+/// Draws title, subtitle and legend from the top down; returns their lower end.
 fn head(chart: &Study, width: f32, marks: &mut Vec<Mark>) -> f32 {
     let room = width - 2.0 * MARGIN;
     let mut y = MARGIN;
@@ -170,7 +170,7 @@ fn head(chart: &Study, width: f32, marks: &mut Vec<Mark>) -> f32 {
     if x > MARGIN { y + 1.3 * LABEL } else { y }
 }
 
-/// The dashed lines, and their labels to the right of them, moved apart where lines are close.
+/// Draws the dashed lines with their labels to the right, moved apart if lines are close.
 fn draw_levels(
     chart: &Study,
     texts: &[Vec<String>],
@@ -183,7 +183,7 @@ fn draw_levels(
         chart.shown_levels().map(|level| axis.place(level.value)).zip(texts).collect();
     labels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let tall = |lines: &[String]| 1.2 * SMALL * lines.len() as f32;
-    // From the bottom up, each label as low as its line asks and those below allow; the highest have headroom.
+    // From the bottom up, each label is as low as its line requires and the labels below allow; the highest use the headroom.
     let mut free = bottom;
     for (y, lines) in labels.into_iter().rev() {
         marks.push(Mark::Line {

@@ -1,4 +1,4 @@
-//! What stands below a box chart: the groups' names and notes in their slots, the axis title, the caption.
+//! Text below a box chart: names and notes of the groups in their slots, axis title, caption, findings.
 
 use super::sizes::{LABEL, SMALL};
 use crate::drawing::{Anchor, Ink, Mark, text_width, wrap};
@@ -7,23 +7,23 @@ use resect_core::experiment::Study;
 
 const LABEL_LINE: f32 = 1.25 * LABEL;
 const SMALL_LINE: f32 = 1.25 * SMALL;
-/// Space between the axis and the groups' names: a median's number may stand right on the axis.
+/// Space between the axis and the groups' names, for a median's number right at the axis.
 const GAP: f32 = 8.0;
 
 pub struct Foot {
     groups: Vec<GroupText>,
     upwards: bool,
-    /// Each how many groups have a name, where even upright ones would overlap.
+    /// Interval of groups with a name, if even upright names would overlap.
     every: usize,
-    /// How deep the deepest name reaches with its note.
+    /// Height of the tallest name with its note.
     depth: f32,
     title: Vec<String>,
     caption: Vec<String>,
-    /// What the study found, in full ink.
+    /// Findings of the study, in full ink.
     remarks: Vec<String>,
 }
 
-/// What stands at the very bottom.
+/// Text at the bottom.
 pub struct FootText<'a> {
     pub caption: String,
     pub findings: &'a [Finding],
@@ -35,7 +35,7 @@ struct GroupText {
 }
 
 impl Foot {
-    /// Names are level where all of them fit their slots, else they read upwards.
+    /// Lays names out horizontally if all of them fit their slots, otherwise upwards.
     pub fn of(chart: &Study, text: &FootText<'_>, slot: f32, [width, height]: [f32; 2]) -> Self {
         let level = |text: &str, size: f32| {
             let lines = wrap(text, size, slot - 6.0, 3);
@@ -52,7 +52,7 @@ impl Foot {
         let labels = labels.unwrap_or_else(|| {
             chart.groups.iter().map(|group| wrap(&group.label, LABEL, longest, abreast)).collect()
         });
-        // Beside an upright name a note has no room: the caption tells how many values there are.
+        // An upright name leaves no room for a note; the caption has the number of values.
         let notes =
             notes.filter(|_| !upwards).unwrap_or_else(|| vec![Vec::new(); chart.groups.len()]);
         let groups: Vec<GroupText> =
@@ -81,7 +81,8 @@ impl Foot {
             + 16.0
     }
 
-    /// `left` and `right` are the ends of the axis, `top` its height; names stand so far `aside` of the middles of their groups.
+    /// Draws the foot. `left` and `right` are the ends of the axis, `top` its height; `aside` is the offset of names
+    /// from the middles of their groups.
     pub fn draw(
         &self,
         [left, right]: [f32; 2],
@@ -114,7 +115,7 @@ impl Foot {
         }
         let mut y = top + GAP + self.depth + 4.0 + 0.5 * LABEL_LINE;
         for line in &self.title {
-            // In the middle of the axis where the canvas has room for that.
+            // Centred on the axis if the canvas is wide enough.
             let half = 0.5 * text_width(line, LABEL);
             let x = (0.5 * (left + right)).min(width - 12.0 - half).max(12.0 + half);
             marks.push(Mark::text([x, y], line, LABEL, Ink::Text, Anchor::Middle));
@@ -129,7 +130,7 @@ impl Foot {
     }
 }
 
-/// The study's findings, two lines each, as many as a sixth of the canvas holds; the last line counts the rest.
+/// Returns the study's findings, two lines each, in at most a sixth of the canvas; the last line counts the rest.
 fn remarks(findings: &[Finding], width: f32, height: f32) -> Vec<String> {
     let room = (height / 6.0 / SMALL_LINE) as usize;
     let mut lines = Vec::new();
@@ -139,7 +140,7 @@ fn remarks(findings: &[Finding], width: f32, height: f32) -> Vec<String> {
         let left = findings.len() - index;
         let last = left == 1;
         if lines.len() + more.len() + usize::from(!last) > room {
-            lines.push(format!("! {left} more findings stand in the table"));
+            lines.push(format!("! {left} more findings in the table"));
             break;
         }
         lines.extend(more);

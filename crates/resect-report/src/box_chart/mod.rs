@@ -1,4 +1,4 @@
-//! A study as boxes of quantiles side by side, in groups, as in the paper's figures: laid out for any size.
+//! A study as groups of box plots, as in the paper's figures, laid out for any size.
 
 mod boxes;
 mod chart;

@@ -1,6 +1,6 @@
 //! Sizes of text and margins.
 
-/// Sizes of text on a canvas of middling size; all else is measured against them.
+/// Text sizes on a medium canvas; everything else is relative to them.
 pub const LABEL: f32 = 11.5;
 pub const SMALL: f32 = 9.5;
 pub const TITLE: f32 = 15.0;

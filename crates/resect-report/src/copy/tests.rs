@@ -1,4 +1,4 @@
-//! Every form is read back as its reader would.
+//! Reads every format back as its consumer would.
 
 use nalgebra::{Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde_json::Value;
@@ -8,7 +8,7 @@ use resect_core::analysis::Settings;
 use resect_core::calibration::{Method, TransformSigma};
 use resect_core::geometry::RigidTransform;
 
-/// What a copy may be off by: below 1 µm and 1 µrad.
+/// Largest error of a copy: below 1 µm and 1 µrad.
 const LOST: f64 = 1e-8;
 
 fn transforms() -> [RigidTransform; 2] {
@@ -45,7 +45,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
     }
 }
 
-/// The copy of a good answer: T12 and T13.
+/// Copies a good answer: T12 and T13.
 fn copied(format: CopyFormat) -> String {
     text(format, &summary(Verdict::Good), Part::Both)
 }
@@ -139,7 +139,7 @@ fn both_publishers_name_parent_and_child() {
     }
 }
 
-/// The rotations of a URDF joint are about fixed axes: first x, then y, then z.
+/// A URDF joint rotates about fixed axes: first x, then y, then z.
 #[test]
 fn urdf_joints_are_read_back() {
     let text = copied(CopyFormat::Urdf);
@@ -162,7 +162,7 @@ fn urdf_joints_are_read_back() {
         let translation_m = Vector3::new(xyz[0], xyz[1], xyz[2]);
         assert_is(&RigidTransform { rotation, translation_m }.matrix(), &expected);
     }
-    // A comment of XML ends at its first two hyphens.
+    // The first two hyphens end an XML comment.
     let mut hostile = summary(Verdict::Weak);
     hostile.deployment = "a --> <joint/> ---".to_owned();
     let text = text_of(&hostile);
@@ -213,7 +213,7 @@ fn a_part_is_only_that_part() {
     for format in CopyFormat::ALL {
         let [both, one, other] = Part::ALL.map(|part| text(format, &summary(Verdict::Good), part));
         assert!(one.len() < both.len() && other.len() < both.len(), "{both}");
-        // The x of station 2 is nowhere in a copy of T13.
+        // A copy of T13 does not contain the x of station 2.
         assert!(one.contains("-123.456789") && !other.contains("-123.456789"), "{other}");
     }
 }
@@ -240,7 +240,7 @@ fn a_good_answer_that_nothing_checked_says_so_in_every_form() {
     }
 }
 
-/// A deployment's name comes from a file, and these lines go into a shell.
+/// A deployment's name comes from a file, and these lines are pasted into a shell.
 #[test]
 fn a_name_cannot_smuggle_in_a_line() {
     for format in [CopyFormat::Ros1, CopyFormat::Ros2, CopyFormat::Numpy, CopyFormat::Matrix] {

@@ -1,9 +1,9 @@
-//! Errors of estimates over time, a strip each, over what the ground truth leaves open.
+//! Errors of estimates over time, in a strip each, with the uncertainty of the ground truth.
 
 use crate::drawing::{Anchor, Drawing, Ink, Mark};
 use crate::frame::Frame;
 use crate::residual_chart::draw_strokes;
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 use resect_core::estimates::odd::OddOne;
 use resect_core::palette;
 use resect_core::statistics::quantiles;
@@ -15,11 +15,11 @@ const TOP: f32 = 8.0;
 const BOTTOM: f32 = 52.0;
 const ROW: f32 = 120.0;
 const ROW_GAP: f32 = 24.0;
-/// The range shows this share of the errors.
+/// Share of the errors within the range.
 const SHOWN: f64 = 0.995;
 
-/// The sizes of the position errors (mm) over the time since `start_s`; odd spans are shaded.
-pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
+/// Draws the absolute position errors (mm) over the time since `start_s` (s); odd spans are shaded.
+pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing {
     let judged = &judgement.judged;
     let all_s = judged.iter().flat_map(|one| one.errors.iter().map(|error| error.time_s - start_s));
     let (from, to) =
@@ -30,7 +30,7 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
     for (index, one) in judged.iter().enumerate() {
         let bottom = TOP + (index + 1) as f32 * (ROW_GAP + ROW);
         let top = bottom - ROW;
-        // Each strip has its own range: a good one beside a bad one would be a line.
+        // Each strip has its own range: beside a bad estimate a good one would be a flat line.
         let sizes = one.errors.iter().map(|error| 1e3 * error.position_m.norm());
         let most = quantiles(sizes, [SHOWN]).map_or(1.0, |[most]| 1.1 * most.max(1e-3));
         let plot = Frame::new(times, [0.0, most], [LEFT, top], [right, bottom]);
@@ -71,7 +71,7 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
     for (text, above, ink) in [
         ("time since the first measurement (s)", 28.0, Ink::Text),
         (
-            "grey: 1.96 σ of the ground truth; shaded: the estimate is wrong (red), the ground truth is (blue)",
+            "grey: 1.96 σ of the ground truth; shaded: estimate wrong (red), ground truth wrong (blue)",
             10.0,
             Ink::Weak,
         ),

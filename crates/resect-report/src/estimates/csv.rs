@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 
-/// A line for each epoch of each estimate: the error beside the ground truth's σ along each axis, in station 1's frame.
-pub fn csv(judgement: &Judgement) -> String {
+/// Formats a line for each epoch of each estimate: the error and σ of the ground truth along each axis, in station 1's frame.
+pub fn csv(judgement: &EstimatesJudgement) -> String {
     let mut text =
         "estimate,timestamp_s,true_x_m,true_y_m,true_z_m,error_x_m,error_y_m,error_z_m,error_m,\
                     error_rotation_rad,sigma_x_m,sigma_y_m,sigma_z_m,undecided,contradiction_m\n"

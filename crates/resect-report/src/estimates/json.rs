@@ -6,10 +6,10 @@ use crate::json::{SCHEMA, findings};
 use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::Ape;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{Judged, Judgement};
+use resect_core::estimates::{EstimatesJudgement, Judged};
 
-/// Everything as one object; lengths in metres, angles in radians, times in seconds.
-pub fn json(deployment: &str, calibration: &Calibration, judgement: &Judgement) -> Value {
+/// Returns everything as one object; lengths in metres, angles in radians, times in seconds.
+pub fn json(deployment: &str, calibration: &Calibration, judgement: &EstimatesJudgement) -> Value {
     let name = |index: usize| &judgement.judged[index].estimate.name;
     json!({
         "schema": SCHEMA,

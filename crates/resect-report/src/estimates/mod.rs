@@ -1,4 +1,4 @@
-//! Estimates held against a deployment's trajectory, as plain text, JSON, CSV and a picture.
+//! Estimates compared with a deployment's trajectory, as plain text, JSON, CSV and a picture.
 
 mod chart;
 mod csv;

@@ -1,18 +1,18 @@
-//! A judgement for the terminal: a column an estimate, then who is better, and where something is odd.
+//! A judgement for the terminal: a column for each estimate, then the ranking and the odd spans.
 
 use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::RelativeErrors;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::ranking::Comparison;
-use resect_core::estimates::{Judged, Judgement};
+use resect_core::estimates::ranking::PairComparison;
+use resect_core::estimates::{EstimatesJudgement, Judged};
 
 const LABEL: usize = 30;
 
-/// Tables and lines; `start_s` is when the drive began, from which spans are counted.
+/// Formats tables and lines; `start_s` is the start of the drive, to which spans are relative.
 pub fn text(
     deployment: &str,
     calibration: &Calibration,
-    judgement: &Judgement,
+    judgement: &EstimatesJudgement,
     start_s: f64,
 ) -> String {
     let mut lines = vec![
@@ -64,7 +64,7 @@ pub fn text(
     lines.join("\n")
 }
 
-/// The unit in which turns are told: how many of it are a radian, and its name.
+/// Unit of rotations: its number in a radian, and its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
     pub per_radian: f64,
@@ -72,13 +72,12 @@ pub struct Angles {
 }
 
 impl Angles {
-    /// As evo tells them.
+    /// Degrees, as in evo.
     pub const DEGREES: Self = Self { per_radian: 180.0 / std::f64::consts::PI, unit: "°" };
 }
 
-/// What is known of each estimate: the label of a line with its unit, and a cell for each; lines that no estimate has are
-/// left out.
-pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)> {
+/// Returns the rows: a label with its unit, and a cell for each estimate. Rows without any value are left out.
+pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<(String, Vec<String>)> {
     let Angles { per_radian, unit } = angles;
     let mut rows = Vec::new();
     let mut row = |label: &str, cell: &dyn Fn(&Judged) -> Option<String>| {
@@ -90,7 +89,7 @@ pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)>
     };
     row("poses with ground truth", &|one| Some(one.errors.len().to_string()));
     row("poses without", &|one| Some(one.without_truth.to_string()));
-    // Where all are brought together in one way, its numbers say all.
+    // This row is only needed if the alignments differ.
     let is_one_way = judgement.judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
     row("aligned by", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
     let with_sigma = |value: f64, sigma: Option<f64>| {
@@ -126,7 +125,7 @@ pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)>
     row(&format!("APE rotation, rmse ({unit})"), &|one| {
         Some(format!("{:.3}", per_radian * one.rotation?.rmse))
     });
-    // Of fewer pairs chance makes most of the number; JSON has all, with their count.
+    // Errors of fewer pairs are mostly chance; the JSON has all, with their count.
     const FEWEST: usize = 10;
     let well = |relative: RelativeErrors| (relative.position.count >= FEWEST).then_some(relative);
     for path_m in resect_core::estimates::RELATIVE_M {
@@ -142,7 +141,7 @@ pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)>
     row(&format!("ground truth's σ ({unit})"), &|one| {
         Some(format!("{:.3}", per_radian * one.against_sigma.sigma_rad?))
     });
-    row("ground truth cannot tell", &|one| {
+    row("error not significant", &|one| {
         Some(format!("{:.0} % of poses", 100.0 * one.against_sigma.undecided))
     });
     row("ground truth's share of error²", &|one| {
@@ -151,34 +150,34 @@ pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)>
     rows
 }
 
-/// Which of two estimates is better, by how much, and whether that is more than chance.
-pub fn compared(judgement: &Judgement, two: &Comparison) -> String {
+/// States the better of two estimates, by how much, and if the difference is significant.
+pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison) -> String {
     const ALIKE: f64 = 1e-3;
     let name = |index: usize| &judgement.judged[index].estimate.name;
     let (better, worse) = (name(two.better), name(two.worse));
     let [a, b] = two.rmse_m.map(|rmse| 1e3 * rmse);
-    let apart = format!("{a:.1} against {b:.1} mm rmse where both have poses");
+    let apart = format!("{a:.1} against {b:.1} mm rmse over their common poses");
     match (two.ratio_95, two.confidence) {
         (Some([low, high]), _) if low > 1.0 - ALIKE && high < 1.0 + ALIKE => {
             format!("no difference between {better} and {worse}: {apart}")
         }
         (Some([low, high]), Some(_)) if two.is_significant() => format!(
-            "{better} is better than {worse}: {apart}, a ratio of {:.2} (95 %: {low:.2} to {high:.2}), which is significant",
+            "{better} is significantly better than {worse}: {apart}, ratio {:.2} (95 %: {low:.2} to {high:.2})",
             a / b
         ),
         (Some([low, high]), Some(confidence)) => format!(
-            "not decided between {better} and {worse}: {apart}, a ratio of {:.2} (95 %: {low:.2} to {high:.2}); \
-             drawn again and again from blocks of the drive, {better} is better in {:.0} %",
+            "no significant difference between {better} and {worse}: {apart}, ratio {:.2} (95 %: {low:.2} to {high:.2}); \
+             {better} is better in {:.0} % of the bootstrap samples",
             a / b,
             100.0 * confidence
         ),
         _ => format!(
-            "not decided between {better} and {worse}: {apart}; the time in common is too short"
+            "inconclusive for {better} and {worse}: {apart}; their common time is too short"
         ),
     }
 }
 
-/// How far apart the two are in a span, and who is wrong.
+/// States the size of a contradiction in a span, and its cause.
 pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> String {
     let turn = span.rotation_rad.filter(|turn| turn.to_degrees() >= 0.05);
     let turn = turn.map(|turn| format!(", {:.1} {unit}", per_radian * turn));
@@ -197,13 +196,11 @@ pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> Str
             let whose = span.station.map_or("its readings".to_owned(), |station| {
                 format!("the readings of station {}", station + 1)
             });
-            return format!(
-                "there is no ground truth: {whose} cannot be right there and were left out"
-            );
+            return format!("no ground truth: {whose} are inconsistent there and were left out");
         }
         OddOne::TruthAgainst(count) => {
-            format!("the ground truth is the odd one out: {count} estimates agree against it")
+            format!("the ground truth is wrong: {count} estimates agree and contradict it")
         }
     };
-    format!("up to {:.0} mm{} apart; {who}", 1e3 * span.position_m, turn.unwrap_or_default())
+    format!("difference up to {:.0} mm{}; {who}", 1e3 * span.position_m, turn.unwrap_or_default())
 }

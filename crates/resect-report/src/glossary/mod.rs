@@ -1,7 +1,7 @@
-//! The words of this field, each explained in a sentence or two: the window shows them where they stand, and `resect explain`
-//! prints them.
+//! The terms of the field, each explained in a sentence or two. The window shows explanations beside the terms, and
+//! `resect explain` prints them.
 //!
-//! [`terms`] is the list. Panes mark a word by its constant, so that no word that is marked can lack its explanation.
+//! [`terms`] is the list. Panes mark a term by its constant, so that every marked term has an explanation.
 
 mod search;
 mod term;

@@ -3,13 +3,13 @@
 use super::term::Term;
 use super::terms::ALL;
 
-/// The term that goes by this name, however it is spelt: `τ_s`, `tau-s`, `Tau_S`.
+/// Returns the term with this name, in any spelling: `τ_s`, `tau-s`, `Tau_S`.
 pub fn find(name: &str) -> Option<&'static Term> {
     let wanted = plain(name);
     ALL.iter().copied().find(|term| term.names().any(|name| plain(name) == wanted))
 }
 
-/// Terms that have every word of a query in their names or their meaning, those with it in their names first.
+/// Returns the terms with every word of a query in names or explanation; matches in names come first.
 pub fn matching(query: &str) -> Vec<&'static Term> {
     let words: Vec<String> = query.split_whitespace().map(plain).collect();
     let rank = |term: &Term| {
@@ -24,7 +24,7 @@ pub fn matching(query: &str) -> Vec<&'static Term> {
     let mut found: Vec<_> =
         ALL.iter().copied().filter_map(|term| Some((rank(term)?, term))).collect();
     found.sort_by_key(|(rank, _)| *rank);
-    // A name that is typed whole is what is looked for.
+    // A complete name comes first.
     if let Some(exact) = find(query)
         && let Some(at) = found.iter().position(|(_, term)| *term == exact)
     {
@@ -33,7 +33,7 @@ pub fn matching(query: &str) -> Vec<&'static Term> {
     found.into_iter().map(|(_, term)| term).collect()
 }
 
-/// Names that everybody reads right in a sentence.
+/// Names that need no explanation in a sentence.
 const EVERYDAY: [&str; 13] = [
     "reading",
     "measurement",
@@ -50,7 +50,7 @@ const EVERYDAY: [&str; 13] = [
     "verdict",
 ];
 
-/// Terms that stand in a sentence and may need a word, in the order in which they come: a longer name hides those within it.
+/// Returns the terms in a text that may need an explanation, in their order; a longer name hides those within it.
 pub fn in_text(text: &str) -> Vec<&'static Term> {
     let text = plain(text);
     let mut places: Vec<(usize, usize, &'static Term)> = Vec::new();
@@ -76,7 +76,7 @@ pub fn in_text(text: &str) -> Vec<&'static Term> {
     found
 }
 
-/// Whether a place in a text is a whole word, or its plural.
+/// Returns true if a range of a text is a whole word, or its plural.
 fn is_word(text: &str, [from, to]: [usize; 2]) -> bool {
     let is_part = |c: char| c.is_alphanumeric();
     let before = text[..from].chars().next_back();
@@ -86,7 +86,7 @@ fn is_word(text: &str, [from, to]: [usize; 2]) -> bool {
     !before.is_some_and(is_part) && (plural || !next.is_some_and(is_part))
 }
 
-/// Without what people spell differently: case, hyphens, Greek.
+/// Removes differences of spelling: case, hyphens, Greek letters.
 fn plain(text: &str) -> String {
     text.trim()
         .to_lowercase()
@@ -140,7 +140,7 @@ mod tests {
         let line = "prisms 1–2: inter-prism distances are off by 5.1 mm (median), σ of the mirror twin is not known";
         assert_eq!(in_text(line), [&INTER_PRISM_DISTANCES, &SIGMA, &MIRROR_TWIN]);
         assert_eq!(in_text("station 2's ranges are off by +7.1 ppm"), [&PPM]);
-        // RMS is not in "terms", and a lean not in "leaning".
+        // "terms" does not contain RMS, nor "leaning" a lean.
         assert_eq!(in_text("in terms of a leaning tripod"), [] as [&Term; 0]);
         assert_eq!(in_text("994 triplets of readings"), [&TRIPLET]);
     }

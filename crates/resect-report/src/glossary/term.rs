@@ -1,31 +1,31 @@
 //! A term of the field and its explanation.
 
-/// A word of the field and what it means.
+/// A term of the field, with its explanation.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Term {
-    /// As the window writes it.
+    /// Name in the window.
     pub name: &'static str,
-    /// What else it is called, or how it stands in sentences.
+    /// Synonyms, and forms in sentences.
     pub also: &'static [&'static str],
-    /// One to three sentences.
+    /// Explanation in one to three sentences.
     pub means: &'static str,
-    /// Where the paper (Vaidis et al. 2022) has it; empty where it goes beyond the paper.
+    /// Section or figure of the paper (Vaidis et al. 2022); empty for terms beyond the paper.
     pub paper: &'static str,
 }
 
 impl Term {
-    /// All that the term goes by.
+    /// Returns the name and all synonyms.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         std::iter::once(self.name).chain(self.also.iter().copied())
     }
 
-    /// Where the paper has it, as a line; `None` where it goes beyond the paper.
+    /// Returns the reference to the paper as a line; `None` for terms beyond the paper.
     pub fn source(&self) -> Option<String> {
         (!self.paper.is_empty()).then(|| format!("Vaidis et al. 2022, {}", self.paper))
     }
 }
 
-/// The name, and behind it what else the term is called.
+/// Returns the name, followed by the synonyms in brackets.
 pub fn title(term: &Term) -> String {
     match term.also {
         [] => term.name.to_owned(),

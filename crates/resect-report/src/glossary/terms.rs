@@ -1,4 +1,4 @@
-//! The list of terms, on the way from readings to a verdict: plain data.
+//! The list of terms, in the order from readings to a verdict: plain data.
 
 use super::term::Term;
 
@@ -10,224 +10,252 @@ macro_rules! terms {
             means: $means,
             paper: concat!($($paper)?),
         };)*
-        /// All terms, on the way from readings to a verdict.
+        /// All terms, in the order from readings to a verdict.
         pub static ALL: &[&Term] = &[$(&$constant),*];
     };
 }
 
 terms! {
-    // What is measured.
+    // Measurements.
     STATION = "robotic total station" / "RTS":
-        "An instrument that follows a prism by itself and measures range, azimuth and zenith angle to it. Three of them, 1 to 3, follow \
-         the three prisms of a vehicle." ("section I");
+        "An instrument that follows a prism and measures range, azimuth and zenith angle to it. Stations 1 to 3 follow the three prisms \
+         of a vehicle." ("section I");
     DEPLOYMENT = "deployment":
-        "One field session with stations that nobody moved: three tracks, and what lies beside them of control points, rig and GNSS."
-        ("section IV");
+        "One field session with stations that nobody moved: three tracks, and optional control points, rig and GNSS." ("section IV");
     READING = "reading" / "measurement":
-        "What a station measured at one instant: range, azimuth, zenith angle and a time stamp. Stations read at about 2.5 Hz, each at \
-         its own moments." ("section IV");
+        "An observation of a station at one instant: range, azimuth, zenith angle and a time stamp. Stations read at about 2.5 Hz, not at \
+         the same instants." ("section IV");
     ZENITH_ANGLE = "zenith angle" / "zenith" / "elevation":
-        "The angle from straight up down to the prism; 90° is level. Files often call it elevation." ("section III-B");
+        "The angle between the upward vertical and the line of sight; 90° is level. Files often call it elevation." ("section III-B");
     AZIMUTH = "azimuth":
-        "The horizontal angle to the prism, clockwise seen from above unless the files say otherwise, from wherever the instrument's \
-         circle is zero." ("section III-B");
+        "The horizontal angle to the prism, clockwise from above unless the files say otherwise. Zero is the zero of the instrument's \
+         circle." ("section III-B");
     PRISM_CONSTANT = "prism constant":
-        "What has to be added to a range because of how light travels in the prism: +10 mm for the MT1000. A wrong one bends every \
-         distance and, where stations differ in height, the answer.";
+        "A length added to every range because light travels more slowly in the prism: +10 mm for the MT1000. A wrong constant distorts \
+         all distances and, if stations differ in height, the answer.";
     RIG = "rig":
         "The three prisms fixed to the vehicle. Their distances must not change during a drive." ("section III-B");
     INTER_PRISM_DISTANCES = "inter-prism distance" / "prism distance":
-        "How far the prisms of the rig are from each other: α = 1–2, β = 1–3, γ = 2–3. They are measured beforehand with one station, \
-         and are what method D rests on." ("section III-B, eq. (3)");
+        "A distance between two prisms of the rig: α = 1–2, β = 1–3, γ = 2–3. All three are measured before the drive with one station. \
+         Method D is based on them." ("section III-B, eq. (3)");
     CONTROL_POINT = "control point" / "GCP" / "ground control point":
-        "A point that stands still and that every station measured. Static ones are set up by hand; dynamic ones are one moving prism \
-         that all stations follow." ("sections III-A and III-B");
-    OWN_CLOCK = "own clock":
-        "The clock of the computer at a station, beside the synchronised time that readings are stamped with. One millisecond between \
+        "A fixed point that every station measured. Static points are set up by hand; dynamic points are one moving prism that all \
+         stations follow." ("sections III-A and III-B");
+    OWN_CLOCK = "own clock" / "station clock":
+        "The clock of the computer at a station, beside the synchronised time of the stamps. A time offset of one millisecond between \
          stations is one millimetre at 1 m/s." ("section II");
     STAMP = "stamp" / "time stamp":
-        "The time that a file gives for a reading. Stamps may be late, drift or jump against those of another station.";
+        "The time that a file gives for a reading. Stamps may be late, drift or jump relative to those of another station.";
 
     // The pipeline.
     OUTLIER_FILTER = "outlier filter":
-        "Drops readings that differ from the one before by more than a vehicle can move: faster than τ_r in range, τ_a in azimuth or \
+        "Rejects readings that differ from the previous one by more than a vehicle can move: faster than τ_r in range, τ_a in azimuth or \
          τ_e in zenith angle. Optional." ("section III-B, module 1");
+    OUTLIER = "outlier":
+        "A reading with an error far larger than the noise, for example after a lock on another prism. The outlier filter rejects such \
+         readings; the joint estimate reduces their weight.";
     TAU_R = "τ_r":
-        "The fastest change of range that is believed, in m/s; the vehicle's top speed. Faster readings are dropped."
+        "The largest plausible rate of the range, in m/s: the vehicle's top speed. Faster readings are rejected."
         ("sections III-B and V-A: 2 m/s for the Warthog, 1 m/s for the HD2");
     TAU_A = "τ_a":
-        "The fastest change of azimuth that is believed, in degrees a second. Near a station a slow vehicle turns it fast: look at the \
-         rates before you lower it." ("sections III-B and V-A: 1 °/s");
+        "The largest plausible rate of the azimuth, in degrees per second. A slow vehicle close to a station has a high rate: look at the \
+         rates before you reduce τ_a." ("sections III-B and V-A: 1 °/s");
     TAU_E = "τ_e":
-        "The fastest change of the zenith angle that is believed, in degrees a second." ("sections III-B and V-A: 1 °/s");
+        "The largest plausible rate of the zenith angle, in degrees per second." ("sections III-B and V-A: 1 °/s");
     GAP = "gap" / "silence":
-        "A time without readings of a station: it lost its prism behind an obstacle, or the radio failed." ("section III-B, module 2");
+        "A time without readings of a station: an obstacle hid its prism, or the radio failed." ("section III-B, module 2");
     TAU_S = "τ_s":
-        "The longest gap inside an interval, in seconds: across longer ones nothing is interpolated."
+        "The longest gap inside an interval, in seconds. Longer gaps are not interpolated."
         ("sections III-B and V-A: 1 s, two lost readings in a row");
     INTERVAL = "interval" / "interval split":
         "A span in which all three stations measured without a gap longer than τ_s." ("section III-B, module 2");
     TAU_L = "τ_l" / "interval filter":
-        "Intervals up to this length, in seconds, are dropped, because few readings make a poor interpolation. Optional."
+        "Intervals up to this length, in seconds, are rejected, because few readings interpolate poorly. Optional."
         ("sections III-B and V-A: 6 s");
+    SEGMENT = "segment":
+        "An unbroken span of readings within a drive. The joint estimate fits one spline to each segment and gives no poses between \
+         segments.";
     FATE = "fate":
-        "What became of a reading: kept, rejected for one of the rates, in no interval, in an interval too short, or left out by hand.";
+        "The use of a reading: kept, rejected for one of the rates, in no interval, in an interval too short, or left out by hand.";
     INTERPOLATION = "interpolation":
-        "Finds where each prism was at the same instants, between readings that each station took at its own moments: along straight \
-         lines, or by a Gaussian process." ("section III-B, module 4");
+        "Computes the positions of all prisms at common instants from readings at different instants: by straight lines, or by a Gaussian \
+         process." ("section III-B, module 4");
     GAUSSIAN_PROCESS = "Gaussian process" / "GP":
-        "An interpolation that learns how smooth the motion and how noisy the readings are, and tells σ of what it says. It wants \
-         long intervals." ("section III-B, module 4");
+        "An interpolation that estimates the smoothness of the motion and the noise of the readings, and gives σ. It needs long \
+         intervals." ("section III-B, module 4");
     MOTION_MODEL = "motion model" / "white noise on acceleration" / "WNOA":
-        "A Gaussian process for vehicles: its velocity persists, its acceleration is random. It follows stops and turns, and its cost \
-         grows only with the number of readings.";
+        "A Gaussian process for vehicles: the acceleration is white noise. It follows stops and turns, and its computing time grows only \
+         linearly with the number of readings.";
     TRIPLET = "triplet":
-        "The three prisms' interpolated positions at one instant, each in its own station's frame." ("section III-B, module 4");
+        "The interpolated positions of the three prisms at one instant, each in the frame of its station." ("section III-B, module 4");
 
     GHOST = "ghost":
-        "In the scene, a prism at a time of which there is no triplet: a dashed ring where it was last read, paler the longer that is \
-         ago, and gone after three seconds. Where the rig was meanwhile nobody knows.";
+        "In the scene, a prism at a time without a triplet: a dashed ring at its last reading. It fades and disappears after three \
+         seconds. The position of the rig at that time is unknown.";
     TRAIL = "trail":
-        "In the scene, the way that each prism went in the last seconds before the time cursor, drawn wider than its track and fading \
-         out into the past.";
+        "In the scene, the path of each prism in the last seconds before the time cursor. It is wider than the track and fades into the \
+         past.";
 
-    // The calibrations.
+    // Calibrations.
     EXTRINSICS = "extrinsic calibration" / "extrinsics" / "calibration":
-        "Finding where stations 2 and 3 stand and which way they face, seen from station 1, so that all readings share one frame."
+        "Estimates the positions and orientations of stations 2 and 3 relative to station 1, so that all readings share one frame."
         ("sections I and III");
-    RESECTION = "resection" / "free stationing":
-        "The surveyors' word for finding where an instrument stands from points that it sees." ("sections I and III-A");
+    RESECTION = "resection" / "free stationing" / "free station":
+        "The surveyors' term for the estimation of an instrument's position from points that it measures." ("sections I and III-A");
     T12 = "T12" / "T_12":
-        "The transform that takes points from station 2's frame into station 1's: x, y, z of station 2 seen from station 1, and by how \
-         much its zero direction is turned (yaw)." ("figure 2, eq. (3)");
+        "The transform from station 2's frame into station 1's: x, y, z of station 2 in the frame of station 1, and the rotation of its \
+         zero direction (yaw)." ("figure 2, eq. (3)");
     T13 = "T13" / "T_13":
-        "The transform that takes points from station 3's frame into station 1's: x, y, z and yaw, as T12 for station 2."
-        ("figure 2, eq. (3)");
+        "The transform from station 3's frame into station 1's: x, y, z and yaw, as T12 for station 2." ("figure 2, eq. (3)");
     YAW = "yaw" / "ψ":
-        "How far a station's zero direction is turned about the vertical against station 1's. Levelled stations differ in nothing else \
-         but where they stand." ("eq. (2)");
+        "The rotation of a station's zero direction about the vertical, relative to station 1. Levelled stations differ only in position \
+         and yaw." ("eq. (2)");
     LEVEL = "level" / "levelled":
-        "Stations are set upright by their compensators: four unknowns each (x, y, z, yaw). Rigid lets roll and pitch go as well, which \
-         readings seldom hold." ("section III-A, eq. (2)");
+        "Compensators keep the stations vertical, so each has four unknowns (x, y, z, yaw). The rigid alignment also estimates roll and \
+         pitch, which the readings seldom determine." ("section III-A, eq. (2)");
     TWO_POINT = "two-point resection" / "method A":
         "A: each station is placed in the triangle with two points whose relative position is known to a millimetre." ("section III-A");
     STATIC_GCP = "static control points" / "method B":
         "B: the stations are aligned on three or more points that each measured while nothing moved. The paper's reference."
         ("section III-A, eq. (1)");
     DYNAMIC_GCP = "dynamic control points" / "method C":
-        "C: the same alignment on the moments of one moving prism that all three stations follow." ("section III-B, eq. (1)");
+        "C: as method B, on the positions of one moving prism that all three stations follow." ("section III-B, eq. (1)");
     INTER_PRISM = "method D" / "dynamic inter-prism calibration":
-        "D: the transforms under which the prisms keep their known distances during a drive, by least squares over all triplets."
-        ("section III-B, eq. (3)");
+        "D: the transforms that minimise the errors of the known inter-prism distances during a drive, by least squares over all \
+         triplets." ("section III-B, eq. (3)");
     JOINT = "joint estimate":
-        "Transforms, motion, clocks, rig and the errors of the instruments in one estimate out of the readings themselves. What the \
-         data does not show keeps its usual size and widens σ. Beyond the paper; where it can run, it is the answer.";
-    PRIOR = "prior":
-        "The guess that the minimisation of method D starts from. In closed form it needs no guess; the search is the paper's."
+        "Estimates transforms, motion, clocks, rig and instrument errors together from the raw readings. A quantity that the data does not \
+         determine keeps its prior and increases σ. It is not in the paper. If it can run, it is the answer.";
+    CONVERGENCE = "convergence" / "did not converge" / "not converged" / "converged":
+        "The iterations of a solver reached a minimum. If they did not converge, the numbers are not a valid answer and their σ is \
+         meaningless.";
+    PRIOR = "prior search" / "search of the prior" / "initial guess":
+        "Finds the initial guess for the minimisation of method D, which the paper calls the prior. The closed form needs no search."
         ("section III-B, search of prior");
+    PRIOR_SIZE = "prior" / "prior σ" / "a priori" / "known before":
+        "Knowledge about a quantity before the drive: a value with its σ, for example the usual size of a clock offset. The joint estimate \
+         combines it with the readings. In method D, the prior is the initial guess (prior search).";
     TAU_V = "τ_v" / "speed limit":
-        "In the search of the prior, only triplets slower than this count; it grows from 1 cm/s by 10 cm/s over the range of speeds."
-        ("section III-B, search of prior");
+        "The search of the prior uses only triplets slower than τ_v. It increases τ_v from 1 cm/s in steps of 10 cm/s over the range of \
+         speeds." ("section III-B, search of prior");
     SIGMA_DISTANCES = "σ distances":
-        "How well you know the inter-prism distances (1 σ): one millimetre unless given. It is part of every σ of the answer.";
+        "The σ of the inter-prism distances: one millimetre unless given. It is part of every σ of the answer.";
 
-    // How far it can be trusted.
+    // Reliability of an answer.
     VERDICT = "verdict":
-        "How far an answer can be trusted, in one word, with reasons: good, weak (a large σ or a doubt), ambiguous (two answers, and \
-         nothing decides) or degenerate (a direction is free).";
+        "The reliability of an answer in one word, with reasons: good, weak (a large σ or a doubt), ambiguous (two solutions fit) or \
+         degenerate (a direction is unobservable).";
     UNCHECKED = "not independently checked" / "independently checked":
-        "Nothing that the answer does not itself rest on confirms it: control points would, or, for an answer from control points, a \
-         drive with known distances. Errors that leave no trace in the readings stay unseen.";
-    SIGMA = "σ" / "standard deviation":
-        "One standard deviation: the true value lies within 1 σ in two cases of three, within 2 σ in 19 of 20. For method D it is told \
-         from stretches of time (sandwich), because triplets of the same readings err together.";
+        "No data that the answer does not use confirms it. Control points would, or, for an answer from control points, a drive with known \
+         distances. Errors without a trace in the readings stay undetected.";
+    SIGMA = "σ" / "standard deviation" / "uncertainty":
+        "The standard deviation: the true value is within 1 σ in two cases of three, within 2 σ in 19 of 20. Method D estimates it from \
+         blocks of time (sandwich), because triplets of the same readings have correlated errors.";
     SANDWICH = "sandwich σ" / "sandwich":
-        "σ from how much stretches of the drive pull the answer about, and not from the fit alone, which would be several times too \
-         small: ten triplets a second come from 2.5 readings.";
-    ELLIPSOID = "ellipsoid":
-        "Where a station stands with 95 % probability, drawn so that it can be seen.";
-    INTER_PRISM_METRIC = "inter-prism metric" / "distance error" / "residual":
-        "How far the distances between prisms under the answer are from the measured ones, in mm. Method D makes it small itself, so that a \
-         small one alone proves nothing." ("section V");
+        "A σ from the scatter between blocks of time. A σ from the fit alone would be several times too small, because ten triplets per \
+         second come from 2.5 readings.";
+    COVARIANCE = "covariance" / "covariance matrix":
+        "The matrix of the variances of several quantities and of their common variation. The square roots of its diagonal are the σ.";
+    SIGNIFICANCE = "significant" / "significance" / "not significant" / "p-value":
+        "A value is significant if it differs from zero, or from its reference, by more than a few σ. Noise alone seldom causes such a \
+         difference; its probability is p. A value that is not significant may be zero.";
+    INCONCLUSIVE = "inconclusive" / "not determined":
+        "The data does not suffice for a decision either way. This is neither a confirmation nor a contradiction.";
+    RANDOM_WALK = "random walk" / "process noise":
+        "A model of slow changes: independent small steps add up, so the variance grows with time. The joint estimate uses it for stations \
+         and clocks during a drive.";
+    ELLIPSOID = "ellipsoid" / "confidence ellipsoid" / "confidence region":
+        "The region that contains the station with 95 % probability, enlarged to be visible.";
+    RESIDUAL = "residual":
+        "A measured value minus the value that the answer predicts. Small residuals alone do not prove an answer: unobservable errors \
+         leave none.";
+    INTER_PRISM_METRIC = "inter-prism metric" / "distance error":
+        "The difference between computed and measured inter-prism distances, in mm. Method D minimises it, so a small value alone proves \
+         nothing." ("section V");
+    GROUND_TRUTH = "ground truth":
+        "The vehicle's trajectory from the three stations, with σ. Trajectories of other systems are compared with it.";
     APE = "APE" / "absolute pose error" / "ATE":
-        "How far a trajectory's poses are from the ground truth's at the same times, once it is aligned as a whole; evo's number.";
+        "The difference between the poses of a trajectory and the ground truth at the same times, after one alignment of the whole \
+         trajectory; as in evo.";
     RPE = "RPE" / "relative pose error":
-        "How far the motion over a path of some length is from the ground truth's, path after path: drift, whatever came before; \
-         evo's number.";
+        "The error of the motion over paths of a fixed length, compared with the ground truth: it shows drift, independent of earlier \
+         errors; as in evo.";
     LEVER_ARM = "lever arm":
-        "Where the origin of a sensor, or of the body whose poses a trajectory has, is in the vehicle's frame.";
+        "The position of a sensor's origin, or of the body of a trajectory, in the vehicle's frame.";
     TIME_OFFSET = "time offset":
-        "What is added to a trajectory's times to have the ground truth's: negative where its clock is ahead.";
+        "The correction of a trajectory's times to those of the ground truth: negative if its clock is ahead.";
     GCP_METRIC = "control-point metric" / "GCP metric":
-        "How far apart the stations see the same control point, in mm, once all are in one frame: the more honest metric, where D has \
-         not seen the points." ("section V");
+        "The distance between the positions of one control point from different stations, in mm, in a common frame. Method D does not use \
+         the points, so this is an independent check." ("section V");
     IQR = "IQR" / "interquartile range":
-        "The span of the middle half of the errors: a quarter is below it, a quarter above." ("section V");
+        "The range of the middle half of the errors: a quarter is below it, a quarter above." ("section V");
     RMS = "RMS" / "root mean square":
-        "The square root of the mean of the squared errors. Unlike the median it is raised much by a few large ones.";
-    MIRROR_TWIN = "mirror twin" / "twin" / "mirror solution":
-        "On level ground all distances stay the same when station 2 or 3 is raised by twice the height difference of its prism. The \
-         twin fits nearly as well and is wrong by that much; pitch and roll, the rig's heights or control points tell it apart.";
+        "The square root of the mean squared error. Unlike the median, it is sensitive to a few large errors.";
+    MIRROR_TWIN = "mirrored solution" / "mirror ambiguity" / "mirror solution" / "mirror twin" / "twin":
+        "On level ground all distances stay the same if station 2 or 3 is raised by twice the height difference of its prism. This second \
+         solution fits nearly as well and has the wrong height. Pitch and roll, the rig's heights or control points rule it out.";
     COST_RATIO = "cost ratio":
-        "How many times the sum of squared errors of another minimum is that of the answer. Close to 1, the drive does not tell them \
-         apart." ("eq. (3)");
+        "The sum of squared errors of another minimum, divided by that of the answer. Close to 1, the drive does not distinguish the two."
+        ("eq. (3)");
     MINIMUM = "minima" / "minimum" / "local minimum":
-        "An answer that no small change improves. There may be several; the search starts from many places and compares all of them."
+        "A solution that no small change improves. There may be several; the search starts from many places and compares all."
         ("section III-B");
-    OBSERVABILITY = "observability":
-        "How well the drive holds each of the eight unknowns: a straight line leaves three directions free, a circle one; an L is weak."
-        ("section VI");
-    WEAK_DIRECTION = "weak direction" / "free direction":
-        "A motion of stations 2 and 3 together that the distances hardly notice. Turns to both sides, far apart, make them notice.";
+    OBSERVABILITY = "observability" / "observable":
+        "Each of the eight unknowns is observable, weakly observable or unobservable in a drive. A straight line leaves three directions \
+         unobservable, a circle one; an L is weak." ("section VI");
+    WEAK_DIRECTION = "weak direction" / "weakly observable" / "unobservable" / "free direction":
+        "A common motion of stations 2 and 3 that hardly changes the inter-prism distances (weakly observable) or does not change them \
+         (unobservable). Turns to both sides, far apart, determine it.";
     CORRELATION = "correlation":
-        "How the errors of two numbers go together, from −1 to 1. Near ±1 the one cannot be told without the other.";
+        "The linear dependence of two errors, from −1 to 1. Near ±1, the data determines only a combination of the two quantities.";
     ADVICE = "figure-eight":
-        "The drive that holds every direction: turns to both sides, 20 m or more across, best on uneven ground." ("section VI");
-    VALIDATION = "validation" / "moved alone":
-        "Whether an earlier calibration holds for another run: the difference of both answers against its σ, and which station alone \
-         would explain it. The chances say how often errors of the usual size look like that.";
+        "A drive that makes every direction observable: turns to both sides, 20 m or more across if the place allows, best on uneven \
+         ground." ("section VI");
+    VALIDATION = "validation" / "moved alone" / "evidence of movement":
+        "Tests an earlier calibration on another run: the difference of both answers in σ, and the station whose movement alone would \
+         explain it. p is the probability of so large a difference from errors of the usual size.";
 
     ABLATION = "ablation" / "ablate the pipeline":
-        "A study: the errors with and without each optional module of the pipeline, so that one sees what each brings."
+        "A study: the errors with and without each optional module of the pipeline. It shows the benefit of each module."
         ("section V-A");
     SENSITIVITY = "sensitivity" / "sweep a threshold":
-        "A study: the errors while one threshold goes through its range and all else stays. Where the curve is flat, the threshold \
+        "A study: the errors as one threshold varies over its range and all other settings stay. A flat curve means that the threshold \
          does not matter." ("section V-A");
     COMPARISON = "comparison of the methods" / "compare calibrations":
         "A study: every method that the data allows, by both metrics." ("section V-B");
     TRAJECTORY = "trajectory" / "pose" / "six degrees of freedom":
-        "Where the vehicle was and which way it faced at each moment: with all stations in one frame, the three prisms give its \
-         position and orientation. The file (TUM) has time, position and quaternion, as evo reads it." ("section I");
+        "The position and orientation of the vehicle over time, from the three prisms with all stations in one frame. The file (TUM) has \
+         time, position and quaternion, as evo reads it." ("section I");
     GNSS = "GNSS" / "RTK":
-        "Satellite positions of antennas on the vehicle. Their distances are compared with those of the prisms, and tell how much \
-         better the stations are." ("sections IV and V-B");
+        "Satellite positions of antennas on the vehicle. The errors of their distances are compared with those of the prisms."
+        ("sections IV and V-B");
 
-    // What instruments do wrong.
-    PPM = "ppm":
-        "Millionths of the range: air that is 1 °C warmer than the instrument believes makes 1 ppm, 0.1 mm at 100 m.";
-    VERTICAL_INDEX = "vertical index" / "index error" / "vertical indices":
-        "A constant error of all zenith angles of an instrument, of a few arcseconds; averaging both faces would take it out. On flat \
-         ground it leaves no trace in the distances.";
-    COLLIMATION = "collimation" / "line of sight":
-        "A line of sight that is not square to its axis, or a tracker that locks on beside the prism's middle: a constant angle to the \
-         side.";
+    // Instrument errors.
+    PPM = "ppm" / "scale error":
+        "Millionths of the range: air that is 1 °C warmer than the instrument's setting causes 1 ppm, 0.1 mm at 100 m.";
+    VERTICAL_INDEX = "vertical index error" / "vertical index" / "index error" / "vertical indices":
+        "A constant error of all zenith angles of an instrument, a few arcseconds. The mean of both faces eliminates it. On flat ground \
+         it is unobservable from the distances.";
+    COLLIMATION = "collimation error" / "collimation" / "line of sight":
+        "A constant horizontal error of the line of sight: it is not perpendicular to its axis, or the tracker locks on beside the centre \
+         of the prism.";
     LATENCY = "latency" / "latencies":
         "The time between the angles and the range of one reading: up to 30 ms while the instrument tracks.";
-    LEAN = "lean" / "tilt":
-        "How far a station's vertical axis is off the plumb line, about x and y: an arcsecond or two once the compensator has done \
-         its work.";
-    RANGE_OFFSET = "range offset":
-        "A constant error of a station's ranges to its prism: the prism constant, its centring, the instrument's zero.";
+    LEAN = "tilt" / "lean" / "vertical axis error":
+        "The deviation of a station's vertical axis from the plumb line, about x and y: one or two arcseconds with the compensator on.";
+    RANGE_OFFSET = "range offset" / "additive error":
+        "A constant error of a station's ranges: prism constant, centring of the prism, and zero of the instrument.";
     SETTLING = "settling":
-        "Tripods turn and sink a little during a drive: tens of microradians and about a millimetre, more in the sun and on soft \
+        "Slow rotation and sinking of tripods during a drive: tens of microradians and about a millimetre, more in the sun and on soft \
          ground.";
-    WANDERING_RANGES = "wandering ranges" / "wander":
-        "Ranges to a turning or tilted prism err by up to a few millimetres for seconds to minutes, so that averaging does not help.";
+    WANDERING_RANGES = "wandering ranges" / "wander" / "correlated range error":
+        "Range errors of up to a few millimetres to a turning or tilted prism. They persist for seconds to minutes, so averaging does not \
+         reduce them.";
     CLOCK_OFFSET = "clock offset" / "offset of a clock":
-        "How late the stamps of a station are against station 1's. Where the vehicle moves it shows in the distances: a millisecond \
-         is a millimetre at 1 m/s." ("section II");
+        "The delay of a station's stamps relative to station 1. A moving vehicle makes it observable in the distances: a millisecond is a \
+         millimetre at 1 m/s." ("section II");
     CLOCK_DRIFT = "clock drift" / "drift":
-        "A clock that runs fast or slow: 1 ppm is a microsecond each second, a millisecond in a quarter of an hour.";
-    JUMP = "jump":
-        "A clock that is set anew during a drive. No one offset puts it right: cut the recording there, or use the joint estimate.";
+        "A clock that is fast or slow: 1 ppm is a microsecond per second, a millisecond in a quarter of an hour.";
+    JUMP = "clock jump" / "jump" / "clock step":
+        "A step of a station's clock during a drive. One offset cannot correct it: cut the recording there, or use the joint estimate.";
 }

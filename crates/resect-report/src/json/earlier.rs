@@ -1,4 +1,4 @@
-//! The JSON of a calibration, read again: what `validate` asks whether it holds.
+//! Reads the JSON of a calibration again, for `validate`.
 
 use std::path::{Path, PathBuf};
 
@@ -11,11 +11,11 @@ use resect_core::deployment::TrackFrame;
 use resect_core::geometry::RigidTransform;
 use resect_core::validation::Earlier;
 
-/// Rotations and covariances are written to some fifteen digits: what is further off is none.
+/// Tolerances for rotations and covariances, which are written with some fifteen digits.
 const NO_ROTATION: f64 = 1e-6;
 const NO_COVARIANCE: f64 = 1e-9;
 
-/// Why a file is not a calibration to go on from.
+/// Reason why a file is not a usable calibration.
 #[derive(Debug, thiserror::Error)]
 pub enum EarlierError {
     #[error("{}: {error}; give the file of `resect calibrate FOLDER --json` first, then the runs", path.display())]
@@ -25,12 +25,10 @@ pub enum EarlierError {
     )]
     NotOne { file: String, why: serde_json::Error },
     #[error(
-        "{file}: its schema is {found} where this version reads {SCHEMA}; write it with `resect calibrate FOLDER --json`"
+        "{file}: schema {found}, but this version reads {SCHEMA}; write it with `resect calibrate FOLDER --json`"
     )]
     OtherSchema { file: String, found: u32 },
-    #[error(
-        "{file}: several calibrations, and which is meant is not said; write one, with one --method"
-    )]
+    #[error("{file}: it has several calibrations; write one, with one --method")]
     Several { file: String },
     #[error("{file}: {what}; write it with `resect calibrate FOLDER --json`")]
     Wrong { file: String, what: String },
@@ -41,7 +39,7 @@ struct WrittenSchema {
     schema: u32,
 }
 
-/// What a validation needs of all that is written; keys that are newer than a file may be missing from it.
+/// Fields that a validation needs. Files of older versions may lack newer keys.
 #[derive(Deserialize)]
 struct Written {
     deployment: String,
@@ -79,7 +77,7 @@ struct WrittenFinding {
     message: String,
 }
 
-/// Reads what `calibrate --json` wrote, by any method.
+/// Reads the output of `calibrate --json`, by any method.
 pub fn read_earlier(path: &Path) -> Result<Earlier, EarlierError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| EarlierError::Io { path: path.to_owned(), error })?;
@@ -99,9 +97,9 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
     let wrong = |what: &str| EarlierError::Wrong { file: file.to_owned(), what: what.to_owned() };
     let [second, third] = &written.transforms;
     if [second.from, second.to, third.from, third.to] != [2, 1, 3, 1] {
-        return Err(wrong("its transforms are not those of stations 2 and 3 into station 1"));
+        return Err(wrong("the transforms are not those of stations 2 and 3 into station 1"));
     }
-    let no_transform = || wrong("a matrix is no rotation and translation");
+    let no_transform = || wrong("a matrix is not a rotation and translation");
     let [second_transform, third_transform] =
         [second, third].map(|one| rigid(&one.matrix).ok_or_else(no_transform));
     let covariance = match (written.covariance, &second.sigma, &third.sigma) {
@@ -110,7 +108,7 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
         (None, ..) => None,
     };
     if covariance.as_ref().is_some_and(|covariance| !is_covariance(covariance)) {
-        return Err(wrong("its covariance is none: not symmetric, or not positive"));
+        return Err(wrong("invalid covariance: not symmetric, or not positive definite"));
     }
     Ok(Earlier {
         name: format!("{file} ({})", written.deployment),
@@ -124,7 +122,7 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
     })
 }
 
-/// The rigid transform of a homogeneous matrix, row by row; `None` where it is none.
+/// Returns the rigid transform of a homogeneous matrix, given by rows; `None` if it is not rigid.
 fn rigid(rows: &[[f64; 4]; 4]) -> Option<RigidTransform> {
     let matrix = Matrix4::from_fn(|row, column| rows[row][column]);
     let rotation: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into();
@@ -161,7 +159,7 @@ mod tests {
     use resect_io::sample::Sample;
     use serde_json::Value;
 
-    /// What was answered, and how it is written.
+    /// An answer, and its JSON.
     static SAMPLE: LazyLock<(Earlier, Value)> = LazyLock::new(|| {
         let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
         let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
@@ -178,7 +176,7 @@ mod tests {
     fn what_is_written_is_read_again() {
         let (answered, written) = &*SAMPLE;
         let found = read(written).expect("its own text");
-        // Fifteen digits of each number come back.
+        // Fifteen digits of each number are preserved.
         let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-14);
         for (a, b) in found.station1_from_station.iter().zip(&answered.station1_from_station) {
             assert!(near(a.matrix().as_slice(), b.matrix().as_slice()), "{a:?} {b:?}");
@@ -204,7 +202,7 @@ mod tests {
         assert_eq!(read(&older).expect("free").covariance, None);
     }
 
-    /// Changes one value, and gives what is said of the file then.
+    /// Changes one value, and returns the error.
     fn complaint(pointer: &str, value: Value) -> String {
         let mut changed = SAMPLE.1.clone();
         *changed.pointer_mut(pointer).expect("it is written") = value;
@@ -215,7 +213,7 @@ mod tests {
     fn what_is_no_calibration_is_one_line_with_file_and_remedy() {
         let whole = SAMPLE.1.to_string();
         let of = |text: &str| earlier("a.json", text).expect_err("none").to_string();
-        // In the midst of a number, whose length follows how long the run took, the complaint would be about that.
+        // The cut is after a comma: within a number, whose length depends on the run time, the error would be another.
         let cut = whole[..whole.len() / 2].rfind(',').expect("several values");
         let lines = [
             (of(""), "EOF while parsing"),
@@ -225,16 +223,16 @@ mod tests {
             (of("{}"), "missing field `schema`"),
             (of("{\"schema\":2}"), "missing field `deployment`"),
             (of(&format!("[{whole},{whole}]")), "several calibrations"),
-            (complaint("/schema", 1.into()), "its schema is 1 where this version reads 2"),
+            (complaint("/schema", 1.into()), "schema 1, but this version reads 2"),
             (complaint("/method", "guess".into()), "unknown variant `guess`"),
             (complaint("/diagnosis/verdict", "fine".into()), "unknown variant `fine`"),
             (complaint("/transforms/0/matrix/0/3", Value::Null), "invalid type: null"),
-            (complaint("/transforms/0/matrix/0/0", 7.0.into()), "no rotation and translation"),
+            (complaint("/transforms/0/matrix/0/0", 7.0.into()), "not a rotation and translation"),
             (complaint("/transforms/1/from", 2.into()), "not those of stations 2 and 3"),
             (complaint("/transforms", Vec::<Value>::new().into()), "invalid length 0"),
-            (complaint("/covariance/0/1", 1.0.into()), "its covariance is none"),
-            (complaint("/covariance/3/3", (-1.0).into()), "its covariance is none"),
-            (complaint("/covariance/3/3", 0.0.into()), "its covariance is none"),
+            (complaint("/covariance/0/1", 1.0.into()), "invalid covariance"),
+            (complaint("/covariance/3/3", (-1.0).into()), "invalid covariance"),
+            (complaint("/covariance/3/3", 0.0.into()), "invalid covariance"),
         ];
         for (line, words) in lines {
             assert!(line.starts_with("a.json: ") && line.contains(words), "{words}: {line}");

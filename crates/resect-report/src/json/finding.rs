@@ -3,8 +3,8 @@
 use resect_core::deployment::{Finding, PAIRS, Subject};
 use serde_json::{Map, Value, json};
 
-/// Code, severity, message, subject and quantities. Names of quantities end with their unit; one with a standard
-/// deviation is an object of `value` and `sigma`.
+/// Returns code, severity, message, subject and quantities. Names of quantities end with their unit; a quantity with a
+/// standard deviation is an object of `value` and `sigma`.
 pub fn finding(finding: &Finding) -> Value {
     let quantities: Map<String, Value> = finding
         .quantities

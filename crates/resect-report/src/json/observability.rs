@@ -1,12 +1,12 @@
-//! What the drive holds, as JSON.
+//! Observability of the drive, as JSON.
 
 use serde_json::{Value, json};
 
-use resect_core::calibration::inter_prism::drive_shape::{DriveShape, Plan};
+use resect_core::calibration::inter_prism::drive_shape::{DriveShape, PlanView};
 use resect_core::calibration::inter_prism::observability::{Direction, Observability};
 
-/// `relative_eigenvalue` is of the scaled JᵀJ, over the largest; `motion` is what each station does for one metre along
-/// the direction, in station 1's frame.
+/// Returns the observability. `relative_eigenvalue` is that of the scaled JᵀJ over the largest. `motion` is that of
+/// each station for one metre along the direction (station 1's frame).
 pub fn observability(observed: &Observability) -> Value {
     json!({
         "drive": drive(&observed.drive),
@@ -40,14 +40,14 @@ fn drive(shape: &DriveShape) -> Value {
         "tilt_rad": shape.tilt_rad,
     });
     let plan = match shape.plan {
-        Plan::Standing | Plan::Winding => json!({}),
-        Plan::StraightLine { length_m, bends_m } => {
+        PlanView::Standing | PlanView::Winding => json!({}),
+        PlanView::StraightLine { length_m, bends_m } => {
             json!({ "length_m": length_m, "bends_m": bends_m })
         }
-        Plan::Circle { centre_m, radius_m, driven_rad } => {
+        PlanView::Circle { centre_m, radius_m, driven_rad } => {
             json!({ "centre_m": centre_m.as_slice(), "radius_m": radius_m, "driven_rad": driven_rad })
         }
-        Plan::TwoLegs { corner_m, turn_rad } => {
+        PlanView::TwoLegs { corner_m, turn_rad } => {
             json!({ "corner_m": corner_m.as_slice(), "turn_rad": turn_rad })
         }
     };

@@ -1,4 +1,4 @@
-//! An answer: transforms with their σ, the mirror, what was estimated beside, metrics, pictures.
+//! An answer: transforms with their σ, mirror twin, estimates besides the transforms, metrics, charts.
 
 use std::f64::consts::PI;
 
@@ -19,12 +19,12 @@ use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_core::geometry::LevelTransform;
 
-/// A unit of the table of transforms, and that of its σ.
+/// A unit in the table of transforms, with the unit of σ.
 struct TableUnit {
     name: &'static str,
     per_si: f64,
     decimals: usize,
-    /// σ is in thousandths of the unit with this name and so many decimals; in the unit itself where there is none.
+    /// Name and decimals of a thousandth of the unit, in which σ is written; `None` for σ in the unit itself.
     thousandth: Option<(&'static str, usize)>,
 }
 
@@ -45,7 +45,7 @@ impl TableUnit {
 
 const LENGTHS: &[TableUnit] =
     &[TableUnit { name: "m", per_si: 1.0, decimals: 4, thousandth: Some(("mm", 1)) }];
-/// 400 gon are a circle.
+/// A circle has 400 gon.
 const ANGLES: &[TableUnit] = &[
     TableUnit { name: "rad", per_si: 1.0, decimals: 6, thousandth: Some(("mrad", 3)) },
     TableUnit { name: "deg", per_si: 180.0 / PI, decimals: 5, thousandth: None },
@@ -76,7 +76,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         h3 { "Correlation" }
         @match &calibration.covariance {
             Some(covariance) => (correlation::table(covariance)),
-            None => p.weak { "There is none: the data leaves a direction free, so nothing bounds the numbers." },
+            None => p.weak { "No covariance: this data leaves at least one direction unobservable." },
         }
     }
 }
@@ -127,18 +127,18 @@ fn matrices(calibration: &Calibration) -> Markup {
 fn mirror(details: &InterPrismDetails, is_joint: bool) -> Markup {
     let (Some(twin), Some(ratio)) = (&details.mirror.twin, details.mirror.cost_ratio) else {
         return html! {
-            h3 { "Mirror twin" }
-            p { "No second minimum: pitch and roll of the vehicle rule it out." }
+            h3 { "Mirrored solution" }
+            p { "None: the pitch and roll of the vehicle rule it out." }
         };
     };
-    let solutions = [(&details.basin, "answer"), (twin, "twin")];
+    let solutions = [(&details.basin, "answer"), (twin, "mirrored")];
     let numbers = |transform: &LevelTransform| {
         let metres = transform.translation_m.map(|metres| format!("{metres:.4}"));
         let [[x, y, z]] = metres.data.0;
         [x, y, z, format!("{:.6}", transform.yaw_rad)]
     };
     html! {
-        h3 { "Mirror twin" }
+        h3 { "Mirrored solution" }
         p { (resolved(details.mirror.resolved_by)) }
         table {
             thead { tr {
@@ -166,23 +166,25 @@ fn mirror(details: &InterPrismDetails, is_joint: bool) -> Markup {
             }
         }
         @if is_joint {
-            p.weak { "Both on the readings as the joint estimate corrects them." }
+            p.weak { "Both solutions use the readings as corrected by the joint estimate." }
         }
     }
 }
 
 fn resolved(by: ResolvedBy) -> &'static str {
     match by {
-        ResolvedBy::Rig => "Told apart by the rig: by which prism stands higher on the vehicle.",
-        ResolvedBy::ControlPoints => "Told apart by the control points.",
-        ResolvedBy::Cost => {
-            "Told apart by the cost: pitch and roll of the vehicle make the twin fit worse."
+        ResolvedBy::Rig => {
+            "Resolved by the rig: the order of its prisms in height rules out the mirrored solution."
         }
-        ResolvedBy::Nothing => "Nothing tells the two apart: the answer is one of them.",
+        ResolvedBy::ControlPoints => "Resolved by the control points.",
+        ResolvedBy::Cost => {
+            "Resolved by the fit: with the vehicle's pitch and roll, the mirrored solution fits worse."
+        }
+        ResolvedBy::Nothing => "Not resolved: the answer is one of the two solutions.",
     }
 }
 
-/// The paper's answer beside a joint estimate: what it was moved by.
+/// The paper's answer beside a joint estimate, with the difference of the two.
 fn published(joint: &Calibration) -> Markup {
     let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
         return html! {};
@@ -197,8 +199,8 @@ fn published(joint: &Calibration) -> Markup {
     html! {
         h3 { "The paper's " (published.method.short_name()) }
         p {
-            (published.method.title()) ", as published; its verdict: " (published.verdict_in_words())
-            ". The joint estimate moved it by:"
+            (published.method.title()) ", as published, verdict " (published.verdict_in_words())
+            ". Difference, joint estimate minus this answer:"
         }
         table {
             thead { tr {
@@ -217,11 +219,11 @@ fn published(joint: &Calibration) -> Markup {
                 } }
             }
         }
-        p.weak { "In σ of the joint estimate: both come from the same readings." }
+        p.weak { "Differences are in σ of the joint estimate, because both answers use the same readings." }
     }
 }
 
-/// Every pair of known points, and what the stations make of the points that it leaves out.
+/// Every pair of known points, with the errors at the points that it leaves out.
 fn two_point(details: &TwoPointDetails) -> Markup {
     let widest = |metres: Option<f64>| {
         metres.map_or("–".to_owned(), |metres| format!("{:.1}", metres * 1e3))
@@ -232,10 +234,10 @@ fn two_point(details: &TwoPointDetails) -> Markup {
             thead { tr {
                 th { "points" }
                 th { "file" }
-                th.number { "apart (m)" }
+                th.number { "baseline (m)" }
                 th.number { "baseline errors of stations 1, 2, 3 (mm)" }
-                th.number { "left out, largest (mm)" }
-                th.number { "from known, largest (mm)" }
+                th.number { "largest error at other points (mm)" }
+                th.number { "largest difference from known (mm)" }
             } }
             tbody {
                 @for (index, pair) in details.pairs.iter().enumerate() {
@@ -250,7 +252,7 @@ fn two_point(details: &TwoPointDetails) -> Markup {
                 }
             }
         }
-        p.weak { "Marked: the pair that the answer comes from." }
+        p.weak { "Marked: the pair that the answer uses." }
     }
 }
 
@@ -267,7 +269,7 @@ fn static_gcp(details: &StaticGcpDetails) -> Markup {
 }
 
 fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
-    // Of one prism, what the distances compare are the stations' versions of it.
+    // With one prism, the distances compare the stations' positions of it.
     let (all, each) = match targets {
         Targets::OnePrism => ("same prism", "stations"),
         _ => ("inter-prism distances", "prisms"),
@@ -285,7 +287,7 @@ fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
         h3 { "Metrics" }
         table {
             thead { tr {
-                th { "sizes of errors (mm)" }
+                th { "absolute errors (mm)" }
                 @for heading in ["median", "lower quartile", "upper quartile", "IQR", "n"] {
                     th.number { (heading) }
                 }
@@ -298,7 +300,7 @@ fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
                     }
                 }
                 @if let Some(spread) = &evaluation.against_measured_mm {
-                    (row(html! { "against the measured distances" }, spread))
+                    (row(html! { "compared with the measured distances" }, spread))
                 }
                 @for metric in &evaluation.control_points_mm {
                     (row(html! { "control points of " (metric.file) }, &metric.spread))

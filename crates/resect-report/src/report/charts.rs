@@ -1,4 +1,4 @@
-//! The pictures of an answer, in the colours of the page.
+//! Charts of an answer, in the colours of the page.
 
 use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use resect_core::calibration::Targets;
 use resect_core::deployment::Deployment;
 use resect_core::pipeline::{SampleFate, Triplets};
 
-/// Width at which texts have their own size on the screen, and on paper nearly.
+/// Width at which texts have their nominal size on the screen, and nearly so on paper.
 const WIDTH: f32 = 800.0;
 
 pub fn plan(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
@@ -30,18 +30,18 @@ pub fn plan(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Ma
     let caption = html! {
         "From above, both axes to the same scale."
         @if unused > 0 {
-            " Crosses in a station's colour: the " (unused) " readings that are not used, where they lie inside the plan; "
-            "the table of the pipeline says why."
+            " Crosses in a station's colour: unused readings (" (unused) " in all, some perhaps outside the plan). "
+            "The Pipeline table gives the reasons."
         }
-        @if tracks.is_none() { " The tracks are in another frame than this answer, and are not drawn." }
+        @if tracks.is_none() { " The tracks are not drawn: this answer is in another frame." }
         @if points.is_empty() && !deployment.control_points.is_empty() {
-            " The control points are in another frame than the tracks, and are not drawn."
+            " The control points are not drawn: the tracks are in another frame."
         }
     };
     figure(&drawing, "plan view", &caption)
 }
 
-/// Each station's readings that were rejected, left out or in no interval that is used, in its own frame (m).
+/// Readings of each station that were rejected, left out or outside the used intervals, in its own frame (m).
 fn unused_m(deployment: &Deployment, analysis: &Analysis) -> [Vec<Vector3<f64>>; 3] {
     std::array::from_fn(|station| {
         let track = &deployment.tracks[station];
@@ -55,15 +55,15 @@ fn unused_m(deployment: &Deployment, analysis: &Analysis) -> [Vec<Vector3<f64>>;
 pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let errors_mm = &answer.evaluation.distance_errors_mm;
     if answer.evaluation.inter_prism_mm.is_none() {
-        return html! { p.weak { "There is none: either no triplet was found, or the distances are not known." } };
+        return html! { p.weak { "No chart: there are no triplets, or the inter-prism distances are unknown." } };
     }
     let start_s = deployment.start_s().unwrap_or(0.0);
     let time_s: Vec<f64> = answer.triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
     let (each, what) = match analysis.offer.targets {
         Targets::OnePrism => {
-            ("stations", "Distance between two stations' versions of the one prism")
+            ("stations", "Distance between two stations' positions of the same prism")
         }
-        _ => ("prisms", "Apparent minus known distance between two prisms"),
+        _ => ("prisms", "Computed minus known distance between two prisms"),
     };
     let drawing = residual_chart::draw(errors_mm, &time_s, each, WIDTH);
     let beyond = residual_chart::beyond(errors_mm, residual_chart::range_mm(errors_mm));
@@ -72,8 +72,8 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) 
         &drawing,
         "distance errors over time",
         &html! {
-            (what) ". Thin strokes reach from the lowest to the highest error of a short time, thick ones between its "
-            "quartiles. "
+            (what) ". Each stroke covers a short interval: the thin part reaches from its lowest to its highest error, "
+            "the thick part between its quartiles. "
             @if beyond > 0 { (beyond) " of " (all) " errors lie beyond the axis; their strokes end at its edge." }
         },
     )

@@ -1,4 +1,4 @@
-//! Which of the eight numbers of an answer can only be wrong together.
+//! Correlations of the eight numbers of an answer.
 
 use maud::{Markup, html};
 use nalgebra::SMatrix;
@@ -6,10 +6,10 @@ use nalgebra::SMatrix;
 use resect_core::palette;
 
 const NAMES: [&str; 4] = ["x", "y", "z", "yaw"];
-/// Ground of a correlation of 1; less where it would swallow the number.
+/// Opacity of the background at a correlation of 1; more would hide the number.
 const STRONGEST: f64 = 0.6;
 
-/// A shaded table, in the colours of the window's.
+/// Returns a shaded table, in the colours of the window's.
 pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
     let name = |place: usize| format!("{} T1{}", NAMES[place % 4], place / 4 + 2);
     html! {
@@ -34,12 +34,13 @@ pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
             }
         } }
         p.weak {
-            "Near ±1, the one cannot be told without the other. Vermilion: both are too large together; blue: one as the              other is too small."
+            "Near ±1, the data determines only a combination of the two quantities. Vermilion: their errors have the same \
+             sign; blue: opposite signs."
         }
     }
 }
 
-/// `None` where a number has no spread at all.
+/// Returns a correlation; `None` if a variance is zero.
 fn correlation(covariance: &SMatrix<f64, 8, 8>, row: usize, column: usize) -> Option<f64> {
     let spread = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
     (spread > 0.0).then(|| covariance[(row, column)] / spread)

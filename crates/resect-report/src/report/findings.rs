@@ -12,7 +12,7 @@ pub fn badge(word: &str, ground: palette::Rgb, ink: palette::Rgb) -> Markup {
     }
 }
 
-/// The gravest first, each with its level in a word.
+/// The most severe first, each with its severity in a word.
 pub fn findings(findings: &[Finding]) -> Markup {
     use resect_core::deployment::Severity::{Note, Problem, Warning};
     html! {

@@ -1,4 +1,4 @@
-//! What an answer was made from: the pipeline's counts, the data, the settings.
+//! Input of an answer: counts of the pipeline, data, settings.
 
 use maud::{Markup, html};
 use serde_json::Value;
@@ -78,14 +78,14 @@ fn data(deployment: &Deployment) -> Markup {
                     }
                     "."
                 }
-                None => "The inter-prism distances are not known.",
+                None => "The inter-prism distances are unknown.",
             }
         }
         (findings(&deployment.findings))
     }
 }
 
-/// What was in the files, so that anyone can tell whether he has the same.
+/// Hashes of the files, by which anyone can verify the data.
 fn hashes(files: &[FileMark]) -> Markup {
     html! {
         @if !files.is_empty() {
@@ -103,7 +103,7 @@ fn hashes(files: &[FileMark]) -> Markup {
     }
 }
 
-/// All settings by the names of a `--config` file; those that are not the defaults stand out.
+/// All settings by the names of a `--config` file; those that differ from the defaults are highlighted.
 fn settings(settings: &Settings) -> Markup {
     let rows = listed(settings).into_iter().zip(listed(&Settings::default()));
     html! {
@@ -120,16 +120,16 @@ fn settings(settings: &Settings) -> Markup {
                 }
             }
         }
-        p.weak { "Marked: what is not the default." }
+        p.weak { "Marked: settings that differ from the default." }
     }
 }
 
-/// Names with their tables' before them, and values as a person writes them.
+/// Returns names, preceded by those of their tables, and readable values.
 fn listed(settings: &Settings) -> Vec<(String, String)> {
     let mut list = Vec::new();
     let mut settings = *settings;
     settings.calibration.method.get_or_insert_default();
-    // Settings are plain numbers, words and switches: JSON holds them all.
+    // JSON can represent settings, which are plain numbers, words and booleans.
     let value = serde_json::to_value(settings).unwrap_or_default();
     list_into(&mut list, "", &value);
     list

@@ -1,4 +1,4 @@
-//! A joint estimate: its estimates beside the transforms, and the sources of their σ.
+//! A joint estimate: its estimates besides the transforms, and the sources of their σ.
 
 use maud::{Markup, html};
 
@@ -7,19 +7,19 @@ use resect_core::calibration::joint::JointEstimate;
 use resect_core::calibration::{Quantity, SUPPORTED_SIGMAS};
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 
-/// The estimates beside the transforms, and the parts of each σ.
+/// The estimates besides the transforms, and the sources of each σ.
 pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
     html! {
-        h3 { "Estimated besides" }
-        @if !found.converged { p { "It stopped before it reached the minimum." } }
+        h3 { "Other estimates" }
+        @if !found.converged { p { "The joint estimate did not converge: it stopped before it reached the minimum." } }
         table {
             thead { tr {
                 th { "error" }
                 th.number { "value" }
                 th { "σ" }
                 th.number { "in σ" }
-                th.number { "known before, 1 σ" }
-                th.number { "compared with" }
+                th.number { "prior, 1 σ" }
+                th.number { "reference" }
             } }
             tbody {
                 @for row in rows.iter().filter(|row| row.group.is_beside_transforms()) {
@@ -27,8 +27,8 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
                 }
             }
         }
-        p.weak { "Bold: more than " (SUPPORTED_SIGMAS) " σ from zero." }
-        h3 { "Scatter of the readings" }
+        p.weak { "Bold: significant, more than " (SUPPORTED_SIGMAS) " σ from the reference." }
+        h3 { "Noise of the readings" }
         table {
             thead { tr { th { "noise" } th.number { "1 σ" } } }
             tbody {
@@ -38,7 +38,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
                 } }
             }
         }
-        h3 { "What σ is made of" }
+        h3 { "Sources of σ" }
         table {
             thead { tr {
                 th { "1 σ by source (mm; yaw mrad)" }
@@ -54,7 +54,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
                     }
                 } }
                 tr {
-                    th { "together" }
+                    th { "total" }
                     @for place in 0..8 { td.number { (sigma(place, found.covariance[(place, place)])) } }
                 }
             }
@@ -62,7 +62,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
     }
 }
 
-/// A row of the estimates, as the deviation from what it is compared with.
+/// A row of the estimates, as the deviation from its reference.
 fn estimate(row: &AnswerRow) -> Markup {
     let (scale, unit) = row.quantity.told();
     let sigma = row.sigma.map(|sigma| sigma * scale);

@@ -6,12 +6,12 @@ use super::charts::figure;
 use super::findings::findings;
 use crate::estimates::{Angles, compared, contradiction, draw, rows};
 use resect_core::deployment::Finding;
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 
 const WIDTH: f32 = 800.0;
 
-/// Who is better, who is wrong where, all numbers, and the errors over time; `start_s` is when the drive began.
-pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
+/// The ranking, the contradictions, all numbers, and the errors over time; `start_s` is the start of the drive (s).
+pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
     let judged = &judgement.judged;
     let notes: Vec<Finding> = judged
         .iter()
@@ -40,7 +40,7 @@ pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",
-                &html! { "Length of the position error of each, and 1.96 σ of the ground truth along an axis." },
+                &html! { "Size of each trajectory's position error; grey: 1.96 σ of the ground truth along an axis." },
             ))
         }
         @for one in judged {

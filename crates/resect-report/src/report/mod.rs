@@ -1,6 +1,6 @@
-//! A report as one HTML page, to hand to a client or to keep with a run: no scripts, nothing fetched, prints on A4.
+//! A report as one HTML page, for a client or an archive: no scripts, no requests, prints on A4.
 //!
-//! The same input gives the same bytes: the date is given, and no wall time is in it.
+//! The same input gives the same bytes: the date is a parameter, and there are no durations.
 
 mod answer;
 mod charts;

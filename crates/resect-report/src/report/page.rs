@@ -10,21 +10,21 @@ use super::{answer, input, judged};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Calibration;
 use resect_core::deployment::{Deployment, Finding, FindingKind};
-use resect_core::estimates::Judgement;
+use resect_core::estimates::EstimatesJudgement;
 use resect_core::palette;
 use resect_io::file_mark::FileMark;
 
 const STYLE: &str = include_str!("style.css");
 
-/// What came of one path.
+/// Result for one path.
 pub enum Chapter {
     Analysed {
         deployment: Arc<Deployment>,
         analysis: Box<Analysis>,
-        /// The files it was read from; none of a sample.
+        /// Files of the deployment; none for a sample.
         files: Vec<FileMark>,
-        /// Trajectories of other systems that were held against it.
-        judgement: Option<Arc<Judgement>>,
+        /// Trajectories of other systems, compared with the deployment's.
+        judgement: Option<Arc<EstimatesJudgement>>,
     },
     /// The path could not be opened; the error is one line.
     Unopened { path: String, error: String },
@@ -38,7 +38,7 @@ impl Chapter {
         }
     }
 
-    /// The files that it was read from.
+    /// Returns the files that were read.
     pub fn files(&self) -> &[FileMark] {
         match self {
             Self::Analysed { files, .. } => files,
@@ -46,7 +46,7 @@ impl Chapter {
         }
     }
 
-    /// The answer, or in one line why there is none.
+    /// Returns the answer, or the reason for its absence in one line.
     pub fn answer(&self) -> Result<&Answer, String> {
         match self {
             Self::Analysed { analysis, .. } => match &analysis.answer {
@@ -58,13 +58,13 @@ impl Chapter {
     }
 }
 
-/// The whole page: a section for each chapter, and above them a table of all where there are several.
+/// Returns the page: a section for each chapter, after a table of all if there are several.
 pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
     let title = match chapters {
         [chapter] => format!("{}: extrinsic calibration", chapter.name()),
         _ => "Extrinsic calibration".to_owned(),
     };
-    // Nothing in it is ever run or fetched, whatever the names of deployments and files hold.
+    // Forbids scripts and requests, whatever the names of deployments and files contain.
     let policy = "default-src 'none'; style-src 'unsafe-inline'";
     let markup = html! {
         (DOCTYPE)
@@ -83,7 +83,7 @@ pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
                     p.weak {
                         "by resect " (env!("CARGO_PKG_VERSION")) ", "
                         (date.strftime("%Y-%m-%d %H:%M UTC"))
-                        "; frames of stations 2 and 3 into the frame of station 1; ± is one standard deviation"
+                        "; transforms from the frames of stations 2 and 3 to that of station 1; ± is one standard deviation"
                     }
                 }
                 @if chapters.len() > 1 { (summary(chapters)) }
@@ -93,7 +93,7 @@ pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
             }
         }
     };
-    // Of control characters HTML allows only those that are white space.
+    // HTML allows only white space among control characters.
     let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
     markup.into_string().replace(is_control, "\u{fffd}")
 }
@@ -164,7 +164,7 @@ fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
     }
 }
 
-/// The verdict first, what was found next, what it was found from last.
+/// Returns a section: the verdict, the results, then the input.
 fn section(chapter: &Chapter) -> Markup {
     html! {
         h2 { (chapter.name()) }

@@ -76,7 +76,7 @@ struct Layout {
 
 impl Layout {
     fn log(&mut self, path: &str, archetype: &dyn AsComponents) -> ChunkResult<()> {
-        // The viewer's undo moves along this timeline.
+        // The viewer's undo uses this timeline.
         let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
         self.chunks.log(path, time, archetype)
     }

@@ -1,4 +1,4 @@
-//! The content of the file of a trajectory, by its kind.
+//! Content of a trajectory file, by its format.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -6,10 +6,10 @@ use std::path::Path;
 use super::ply::{self, PlyPoint};
 use super::{mcap_bag, ros1_bag};
 
-use resect_core::calibration::joint::prisms::Instant;
+use resect_core::calibration::joint::prism_motion::MotionInstant;
 use resect_core::evaluation::trajectory::{Pose, PoseSigma, Trajectory};
 
-/// What a file of a trajectory is, by the ending of its name.
+/// Format of a trajectory file, by the extension of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     Tum,
@@ -23,7 +23,7 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// What the ending of a file's name says. TUM has none of its own, but is not meant by that of another format.
+    /// Returns the format for the extension of a file. TUM has no extension of its own: none, `tum` and `txt` select it.
     pub fn of(path: &Path) -> Result<Self, Unwritable> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         Ok(match ending.to_str() {
@@ -37,24 +37,23 @@ impl FileKind {
     }
 }
 
-/// Why a trajectory cannot be written as a kind of file.
+/// Reason why a trajectory cannot be written in a format.
 #[derive(Debug, thiserror::Error)]
 pub enum Unwritable {
-    #[error("no trajectory is written as .{0}; write .tum, .txt, .csv, .ply, .mcap or .bag")]
+    #[error("unknown trajectory format .{0}; write .tum, .txt, .csv, .ply, .mcap or .bag")]
     UnknownEnding(String),
     #[error(
-        "a message of odometry has an orientation, and one prism has none; write .tum, .csv or .ply"
+        "odometry messages need an orientation, which one prism does not give; write .tum, .csv or .ply"
     )]
     NoOrientation,
-    #[error("the MCAP cannot be made: {0}; write .bag or .csv")]
+    #[error("the MCAP file could not be written: {0}; write .bag or .csv")]
     Mcap(#[from] ::mcap::McapError),
 }
 
-/// The frame of poses that were not brought elsewhere, as messages name it.
+/// Frame of poses that were not transformed, as messages name it.
 pub const STATION1: &str = "station1";
 
-/// The content of a file of poses in the frame of this name. The header says where they come from, in formats that have room
-/// for it.
+/// Returns the content of a file of poses in the frame `frame_id`. The header names their origin, in formats that have room for it.
 pub fn file(
     kind: FileKind,
     trajectory: &Trajectory,
@@ -82,17 +81,17 @@ pub fn file(
     })
 }
 
-/// The same of the positions of one prism.
+/// Returns the content of a file of the positions of one prism.
 pub fn prism_file(
     kind: FileKind,
-    positions: &[Instant<3>],
+    positions: &[MotionInstant<3>],
     header: &str,
 ) -> Result<Vec<u8>, Unwritable> {
     match kind {
         FileKind::Tum => Ok(prism_tum(positions, header).into_bytes()),
         FileKind::Csv => Ok(prism_csv(positions).into_bytes()),
         FileKind::Ply => {
-            let point = |at: &Instant<3>| PlyPoint {
+            let point = |at: &MotionInstant<3>| PlyPoint {
                 time_s: at.time_s,
                 position_m: at.position_m,
                 sigma_m: (at.position_covariance.trace() / 3.0).max(0.0).sqrt(),
@@ -105,8 +104,7 @@ pub fn prism_file(
     }
 }
 
-/// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark. The header says where the
-/// poses come from.
+/// Formats poses as `timestamp tx ty tz qx qy qz qw`, one a line, as in the TUM RGB-D benchmark. The header names their origin.
 pub fn tum(trajectory: &Trajectory, header: &str) -> String {
     let mut text = format!("# {header}\n# timestamp tx ty tz qx qy qz qw\n");
     for pose in &trajectory.poses {
@@ -120,8 +118,8 @@ pub fn tum(trajectory: &Trajectory, header: &str) -> String {
     text
 }
 
-/// Poses with the largest inter-prism error, six standard deviations and the upper triangle of the covariance of
-/// (position, rotation vector in station 1's frame); where the motion is known, velocity and angular rate with theirs.
+/// Formats poses with the largest inter-prism error, six standard deviations and the upper triangle of the covariance of
+/// (position, rotation vector in station 1's frame). If the motion is known, velocity and angular rate with theirs follow.
 pub fn csv(trajectory: &Trajectory) -> String {
     const PARTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
     const MOVING: [&str; 6] =
@@ -171,8 +169,8 @@ pub fn csv(trajectory: &Trajectory) -> String {
     text
 }
 
-/// Positions of one prism as TUM. It has no orientation, for which the format has no room: 0 0 0 1 stands there.
-pub fn prism_tum(positions: &[Instant<3>], header: &str) -> String {
+/// Formats positions of one prism as TUM, with 0 0 0 1 in place of the unknown orientation.
+pub fn prism_tum(positions: &[MotionInstant<3>], header: &str) -> String {
     let mut text = format!(
         "# {header}; positions of one prism, no orientation\n# timestamp tx ty tz qx qy qz qw\n"
     );
@@ -183,8 +181,8 @@ pub fn prism_tum(positions: &[Instant<3>], header: &str) -> String {
     text
 }
 
-/// Positions and velocities of one prism, with their standard deviations and the upper triangle of the position's covariance.
-pub fn prism_csv(positions: &[Instant<3>]) -> String {
+/// Formats positions and velocities of one prism, with standard deviations and the upper triangle of the position's covariance.
+pub fn prism_csv(positions: &[MotionInstant<3>]) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let mut text = "timestamp_s,x_m,y_m,z_m,vx_m_per_s,vy_m_per_s,vz_m_per_s".to_owned();
     AXES.iter().for_each(|axis| text += &format!(",sigma_{axis}_m"));

@@ -7,12 +7,12 @@ pub use resect_io::format::bag::wire::stamp;
 
 pub const TOPIC: &str = "/resect/odometry";
 const CHILD_FRAME: &str = "vehicle";
-/// What genmsg makes of the definition below: by it ROS 1 knows that both sides mean the same.
+/// MD5 of the definition below by genmsg, with which ROS 1 checks that both sides use the same definition.
 pub const ROS1_MD5: &str = "cd5e73d190d741a2f92e81eda573aca7";
-/// Between the definitions of a message and of those in it.
+/// Separator between the definition of a message and those of its fields.
 const SEPARATOR: &str =
     "================================================================================\n";
-/// What ROS puts where a covariance is not known.
+/// Value of ROS for an unknown covariance.
 const UNKNOWN: f64 = -1.0;
 
 const HEADER_1: &str = "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
@@ -32,17 +32,17 @@ const PARTS: [&str; 7] = [
 const ODOMETRY: &str = "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
                         geometry_msgs/TwistWithCovariance twist\n";
 
-/// The definition with those of all messages in it, as ROS 1 writes it.
+/// Returns the definition with those of all messages in it, in the format of ROS 1.
 pub fn ros1_definition() -> String {
     [&[ODOMETRY, HEADER_1], &PARTS[..]].concat().join(SEPARATOR)
 }
 
-/// The same as ROS 2 writes it.
+/// Returns the definition with those of all messages in it, in the format of ROS 2.
 pub fn ros2_definition() -> String {
     [&[ODOMETRY], &HEADER_2[..], &PARTS].concat().join(SEPARATOR)
 }
 
-/// One pose in ROS 1's encoding; `number` counts the messages.
+/// Encodes one pose for ROS 1; `number` counts the messages.
 pub fn ros1_message(pose: &Pose, frame_id: &str, number: u32) -> Vec<u8> {
     let mut bytes = number.to_le_bytes().to_vec();
     stamp(pose.time_s).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
@@ -54,8 +54,8 @@ pub fn ros1_message(pose: &Pose, frame_id: &str, number: u32) -> Vec<u8> {
     bytes
 }
 
-/// One pose as CDR, little-endian (OMG DDS-XTypes 1.3, section 7.4): numbers stand at multiples of their size, counted from
-/// behind the four bytes that say how it is encoded.
+/// Encodes one pose as CDR, little-endian (OMG DDS-XTypes 1.3, section 7.4). Numbers are aligned to their size,
+/// counted after the four bytes of the encapsulation header.
 pub fn ros2_message(pose: &Pose, frame_id: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     stamp(pose.time_s).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
@@ -70,8 +70,8 @@ pub fn ros2_message(pose: &Pose, frame_id: &str) -> Vec<u8> {
     [&[0, 1, 0, 0][..], &bytes].concat()
 }
 
-/// Pose and twist with their covariances, in the order of the message. The pose is in the frame that the header names, rotations about
-/// its fixed axes; the twist is in the vehicle's own frame, as ROS wants it.
+/// Returns pose and twist with their covariances, in the order of the message. The pose is in the header's frame, with
+/// rotations about its fixed axes; the twist is in the vehicle's frame, as ROS requires.
 fn numbers(pose: &Pose) -> Vec<f64> {
     let (t, q) = (&pose.position_m, pose.orientation.quaternion());
     let mut numbers = vec![t.x, t.y, t.z, q.i, q.j, q.k, q.w];
@@ -99,7 +99,7 @@ fn numbers(pose: &Pose) -> Vec<f64> {
 }
 
 fn rows(covariance: &Matrix6<f64>) -> impl Iterator<Item = f64> {
-    // Symmetric: the order of columns is that of rows.
+    // The matrix is symmetric, so the order of columns equals that of rows.
     covariance.iter().copied()
 }
 
@@ -128,7 +128,7 @@ mod tests {
         assert!(close(43, 2.0) && close(44, 0.0) && close(48, 0.5));
         assert!(close(49, 4.0) && close(49 + 7, 1.0), "variances are turned along");
         let bytes = ros2_message(&pose, "station1");
-        // Eight bytes of stamp, 4 + 9 of the one name, 3 of room, 4 + 8 of the other, 4 of room.
+        // Eight bytes of stamp, 4 + 9 of the first name, 3 of padding, 4 + 8 of the second name, 4 of padding.
         assert_eq!(bytes.len(), 4 + 40 + 8 * numbers.len());
         assert_eq!(bytes[44..52], 1.0_f64.to_le_bytes());
     }

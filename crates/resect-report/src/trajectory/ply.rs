@@ -1,11 +1,11 @@
-//! A trajectory as a cloud of points for CloudCompare, MeshLab and others: PLY, whose `scalar_` properties CloudCompare takes
-//! for scalar fields.
+//! A trajectory as a point cloud (PLY) for CloudCompare, MeshLab and others. CloudCompare reads `scalar_` properties
+//! as scalar fields.
 
 use std::fmt::Write;
 
 use nalgebra::Vector3;
 
-/// A place with its time and σ, and the σ of the orientation where there is one.
+/// A position with time and σ, and σ of the orientation if known.
 pub struct PlyPoint {
     pub time_s: f64,
     pub position_m: Vector3<f64>,
@@ -13,7 +13,7 @@ pub struct PlyPoint {
     pub turn_sigma_rad: Option<f64>,
 }
 
-/// Times count from the first point: a scalar field has single precision, in which a second of today is none.
+/// Formats points with times from the first one: scalar fields have single precision, too coarse for seconds of Unix time.
 pub fn ply(points: &[PlyPoint], comment: &str) -> String {
     let turns = points.iter().all(|point| point.turn_sigma_rad.is_some());
     let start_s = points.first().map_or(0.0, |point| point.time_s);

@@ -3,7 +3,7 @@
 use super::odometry::{ROS1_MD5, TOPIC, ros1_definition, ros1_message, stamp};
 use resect_core::evaluation::trajectory::Pose;
 
-/// The first record is padded to this, so that whoever records can write it anew.
+/// Size to which the first record is padded, so that recorders can rewrite it.
 const FIRST_RECORD: usize = 4096;
 /// Messages of one chunk: about a megabyte.
 const CHUNK: usize = 1400;
@@ -69,7 +69,7 @@ pub fn ros1_bag(poses: &[Pose], frame_id: &str) -> Vec<u8> {
     bag
 }
 
-/// What the messages are.
+/// Returns the record that describes the messages.
 fn connection() -> Vec<u8> {
     let header = fields(CONNECTION, &[("conn", &0_u32.to_le_bytes()), ("topic", TOPIC.as_bytes())]);
     let definition = ros1_definition();

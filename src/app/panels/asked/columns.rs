@@ -1,4 +1,4 @@
-//! Which column of a table is what, with the first rows as text and as they are understood.
+//! Mapping of the columns of a table, with the first rows as text and as interpreted.
 
 use egui::RichText;
 
@@ -9,12 +9,12 @@ use crate::app::theme;
 use resect_core::deployment::{AzimuthSense, ColumnMapping, RawRecord};
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 
-/// Number of rows in sight.
+/// Number of visible rows.
 const ROWS: usize = 8;
 
 pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
-    ui.heading("Which column is what?");
-    ui.label(format!("No reader knows the header of {}.", asked.file));
+    ui.heading("Assign the columns");
+    ui.label(format!("The header of {} is not recognised.", asked.file));
     ui.add_space(6.0);
     let mut edited = asked.clone();
     let header = &asked.preview.header;
@@ -28,7 +28,7 @@ pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
         preview(ui, asked);
     });
     ui.add_space(4.0);
-    // A line of its own at all times: what is below must not jump while something is typed.
+    // This line is always present, so that the rows below do not move during typing.
     match asked.complaint() {
         Some(complaint) => trouble(ui, &complaint),
         None => {
@@ -44,7 +44,7 @@ pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
     }
 }
 
-/// Columns by their names.
+/// Lets the user assign columns by their names.
 fn names(
     ui: &mut egui::Ui,
     header: &[String],
@@ -88,7 +88,7 @@ fn names(
     });
 }
 
-/// Asks which file is which station's, where no column names the station and each has a file of its own.
+/// Asks for the file of each station, if no column names the station and each has a separate file.
 fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&TableHead>) {
     if edited.mapping.station.is_some() {
         edited.files = None;
@@ -146,7 +146,7 @@ fn choice(ui: &mut egui::Ui, name: &str, shown: &str, add: impl FnOnce(&mut egui
     combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
 }
 
-/// Units, senses and formats.
+/// Lets the user choose units, signs and formats.
 fn meanings(ui: &mut egui::Ui, edited: &mut AskedColumns) {
     let mapping = &mut edited.mapping;
     egui::Grid::new("meanings").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
@@ -159,7 +159,7 @@ fn meanings(ui: &mut egui::Ui, edited: &mut AskedColumns) {
         pick(ui, "Azimuth turns", &mut edited.azimuth, &senses);
         pick(ui, "Time is", &mut mapping.time_format, &TIMES);
         if matches!(mapping.time_format, TimeFormat::Calendar | TimeFormat::TimeOfDay) {
-            ui.label("Zone, where none is written");
+            ui.label("Time zone if none is given");
             let (hours, range) = (&mut mapping.utc_offset_hours, -14.0..=14.0);
             let name = "Hours ahead of UTC";
             number::field(ui, (name, " h"), hours, range.clone(), |ui, hours, parse| {
@@ -219,7 +219,7 @@ fn pick<T: Copy + PartialEq>(
     ui.end_row();
 }
 
-/// Each row as it is written, and as it is understood or why it is not.
+/// Shows each row as written, and as interpreted or with its error.
 fn preview(ui: &mut egui::Ui, asked: &AskedColumns) {
     let start_s = asked.preview.read.iter().flatten().map(|row| row.measurement.time_s).next();
     let dark = ui.visuals().dark_mode;
@@ -251,7 +251,7 @@ fn preview(ui: &mut egui::Ui, asked: &AskedColumns) {
     });
 }
 
-/// "station 1, 0.40 s later, 12.345 m, azimuth 12.34°, zenith angle 89.10°".
+/// Formats a record, for example "station 1  +0.400 s  12.3450 m  azimuth 12.3400°  zenith angle 89.1000°".
 fn understood(record: &RawRecord, start_s: f64) -> String {
     let m = &record.measurement;
     format!(

@@ -1,4 +1,4 @@
-//! The reason why a dialog cannot go on.
+//! The reason why a dialog cannot continue.
 
 use egui::RichText;
 

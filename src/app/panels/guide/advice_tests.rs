@@ -1,4 +1,4 @@
-//! Advice of the Guide on simulated drives that cannot be good.
+//! Tests of the guide's advice on simulated drives that cannot be good.
 
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::calibration::Verdict;

@@ -1,14 +1,14 @@
-//! The command that repeats what the window shows.
+//! The command that repeats the present result.
 
 use std::path::Path;
 
 use resect_core::analysis::Settings;
 use resect_io::source::Source;
 
-/// Where the settings lie that the command reads.
+/// File of the settings that the command reads.
 pub const SETTINGS_FILE: &str = "settings.toml";
 
-/// `resect calibrate …` for a source; `None` for a sample, which has no path.
+/// Returns `resect calibrate …` for a source; `None` for a sample, which has no path.
 pub fn command(source: &Source, settings: &Settings) -> Option<String> {
     let mut words = vec!["resect calibrate".to_owned(), quoted(source.path()?)];
     words.extend(source.extras.drives.iter().map(|drive| format!("--drive {}", quoted(drive))));
@@ -19,7 +19,7 @@ pub fn command(source: &Source, settings: &Settings) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// As a shell takes it for one word.
+/// Quotes a path as one word for a shell.
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:\\".contains(c);
@@ -57,7 +57,7 @@ mod tests {
         assert_eq!(command(&Source::sample(Sample::Warthog), &settings), None);
     }
 
-    /// What is copied as the settings' file is read as the same settings.
+    /// The copied text of the settings file is read as the same settings.
     #[test]
     fn the_settings_come_back_from_their_file() {
         let folder = tempfile::tempdir().expect("a folder");

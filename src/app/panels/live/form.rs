@@ -1,4 +1,4 @@
-//! What it takes to begin a live deployment: where from, what is known beforehand, where to record it, and the target.
+//! The form that starts a live deployment: source, prior knowledge, recording, and target.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let live = &state.live;
     let mut form = live.form.clone();
     ui.heading("Live");
-    ui.label("Answers while you drive, and whether it is enough.");
+    ui.label("Calibrates while you drive, and shows when the target is reached.");
     ui.add_space(6.0);
     source(ui, &mut form, commands);
     ui.add_space(6.0);
@@ -30,7 +30,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 .hint_text("topics or instruments, with commas")
                 .desired_width(FIELD);
             let field = ui.add(field).accessible_name("Topics or instruments of stations 1, 2, 3");
-            field.on_hover_text("Only where the messages do not say which station they are of");
+            field.on_hover_text("Needed only if the messages do not name their station");
         });
     }
     ui.horizontal_wrapped(|ui| {
@@ -63,19 +63,19 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.add(egui::Label::new(RichText::new(format!("{sign} {line}")).color(colour)).wrap());
     }
     if form != live.form {
-        // Before what else was asked: it goes by what stands in the form.
+        // Before the other commands, because connecting uses the values in the form.
         commands.insert(0, LiveCommand::Edit(form).into());
     }
 }
 
-/// What σ has to come down to, before and during a drive.
+/// A field for the target σ, before and during a drive.
 pub fn target(ui: &mut egui::Ui, target_mm: &mut f64) -> egui::Response {
     let (name, unit, range) = ("Target at the far end", " mm", 0.1..=100.0);
     let field = number::field(ui, (name, unit), target_mm, range.clone(), |ui, target, parse| {
         let target = egui::DragValue::new(target).range(range).speed(0.05).suffix(unit);
         ui.add(target.custom_parser(parse).custom_formatter(number::shown)).accessible_name(name)
     });
-    field.on_hover_text("What σ has to come down to at the far end of the track")
+    field.on_hover_text("Largest acceptable σ at the far end of the track")
 }
 
 fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
@@ -87,20 +87,22 @@ fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
             .hint_text("ws://robot:8765")
             .desired_width(FIELD);
         let field = ui.add_enabled(form.replay.is_none(), field).accessible_name("Address");
-        field.on_hover_text("Of foxglove_bridge, or …/ws/measurements/stream of rts-network");
+        field.on_hover_text(
+            "Address of foxglove_bridge, or …/ws/measurements/stream of rts-network",
+        );
     });
     ui.horizontal_wrapped(|ui| {
         if ui.radio(form.replay.is_some(), "A replay").clicked() && form.replay.is_none() {
             commands.push(LiveCommand::ChooseReplay.into());
         }
         let Some(path) = &form.replay else {
-            ui.weak("of a deployment, as if it came in now");
+            ui.weak("of a deployment, as if it were live");
             return;
         };
         if ui.button(name(path)).on_hover_text(path.display().to_string()).clicked() {
             commands.push(LiveCommand::ChooseReplay.into());
         }
-        ui.label("faster by");
+        ui.label("speed");
         let (name, range) = ("Speed of the replay", 0.1..=1000.0);
         number::field(ui, (name, ""), &mut form.speed, range.clone(), |ui, speed, parse| {
             let speed = egui::DragValue::new(speed).range(range).speed(0.1).prefix("×");
@@ -111,7 +113,7 @@ fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
 
 fn beforehand(ui: &mut egui::Ui, state: &State, form: &mut LiveForm, commands: &mut Commands) {
     if form.replay.is_some() {
-        ui.weak("Rig and control points are those of the deployment.");
+        ui.weak("Rig and control points come from the deployment.");
         return;
     }
     ui.horizontal_wrapped(|ui| {
@@ -121,10 +123,10 @@ fn beforehand(ui: &mut egui::Ui, state: &State, form: &mut LiveForm, commands: &
             commands.push(LiveCommand::ChooseKnown.into());
         }
         let open = state.active().and_then(|open| open.source.as_ref()).and_then(Source::path);
-        // What lies beside a file of tracks is in its folder.
+        // Other files of a deployment are in the same folder as the file of tracks.
         let open = open.and_then(|path| if path.is_dir() { Some(path) } else { path.parent() });
         if let Some(path) = open.filter(|path| form.known.as_deref() != Some(*path))
-            && ui.button("Those of the deployment that is shown").clicked()
+            && ui.button("Use those of the deployment shown").clicked()
         {
             form.known = Some(path.to_owned());
         }

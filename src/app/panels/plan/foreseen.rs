@@ -1,4 +1,4 @@
-//! What is foreseen of a plan: the verdict, σ of all eight numbers, what is weak, and what improves it most.
+//! Prediction for a plan: verdict, σ of all eight numbers, weak directions, and the best improvements.
 
 use egui::RichText;
 use egui_plot::{Line, Plot, PlotPoints};
@@ -17,18 +17,18 @@ use resect_core::palette;
 use resect_core::planning::{Held, Prediction};
 use resect_report::glossary;
 
-/// Height of the plot of σ along the way (points).
+/// Height of the plot of σ along the track (points).
 const PLOT: f32 = 110.0;
 /// Room beside it (points).
 const ASIDE: f32 = 14.0;
-/// So many improvements are offered at most.
+/// Greatest number of improvements offered.
 const MOST_OFFERED: usize = 8;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let planning = &state.planning;
     scrolled(ui, |ui| {
         let Some(foreseen) = planning.foreseen.newest.as_deref() else {
-            ui.weak("Looking ahead…");
+            ui.weak("Predicting…");
             return;
         };
         let foreseen = match foreseen {
@@ -59,35 +59,35 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// The verdict that the drive would end in, and its far end.
+/// Shows the predicted verdict, and σ at the far end.
 fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
     ui.horizontal_wrapped(|ui| {
         let line = match &foreseen.held {
             Some(held) => {
                 let sigma_mm = 1e3 * held.far_end.sigma_m;
                 let target = if sigma_mm > target_mm { "misses" } else { "meets" };
-                format!("{sigma_mm:.1} mm at the far end {target} the wanted {target_mm:.1} mm")
+                format!("{sigma_mm:.1} mm at the far end {target} the {target_mm:.1} mm target")
             }
-            None => "a direction stays free".to_owned(),
+            None => "a direction stays unobservable".to_owned(),
         };
         let text = RichText::new(unbroken(&line)).size(15.0).strong();
         let misses = foreseen.held.as_ref().is_none_or(|held| 1e3 * held.far_end.sigma_m > target_mm);
         let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
         ui.label(if misses { text.color(notable) } else { text }).on_hover_text(
-            "Root mean square error of where a calibrated station puts its prism where that is worst on the track, from the \
-             joint estimate's own information: priors and errors of instruments included",
+            "RMS error of a calibrated station's prism positions at the worst place of the track. It comes from the \
+             joint estimate's information, with priors and instrument errors",
         );
     });
     let minutes = foreseen.duration_s / 60.0;
     let length_m = foreseen.length_m;
     ui.horizontal_wrapped(|ui| {
-        ui.label("verdict of such a drive:");
+        ui.label("predicted verdict:");
         words::explain(badge(ui, foreseen.verdict, 11.0), &glossary::VERDICT);
         ui.weak(format!("{minutes:.1} minutes · {length_m:.0} m"));
     });
 }
 
-/// σ of (x, y, z, yaw) of stations 2 and 3, with what most of each comes from.
+/// Shows σ of (x, y, z, yaw) of stations 2 and 3, with the main source of each.
 fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
     let mut rows = Vec::new();
     for (slot, sigma) in held.sigma.iter().enumerate() {
@@ -108,19 +108,19 @@ fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
                 let shown = Shown::new(sigma, Some(sigma), unit, 3);
                 ui.monospace(format!("± {}", shown.sigma_in_words()));
                 let dominant = &held.dominant[place];
-                let share = 100.0 * (dominant.part / dominant.whole).powi(2);
-                ui.small(format!("{share:.0} % {}", dominant.what))
-                    .on_hover_text("What most of the variance comes from");
+                let share = 100.0 * (dominant.sigma / dominant.total_sigma).powi(2);
+                ui.small(format!("{share:.0} % {}", dominant.name))
+                    .on_hover_text("Largest source of the variance");
                 ui.end_row();
             }
         },
     );
 }
 
-/// How well the vehicle's position will be known along the drive.
+/// Plots the predicted σ of the vehicle's position along the drive.
 fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
-    heading(ui, "σ of the vehicle along the way");
-    ui.small("At each instant, with the noise of its own readings; σ at the far end is what the calibration alone leaves open.");
+    heading(ui, "σ of the vehicle along the track");
+    ui.small("At each instant, with the noise of its readings. σ at the far end is from the calibration alone.");
     let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
     for at in &foreseen.way {
         match at.position_sigma_m {
@@ -139,7 +139,7 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     }
     let plot = still(Plot::new("σ along the planned way"))
         .height(PLOT)
-        // Half of the last number stands beyond the plot.
+        // Half of the last number extends beyond the plot.
         .width(ui.available_width() - ASIDE)
         .x_grid_spacer(round_marks)
         .y_grid_spacer(close_marks)
@@ -155,7 +155,7 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
         }
     });
     let role = egui::accesskit::Role::Canvas;
-    let name = "σ of the position along the planned way";
+    let name = "σ of the position along the planned track";
     shown.response.widget_info(|| egui::WidgetInfo::labeled(role, true, name));
     let rotations = foreseen.way.iter().filter_map(|at| at.rotation_sigma_rad);
     let (sum, count) = rotations.fold((0.0, 0), |(sum, count), sigma| (sum + sigma, count + 1));
@@ -165,9 +165,9 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     }
 }
 
-/// What each station meets.
+/// Shows the range, the greatest rates, and the number of accepted readings of each station.
 fn locks(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
-    heading(ui, "Following the prisms");
+    heading(ui, "Prism tracking");
     let rate = |deg_per_s: f64| {
         format!("{:.2} {}", deg_per_s * units.angle.rate_per_deg_per_s(), units.angle.rate_name())
     };
@@ -196,9 +196,9 @@ fn locks(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     });
 }
 
-/// Changes that were tried, the best first; each can be taken.
+/// Lists the tested changes, best first, with a button to apply each.
 fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    heading(ui, "What improves it most");
+    heading(ui, "Largest improvements");
     let better = &state.planning.better;
     let of_this = better.is_of((state.planning.version, 0));
     match better.newest.as_deref().filter(|_| of_this) {
@@ -212,7 +212,7 @@ fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.weak(why.to_string());
         }
         Some(Ok(found)) if found.is_empty() => {
-            ui.weak("Nothing that was tried brings 2 % or more.");
+            ui.weak("No change that was tried improves it by 2 % or more.");
         }
         Some(Ok(found)) => {
             for one in found.iter().take(MOST_OFFERED) {
@@ -222,7 +222,7 @@ fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     button.widget_info(|| {
                         egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, &name)
                     });
-                    if button.on_hover_text("Make it the plan; Undo takes it back").clicked() {
+                    if button.on_hover_text("Apply it to the plan; Undo reverts it").clicked() {
                         let plan = Box::new(one.plan.clone());
                         let set = PlanCommand::Set(plan, "an improvement taken");
                         commands.push(set.into());

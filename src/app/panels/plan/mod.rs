@@ -1,4 +1,4 @@
-//! The numbers of a plan, and what is foreseen of it; the plan from above is in `plots/plan_map.rs`.
+//! Numbers of a plan and its prediction; the plan from above is in `plots/plan_map.rs`.
 
 mod foreseen;
 mod numbers;

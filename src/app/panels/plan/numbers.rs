@@ -1,4 +1,4 @@
-//! The numbers of a plan: target, stations, rig, instruments, ground.
+//! Numbers of a plan: target, stations, rig, instruments, ground.
 
 use std::ops::RangeInclusive;
 
@@ -13,7 +13,7 @@ use resect_core::palette;
 use resect_core::planning::{Piece, Plan};
 use resect_core::simulation::Preset;
 
-/// A number of a plan: what it is called, its unit and bounds, and how much a point of dragging changes it.
+/// A number of a plan: name, unit, bounds, and its change per point of dragging.
 struct Field {
     name: &'static str,
     unit: &'static str,
@@ -45,7 +45,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Where plans come from and go to.
+/// Opens and saves plans.
 fn from_where(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut send = |command: PlanCommand| commands.push(command.into());
     ui.horizontal_wrapped(|ui| {
@@ -56,11 +56,7 @@ fn from_where(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.strong(name);
     });
     ui.horizontal_wrapped(|ui| {
-        if ui
-            .button("Open…")
-            .on_hover_text("A plan's file (TOML), as `resect plan` takes it")
-            .clicked()
-        {
+        if ui.button("Open…").on_hover_text("A plan file (TOML) of `resect plan`").clicked() {
             send(PlanCommand::OpenDialog);
         }
         if ui.button("Save…").clicked() {
@@ -69,7 +65,7 @@ fn from_where(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let driven = state.analysed().is_some();
         let button = ui.add_enabled(driven, egui::Button::new("As driven"));
         let button = button
-            .on_hover_text("Stations, way, rig and noise of the deployment that is shown")
+            .on_hover_text("Stations, track, rig and noise of the deployment shown")
             .on_disabled_hover_text("No deployment is open");
         if button.clicked() {
             send(PlanCommand::FromDeployment);
@@ -110,7 +106,7 @@ fn target(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
         unit: "mm",
         range: 0.01..=1e4,
         speed: 0.05,
-        hint: "Largest root mean square error wanted of where a calibrated station puts its prism at the far end of the track",
+        hint: "Largest acceptable RMS error of a calibrated station's prism positions at the far end of the track",
     };
     field(ui, &target, &mut plan.target_mm)
 }
@@ -134,7 +130,7 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     changed
 }
 
-/// The line above three fields of a place.
+/// Header of the three fields of a position.
 fn axes(ui: &mut egui::Ui) {
     ui.label("");
     for axis in ["x", "y", "z"] {
@@ -163,7 +159,7 @@ fn rig(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
         unit: "mm",
         range: 0.0..=1e3,
         speed: 0.02,
-        hint: "How well the distances between the prisms are measured",
+        hint: "Standard deviation of the measured distances between the prisms",
     };
     let mut sigma_mm = 1e3 * plan.rig.inter_prism_sigma_m;
     if field(ui, &sigma, &mut sigma_mm) {
@@ -211,7 +207,7 @@ fn instrument(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
             "ms",
             0.0..=100.0,
             0.05,
-            "By how much each stamp is off on its own",
+            "Random error of each time stamp",
             &mut one.stamp_jitter_ms,
         ),
     ] {
@@ -229,7 +225,7 @@ fn ground(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
         unit: "°",
         range: 0.0..=28.0,
         speed: 0.02,
-        hint: "How much the ground pitches and rolls the vehicle: what tells heights from their mirror twin",
+        hint: "Pitch and roll of the vehicle from the ground; they resolve the mirror ambiguity of heights",
     };
     if field(ui, &slope, &mut slope_deg) {
         plan.ground.slope_rms_rad = slope_deg.to_radians();
@@ -249,7 +245,7 @@ fn ground(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
             "m/s",
             0.01..=20.0,
             0.01,
-            "Where a waypoint says nothing else",
+            "Unless a waypoint sets its own",
             &mut plan.speed_m_per_s,
         ),
         (
@@ -288,7 +284,7 @@ fn capitalised(name: &str) -> String {
     first.to_uppercase() + rest
 }
 
-/// The measures of figure-eights and loops; their places are moved in the map.
+/// Fields for the dimensions of figure-eights and loops; their places are moved in the map.
 fn manoeuvres(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     let mut changed = false;
     let names: Vec<String> =

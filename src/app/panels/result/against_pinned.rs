@@ -1,4 +1,4 @@
-//! What changed against a pinned result: transforms, metrics, settings.
+//! Changes against a pinned result: transforms, metrics, settings.
 
 use egui::RichText;
 
@@ -15,12 +15,12 @@ use resect_report::difference::{
 };
 use resect_report::summary::ResultSummary;
 
-/// Shows how the answer differs from the pinned one; nothing where nothing is pinned.
+/// Shows the differences from the pinned result, if there is one.
 pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let (Some(pin), Some(now)) = (state.compared_with(), &open.summary) else { return };
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
-        ui.strong(format!("Against pinned {}", pin.name));
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(format!("Compared with pinned result {}", pin.name));
         if ui.small_button(format!("Unpin {}", pin.name)).clicked() {
             commands.push(ResultsCommand::Unpin(pin.id).into());
         }
@@ -45,12 +45,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
     metrics(ui, &difference);
 }
 
-/// Shows the estimates beside the transforms that are significant in one of the two.
+/// Shows the estimates other than the transforms that are significant in one of the two results.
 fn estimates(ui: &mut egui::Ui, difference: &ResultDifference, units: Units) {
     if difference.estimates.is_empty() {
         return;
     }
-    heading(ui, "Estimated besides");
+    heading(ui, "Other estimates");
     let grid = egui::Grid::new("estimates against pinned").num_columns(4).spacing([10.0, 3.0]);
     grid.striped(true).show(ui, |ui| {
         for name in ["", "pinned", "now", "in σ"] {
@@ -85,7 +85,7 @@ fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference, units:
     }
 }
 
-/// Shows how the transforms differ, now minus pinned, beside each number how many σ that is.
+/// Shows the differences of the transforms, now minus pinned, each also in σ.
 fn transforms(
     ui: &mut egui::Ui,
     difference: &ResultDifference,
@@ -112,10 +112,10 @@ fn transforms(
             });
             let small = units.angle.small_name();
             difference_row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
-            // Of level answers it is the yaw again.
+            // For levelled results, the whole angle equals the yaw.
             if stations.iter().any(tilted) {
                 let whole = stations.map(|s| Deviation { value: s.angle_rad, sigmas: None });
-                difference_row(ui, &format!("whole angle ({small})"), whole, angle);
+                difference_row(ui, &format!("total angle ({small})"), whole, angle);
             }
             if difference.same_data {
                 let moved = std::array::from_fn(|k| {
@@ -129,14 +129,14 @@ fn transforms(
         },
     );
     ui.small(if difference.same_data {
-        "σ: of the present result. Both come from the same readings, so below 1 the choice of settings does not matter. \
-         On its track: by how much what the station measured moves (rms)."
+        "In σ of the present result. Both use the same readings, so a difference below 1 σ does not matter. \
+         On its track: RMS shift of the station's readings."
     } else {
-        "σ: of both results together."
+        "In σ of both results combined."
     });
 }
 
-/// Whether the two differ by more than a yaw.
+/// Returns true if the two differ by more than a yaw.
 fn tilted(station: &StationDifference) -> bool {
     (station.angle_rad - station.yaw_rad.value.abs()).abs() > 1e-7
 }

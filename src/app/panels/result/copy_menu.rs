@@ -1,4 +1,4 @@
-//! The transforms for the clipboard, in the forms that other programs take.
+//! Copies the transforms to the clipboard, in the formats of other programs.
 
 use egui::{PopupCloseBehavior, containers::menu};
 
@@ -8,7 +8,7 @@ use resect_report::copy::{CopyFormat, Part};
 use resect_report::summary::ResultSummary;
 
 pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
-    // Choosing which transforms must not close the menu: the form is chosen next.
+    // Choosing the transforms must not close the menu, because the format is chosen next.
     let config = menu::MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let id = ui.scope_id().with("part to copy");
     menu::MenuButton::new("Copy…").config(config).ui(ui, |ui| {
@@ -28,7 +28,7 @@ pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
         }
         if summary.verdict != Verdict::Good || !summary.independently_checked {
             ui.separator();
-            ui.small(format!("The copy says that the verdict is {}.", summary.verdict_in_words()));
+            ui.small(format!("The copy includes the verdict: {}.", summary.verdict_in_words()));
         }
     });
 }

@@ -7,10 +7,10 @@ use crate::app::words;
 use resect_core::deployment::Severity;
 use resect_report::difference::Deviation;
 
-/// Beyond this many σ a choice moves the answer more than it should.
+/// Beyond this many σ, a choice changes the result too much.
 pub const NOTABLE_SIGMAS: f64 = 3.0;
 
-/// One quantity of both stations, beside each number how many σ that is.
+/// Shows one quantity of both stations, each number also in σ.
 pub fn difference_row(
     ui: &mut egui::Ui,
     name: &str,
@@ -20,7 +20,7 @@ pub fn difference_row(
     let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
     let label = words::explain_text(ui.label(name), name);
     if name.starts_with("distance") {
-        label.on_hover_text("How far apart the two places of the station are");
+        label.on_hover_text("Distance between the two positions of the station");
     }
     for Deviation { value, sigmas } in deviations {
         ui.monospace(format!("{:>8}", show(value)));

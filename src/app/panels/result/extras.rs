@@ -1,16 +1,16 @@
-//! Estimates beside the transforms, and the sources of the σ of the transforms, as tables.
+//! Tables of the estimates other than the transforms, and of the sources of the transforms' σ.
 
 use egui::RichText;
 
 use crate::app::model::Units;
 use crate::app::model::estimates::column;
 use crate::app::words;
-use resect_core::calibration::joint::{Dominant, JointEstimate};
+use resect_core::calibration::joint::{JointEstimate, LargestSource};
 use resect_core::calibration::{Calibration, Quantity};
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_report::glossary;
 
-/// Shows the tables, folded; nothing without estimates beside the transforms.
+/// Shows the tables, folded, if there are estimates other than the transforms.
 pub fn ui(ui: &mut egui::Ui, rows: &[AnswerRow], calibration: &Calibration, units: Units) {
     let beside: Vec<&AnswerRow> =
         rows.iter().filter(|row| row.group.is_beside_transforms()).collect();
@@ -19,15 +19,15 @@ pub fn ui(ui: &mut egui::Ui, rows: &[AnswerRow], calibration: &Calibration, unit
     }
     let significant = beside.iter().filter(|row| row.is_significant).count();
     let title = match significant {
-        0 => format!("Estimated besides ({}, none told from zero)", beside.len()),
-        _ => format!("Estimated besides ({}, {significant} told from zero)", beside.len()),
+        0 => format!("Other estimates ({}, none significant)", beside.len()),
+        _ => format!("Other estimates ({}, {significant} significant)", beside.len()),
     };
     egui::CollapsingHeader::new(title).id_salt("extras").show(ui, |ui| {
         table(ui, &beside, units);
-        ui.small("→ told from zero. Known before: one σ without this drive.");
+        ui.small("→ significant. Prior: 1 σ without this drive.");
     });
     if let Some(joint) = calibration.joint() {
-        let header = egui::CollapsingHeader::new("What σ comes from").id_salt("budget");
+        let header = egui::CollapsingHeader::new("Sources of σ").id_salt("budget");
         let header = header.show(ui, |ui| {
             scatter(ui, rows, units);
             budget(ui, joint, units);
@@ -39,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, rows: &[AnswerRow], calibration: &Calibration, unit
 fn table(ui: &mut egui::Ui, rows: &[&AnswerRow], units: Units) {
     let shown: Vec<_> = rows.iter().map(|row| units.deviation(row)).collect();
     egui::Grid::new("extras").num_columns(3).spacing([6.0, 2.0]).striped(true).show(ui, |ui| {
-        for name in ["", "value ± 1 σ", "known before"] {
+        for name in ["", "value ± 1 σ", "prior"] {
             ui.weak(name);
         }
         ui.end_row();
@@ -61,10 +61,10 @@ fn table(ui: &mut egui::Ui, rows: &[&AnswerRow], units: Units) {
     });
 }
 
-/// Noise of the readings about the motion.
+/// Shows the noise of the readings relative to the motion.
 fn scatter(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
     egui::Grid::new("scatter").num_columns(2).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
-        ui.strong("Readings scatter");
+        ui.strong("Noise of readings");
         ui.weak("1 σ");
         ui.end_row();
         for row in rows.iter().filter(|row| row.group == RowGroup::Noise) {
@@ -75,20 +75,21 @@ fn scatter(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
     });
 }
 
-/// The largest part of each σ of the transforms.
+/// Shows the largest contribution to each σ of the transforms.
 fn budget(ui: &mut egui::Ui, joint: &JointEstimate, units: Units) {
     egui::Grid::new("budget").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (index, transform) in ["T12", "T13"].into_iter().enumerate() {
             ui.strong(format!("σ of {transform}"));
-            ui.weak("mostly from");
-            ui.weak("whole σ");
+            ui.weak("largest source");
+            ui.weak("total σ");
             ui.end_row();
             for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
-                let Dominant { what, part, whole } = joint.dominant(4 * index + axis);
+                let LargestSource { name: source, sigma, total_sigma } =
+                    joint.largest_source(4 * index + axis);
                 let quantity = if axis == 3 { Quantity::Angle } else { Quantity::Length };
                 ui.label(format!("  {name}"));
-                ui.label(format!("{what}, {}", units.prior(quantity, part)));
-                ui.monospace(units.prior(quantity, whole));
+                ui.label(format!("{source}, {}", units.prior(quantity, sigma)));
+                ui.monospace(units.prior(quantity, total_sigma));
                 ui.end_row();
             }
         }

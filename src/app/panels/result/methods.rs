@@ -24,21 +24,21 @@ pub fn ui(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
 
 fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
     let Mirror { twin, cost_ratio, resolved_by } = &details.mirror;
-    heading(ui, "Mirror twin");
+    heading(ui, "Mirrored solution");
     let (Some(twin), Some(ratio)) = (twin, cost_ratio) else {
-        ui.label("No second minimum: pitch and roll rule it out.");
+        ui.label("None: pitch and roll exclude a second minimum.");
         return;
     };
     let by = match resolved_by {
-        ResolvedBy::Rig => "by the rig's heights",
-        ResolvedBy::ControlPoints => "by control points",
-        ResolvedBy::Cost => "by cost",
-        ResolvedBy::Nothing => "by nothing",
+        ResolvedBy::Rig => "resolved by the rig's heights",
+        ResolvedBy::ControlPoints => "resolved by control points",
+        ResolvedBy::Cost => "resolved by cost",
+        ResolvedBy::Nothing => "not resolved",
     };
     egui::Grid::new("mirror").num_columns(3).spacing([10.0, 2.0]).show(ui, |ui| {
         ui.label("");
-        number_head(ui, "answer", 8);
-        number_head(ui, "twin", 8);
+        number_head(ui, "result", 8);
+        number_head(ui, "mirrored", 8);
         ui.end_row();
         for station in 1..3 {
             ui.label(format!("z of T1{} ({})", station + 1, units.length.name()));
@@ -58,10 +58,10 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
         ui.monospace(format!("{ratio:>8.2}"));
         ui.end_row();
     });
-    ui.label(format!("Told apart {by}."));
+    ui.label(format!("Ambiguity {by}."));
 }
 
-/// Every pair of known points, and what the stations make of the points it leaves out.
+/// Shows every pair of known points, with the errors at the points left out.
 fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
     heading(ui, "Pairs of known points");
     let widest =
@@ -73,11 +73,11 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
             (apart.as_str(), "Known distance between them"),
             (
                 "left out (mm)",
-                "Largest distance between what the stations make of a point left out",
+                "Largest distance between the stations' positions of a point left out",
             ),
             (
                 "known (mm)",
-                "Largest distance of a point left out to its known position, mean of the stations",
+                "Largest distance of a point left out from its known position, mean of the stations",
             ),
         ];
         for (name, hint) in heads {
@@ -98,7 +98,7 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
             ui.end_row();
         }
     });
-    ui.small("→ the pair that the answer comes from");
+    ui.small("→ the pair that the result uses");
 }
 
 fn static_gcp(ui: &mut egui::Ui, details: &StaticGcpDetails, units: Units) {

@@ -1,4 +1,4 @@
-//! The paper's two metrics of the answer.
+//! The paper's two metrics of the result.
 
 use egui::RichText;
 
@@ -9,7 +9,7 @@ use resect_core::deployment::{ControlPointSet, pair_label};
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_report::glossary;
 
-/// What the first metric is of: where all stations follow one prism, the distances compare their versions of it.
+/// Name of the first metric: if all stations track one prism, the distances compare their versions of it.
 pub fn name(targets: Targets) -> &'static str {
     match targets {
         Targets::OnePrism => "Same prism",
@@ -17,7 +17,7 @@ pub fn name(targets: Targets) -> &'static str {
     }
 }
 
-/// Shows the metrics, in mm whatever the units: there is nothing larger to see.
+/// Shows the metrics, always in mm because they are small.
 pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[ControlPointSet]) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
@@ -49,7 +49,7 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
             row(ui, RichText::new("   as measured"), distances, spread);
         }
         for metric in &evaluation.control_points_mm {
-            // Files from elsewhere have their whole path.
+            // Files from other folders have full paths.
             row(ui, RichText::new(file_name(&metric.file)), &glossary::GCP_METRIC, &metric.spread);
         }
     });
@@ -58,7 +58,7 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
     }
     for set in sets.iter().filter(|set| set.pillars) {
         let name = file_name(&set.file);
-        let line = format!("{name}: pillars, which the metric leaves out, as the paper does.");
+        let line = format!("{name}: pillars, excluded from the metric as in the paper.");
         ui.add(egui::Label::new(RichText::new(line).weak()).wrap());
     }
 }

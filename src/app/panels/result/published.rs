@@ -1,4 +1,4 @@
-//! The paper's answer beside a joint estimate: what it was moved by, and the way to it.
+//! The paper's result beside a joint estimate: their difference, and a button that shows it.
 
 use super::difference_row::difference_row;
 use crate::app::model::{Commands, DeploymentCommand};
@@ -9,14 +9,14 @@ use resect_core::calibration::Calibration;
 use resect_report::difference::moved_from_published;
 use resect_report::glossary;
 
-/// Shows the paper's answer beside a joint estimate; nothing beside any other answer.
+/// Shows the paper's result beside a joint estimate, if there is one.
 pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut Commands) {
     let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
         return;
     };
     let name = published.method.short_name();
     let units = state.workspace.units;
-    heading(ui, &format!("The paper's {name}: moved by"));
+    heading(ui, &format!("Difference from the paper's {name}"));
     egui::Grid::new("moved from published").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
         ui,
         |ui| {
@@ -44,7 +44,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
         ui.label(format!("Verdict of {name}: {verdict}"));
         let button = ui
             .small_button(format!("Show the paper's {name}"))
-            .on_hover_text("Sets the method; the joint estimate is among the methods as well");
+            .on_hover_text("Selects this method; the same list has the joint estimate");
         if button.clicked() {
             let mut settings = *state.settings();
             settings.calibration.method = Some(published.method);

@@ -10,7 +10,7 @@ use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_report::glossary;
 use resect_report::text;
 
-/// The rows of both transforms, each number with its σ in the same unit.
+/// Shows the rows of both transforms, each number with its σ in the same unit.
 pub fn table(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
     let rows: Vec<&AnswerRow> =
         rows.iter().filter(|row| row.group == RowGroup::Transforms).collect();
@@ -45,7 +45,7 @@ fn all_units(radians: f64) -> String {
     AngleUnit::ALL.map(show).join("\n")
 }
 
-/// Folded away: few read them, and Copy has them with all digits.
+/// Shows the matrices, folded because few read them; Copy gives all digits.
 pub fn matrices(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.collapsing("4×4 matrices", |ui| {
         for station in 1..3 {

@@ -1,4 +1,4 @@
-//! What stands side by side, as data: the answers of the open deployments, then the pinned results.
+//! Columns of the comparison as data: results of the open deployments, then the pinned results.
 
 use crate::app::model::estimates::column;
 use crate::app::model::units::with_sign;
@@ -10,26 +10,26 @@ use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_report::difference::{Deviation, ResultDifference};
 use resect_report::summary::ResultSummary;
 
-/// Stations of other readings that stand farther apart in plan than this were set up elsewhere (m).
+/// Stations that differ by more than this in plan belong to different set-ups (m).
 const ELSEWHERE_M: f64 = 1.0;
 
 pub struct Column<'a> {
     pub title: String,
     pub whose: Whose,
-    /// The result, or why there is none; `None` until it is there.
+    /// The result, or the reason why there is none; `None` until it is computed.
     pub result: Option<Result<&'a ResultSummary, String>>,
-    /// The points themselves, where they are open.
+    /// The control points themselves, if their deployment is open.
     sets: &'a [ControlPointSet],
 }
 
-/// Whose result a column shows, by its id.
+/// The deployment or pin of a column, by id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whose {
     Open(u64),
     Pinned(u64),
 }
 
-/// A number of one column, and how it differs from that of the column that the others are held against.
+/// A number of a column with its difference from the reference column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
     pub text: String,
@@ -38,13 +38,13 @@ pub struct Cell {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// With its sign and unit.
+    /// Difference with sign and unit.
     pub text: String,
-    /// None also where the stations were set up elsewhere.
+    /// `None` without σ, and if the set-ups differ.
     pub sigmas: Option<f64>,
 }
 
-/// All columns, and the place of the one that the others are held against: the active deployment's.
+/// Returns all columns and the index of the reference column, which is the active deployment's.
 pub fn columns(state: &State) -> (Vec<Column<'_>>, usize) {
     let open =
         state.deployments.open.iter().zip(state.names()).map(|(open, name)| of_open(open, name));
@@ -72,7 +72,7 @@ impl<'a> Column<'a> {
         self.result.as_ref()?.as_ref().ok().copied()
     }
 
-    /// Whether a file of control points holds the same points in both.
+    /// Returns true if a file of control points contains the same points in both columns.
     fn has_same_points(&self, other: &Self, file: &str) -> bool {
         let same_data =
             self.summary().zip(other.summary()).is_some_and(|(a, b)| a.has_same_data(b));
@@ -81,7 +81,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// (x, y, z, yaw) of T12, then of T13, of each column.
+/// (x, y, z, yaw) of T12, then of T13, for each column.
 pub fn transforms(columns: &[Column<'_>], reference: usize, units: Units) -> Vec<Vec<Cell>> {
     let against = columns.get(reference).and_then(Column::summary);
     let cells = |(index, column): (usize, &Column<'_>)| match column.summary() {
@@ -91,9 +91,9 @@ pub fn transforms(columns: &[Column<'_>], reference: usize, units: Units) -> Vec
     columns.iter().enumerate().map(cells).collect()
 }
 
-/// Whether a result is of a set-up at another place, so that how it differs is no error of either.
+/// Returns true if a result belongs to a set-up at another place, so that its difference is no error.
 ///
-/// In plan, because the mirror twin of one set-up differs in height only.
+/// Compares in plan, because the mirror twin of a set-up differs in height only.
 fn is_elsewhere(against: &ResultSummary, summary: &ResultSummary) -> bool {
     let apart = ResultDifference::between(against, summary).stations;
     let far = apart.iter().any(|station| {
@@ -103,7 +103,7 @@ fn is_elsewhere(against: &ResultSummary, summary: &ResultSummary) -> bool {
     far && !against.has_same_data(summary)
 }
 
-/// Whether any column is of a set-up at another place than the one that the others are held against.
+/// Returns true if any column belongs to a set-up at another place than the reference column's.
 pub fn any_elsewhere(columns: &[Column<'_>], reference: usize) -> bool {
     let against = columns.get(reference).and_then(Column::summary);
     let of = |summary| against.is_some_and(|against| is_elsewhere(against, summary));
@@ -140,14 +140,14 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
     texts.into_iter().map(|text| Cell { text, difference: differences.next() }).collect()
 }
 
-/// An estimate beside the transforms, with a cell of each column.
+/// An estimate other than the transforms, with one cell per column.
 pub struct EstimateCells {
     pub subject: String,
     pub name: String,
     pub cells: Vec<Cell>,
 }
 
-/// The estimates beside the transforms that are significant in one of the columns.
+/// Estimates other than the transforms that are significant in at least one column.
 pub fn estimates(columns: &[Column<'_>], reference: usize, units: Units) -> Vec<EstimateCells> {
     let of =
         |index: usize| columns[index].summary().map_or(&[][..], |summary| &summary.estimates[..]);
@@ -192,17 +192,17 @@ pub fn inter_prism(columns: &[Column<'_>], reference: usize) -> Vec<Cell> {
 
 /// The control-point metric of a file.
 pub struct PointsRow {
-    /// Without its folder.
+    /// File name without its folder.
     pub file: String,
-    /// Whose points they are, where other points are in a file of the same name.
+    /// Title of the column with these points, if other points are in a file of the same name.
     pub whose: Option<String>,
     pub cells: Vec<Cell>,
 }
 
-/// The control-point metric by file. Points of one file that are not the same in two columns stand in two rows: their
-/// numbers cannot be compared.
+/// The control-point metric by file. If a file's points differ between two columns, they have separate rows, because their numbers cannot
+/// be compared.
 pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<PointsRow> {
-    // The column that a row began with, and the spreads in it.
+    // Each row with the column that started it and the spread in each column.
     let mut rows: Vec<(String, usize, Vec<Option<Spread>>)> = Vec::new();
     for (index, column) in columns.iter().enumerate() {
         for metric in column.summary().into_iter().flat_map(|summary| &summary.control_points_mm) {
@@ -219,7 +219,7 @@ pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<PointsRow
             spreads[index] = Some(metric.spread);
         }
     }
-    // Files from elsewhere have their whole path.
+    // Files from other folders have full paths.
     let short = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or(file).to_owned();
     let names: Vec<String> = rows.iter().map(|(file, ..)| short(file)).collect();
     let of_row = |(row, (_, first, spreads)): (usize, (String, usize, Vec<Option<Spread>>))| {
@@ -227,7 +227,7 @@ pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<PointsRow
         let several = names.iter().filter(|name| **name == file).count() > 1;
         let whose = several.then(|| columns[first].title.clone());
         let cell = |(index, spread): (usize, &Option<Spread>)| {
-            // A file that grew since is of the same name and other points.
+            // A file that grew has the same name and other points.
             let same = |against: &Spread| spread.is_some_and(|own| own.n == against.n);
             spread_cell(*spread, spreads[reference].filter(same).filter(|_| index != reference))
         };

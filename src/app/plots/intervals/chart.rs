@@ -1,11 +1,11 @@
-//! One row a station with its readings and silences, and one with the spans that all three have in common.
+//! One row per station with its readings and gaps, and one row with the spans common to all three.
 
 use egui::{Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{GridMark, Plot};
 
 use super::super::quads::Quads;
 use super::super::strips::{Strip, bare_axis};
-use super::super::time_plot::{Shown, TimePlot};
+use super::super::time_plot::{ShownPlot, TimePlot};
 use super::super::times::Times;
 use crate::app::model::{Commands, OpenDeployment, Picked, TimeCommand};
 use crate::app::prepared::gaps::{Seen, first_from, visible};
@@ -15,14 +15,14 @@ use resect_core::analysis::Analysis;
 use resect_core::palette;
 use resect_core::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
-/// Rows from the top: stations 1 to 3, and all three.
+/// Number of rows: stations 1 to 3, and all three together.
 const ROWS: usize = 4;
-/// The part of a row's height that its name's letters take.
+/// Letter size of a row's name, as a share of the row's height.
 const LETTERS: f32 = 0.76;
-/// Ticks further apart than this stand alone (points); closer ones are drawn as density, in columns this wide.
+/// Ticks further apart than this are drawn singly (points); closer ones are drawn as density, in columns of the second width (points).
 const TICKS: f64 = 3.0;
 const COLUMN: f32 = 2.0;
-/// A click this near to a tick is meant for it (points).
+/// Greatest distance from a tick at which a click selects it (points).
 const NEAR: f32 = 6.0;
 
 pub fn ui(
@@ -33,7 +33,7 @@ pub fn ui(
     times: &Times,
     commands: &mut Commands,
 ) {
-    // Names that are higher than their rows would be left out.
+    // A name higher than its row would not be drawn.
     let size = (LETTERS * strip.height() / ROWS as f32).clamp(8.0, 11.0);
     let axis = bare_axis()
         .tick_label_font(egui::FontId::proportional(size))
@@ -71,9 +71,9 @@ struct Chart<'a> {
     open: &'a OpenDeployment,
     state: &'a State,
     times: &'a Times,
-    /// What the outlier filter left of each track.
+    /// Readings of each track after the outlier filter.
     filtered: &'a [FilteredTrack; 3],
-    shown: Shown,
+    shown: ShownPlot,
 }
 
 impl Chart<'_> {
@@ -88,7 +88,7 @@ impl Chart<'_> {
         self.shown.transform.dpos_dvalue_x()
     }
 
-    /// Silences and spans at least a point wide.
+    /// Gaps and spans at least one point wide.
     fn visible(&self, spans: &[Interval]) -> Vec<Seen> {
         visible(spans, self.times.window_s, 1.0 / self.points_per_s())
     }
@@ -96,7 +96,7 @@ impl Chart<'_> {
     fn rect(&self, row: usize, span: &Interval) -> Rect {
         let frame = self.shown.frame();
         let x = [span.start_s, span.end_s].map(|t| {
-            // Far outside, f32 would be coarse.
+            // Clamped because f32 is too coarse far outside the frame.
             self.shown.x(t).clamp(frame.left() - 9.0, frame.right() + 9.0)
         });
         Rect::from_x_y_ranges(x[0]..=x[1].max(x[0] + 1.0), self.row(row))
@@ -115,16 +115,16 @@ impl Chart<'_> {
         } else {
             self.density(&painter, station);
         }
-        // What the outlier filter took is often why a station seems silent.
+        // Rejected readings often explain an apparent gap of a station.
         let foot = Rangef::new(row.max - 0.3 * row.span(), row.max);
         self.marks(&painter, foot, &gaps.rejected_s[station], silent);
-        // And what the user took is seen to be his.
+        // Readings excluded by the user are marked separately.
         let head = Rangef::new(row.min, row.min + 0.3 * row.span());
         let by_hand = theme::rgb(palette::fate(SampleFate::LeftOut));
         self.marks(&painter, head, &gaps.left_out_s[station], by_hand);
     }
 
-    /// Single instants, no two in one place.
+    /// Draws marks at single times, merging those at the same place.
     fn marks(&self, painter: &egui::Painter, y: Rangef, times_s: &[f64], colour: Color32) {
         let mut quads = Quads::default();
         let mut at = times_s.partition_point(|t| *t < self.times.window_s[0]);
@@ -159,7 +159,7 @@ impl Chart<'_> {
         }
     }
 
-    /// How many readings that the filter kept fall into each column: the more, the stronger.
+    /// Draws the density of accepted readings by column, stronger for more readings.
     fn density(&self, painter: &egui::Painter, station: usize) {
         let times_s = &self.filtered[station].time_s;
         let start_s = self.times.start_s;
@@ -187,7 +187,7 @@ impl Chart<'_> {
         painter.add(quads.into_shape());
     }
 
-    /// The visible ones of these spans in a row, painted in one go, and over them how long they are.
+    /// Draws the visible spans of a row as one shape, with their durations over them.
     fn spans(
         &self,
         ui: &egui::Ui,
@@ -214,7 +214,7 @@ impl Chart<'_> {
         let place = |seen: &Seen| {
             let mut rect = self.rect(row, &seen.span);
             if seen.count > 1 {
-                // Some between kept ones: they must not hide those.
+                // Rejected spans between accepted ones must not hide them.
                 rect.min.y = rect.max.y - 0.3 * rect.height();
             }
             rect
@@ -232,7 +232,7 @@ impl Chart<'_> {
         }
     }
 
-    /// What is under the pointer, in words.
+    /// Describes the item under the pointer.
     fn hover(&self, ui: &egui::Ui) {
         let Some(at) = self.shown.pointer(ui) else { return };
         let frame = self.shown.frame();
@@ -266,7 +266,7 @@ impl Chart<'_> {
         format!("{} s\n{from} to {to}", length(span))
     }
 
-    /// The reading whose tick is near.
+    /// Returns the reading whose tick is near; `None` if ticks are not drawn singly.
     fn reading_at(&self, at: Pos2) -> Option<Picked> {
         let station = (0..3).find(|station| self.row(*station).contains(at.y))?;
         if !self.state.scene.visibility.stations[station] || !self.ticks_stand_alone(station) {
@@ -289,14 +289,14 @@ fn length(span: &Interval) -> String {
     if length_s < 9.95 { format!("{length_s:.1}") } else { format!("{length_s:.0}") }
 }
 
-/// How long a span is, where there is room.
+/// Draws the duration of a span if there is room.
 fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
     let seen_part = rect.intersect(painter.clip_rect());
     if seen_part.width() < 5.0 * "0.0 s".len() as f32 {
         return;
     }
     let text = format!("{} s", length(&seen.span));
-    // Most have no room; letters are not laid out to find that.
+    // Most spans have no room; this check avoids the layout of the text.
     if seen.count > 1 || seen_part.width() < 5.0 * text.len() as f32 {
         return;
     }
@@ -310,8 +310,7 @@ fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
     }
 }
 
-/// Slanted lines, where there is room for some. They are cut here, because each part that the painter has to cut is drawn
-/// by itself.
+/// Draws slanted lines if there is room. They are clipped here, because the painter draws each line that it has to clip separately.
 fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
     let (step, rise) = (5.0, rect.height());
     let seen = rect.intersect(painter.clip_rect());

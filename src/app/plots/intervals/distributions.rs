@@ -1,4 +1,4 @@
-//! How long the silences and the intervals are, on logarithmic axes, with τ_s and τ_l as lines to drag.
+//! Distributions of the lengths of gaps and intervals, on logarithmic axes, with τ_s and τ_l as draggable lines.
 
 use egui::{Color32, Rect, RichText};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
@@ -14,17 +14,17 @@ use crate::app::theme;
 use resect_core::palette;
 use resect_core::pipeline::SampleFate;
 
-/// Height of the line above each, and of its text: below that are handles (points).
+/// Height of the line above each chart, and of its text; handles are below the text (points).
 const TITLE: f32 = 21.0;
 const TEXT: f32 = 13.0;
-/// Less is too low for a chart.
+/// Least height of a chart (points).
 const LEAST: f32 = 40.0;
-/// Lower charts have no room for the name of their counts.
+/// Charts lower than this have no room for the name of their counts (points).
 const LEAST_NAMED: f32 = 64.0;
-/// Half the number "100 s", as a share of an axis.
+/// Half the width of the number "100 s", as a share of the axis.
 const HALF_A_NUMBER: f64 = 0.13;
 
-/// The values of τ_s and τ_l that the user wants.
+/// Draws both distributions; returns the values of τ_s and τ_l that the user sets.
 pub fn ui(
     ui: &mut egui::Ui,
     open: &OpenDeployment,
@@ -34,11 +34,11 @@ pub fn ui(
     ui.spacing_mut().item_spacing.y = 2.0;
     let gaps = &open.plots.gaps;
     let [tau_s, tau_l] = &thresholds.0;
-    // Both where both can be read; in a low pane the first alone, and of the second how many.
+    // Shows both charts if there is room; a low pane has the first chart, and only the count of the second.
     let of_two = ui.available_height() / 2.0 - TITLE - 4.0;
     let height = if of_two < LEAST { ui.available_height() - 2.0 * TITLE - 4.0 } else { of_two };
     let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    let counted = "How many silences there are of each length, by stations; above: how many of stations 1 / 2 / 3 are \
+    let counted = "Number of silences by length and station; above: silences of stations 1 / 2 / 3 that are \
                    longer than τ_s";
     let short_of = |threshold: &Threshold<'_>| threshold.symbol.to_owned();
     title(ui, ["silences", ">"], [tau_s.label(), short_of(tau_s)], &longer, counted);
@@ -53,8 +53,7 @@ pub fn ui(
 
     let (short, all) = (gaps.short.len(), gaps.short.len() + gaps.kept.len());
     let shorter = format!("{short} of {all}");
-    let counted =
-        "How many intervals there are of each length; above: how many are not longer than τ_l";
+    let counted = "Number of intervals by length; above: intervals that are not longer than τ_l";
     title(ui, ["intervals", "≤"], [tau_l.label(), short_of(tau_l)], &shorter, counted);
     if of_two < LEAST {
         return [wanted_s, None];
@@ -70,7 +69,7 @@ pub fn ui(
     [wanted_s, wanted_l]
 }
 
-/// What is counted against a threshold: with the threshold's value, or in a narrow pane as much of it as has room.
+/// Shows the count beyond a threshold with the threshold's value, shortened in a narrow pane.
 fn title(
     ui: &mut egui::Ui,
     [what, sign]: [&str; 2],
@@ -99,7 +98,7 @@ fn title(
     label.on_hover_text(format!("{}\n\n{hint}", texts[0]));
 }
 
-/// Where a length is on the screen, also one that no axis shows.
+/// Position of a length on the screen, clamped to the axis.
 fn x(transform: &PlotTransform, length_s: f64) -> f32 {
     let bounds = transform.bounds();
     let log10 = length_s.max(1e-9).log10().clamp(bounds.min()[0], bounds.max()[0]);
@@ -117,8 +116,8 @@ struct Distribution<'a> {
 }
 
 impl Distribution<'_> {
-    /// `strength` of a bin by the middle of its length (log10). Counts stand on a logarithmic axis, too: a few long
-    /// silences matter as much as thousands of short ones.
+    /// Draws the histogram; `strength` is the opacity of a bin by its middle (log10 of the length). The axis of counts is logarithmic as
+    /// well, because a few long gaps matter as much as thousands of short ones.
     fn show(
         &self,
         ui: &mut egui::Ui,
@@ -132,7 +131,7 @@ impl Distribution<'_> {
         let [low, high] = ends.fold([threshold - 0.7, threshold + 0.7], |[low, high], [a, b]| {
             [low.min(a - 0.1), high.max(b + 0.1)]
         });
-        // The number of the last power of ten is not cut off at the edge.
+        // Extends the axis so that the number of the last power of ten is not clipped.
         let high = high.max(high.floor() + HALF_A_NUMBER * (high - low));
         let most = bins().map(|(_, count)| count).max().unwrap_or(1);
         let shown = still(Plot::new((self.name, id)))
@@ -145,9 +144,7 @@ impl Distribution<'_> {
             ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .label(
-                        RichText::new(if height < LEAST_NAMED { "" } else { "how many" }).small(),
-                    )
+                    .label(RichText::new(if height < LEAST_NAMED { "" } else { "count" }).small())
                     .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
                     .label_spacing(8.0..=14.0)
@@ -164,7 +161,7 @@ impl Distribution<'_> {
         let transform = shown.transform;
         let frame = *transform.frame();
         let painter = ui.painter().with_clip_rect(frame);
-        // Side by side within a bin, so that no station hides another.
+        // The bars of the stations are side by side within a bin, so that none hides another.
         let beside = 1.0 / self.series.len().max(1) as f64;
         for (index, (histogram, colour)) in self.series.iter().enumerate() {
             for ([a, b], count) in histogram.bins() {
@@ -179,7 +176,7 @@ impl Distribution<'_> {
     }
 }
 
-/// Where a count is on its axis: nothing at 0, and one is seen.
+/// Position of a count on its axis: 0 at zero, and visible at one.
 fn place(count: usize) -> f64 {
     (count as f64 + 1.0).log10()
 }
@@ -187,7 +184,7 @@ fn place(count: usize) -> f64 {
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn counts(input: GridInput) -> Vec<GridMark> {
     let shown = |mark: &GridMark| mark.value <= input.bounds.1;
-    // In a low chart the powers of ten keep their numbers.
+    // In a low chart, only the powers of ten keep their numbers.
     let marks = (0..7).flat_map(|decade| {
         [(1, 1.0), (3, 0.4)].map(|(times, step_size)| GridMark {
             value: place(times * 10_usize.pow(decade)),

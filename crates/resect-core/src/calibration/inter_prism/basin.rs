@@ -4,7 +4,7 @@ use super::centred::CentredTriplets;
 use super::levenberg_marquardt::Minimum;
 use crate::geometry::{LevelTransform, wrap_to_pi};
 
-/// Two solutions are the same minimum within these; the paper's limits for its prior.
+/// Two solutions are the same minimum within these limits (m, rad), which the paper uses for its prior.
 pub const SAME_TRANSLATION_M: f64 = 0.05;
 pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
@@ -14,7 +14,7 @@ pub struct Basin {
     pub station1_from_station: [LevelTransform; 3],
     /// Mean squared inter-prism error (m²): the paper's `cost_function_2`.
     pub mean_square_m2: f64,
-    /// Mean height of prism 1 over prisms 2 and 3 in this solution (m).
+    /// Mean height of prism 1 above prisms 2 and 3 in this solution (m).
     pub height_differences_m: [f64; 2],
 }
 
@@ -29,7 +29,7 @@ impl Basin {
     }
 }
 
-/// Returns whether two solutions are the same minimum.
+/// Returns true if two solutions are the same minimum.
 pub fn same_solution(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| {
         (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M

@@ -1,27 +1,27 @@
-//! Triplets laid out for the solver: coordinates apart, each station's points about their own centroid.
+//! Triplets in the layout of the solver: separate coordinates, relative to the centroid of each station's points.
 //!
-//! With centred points the yaw turns about the middle of the track instead of about a station 100 m away, so
-//! that yaw and translation hardly correlate and the normal equations are well conditioned.
+//! With centred points the yaw rotates about the middle of the track instead of about a station 100 m away. Yaw and translation are
+//! then hardly correlated, and the normal equations are well conditioned.
 
 use nalgebra::{SVector, Vector3};
 
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 
-/// Fewest triplets of an answer: three residuals a triplet, and eight unknowns.
+/// Fewest triplets of an answer; each has three residuals, and there are eight unknowns.
 pub const FEWEST_TRIPLETS: usize = 10;
 
-/// (x, y, z, yaw) of station 2, then of station 3: m and rad, about the centroids.
+/// (x, y, z, yaw) of station 2, then of station 3 (m, rad), relative to the centroids.
 pub type Parameters = SVector<f64, 8>;
 
-/// Three lists of points, as nine lists of coordinates (m) about their centroids.
+/// Points of the three stations as nine lists of coordinates relative to their centroids (m).
 #[derive(Clone, Debug)]
 pub struct CentredTriplets {
     /// Centroid of each station's points in its own frame (m).
     pub centre_m: [Vector3<f64>; 3],
-    /// The coordinates about the centroids (m), as `coordinates[station][axis][instant]`.
+    /// Coordinates relative to the centroids (m), as `coordinates[station][axis][instant]`.
     pub coordinates: [[Vec<f64>; 3]; 3],
-    /// The inter-prism distances α, β, γ (m).
+    /// Inter-prism distances α, β, γ (m).
     pub inter_prism_m: [f64; 3],
 }
 
@@ -31,14 +31,14 @@ impl CentredTriplets {
         Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
     }
 
-    /// Some of the triplets, about their own centroids.
+    /// Returns some of the triplets, relative to their own centroids.
     pub fn some(triplets: &Triplets, instants: &[usize], inter_prism_m: [f64; 3]) -> Self {
         let points_m = triplets.points_m.each_ref();
         let some = |points: &Vec<_>| centred(&instants.iter().map(|i| &points[*i]));
         Self::of(points_m.map(some), inter_prism_m)
     }
 
-    /// Points by station (m, each in its station's frame), which give their room away one station after the other.
+    /// Converts points by station (m, each in its station's frame). Frees the memory of each station's points after its conversion.
     pub fn from_points(points_m: [Vec<Vector3<f64>>; 3], inter_prism_m: [f64; 3]) -> Self {
         Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
     }
@@ -49,17 +49,17 @@ impl CentredTriplets {
         Self { centre_m, coordinates, inter_prism_m }
     }
 
-    /// The chosen instants in the given order, about the same centroids as all.
+    /// Returns the chosen instants in the given order, relative to the centroids of all.
     pub fn select(&self, instants: &[usize]) -> Self {
         self.map(|list| instants.iter().map(|i| list[*i]).collect())
     }
 
-    /// The first instants, about the same centroids as all.
+    /// Returns the first instants, relative to the centroids of all.
     pub fn first(&self, count: usize) -> Self {
         self.map(|list| list[..count].to_vec())
     }
 
-    /// The triplets thinned to at most `count` instants, evenly spread, about the same centroids as all.
+    /// Returns at most `count` instants, evenly spread, relative to the centroids of all.
     pub fn thinned(&self, count: usize) -> Self {
         let step = self.len().div_ceil(count).max(1);
         self.map(|list| list.iter().step_by(step).copied().collect())
@@ -79,7 +79,7 @@ impl CentredTriplets {
         self.len() == 0
     }
 
-    /// Parameters of given transforms. `q1 − c1 = R (q − c) + t'` with `t' = t + R c − c1`.
+    /// Returns the parameters of transforms: `q1 − c1 = R (q − c) + t'` with `t' = t + R c − c1`.
     pub fn parameters(&self, station1_from_station: &[LevelTransform; 3]) -> Parameters {
         let mut parameters = Parameters::zeros();
         for (slot, station) in [1, 2].into_iter().enumerate() {
@@ -91,7 +91,7 @@ impl CentredTriplets {
         parameters
     }
 
-    /// The inverse of [`CentredTriplets::parameters`].
+    /// Returns the transforms of parameters: the inverse of [`CentredTriplets::parameters`].
     pub fn transforms(&self, parameters: &Parameters) -> [LevelTransform; 3] {
         let transform = |slot: usize| {
             let moved = parameters.fixed_rows::<3>(4 * slot).into_owned();
@@ -102,12 +102,12 @@ impl CentredTriplets {
         [LevelTransform::IDENTITY, transform(0), transform(1)]
     }
 
-    /// Mean height of prism 1 above prisms 2 and 3 (m). The centred points have mean zero.
+    /// Returns the mean heights of prism 1 above prisms 2 and 3 (m). The centred points have mean zero.
     pub fn height_differences_m(&self, parameters: &Parameters) -> [f64; 2] {
         [-parameters[2], -parameters[6]]
     }
 
-    /// A solution with the heights of the chosen stations' prisms mirrored in prism 1's.
+    /// Returns a solution with the heights of the chosen stations' prisms mirrored in that of prism 1.
     pub fn mirrored_in_height(&self, parameters: &Parameters, flips: [bool; 2]) -> Parameters {
         let mut mirrored = *parameters;
         for (slot, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
@@ -116,7 +116,7 @@ impl CentredTriplets {
         mirrored
     }
 
-    /// A solution with the rig turned about the vertical through prism 1.
+    /// Returns a solution with the rig rotated about the vertical through prism 1.
     pub fn turned(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
         let (sin, cos) = angle_rad.sin_cos();
         let mut turned = *parameters;
@@ -128,7 +128,7 @@ impl CentredTriplets {
         turned
     }
 
-    /// A solution with the rig mirrored in a vertical plane through prism 1, whose direction is `angle_rad`.
+    /// Returns a solution with the rig mirrored in a vertical plane through prism 1, in the direction `angle_rad`.
     pub fn mirrored_in_plane(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
         let (sin, cos) = (2.0 * angle_rad).sin_cos();
         let mut mirrored = *parameters;
@@ -140,7 +140,7 @@ impl CentredTriplets {
         mirrored
     }
 
-    /// Distance errors (m): three of each triplet, for pairs 12, 13, 23.
+    /// Returns the distance errors (m): three of each triplet, for pairs 12, 13, 23.
     pub fn distance_errors_m(&self, parameters: &Parameters) -> Vec<f64> {
         let poses = [0, 4].map(|at| {
             let moved = Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
@@ -161,7 +161,7 @@ impl CentredTriplets {
     }
 }
 
-/// Centroid of some points (m), and their coordinates about it by axis.
+/// Returns the centroid of some points (m), and their coordinates relative to it by axis.
 fn centred<'a>(
     points_m: &(impl ExactSizeIterator<Item = &'a Vector3<f64>> + Clone),
 ) -> (Vector3<f64>, [Vec<f64>; 3]) {

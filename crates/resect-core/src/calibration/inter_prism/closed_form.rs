@@ -1,20 +1,19 @@
-//! The prior without a guess: a lifted linear least squares for each pair with station 1.
+//! Prior without an initial guess: a lifted linear least-squares problem for each pair with station 1.
 //!
-//! For one pair, ‖q1 − R q − t‖² = d² is linear in (cos ψ, sin ψ, tx, ty, tz, ‖t‖², (Rᵀt)x, (Rᵀt)y). Forgetting
-//! how these depend on each other leaves an ordinary least-squares problem, solved by SVD of the compressed
-//! triplets ([`super::compression`]). It gives the yaw and the horizontal translation;
-//! on level ground tz is all but collinear with ‖t‖², so the height comes from what is left of the problem
-//! once the rest is known: a quartic in tz, whose two minima are the solution and its mirror twin.
+//! For one pair, ‖q1 − R q − t‖² = d² is linear in (cos ψ, sin ψ, tx, ty, tz, ‖t‖², (Rᵀt)x, (Rᵀt)y). Without the constraints
+//! between these, it is an ordinary least-squares problem, solved by SVD of the compressed triplets ([`super::compression`]). It
+//! determines the yaw and the horizontal translation. On level ground tz is nearly collinear with ‖t‖². The height is therefore
+//! computed from the problem with the rest fixed: a quartic in tz, whose two minima are the solution and its mirror twin.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
 use super::compression::{CONSTANT, Factor};
 use super::{Parameters, SquaredCost};
 
-/// Singular values below this fraction of the largest carry no information.
+/// Singular values below this fraction of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// One prior for each combination of the two pairs' height solutions, one to four.
+/// Returns one prior for each combination of the two pairs' height solutions, one to four.
 pub fn closed_form_priors(cost: &SquaredCost) -> Vec<Parameters> {
     let [of_2, of_3] = [0, 1].map(|pair| pair_solutions(&cost.factor(pair)));
     let mut priors = Vec::with_capacity(of_2.len() * of_3.len());
@@ -28,16 +27,16 @@ pub fn closed_form_priors(cost: &SquaredCost) -> Vec<Parameters> {
     priors
 }
 
-/// (x, y, z, yaw) of a station's centred frame, one or two that differ in z.
+/// Returns one or two poses (x, y, z, yaw) of a station's centred frame, which differ in z.
 fn pair_solutions(factor: &Factor) -> Vec<[f64; 4]> {
     let mut triangle = SMatrix::<f64, 8, 8>::from_fn(|row, column| factor[column][row]);
     let right = SVector::<f64, 8>::from_fn(|row, _| -factor[CONSTANT][row]);
-    // Metres, square metres and ones in one matrix: scale the columns before the rank is judged.
+    // The matrix mixes metres, square metres and ones: the columns are scaled before the rank is computed.
     let scales = SVector::<f64, 8>::from_fn(|k, _| triangle.column(k).norm().max(1e-12));
     for k in 0..8 {
         triangle.column_mut(k).unscale_mut(scales[k]);
     }
-    // An SVD of the small triangular factor is as good as one of the tall matrix.
+    // An SVD of the small triangular factor is as accurate as one of the tall matrix.
     let Some(svd) = triangle.try_svd(true, true, f64::EPSILON, 500) else {
         return vec![[0.0; 4]];
     };
@@ -49,9 +48,9 @@ fn pair_solutions(factor: &Factor) -> Vec<[f64; 4]> {
     height_solutions(factor, x, y, yaw).into_iter().map(|z| [x, y, z, yaw]).collect()
 }
 
-/// Heights that make the squared-distance cost stationary and lowest, the rest being known.
+/// Returns the heights that minimise the squared-distance cost with the rest fixed.
 ///
-/// The monomials are linear in z and z², so the cost is ‖r0 + z r1 + z² r2‖² and its derivative a cubic.
+/// The monomials are linear in z and z², so the cost is ‖r0 + z r1 + z² r2‖² and its derivative is a cubic.
 fn height_solutions(factor: &Factor, x: f64, y: f64, yaw: f64) -> Vec<f64> {
     let (sin, cos) = yaw.sin_cos();
     let at_zero = SVector::from([

@@ -1,31 +1,30 @@
-//! One pair's squared distances, compressed: n triplets become a 9×9 triangle.
+//! Compression of one pair's squared distances from n triplets to a 9×9 triangular matrix.
 //!
-//! For a pair (a, b) with the pose (ψ, t) of frame b in frame a, the squared distance is linear in nine monomials,
-//! ‖q_a − R q_b − t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) with m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1), so
-//! that Σ (…)² = ‖Φ m‖² = ‖T m‖² with the triangle T of Φ = Q T: from here on no cost depends on n. Householder's QR
-//! keeps the precision that a Gram matrix ΦᵀΦ would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost); rows come in chunks, so
-//! the memory is bounded.
+//! For a pair (a, b) with the pose (ψ, t) of frame b in frame a, the squared distance is linear in nine monomials: ‖q_a − R q_b −
+//! t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) with m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). So Σ (…)² = ‖Φ m‖² = ‖T m‖²
+//! with the triangle T of Φ = Q T, and no later cost depends on n. Householder's QR keeps the precision that a Gram matrix ΦᵀΦ
+//! would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost). Rows are processed in chunks, so the memory is bounded.
 
 use multiversion::multiversion;
 
 use super::CentredTriplets;
 use crate::deployment::PAIRS;
 
-/// m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). The one that is known comes last, so that the first
-/// eight columns of the triangle are the triangle of the problem with the constraints between them forgotten.
+/// Number of monomials m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). The constant one is last, so the first eight
+/// columns of the triangle are that of the problem without the constraints between the monomials.
 pub const MONOMIALS: usize = 9;
 pub const CONSTANT: usize = 8;
-/// Rows that are reduced together: few enough to stay in the first-level cache.
+/// Number of rows that are reduced together: few enough for the first-level cache.
 const CHUNK: usize = 64;
-/// Sums are kept in as many lanes, for vector instructions.
+/// Number of lanes of each sum, for vector instructions.
 const LANES: usize = 8;
 
-/// The triangle, by columns: `factor[column][row]`, zero below the diagonal.
+/// Triangular factor by columns, `factor[column][row]`; zero below the diagonal.
 pub type Factor = [[f64; MONOMIALS]; MONOMIALS];
 
-type Rows = [[f64; CHUNK]; MONOMIALS];
+type MonomialRows = [[f64; CHUNK]; MONOMIALS];
 
-/// The triangle of pair 12, 13 or 23, in square metres.
+/// Returns the triangle of pair 12, 13 or 23 (m²).
 pub fn compress(data: &CentredTriplets, pair: usize) -> Factor {
     let (a, b) = PAIRS[pair];
     let lists = [a, b].map(|s| data.coordinates[s].each_ref().map(Vec::as_slice));
@@ -45,9 +44,9 @@ fn reduce_all(lists: &[[&[f64]; 3]; 2], distance_m: f64) -> Factor {
     factor
 }
 
-/// φ of some instants; zeros after them, which change no triangle.
+/// Fills in φ of some instants, then zeros, which change no triangle.
 #[inline(always)]
-fn fill(rows: &mut Rows, [a, b]: &[[&[f64]; 3]; 2], distance_m: f64) {
+fn fill(rows: &mut MonomialRows, [a, b]: &[[&[f64]; 3]; 2], distance_m: f64) {
     let count = a[0].len();
     for i in 0..count {
         let (ax, ay, az, bx, by, bz) = (a[0][i], a[1][i], a[2][i], b[0][i], b[1][i], b[2][i]);
@@ -67,11 +66,11 @@ fn fill(rows: &mut Rows, [a, b]: &[[&[f64]; 3]; 2], distance_m: f64) {
     }
 }
 
-/// The triangle of the triangle with the rows below it, by Householder reflections; the rows are used up.
+/// Updates the triangle by the rows, with Householder reflections. Overwrites the rows.
 #[inline(always)]
-fn reduce(factor: &mut Factor, rows: &mut Rows) {
+fn reduce(factor: &mut Factor, rows: &mut MonomialRows) {
     for j in 0..MONOMIALS {
-        // Of the reflection's vector only the diagonal element and the rows are not zero.
+        // Only the diagonal element and the rows of the reflection's vector are not zero.
         let below = rows[j];
         let below_squared = dot(&below, &below);
         if below_squared == 0.0 {
@@ -79,7 +78,7 @@ fn reduce(factor: &mut Factor, rows: &mut Rows) {
         }
         let diagonal = factor[j][j];
         let size = (diagonal * diagonal + below_squared).sqrt();
-        // Away from zero: no cancellation.
+        // The sign that avoids cancellation.
         let head = diagonal + size.copysign(diagonal);
         let scale = 2.0 / (head * head + below_squared);
         factor[j][j] = diagonal - head;
@@ -110,7 +109,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// All rows at once, by another program.
+    /// Triangle of all rows at once, by nalgebra's QR.
     fn one_shot(data: &CentredTriplets, pair: usize) -> DMatrix<f64> {
         let (a, b) = PAIRS[pair];
         let mut tall = DMatrix::zeros(data.len(), MONOMIALS);
@@ -125,7 +124,7 @@ mod tests {
         tall.qr().r()
     }
 
-    /// Up to the signs of its rows, which no cost sees, a triangle is unique.
+    /// A triangle is unique except for the signs of its rows, on which no cost depends.
     #[test]
     fn chunk_by_chunk_gives_the_triangle_of_all_at_once() {
         for count in [10, CHUNK - 1, CHUNK, CHUNK + 1, 1000] {

@@ -1,6 +1,6 @@
-//! The verdict, and the reasons for it in words that an engineer uses.
+//! Verdict of method D, with its reasons.
 
-use super::drive_shape::Plan;
+use super::drive_shape::PlanView;
 use super::mirror::Choice;
 use super::motion_in_words::{TrackAxes, describe};
 use super::observability::{Hold, Observability};
@@ -20,28 +20,28 @@ use crate::deployment::{Deployment, Finding, Severity};
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
-/// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
+/// Cost ratio below which a minimum that is not the mirror twin makes the answer ambiguous.
 const CLOSE_RIVAL: f64 = 2.0;
 
-/// The stations are called far from the track where they are this many times less certain than anything at the track.
+/// The stations are far from the track if their σ is this many times the largest σ at the track.
 const FAR: f64 = 2.0;
 
-/// What a verdict is made from.
+/// Input of the verdict.
 pub struct Evidence<'a> {
     pub deployment: &'a Deployment,
-    /// Triplets that are enough to see the track and the size of the errors.
+    /// Triplets that are sufficient for the track and the size of the errors.
     pub thinned: &'a CentredTriplets,
     pub answer: &'a Minimum,
     pub rival: Option<(Parameters, f64)>,
     pub uncertainty: &'a Uncertainty,
     pub observability: &'a Observability,
     pub choice: &'a Choice,
-    /// The answer and its σ.
+    /// Answer and its σ.
     pub station1_from_station: &'a [RigidTransform; 3],
     pub sigma: Option<[TransformSigma; 2]>,
 }
 
-/// Judges the answer; reasons are added to the findings, the mirror's first.
+/// Judges the answer. Reasons are added to the findings, those of the mirror twin first.
 pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     let Evidence { thinned, answer, uncertainty, observability, choice, .. } = *evidence;
     findings.splice(0..0, choice.findings.iter().cloned());
@@ -52,7 +52,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
         findings.push(finding);
     };
     if let Some(finding) = plan(evidence) {
-        // What rests on one corner is not good, however small σ is: an error of that stretch is an error of everything.
+        // An answer that depends on one corner is not good, however small σ is: an error of that segment biases all of it.
         let weak = finding.severity > Severity::Note;
         lower(if weak { Verdict::Weak } else { Verdict::Good }, finding);
     }
@@ -71,7 +71,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     }
     let direction = describe(&TrackAxes::of(thinned), &uncertainty.weakest, false);
     let advice = observability.advice;
-    // The weakest direction is judged at the track; the numbers above hold at the stations, which may lie far away.
+    // The weakest direction is judged at the track. The values of σ are for the stations, which may be far away.
     let largest_m = evidence.sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
     });
@@ -92,7 +92,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     verdict
 }
 
-/// A drive whose shape leaves something free or weak, as what it is.
+/// Returns the finding that the shape of the drive leaves directions unobservable or weak.
 fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
     let Evidence { observability, rival, .. } = *evidence;
     let open = OpenDirections {
@@ -100,18 +100,20 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
         weak: observability.count(Hold::Weak),
     };
     Some(match observability.drive.plan {
-        Plan::Winding => return None,
-        Plan::Standing => drive_standing(open),
-        Plan::StraightLine { length_m, bends_m } => drive_straight_line(open, length_m, bends_m),
-        Plan::Circle { radius_m, driven_rad, .. } => drive_circle(open, radius_m, driven_rad),
-        Plan::TwoLegs { corner_m, turn_rad } => {
+        PlanView::Winding => return None,
+        PlanView::Standing => drive_standing(open),
+        PlanView::StraightLine { length_m, bends_m } => {
+            drive_straight_line(open, length_m, bends_m)
+        }
+        PlanView::Circle { radius_m, driven_rad, .. } => drive_circle(open, radius_m, driven_rad),
+        PlanView::TwoLegs { corner_m, turn_rad } => {
             let cost_ratio = rival.map(|(_, cost_ratio)| cost_ratio);
             drive_two_legs(open, [corner_m.x, corner_m.y], turn_rad, cost_ratio)
         }
     })
 }
 
-/// Ground on which nothing but the rig or control points tells the mirror twin.
+/// Returns the finding that on flat ground only the rig or control points exclude the mirror twin.
 fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
     let drive = &evidence.observability.drive;
     let mirror = &evidence.choice.mirror;
@@ -126,10 +128,10 @@ fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
     Some(flat_ground(flat, mirror.resolved_by != ResolvedBy::Nothing))
 }
 
-/// Another minimum, not the mirror twin, that the data cannot tell from the answer.
+/// Returns the finding that another minimum, not the mirror twin, fits almost as well as the answer.
 fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
     let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
-    // Its heights may be mirrored too; that difference is the twin's, not the rival's.
+    // The rival's heights may be mirrored too; that difference is not counted.
     let apart_m = [rival, evidence.thinned.mirrored_in_height(&rival, [true, true])]
         .map(|rival| {
             let apart = rival - evidence.answer.parameters;
@@ -140,7 +142,7 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
     Some(rival_minimum(apart_m, cost_ratio))
 }
 
-/// Errors larger than noise, interpolation and the distances explain.
+/// Returns the finding that errors are larger than noise, interpolation and the distances explain.
 fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
     let errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
     let median_m = median(errors_m.into_iter().map(f64::abs))?;

@@ -1,12 +1,12 @@
-//! The shape of the drive, as an engineer would name it: what decides which directions it can hold.
+//! Shape of the drive, which decides which directions are observable.
 //!
-//! Read off prism 1's track in its own station's frame, and off the differences of height between the prisms, which
-//! level stations measure without any calibration: so the name does not rest on the answer. The track is walked in
-//! chords of at least half a metre, so that standing still and the noise of readings do not count, and everything is
-//! judged by shares and quantiles, so that a few wild points do not either.
+//! It is derived from prism 1's track in its own station's frame, and from height differences between the prisms. Level stations
+//! measure both without a calibration, so the shape does not depend on the answer. The track is divided into chords of at least
+//! half a metre, so that standstill and noise have no influence. All criteria are shares and quantiles, so that a few outliers have
+//! none.
 //!
-//! What holds the answer is that the rig turns. So a straight line is one course of travel, there or back; an L is two
-//! courses and nothing between; on one circle the rig turns, but always in the same way with its place.
+//! The answer is observable because the rig rotates. A straight line is one course, in one direction or both. An L is two courses
+//! without others between. On one circle the rig rotates, but its rotation is a function of its position.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,40 +16,41 @@ use super::CentredTriplets;
 use crate::statistics;
 use crate::statistics::{central_sigma, median};
 
-/// Drives that reach less far than this have not moved (m).
+/// A drive with a smaller extent is standing (m).
 const STANDING_M: f64 = 1.0;
-/// Chords: the longer of this (m) and the drive's reach over [`CHORDS_ACROSS`].
+/// Length of a chord: the longer of this (m) and the extent of the drive over [`CHORDS_ACROSS`].
 const SHORTEST_CHORD_M: f64 = 0.5;
 const CHORDS_ACROSS: f64 = 30.0;
-/// Chords this many times longer than the middle one bridge a gap.
+/// Chords this many times longer than the median bridge a gap.
 const GAP: f64 = 3.0;
-/// Courses closer than this are one: what steering and noise do to a chord on a straight leg.
+/// Courses within this are the same (rad): the effect of steering and noise on a chord of a straight leg.
 const SAME_COURSE_RAD: f64 = 5.0 * PI / 180.0;
-/// Share of the chords that follow the one course of a straight line, or the two of an L: a short corner remains.
+/// Smallest share of the chords on the course of a straight line, and on the two courses of an L; the rest is a short corner.
 const STRAIGHT_SHARE: f64 = 0.95;
 const TWO_LEGS_SHARE: f64 = 0.9;
-/// Each leg of an L has this share at least.
+/// Smallest share of the chords on each leg of an L.
 const SHORTER_LEG_SHARE: f64 = 0.1;
-/// Two legs that differ by less, or that lie nearly back to back, make no corner.
+/// Legs whose courses differ by less than this, or are this close to opposite, form no corner (rad).
 const LEAST_CORNER_RAD: f64 = 15.0 * PI / 180.0;
-/// Nothing on one line or one leg lies further from it than this part of its length.
+/// Largest distance from a line or a leg, over its length.
 const LINE_SHARE: f64 = 0.03;
-/// Nearly all of a circle's chords lie within this part of the radius, and go the same way round.
+/// Largest distance of nearly all chords from a circle over its radius, and smallest net angle over the total angle driven, for one
+/// direction of rotation.
 const CIRCLE_SHARE: f64 = 0.03;
 const ONE_WAY: f64 = 0.9;
-/// A shorter arc is a bend.
+/// A shorter arc is a bend (rad).
 const LEAST_ARC_RAD: f64 = PI / 3.0;
-/// Below this the rig does not pitch or roll (rad). With prisms that differ by 0.35 m in height it would move a mirrored
-/// prism by 2 mm, which is the noise. Simulated flat floors show 0.0005, the gentle bumps of a tunnel 0.006.
+/// Below this the rig does not pitch or roll (rad). With prisms that differ by 0.35 m in height it would move a mirrored prism by 2
+/// mm, the level of the noise. Simulated flat floors have 0.0005, the gentle bumps of a tunnel 0.006.
 const FLAT_TILT_RAD: f64 = 0.003;
-/// Ground whose heights vary less than this is a floor (m).
+/// Ground with a smaller range of heights is a floor (m).
 const FLOOR_RELIEF_M: f64 = 0.05;
 
-/// What was driven.
+/// Shape of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveShape {
-    pub plan: Plan,
-    /// What prism 1's heights range over, without the outermost hundredths (m).
+    pub plan: PlanView,
+    /// Range of prism 1's heights without the outermost hundredths (m).
     pub relief_m: f64,
     /// One standard deviation of the rig's pitch and roll (rad).
     pub tilt_rad: f64,
@@ -57,43 +58,43 @@ pub struct DriveShape {
 
 /// The drive seen from above. Positions are in station 1's frame (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Plan {
-    /// The vehicle goes nowhere.
+pub enum PlanView {
+    /// The vehicle does not move.
     Standing,
-    /// One line, once or there and back; nearly everything lies within `bends_m` of it.
+    /// One line, once or there and back; nearly all of the track is within `bends_m` of it.
     StraightLine { length_m: f64, bends_m: f64 },
-    /// One circle, always the same way round, or an arc of it.
+    /// One circle, always in the same direction of rotation, or an arc of it.
     Circle { centre_m: Vector2<f64>, radius_m: f64, driven_rad: f64 },
     /// Two straight legs with a short corner.
     TwoLegs { corner_m: Vector2<f64>, turn_rad: f64 },
-    /// Anything with bends: what a drive should be.
+    /// Anything with bends, as a drive should have.
     Winding,
 }
 
 impl DriveShape {
-    /// The shape's name as scripts read it.
+    /// Returns the shape's name in files and scripts.
     pub fn name(&self) -> &'static str {
         match self.plan {
-            Plan::Standing => "standing",
-            Plan::StraightLine { .. } => "straight-line",
-            Plan::Circle { .. } => "circle",
-            Plan::TwoLegs { .. } => "l-shape",
-            Plan::Winding if self.is_flat() => "flat-floor",
-            Plan::Winding => "winding",
+            PlanView::Standing => "standing",
+            PlanView::StraightLine { .. } => "straight-line",
+            PlanView::Circle { .. } => "circle",
+            PlanView::TwoLegs { .. } => "l-shape",
+            PlanView::Winding if self.is_flat() => "flat-floor",
+            PlanView::Winding => "winding",
         }
     }
 
-    /// Whether the rig never pitched or rolled, so that heights have a mirror twin.
+    /// Returns true if the rig never pitched or rolled, so that heights have a mirror twin.
     pub fn is_flat(&self) -> bool {
         self.tilt_rad < FLAT_TILT_RAD
     }
 
-    /// Whether the ground itself is level; an even ramp is flat in the sense of [`DriveShape::is_flat`] only.
+    /// Returns true if the ground is level; an even ramp is flat only in the sense of [`DriveShape::is_flat`].
     pub fn is_floor(&self) -> bool {
         self.relief_m < FLOOR_RELIEF_M
     }
 
-    /// Recognises the drive. `data` may be thinned, but must be in order of time and without many wild points.
+    /// Classifies the drive. `data` may be thinned, but must be in order of time and have few outliers.
     pub fn of(data: &CentredTriplets) -> Self {
         let heights_m = quantiles(&data.coordinates[0][2], [0.01, 0.99]);
         let tilt_rad = [1, 2].map(|station| {
@@ -110,16 +111,16 @@ impl DriveShape {
     }
 }
 
-fn plan(data: &CentredTriplets) -> Plan {
-    let Some(chords) = chords(&data.coordinates[0]) else { return Plan::Standing };
+fn plan(data: &CentredTriplets) -> PlanView {
+    let Some(chords) = chords(&data.coordinates[0]) else { return PlanView::Standing };
     let centroid_m = data.centre_m[0].xy();
     straight_line(&chords)
         .or_else(|| two_legs(&chords, centroid_m))
         .or_else(|| circle(&chords, centroid_m))
-        .unwrap_or(Plan::Winding)
+        .unwrap_or(PlanView::Winding)
 }
 
-/// A piece of the way.
+/// A chord of the track.
 struct Chord {
     middle_m: Vector2<f64>,
     length_m: f64,
@@ -127,7 +128,7 @@ struct Chord {
     course_rad: f64,
 }
 
-/// The way in chords; `None` where it does not leave the spot.
+/// Divides the track into chords; `None` if the vehicle does not move.
 fn chords([x, y, _]: &[Vec<f64>; 3]) -> Option<Vec<Chord>> {
     let reach_m = [x, y]
         .map(|axis| {
@@ -157,18 +158,18 @@ fn chords([x, y, _]: &[Vec<f64>; 3]) -> Option<Vec<Chord>> {
     (!chords.is_empty()).then_some(chords)
 }
 
-fn straight_line(chords: &[Chord]) -> Option<Plan> {
-    // Doubled, a course and its opposite are the same.
+fn straight_line(chords: &[Chord]) -> Option<PlanView> {
+    // A course and its opposite are equal when doubled.
     let doubled: Vec<f64> = chords.iter().map(|chord| 2.0 * chord.course_rad).collect();
     let (doubled_rad, share) = commonest(&doubled, 2.0 * SAME_COURSE_RAD)?;
     if share < STRAIGHT_SHARE {
         return None;
     }
     let (length_m, bends_m) = along_and_beside(chords.iter(), doubled_rad / 2.0);
-    (bends_m < LINE_SHARE * length_m).then_some(Plan::StraightLine { length_m, bends_m })
+    (bends_m < LINE_SHARE * length_m).then_some(PlanView::StraightLine { length_m, bends_m })
 }
 
-fn two_legs(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<Plan> {
+fn two_legs(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<PlanView> {
     let courses: Vec<f64> = chords.iter().map(|chord| chord.course_rad).collect();
     let (first_rad, first_share) = commonest(&courses, SAME_COURSE_RAD)?;
     let others: Vec<f64> = courses
@@ -190,7 +191,7 @@ fn two_legs(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<Plan> {
         let (length_m, bends_m) = along_and_beside(of_leg(), course_rad);
         let sum: Vector2<f64> = of_leg().map(|chord| chord.middle_m).sum();
         let on_it = sum / of_leg().count() as f64;
-        // More than two legs that share two courses, like a staircase, make no L.
+        // More than two legs with two courses, such as a staircase, form no L.
         (bends_m < LINE_SHARE * length_m).then_some(on_it)
     };
     let (first_m, second_m) = (leg(first_rad)?, leg(second_rad)?);
@@ -198,14 +199,14 @@ fn two_legs(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<Plan> {
         [first_rad, second_rad].map(|course| Vector2::new(course.cos(), course.sin()));
     let to_corner_m = (second_m - first_m).perp(&other) / along.perp(&other);
     let corner_m = centroid_m + first_m + to_corner_m * along;
-    Some(Plan::TwoLegs { corner_m, turn_rad })
+    Some(PlanView::TwoLegs { corner_m, turn_rad })
 }
 
-fn circle(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<Plan> {
+fn circle(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<PlanView> {
     let mut middles: Vec<Vector2<f64>> = chords.iter().map(|chord| chord.middle_m).collect();
     let mut fit = circle_through(&middles)?;
     for _ in 0..2 {
-        // The worst tenth may be wild points.
+        // The worst tenth may be outliers.
         let (centre, radius) = fit;
         let beside = |p: &Vector2<f64>| ((p - centre).norm() - radius).abs();
         middles.sort_by(|a, b| beside(a).total_cmp(&beside(b)));
@@ -230,10 +231,10 @@ fn circle(chords: &[Chord], centroid_m: Vector2<f64>) -> Option<Plan> {
     let whole_rad = on_it.iter().map(|chord| chord.length_m).sum::<f64>() / radius_m;
     let one_way = driven_rad.abs() > ONE_WAY * whole_rad && driven_rad.abs() > LEAST_ARC_RAD;
     let centre_m = centroid_m + centre;
-    one_way.then_some(Plan::Circle { centre_m, radius_m, driven_rad: driven_rad.abs() })
+    one_way.then_some(PlanView::Circle { centre_m, radius_m, driven_rad: driven_rad.abs() })
 }
 
-/// Centre and radius by Kåsa's linear least squares: 2 c·p + (r² − c²) = p².
+/// Fits centre and radius by Kåsa's linear least squares: 2 c·p + (r² − c²) = p².
 fn circle_through(points: &[Vector2<f64>]) -> Option<(Vector2<f64>, f64)> {
     let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for p in points {
@@ -246,14 +247,14 @@ fn circle_through(points: &[Vector2<f64>]) -> Option<(Vector2<f64>, f64)> {
     Some((centre, (solution.z + centre.norm_squared()).max(0.0).sqrt()))
 }
 
-/// The angle with the most others within `tolerance_rad`, their mean, and their share of all; `None` of none.
+/// Returns the mean of the largest group of angles within `tolerance_rad`, and its share of all; `None` of an empty list.
 fn commonest(angles_rad: &[f64], tolerance_rad: f64) -> Option<(f64, f64)> {
     let count = (TAU / tolerance_rad).floor() as usize;
     let mut bins = vec![0_usize; count];
     for angle in angles_rad {
         bins[((angle.rem_euclid(TAU) / TAU * count as f64) as usize).min(count - 1)] += 1;
     }
-    // Of two neighbours, so that a course on the border of two bins is not torn apart.
+    // Counts two neighbouring bins together, so that a course on their border is not split.
     let fullest = (0..count).max_by_key(|bin| bins[*bin] + bins[(bin + 1) % count])?;
     let mut middle_rad = (fullest + 1) as f64 / count as f64 * TAU;
     let near = |middle_rad: f64| {
@@ -269,7 +270,7 @@ fn apart_rad(a: f64, b: f64) -> f64 {
     crate::geometry::wrap_to_pi(a - b).abs()
 }
 
-/// How long the chords' middles reach along a course, and how far nearly all lie beside the middle line (m).
+/// Returns the extent of the chords' middles along a course, and half the width of nearly all across it (m).
 fn along_and_beside<'a>(chords: impl Iterator<Item = &'a Chord>, course_rad: f64) -> (f64, f64) {
     let course = Vector2::new(course_rad.cos(), course_rad.sin());
     let (along, beside): (Vec<f64>, Vec<f64>) =
@@ -279,7 +280,7 @@ fn along_and_beside<'a>(chords: impl Iterator<Item = &'a Chord>, course_rad: f64
     (end - start, 0.5 * (left - right))
 }
 
-/// Values below which these shares of the list lie; zeros of an empty one.
+/// Returns quantiles; zeros of an empty list.
 fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
     statistics::quantiles(values.iter().copied(), shares).unwrap_or([0.0; N])
 }
@@ -291,8 +292,8 @@ mod tests {
     use super::*;
     use crate::pipeline::Triplets;
 
-    /// A level rig driven along a way of (length, curvature) pieces, a point every decimetre, with a millimetre of noise
-    /// and every hundredth point metres off.
+    /// Shape of a drive of a level rig along segments of (length, curvature). It has a point every decimetre, with a millimetre of
+    /// noise, and every hundredth point is off by metres.
     fn driven(pieces: &[(f64, f64)]) -> DriveShape {
         let (mut x, mut y, mut course) = (30.0, -10.0, 0.4_f64);
         let mut points = Vec::new();
@@ -316,7 +317,7 @@ mod tests {
         DriveShape::of(&CentredTriplets::new(&triplets, [1.0; 3]))
     }
 
-    /// Sixteen points of a tight turn by an angle (rad).
+    /// Segment of a tight turn by an angle (rad): sixteen points.
     fn turn(by_rad: f64) -> (f64, f64) {
         (1.6, by_rad / 1.6)
     }
@@ -324,7 +325,7 @@ mod tests {
     #[test]
     fn a_corner_is_found_where_it_is() {
         let plan = driven(&[(30.0, 0.0), turn(FRAC_PI_2), (20.0, 0.0)]).plan;
-        let Plan::TwoLegs { corner_m, turn_rad } = plan else { panic!("{plan:?}") };
+        let PlanView::TwoLegs { corner_m, turn_rad } = plan else { panic!("{plan:?}") };
         let to_corner_m = 30.0 + 1.6 / FRAC_PI_2;
         let expected =
             Vector2::new(30.0, -10.0) + to_corner_m * Vector2::new(0.4_f64.cos(), 0.4_f64.sin());
@@ -335,9 +336,9 @@ mod tests {
     #[test]
     fn an_arc_is_a_circle_and_its_size_is_known() {
         let plan = driven(&[(60.0, 1.0 / 30.0)]).plan;
-        let Plan::Circle { radius_m, driven_rad, .. } = plan else { panic!("{plan:?}") };
+        let PlanView::Circle { radius_m, driven_rad, .. } = plan else { panic!("{plan:?}") };
         assert!((radius_m - 30.0).abs() < 0.1, "{radius_m}");
-        // What wild points tore out of the track is not driven.
+        // Chords that outliers remove are missing in the driven angle.
         assert!((1.5..2.05).contains(&driven_rad), "{driven_rad}");
     }
 
@@ -352,15 +353,15 @@ mod tests {
             ("a circle both ways", &[(60.0, 0.1), turn(PI), (60.0, -0.1)]),
             ("a line with one bend", &[(30.0, 0.0), (15.0, 0.1), (30.0, 0.0)]),
         ] {
-            assert_eq!(driven(pieces).plan, Plan::Winding, "{what}");
+            assert_eq!(driven(pieces).plan, PlanView::Winding, "{what}");
         }
     }
 
     #[test]
     fn there_and_back_is_one_line_and_a_trembling_stand_is_none() {
         let plan = driven(&[(40.0, 0.0), turn(PI), (40.0, 0.0)]).plan;
-        assert!(matches!(plan, Plan::StraightLine { .. }), "{plan:?}");
-        assert_eq!(driven(&[(0.8, 0.0)]).plan, Plan::Standing);
-        assert_eq!(driven(&[]).plan, Plan::Standing);
+        assert!(matches!(plan, PlanView::StraightLine { .. }), "{plan:?}");
+        assert_eq!(driven(&[(0.8, 0.0)]).plan, PlanView::Standing);
+        assert_eq!(driven(&[]).plan, PlanView::Standing);
     }
 }

@@ -1,4 +1,4 @@
-//! What the distances of a drive will hold, read off triplets that are where they will be.
+//! Prediction of the observability of a drive, from simulated triplets.
 
 use nalgebra::SMatrix;
 
@@ -9,20 +9,21 @@ use super::{CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, minimise
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 
-/// What a drive holds, before it is driven.
+/// Predicted observability of a drive.
 #[derive(Clone, Debug)]
 pub struct Foreseen {
     pub observability: Observability,
-    /// Whether no direction is free.
+    /// True if all directions are observable.
     pub is_held: bool,
-    /// Mean squared inter-prism error of the truth (m²), from interpolation alone where readings have no noise.
+    /// Mean squared inter-prism error at the true poses (m²); from interpolation alone if readings have no noise.
     pub mean_square_m2: f64,
-    /// That of the mirror twin; `None` where there is none.
+    /// Mean squared inter-prism error of the mirror twin (m²); `None` if there is none.
     pub twin_mean_square_m2: Option<f64>,
 }
 
-/// Looks at a drive with its stations where they are. `covariance` is what an estimate leaves open of (x, y, z, yaw) of stations
-/// 2 and 3, `None` where it is not to be had. `None` of too few triplets.
+/// Predicts the observability of a drive with stations at known poses; `None` for too few triplets.
+///
+/// `covariance` is the predicted covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad), `None` if it is not available.
 pub fn foresee(
     triplets: &Triplets,
     inter_prism_m: &[f64; 3],

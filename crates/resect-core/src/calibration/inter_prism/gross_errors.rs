@@ -1,5 +1,5 @@
-//! Triplets that cannot be right, such as those of a station that followed another prism for a while: which they are, and
-//! how far they pull an answer by least squares.
+//! Gross outliers among the triplets, such as those of a station that followed another prism for a while, and the bias of a
+//! least-squares answer by them.
 
 use crate::deployment::findings::outliers::{
     outliers_left_out, outliers_shift_answer, span_left_out,
@@ -13,23 +13,25 @@ use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
-/// A triplet is wild when one of its distances is off by more than both: bends and stops make 20 mm of chords. Wild ones
-/// seem to turn a rig, and so to hold what the drive leaves free: a hundredth of triplets off by 20 mm adds 5e-6 to the
-/// smallest eigenvalue.
+/// A triplet is a gross outlier if one of its distances exceeds both limits: this error (m), and this many times the median of the
+/// worst errors.
+///
+/// Bends and stops cause chord errors of 20 mm. Outliers seem to rotate the rig, so unobservable directions seem observable: a
+/// hundredth of the triplets with errors of 20 mm adds 5e-6 to the smallest eigenvalue.
 const WILD_M: f64 = 0.02;
 const WILD_TIMES: f64 = 5.0;
-/// Mean squares this many times that of the triplets that fit have a tail that least squares feels.
+/// Ratio of the mean square of all triplets to that of the inliers from which outliers affect least squares.
 const LONG_TAIL: f64 = 1.3;
-/// An answer that leaves out this share of the triplets rests on a choice, and not on the drive.
+/// An answer without this share of the triplets depends on the selection, and not on the drive.
 const TOO_MANY: f64 = 0.2;
-/// A station that follows another prism finds its own again within seconds; this (s) is longer.
+/// Shortest run of rejected triplets that is reported (s). A station that follows another prism finds its own again within seconds.
 const LONG_RUN_S: f64 = 20.0;
-/// Some of what does not fit fits by chance.
+/// Share of rejected triplets in such a run; some outliers fit by chance.
 const MOST: f64 = 0.6;
-/// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
+/// Smallest bias that is reported (m); it must also exceed the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
-/// Instants that are not wild, out of the errors of each one's three distances (m).
+/// Returns the indices of the inliers, from the errors of each triplet's three distances (m).
 pub fn fitting(errors_m: impl Iterator<Item = [f64; 3]>) -> Vec<usize> {
     let worst_m: Vec<f64> = errors_m.map(worst).collect();
     let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
@@ -40,19 +42,19 @@ fn worst(pairs: [f64; 3]) -> f64 {
     pairs.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
 }
 
-/// What a triplet's worst error must stay below (m).
+/// Returns the limit of a triplet's worst error (m).
 fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
     Some(WILD_M.max(WILD_TIMES * median(worst_m)?))
 }
 
-/// Errors of the three distances of each triplet out of a list of them all.
+/// Groups a list of all distance errors by triplet.
 fn in_triplets(errors_m: &[f64]) -> impl Iterator<Item = [f64; 3]> + '_ {
     errors_m.chunks_exact(3).map(|pairs| [pairs[0], pairs[1], pairs[2]])
 }
 
-/// What is said of triplets that a robust answer leaves out as wild; a doubt where they are many, or one after the other.
+/// Returns findings about the outliers that a robust answer rejects; doubts if they are many, or consecutive.
 ///
-/// `kept_s` are the times of those that it keeps.
+/// `kept_s` are the times of the kept triplets (s).
 pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     let count = time_s.len() - kept_s.len();
     if count == 0 {
@@ -67,7 +69,7 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     doubts
 }
 
-/// The first long span of time in which most triplets were left out (s); pauses of the recording do not count.
+/// Returns the first long span of time in which most triplets were rejected (s); pauses of the recording do not count.
 fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
     let step_s = median(time_s.windows(2).map(|both| both[1] - both[0]))?;
     let length = (LONG_RUN_S / step_s).ceil() as usize;
@@ -84,7 +86,7 @@ fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
     Some([time_s[first], time_s[last + length - 1]])
 }
 
-/// Triplets that fit an answer, out of points by station (m, each in its station's frame).
+/// Returns the indices of the triplets that fit an answer, from points by station (m, each in its station's frame).
 pub fn fitting_triplets(
     points_m: &[Vec<Vector3<f64>>; 3],
     station1_from_station: &[RigidTransform; 3],
@@ -93,8 +95,9 @@ pub fn fitting_triplets(
     fitting(each_distance_error_m(points_m, station1_from_station, inter_prism_m))
 }
 
-/// What the wild triplets do to an answer by least squares: a finding where they move it by more than it is certain.
-/// `thinned` are some of the triplets, enough to see how large their errors usually are.
+/// Returns the finding that gross outliers bias a least-squares answer by more than its σ.
+///
+/// `thinned` are some of the triplets, sufficient for the usual size of their errors.
 pub fn pull(
     data: &CentredTriplets,
     thinned: &CentredTriplets,
@@ -103,8 +106,7 @@ pub fn pull(
 ) -> Option<Finding> {
     let some_m = thinned.distance_errors_m(&answer.parameters);
     let limit_m = limit_m(in_triplets(&some_m).map(worst))?;
-    // All are looked at only where their mean square says that there is more than noise: wild ones that do not show in it
-    // pull nothing.
+    // All triplets are examined only if their mean square shows more than noise: outliers that do not affect it cause no bias.
     let (fitting_m2, count) = some_m
         .iter()
         .filter(|error| error.abs() < limit_m)
@@ -119,7 +121,7 @@ pub fn pull(
     if wild.is_empty() || wild.len() > data.len() / 2 {
         return None;
     }
-    // One step of Gauss–Newton to where the answer would be without them.
+    // One Gauss–Newton step to the answer without them.
     let theirs = NormalEquations::at(&data.select(&wild), &answer.parameters);
     let rest = (answer.normal.matrix - theirs.matrix).cholesky()?;
     let without = answer.parameters - rest.solve(&(answer.normal.gradient - theirs.gradient));

@@ -8,14 +8,14 @@ use super::prior_search::PriorSearch;
 /// Details of an answer from inter-prism distances: of method D, or of a joint estimate of three prisms.
 #[derive(Clone, Debug)]
 pub struct InterPrismDetails {
-    /// The minimum that is the answer.
+    /// Minimum of the answer.
     pub basin: Basin,
     pub mirror: Mirror,
     pub observability: Observability,
-    /// Every distinct minimum in order of cost, the answer and its twin among them; a valley counts once. The costs of
-    /// the others come from about a thousand triplets.
+    /// All distinct minima in order of cost, with the answer and its twin; one for each valley. The costs of the others are from
+    /// about a thousand triplets.
     pub basins: Vec<Basin>,
-    /// The search of the prior, if it was requested.
+    /// The search of the prior; `None` if it was not requested.
     pub prior_search: Option<PriorSearch>,
 }
 

@@ -1,4 +1,4 @@
-//! The joint estimate as an answer of its own: its fit, minima and mirror twin on the corrected readings.
+//! Evaluation of the joint estimate by method D: fit, minima and mirror twin on the corrected readings.
 
 use super::published::{self, Published};
 use super::used::Used;
@@ -11,20 +11,19 @@ use crate::deployment::findings::answers::other_minimum_fits_better;
 use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;
 
-/// The published method's solution on the corrected readings, with the joint estimate in the place of its answer.
+/// The published method's solution on the corrected readings, with the joint estimate as its answer.
 pub struct JointAnswer {
     pub solution: Published,
     /// The corrected triplets that are kept.
     pub data: CentredTriplets,
-    /// Times of the kept triplets (s), where others are rejected.
+    /// Times of the kept triplets (s); `None` if none is rejected.
     pub kept_s: Option<Vec<f64>>,
     pub doubt: Option<(Verdict, Finding)>,
 }
 
 /// Solves the corrected readings by the published method, with the estimated distances.
 ///
-/// Adds a doubt where the solution and the joint estimate are not the same minimum: the corrections then exchange answer
-/// and twin.
+/// Adds a doubt if the solution and the joint estimate are different minima: the corrections then exchange answer and twin.
 pub fn solve(
     estimate: &JointEstimate,
     rig: &Rig,
@@ -34,11 +33,11 @@ pub fn solve(
     let level = estimate.station1_from_station;
     let (time_s, interval) = used.instants();
     let mut points_m = used.points_m();
-    estimate.put_right(&time_s, &interval, &mut points_m);
+    estimate.correct(&time_s, &interval, &mut points_m);
     let inter_prism_m =
         estimate.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
     let rig = Rig { inter_prism_m, ..rig.clone() };
-    // Triplets that cannot be right must not move the minima.
+    // Gross outliers must not move the minima.
     let placed = level.map(RigidTransform::from);
     let fitting = gross_errors::fitting_triplets(&points_m, &placed, &inter_prism_m);
     let mut kept_s = None;
@@ -58,7 +57,7 @@ pub fn solve(
     if let Some(own) = solution.basins.iter_mut().find(|basin| same(basin)) {
         *own = answer;
     }
-    // Cost ratios are over the joint estimate's cost, the same in every table and sentence.
+    // Cost ratios are relative to the joint estimate's cost in all tables and sentences.
     if same(&other) || !estimate.converged {
         solution.choice = solution.choice.with_answer(answer);
         return JointAnswer { solution, data, kept_s, doubt: None };
@@ -72,7 +71,7 @@ pub fn solve(
     JointAnswer { solution, data, kept_s, doubt: Some((Verdict::Ambiguous, finding)) }
 }
 
-/// Keeps some of the values, in their order.
+/// Keeps the values at some indices, in their order.
 fn keep<T: Copy>(values: &mut Vec<T>, indices: &[usize]) {
     for (to, from) in indices.iter().enumerate() {
         values[to] = values[*from];

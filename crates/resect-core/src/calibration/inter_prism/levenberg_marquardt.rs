@@ -2,36 +2,36 @@
 
 use super::{CentredTriplets, NormalEquations, Parameters};
 
-/// How far from the minimum a search may end (m, and rad times the track's size): ten nanometres for the answer.
+/// Tolerance of the answer (m, and rad times the radius of the track): ten nanometres.
 pub const FINE_M: f64 = 1e-8;
-/// How far from the minimum a search may end that is only a start, or shown beside the answer: a micrometre.
+/// Tolerance of a starting point, and of a minimum that is only shown beside the answer: a micrometre.
 pub const ROUGH_M: f64 = 1e-6;
-/// Only below this step (m) is the rate of convergence a guide to what is left.
+/// Step below which the rate of convergence predicts the remaining distance (m).
 const NEAR_M: f64 = 1e-4;
 const MOST_PASSES: usize = 60;
 
-/// Where the search ended.
+/// End point of a descent.
 #[derive(Clone, Copy, Debug)]
 pub struct Minimum {
     pub parameters: Parameters,
-    /// The normal equations at the parameters, or a step of less than a tenth of a millimetre before them.
+    /// Normal equations at the parameters, or at less than a tenth of a millimetre from them.
     pub normal: NormalEquations,
     pub converged: bool,
-    /// Evaluations of the cost: passes over the data where it is the exact one.
+    /// Number of evaluations of the cost: passes over the data for the exact cost.
     pub passes: usize,
 }
 
-/// Goes downhill from `start` on the exact cost to within `tolerance_m` of the nearest minimum.
+/// Minimises the exact cost from `start`, to within `tolerance_m` of the nearest minimum.
 pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
     descend(|p| NormalEquations::at(data, p), track_radius_m(data), start, tolerance_m, MOST_PASSES)
 }
 
-/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum of the cost that `at` gives, in at most
-/// `most_passes` evaluations of it; a radian of yaw counts as `radius_m`.
+/// Minimises the cost that `at` evaluates from `start`, to within `tolerance_m` of the nearest minimum, in at most `most_passes`
+/// evaluations. A radian of yaw counts as `radius_m`.
 ///
-/// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
-/// step costs one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so that two of them tell
-/// how far it still is: the last step is taken without another pass once the remainder is below the tolerance.
+/// The damping is Marquardt's, by the diagonal of JᵀJ. Every pass computes cost and derivatives together, so an accepted step costs
+/// one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so two steps predict the remaining distance. Once
+/// that is below the tolerance, the last step is applied without another pass.
 pub fn descend(
     at: impl Fn(&Parameters) -> NormalEquations,
     radius_m: f64,
@@ -90,7 +90,7 @@ pub fn descend(
                 break;
             }
         } else {
-            // Rounding hides any further descent.
+            // Rounding errors exceed any further descent.
             if next.cost - normal.cost <= 1e-14 * normal.cost {
                 converged = true;
                 break;
@@ -107,8 +107,8 @@ pub fn descend(
     Minimum { parameters, normal, converged, passes }
 }
 
-/// Root mean square horizontal distance of the points from their centroid (m), 1 at least: what a radian of yaw
-/// moves.
+/// Returns the displacement by a radian of yaw: the root mean square horizontal distance of the points from their centroid, at
+/// least 1 (m).
 pub fn track_radius_m(data: &CentredTriplets) -> f64 {
     let [x, y, _] = &data.coordinates[1];
     let sum: f64 = x.iter().zip(y).map(|(x, y)| x * x + y * y).sum();

@@ -1,35 +1,35 @@
-//! Every minimum worth knowing: the lowest, its mirror twin, and what else fits.
+//! All relevant minima: the lowest, its mirror twin, and others that fit.
 //!
-//! Besides the twin in height there can be minima with the rig turned or mirrored about the vertical (an L-shaped drive
-//! has one that is turned by half a turn or so). The [`search`] finds them all on the compressed squared distances; the
-//! exact cost of about a thousand triplets says which are worth listing; the lowest and its twin are finished on all.
+//! Besides the twin in height there can be minima with the rig rotated or mirrored about the vertical. An L-shaped drive has one
+//! that is rotated by about half a turn. The [`search`] finds all minima of the compressed squared distances. The exact cost of
+//! about a thousand triplets decides which are listed. The lowest minimum and its twin are refined on all triplets.
 
 use super::levenberg_marquardt::{FINE_M, ROUGH_M};
 use super::search::search;
 use super::{CentredTriplets, Minimum, Parameters, SquaredCost, basin, minimise, same_solution};
 use crate::calibration::Basin;
 
-/// The search, and what is listed beside the answer, see this many triplets, evenly spread: to compress all 20 000 of an
-/// hour's drive would take as long as all the rest.
+/// Number of triplets, evenly spread, for the search and the list of minima. Compressing all 20 000 triplets of an hour's drive
+/// would take as long as all other computations.
 pub const THINNED: usize = 1024;
-/// Minima that cost this many times the lowest fit thirty times worse and are no rivals of anything.
+/// Minima with more than this many times the lowest cost fit thirty times worse and are not rivals.
 const HOPELESS: f64 = 1000.0;
-/// The twin of prisms at equal heights is the answer itself.
+/// A twin within this is the answer itself (m): prisms at equal heights.
 pub const SAME_TWIN_M: f64 = 1e-3;
 
-/// What was found.
+/// Minima of the cost.
 pub struct Minima {
     /// The lowest minimum on all triplets.
     pub lowest: Minimum,
-    /// The lowest minimum with mirrored heights, on all triplets; `None` where it runs back into the lowest.
+    /// The lowest minimum with mirrored heights, on all triplets; `None` if its descent converges to the lowest.
     pub twin: Option<Minimum>,
-    /// All others in order of cost, and their cost over that of the lowest, both on thinned triplets.
+    /// All others in order of cost, with their cost over the lowest; both on thinned triplets.
     pub others: Vec<(Parameters, f64)>,
 }
 
 impl Minima {
-    /// All minima in order of cost. The mean squares of the others are what they would be on all triplets, if the ratio
-    /// of costs were what it is on the thinned ones.
+    /// Returns all minima in order of cost. The mean squares of the others are extrapolated to all triplets from the cost ratios on
+    /// the thinned ones.
     pub fn basins(&self, data: &CentredTriplets) -> Vec<Basin> {
         let lowest = basin(data, &self.lowest);
         let others = self.others.iter().map(|(parameters, cost_ratio)| Basin {
@@ -57,7 +57,7 @@ pub fn find(
     let mut minima: Vec<Minimum> = Vec::new();
     for candidate in candidates.iter().filter(|m| m.normal.cost <= HOPELESS * least) {
         let exact = minimise(thinned, candidate.parameters, ROUGH_M);
-        // Two minima of the squared cost can be one of the exact cost.
+        // Two minima of the squared cost can converge to one of the exact cost.
         if !minima.iter().any(|known| same(&known.parameters, &exact.parameters)) {
             minima.push(exact);
         }
@@ -76,7 +76,7 @@ pub fn find(
     let twin = minimise(data, twin_start, ROUGH_M);
     let twin = ((twin.parameters - lowest.parameters).amax() > SAME_TWIN_M).then_some(twin);
 
-    // Along a valley the same search ends elsewhere on other data, so what started the two is known as well.
+    // In a valley, the same descent converges to another point on other data, so the start of the twin is excluded as well.
     let known = |p: &Parameters| {
         Some(*p) == mirrored
             || same(p, &lowest.parameters)
@@ -91,7 +91,7 @@ pub fn find(
     Minima { lowest, twin, others }
 }
 
-/// The priors, and the first one with the signs of heights that none of them has.
+/// Returns the priors, and copies of the first one with the signs of heights that none of them has.
 fn with_all_heights(data: &CentredTriplets, priors: &[Parameters]) -> Vec<Parameters> {
     let signs = |p: &Parameters| data.height_differences_m(p).map(|h| h < 0.0);
     let mut starts = priors.to_vec();
@@ -115,8 +115,8 @@ pub(super) mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// Two straight legs with an angle between them and nothing measured in the turn, to a millimetre; all stations have
-    /// the same frame.
+    /// Two straight legs at an angle, without measurements in the turn, with noise of a millimetre; all stations have the same
+    /// frame.
     pub fn two_legs(angle_rad: f64) -> CentredTriplets {
         let rig = [
             Vector3::new(0.4, 0.0, 0.4),
@@ -150,7 +150,7 @@ pub(super) mod tests {
         CentredTriplets::new(&triplets, deployment.rig.expect("simulated").inter_prism_m)
     }
 
-    /// Turning the rig by −90° and shifting the stations to match fits two legs at a right angle as well:
+    /// Rotating the rig by −90° and shifting the stations to match fits two legs at a right angle as well. The reason is that
     /// i + e^{iφ} − 1 has size 1 for φ = 0 and for φ = −π/2.
     #[test]
     fn two_legs_have_a_rival_that_is_found_from_any_prior() {
@@ -193,7 +193,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Searches from anywhere on the exact cost: what costs less than ten times the lowest is on the list.
+    /// Random starts on the exact cost find no minimum with less than ten times the lowest cost that is not listed.
     #[test]
     fn brute_force_finds_nothing_that_is_not_listed() {
         for preset in [Preset::Warthog, Preset::Hd2Tunnel, Preset::FigureEight, Preset::LShape] {

@@ -1,9 +1,8 @@
-//! The mirror twin: which of two solutions is the real one.
+//! Choice between an answer and its mirror twin.
 //!
-//! On level ground every distance stays the same when the prisms of stations 2 and 3 are mirrored in the
-//! horizontal plane through prism 1: their stations rise or sink by twice the height difference. The rig
-//! tells the two apart (which prism stands higher), or control points do, or the cost where the vehicle
-//! pitched and rolled.
+//! On level ground all distances stay the same when the prisms of stations 2 and 3 are mirrored in the horizontal plane through
+//! prism 1. The stations then move vertically by twice the height difference. The heights of the prisms on the rig or control
+//! points exclude one of the two. If the vehicle pitched and rolled, the cost excludes it.
 
 use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
@@ -14,29 +13,28 @@ use crate::deployment::findings::mirror::{
 use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;
 
-/// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
-/// can move a ratio by tens of per cent.
+/// Cost ratio from which the cost alone decides: a clock offset or a wrong distance can change a ratio by tens of per cent.
 pub const DECISIVE_COST_RATIO: f64 = 2.0;
-/// Against another witness, the cost must speak this clearly before the answer is called ambiguous.
+/// Cost ratio from which the cost contradicts other data, so that the answer is ambiguous.
 const CONTRADICTING_COST_RATIO: f64 = 3.0;
-/// Prisms that differ less in height (m) have no twin to speak of.
+/// Prisms with a smaller height difference (m) have no significant twin.
 const LEVEL_RIG_M: f64 = 1e-3;
-/// One solution must fit heights or control points this many times better than the other.
+/// Ratio of the misfits to heights or control points from which these decide.
 const DECISIVE_FIT_RATIO: f64 = 2.0;
 
-/// The answer, and what was weighed.
+/// The chosen answer, with its reasons.
 pub struct Choice {
     pub answer: Basin,
-    /// Whether the answer is the twin, not the lowest minimum.
+    /// True if the answer is the twin, not the lowest minimum.
     pub twin_is_real: bool,
     pub mirror: Mirror,
     pub findings: Vec<Finding>,
-    /// Two witnesses contradict each other, or none was there.
+    /// True if two kinds of data contradict each other, or none decides.
     pub ambiguous: bool,
 }
 
 impl Choice {
-    /// Gives the same choice with another fit of its answer: what costs are said to be is over that one's.
+    /// Returns the same choice with another fit of its answer, to whose cost the ratios then refer.
     pub fn with_answer(self, answer: Basin) -> Self {
         let Some(twin) = self.mirror.twin else { return Self { answer, ..self } };
         let witness = match self.mirror.resolved_by {
@@ -78,12 +76,12 @@ pub fn choose(
     between(witness, twin_is_real, answer, other)
 }
 
-/// Whether the cost alone decides.
+/// Returns true if the cost alone decides.
 fn is_decisive(answer: &Basin, twin: &Basin) -> bool {
     twin.mean_square_m2 >= DECISIVE_COST_RATIO * answer.mean_square_m2
 }
 
-/// What a witness chose, in words.
+/// Returns the choice that a kind of data made, with its findings.
 fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin) -> Choice {
     let cost_ratio = other.mean_square_m2 / answer.mean_square_m2;
     let apart_m = (1..3)
@@ -112,7 +110,7 @@ fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin)
     Choice { answer, twin_is_real, mirror, findings, ambiguous }
 }
 
-/// `Some(true)` when the rig's heights fit the twin.
+/// Returns true if the rig's heights fit the twin better, false if the lowest minimum; `None` if undecided.
 fn by_rig(rig: &Rig, lowest: &Basin, twin: &Basin) -> Option<bool> {
     let heights = rig.height_differences_m()?;
     let misfit = |basin: &Basin| {
@@ -121,7 +119,7 @@ fn by_rig(rig: &Rig, lowest: &Basin, twin: &Basin) -> Option<bool> {
     better(misfit(lowest), misfit(twin))
 }
 
-/// `Some(true)` when the control points fit the twin.
+/// Returns true if the control points fit the twin better, false if the lowest minimum; `None` if undecided.
 fn by_control_points(
     control_points: &[ControlPointSet],
     lowest: &Basin,

@@ -2,15 +2,15 @@
 
 use super::basin::Basin;
 
-/// The witness that excludes the mirror twin.
+/// Data that excludes the mirror twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResolvedBy {
     /// The heights of the prisms on the vehicle.
     Rig,
     ControlPoints,
-    /// Pitch and roll of the vehicle made the twin fit worse.
+    /// Cost: pitch and roll of the vehicle made the twin fit worse.
     Cost,
-    /// None: the answer may be the twin.
+    /// No data: the answer may be the twin.
     Nothing,
 }
 
@@ -25,12 +25,12 @@ impl ResolvedBy {
     }
 }
 
-/// The second solution of method D on level ground, and the witness that excludes it.
+/// Second solution of method D on level ground, and the data that excludes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror {
-    /// The twin, where it is a minimum of its own.
+    /// The twin; `None` if it is not a separate minimum.
     pub twin: Option<Basin>,
-    /// Cost of the twin over the cost of the answer.
+    /// Cost of the twin over that of the answer.
     pub cost_ratio: Option<f64>,
     pub resolved_by: ResolvedBy,
 }

@@ -1,15 +1,22 @@
 //! Method D: the dynamic inter-prism calibration.
 //!
-//! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
-//! stations 2 and 3 (Vaidis et al. 2022, eq. (3)).
+//! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of stations 2 and 3 (Vaidis
+//! et al. 2022, eq. (3)).
 //!
-//! Steps of the solution: thinned triplets compressed to a [`squared_cost`] that does not depend on their number → a prior
-//! ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → refinement on the exact cost, the best one and its mirror
-//! twin on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two
-//! → [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
-//! The [`clock_check`] looks for clock offsets that bias the answer. [`mod@solve`] runs method D; [`mod@solve_jointly`] runs
-//! the joint estimate of three prisms, whose minima and verdict are computed in the same way ([`joint_answer`]).
-//! [`mod@foresee`] predicts an answer before the drive.
+//! Steps of the solution:
+//!
+//! 1. [`squared_cost`] compresses thinned triplets to a cost that does not depend on their number.
+//! 2. [`closed_form`] or [`prior_search`] computes a prior.
+//! 3. [`search`] finds all minima of the compressed cost.
+//! 4. [`minima`] refines them on the exact cost, the best one and its mirror twin on all triplets. [`normal_equations`] is the one
+//!    fused pass over the data.
+//! 5. [`mirror`] decides between the two.
+//! 6. [`uncertainty`], [`observability`] and [`drive_shape`] evaluate the answer.
+//! 7. [`diagnosis`] judges it.
+//!
+//! The [`clock_check`] detects clock offsets that bias the answer. [`mod@solve`] runs method D. [`mod@solve_jointly`] runs the
+//! joint estimate of three prisms, whose minima and verdict are computed by the same steps ([`joint_answer`]). [`mod@foresee`]
+//! predicts an answer before the drive.
 
 mod basin;
 mod centred;
@@ -29,13 +36,13 @@ mod mirror_twin;
 mod motion_in_words;
 mod normal_equations;
 pub mod observability;
+mod pair_sums;
 mod prior_search;
 mod published;
 mod search;
 mod solve;
 mod solve_jointly;
 mod squared_cost;
-mod sums;
 mod twins;
 mod uncertainty;
 mod unjudged;

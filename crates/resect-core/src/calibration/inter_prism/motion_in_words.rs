@@ -1,48 +1,48 @@
-//! A motion of stations 2 and 3 that the distances resist little or not at all, in a surveyor's words.
+//! Descriptions of motions of stations 2 and 3 to which the distances are insensitive, in a surveyor's words.
 //!
-//! Motions are centred parameters with yaw in metres at the track's radius, so that their parts can be compared.
+//! Motions are centred parameters with yaw in metres at the track's radius, so that their components are comparable.
 
 use nalgebra::SVector;
 
 use super::CentredTriplets;
 
-/// (x, y, z, yaw) of stations 2 and 3, about the centroids of their tracks; any length.
-pub type Motion = SVector<f64, 8>;
+/// Direction in (x, y, z, yaw) of stations 2 and 3, relative to the centroids of their tracks; of any length.
+pub type PoseDirection = SVector<f64, 8>;
 
-/// Parts smaller than this share of the largest go unsaid.
+/// Smallest share of the largest component that is described.
 const SAID: f64 = 0.5;
-/// A track is longer than wide when its spread across is below this share of that along.
+/// A track is elongated if its spread across is below this share of that along.
 const LONG: f64 = 0.5;
 
-/// How a station moves, with the verb that says so.
+/// Component of a station's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum MotionComponent {
     Along,
     Across,
-    /// Horizontally, where the track has no direction of its own.
+    /// Horizontal, for a track that is not elongated.
     Level,
     Height,
     Turn,
 }
 
-impl Part {
+impl MotionComponent {
     fn verb(self) -> (&'static str, &'static str) {
         match self {
             Self::Along => ("slide", " along the track"),
             Self::Across => ("shift", " across the track"),
             Self::Level => ("shift", " in plan"),
-            Self::Height => ("rise", ""),
+            Self::Height => ("shift", " vertically"),
             Self::Turn => ("turn", " about the middle of the track"),
         }
     }
 }
 
-/// The directions that a track has in plan.
+/// Principal directions of a track in plan.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackAxes {
-    /// Direction in which prism 1's track reaches furthest, in station 1's frame; of length 1.
+    /// Direction of the largest extent of prism 1's track, in station 1's frame; of length 1.
     pub along: [f64; 2],
-    /// Whether it is clearly longer than wide.
+    /// True if the track is elongated.
     long: bool,
 }
 
@@ -62,9 +62,9 @@ impl TrackAxes {
     }
 }
 
-/// A part of a motion: how much of it stations 2 and 3 have (m), and whether they go the same way.
+/// A component of a motion: its size for stations 2 and 3 (m), and true if both move in the same direction.
 struct Share {
-    part: Part,
+    part: MotionComponent,
     amounts: [f64; 2],
     together: bool,
 }
@@ -75,8 +75,8 @@ impl Share {
     }
 }
 
-/// The parts of a motion, the largest first.
-fn shares(axes: &TrackAxes, motion: &Motion) -> Vec<Share> {
+/// Returns the components of a motion, the largest first.
+fn shares(axes: &TrackAxes, motion: &PoseDirection) -> Vec<Share> {
     let [ax, ay] = axes.along;
     let level = [0, 4].map(|at| [motion[at], motion[at + 1]]);
     let one = |part, [second, third]: [f64; 2]| Share {
@@ -84,15 +84,17 @@ fn shares(axes: &TrackAxes, motion: &Motion) -> Vec<Share> {
         amounts: [second.abs(), third.abs()],
         together: second * third >= 0.0,
     };
-    let mut shares =
-        vec![one(Part::Height, [motion[2], motion[6]]), one(Part::Turn, [motion[3], motion[7]])];
+    let mut shares = vec![
+        one(MotionComponent::Height, [motion[2], motion[6]]),
+        one(MotionComponent::Turn, [motion[3], motion[7]]),
+    ];
     if axes.long {
-        shares.push(one(Part::Along, level.map(|[x, y]| ax * x + ay * y)));
-        shares.push(one(Part::Across, level.map(|[x, y]| ax * y - ay * x)));
+        shares.push(one(MotionComponent::Along, level.map(|[x, y]| ax * x + ay * y)));
+        shares.push(one(MotionComponent::Across, level.map(|[x, y]| ax * y - ay * x)));
     } else {
         let [second, third] = level;
         shares.push(Share {
-            part: Part::Level,
+            part: MotionComponent::Level,
             amounts: level.map(|[x, y]| x.hypot(y)),
             together: second[0] * third[0] + second[1] * third[1] >= 0.0,
         });
@@ -101,13 +103,14 @@ fn shares(axes: &TrackAxes, motion: &Motion) -> Vec<Share> {
     shares
 }
 
-/// The largest part of a motion.
-pub fn leading_part(axes: &TrackAxes, motion: &Motion) -> Part {
+/// Returns the largest component of a motion.
+pub fn leading_part(axes: &TrackAxes, motion: &PoseDirection) -> MotionComponent {
     shares(axes, motion)[0].part
 }
 
-/// The one or two largest parts of a motion, such as "stations 2 and 3 rise together"; `free` says that they can.
-pub fn describe(axes: &TrackAxes, motion: &Motion, free: bool) -> String {
+/// Describes the one or two largest components of a motion, such as "stations 2 and 3 shift vertically together"; with "can" if
+/// `free`.
+pub fn describe(axes: &TrackAxes, motion: &PoseDirection, free: bool) -> String {
     let shares = shares(axes, motion);
     let said = SAID * shares[0].largest();
     let phrases: Vec<String> = shares
@@ -124,7 +127,7 @@ fn phrase(share: &Share, said: f64, free: bool) -> String {
     let can = if free { "can " } else { "" };
     match share.amounts.map(|amount| amount >= said) {
         [true, true] if share.together => format!("stations 2 and 3 {can}{verb}{rest} together"),
-        [true, true] => format!("stations 2 and 3 {can}{verb}{rest} against each other"),
+        [true, true] => format!("stations 2 and 3 {can}{verb}{rest} in opposite directions"),
         [second, _] => {
             let (station, ending) = (if second { 2 } else { 3 }, if free { "" } else { "s" });
             format!("station {station} {can}{verb}{ending}{rest}")
@@ -137,18 +140,22 @@ mod tests {
     use super::*;
 
     fn words(motion: [f64; 8], long: bool, free: bool) -> String {
-        describe(&TrackAxes { along: [0.0, 1.0], long }, &Motion::from(motion), free)
+        describe(&TrackAxes { along: [0.0, 1.0], long }, &PoseDirection::from(motion), free)
     }
 
     #[test]
     fn a_motion_is_said_by_its_largest_parts() {
         let cases = [
             ([0.1, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.0], true, "station 2 slides along the track"),
-            ([0.0, 0.0, 0.7, 0.0, 0.1, 0.0, 0.7, 0.2], true, "stations 2 and 3 rise together"),
+            (
+                [0.0, 0.0, 0.7, 0.0, 0.1, 0.0, 0.7, 0.2],
+                true,
+                "stations 2 and 3 shift vertically together",
+            ),
             (
                 [0.0, 0.1, 0.7, 0.0, 0.1, 0.0, -0.6, 0.2],
                 true,
-                "stations 2 and 3 rise against each other",
+                "stations 2 and 3 shift vertically in opposite directions",
             ),
             (
                 [0.6, 0.6, 0.1, 0.0, 0.6, 0.5, 0.0, 0.0],
@@ -158,7 +165,7 @@ mod tests {
             (
                 [0.0, 0.0, 0.0, -0.8, 0.0, 0.0, 0.5, -0.1],
                 true,
-                "station 2 turns about the middle of the track, station 3 rises",
+                "station 2 turns about the middle of the track, station 3 shifts vertically",
             ),
         ];
         for (motion, long, expected) in cases {

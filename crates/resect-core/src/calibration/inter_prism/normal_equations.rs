@@ -1,19 +1,19 @@
 //! Cost, gradient and Gauss–Newton matrix of method D, in one pass over the data.
 //!
-//! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is
-//! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the 8×8 matrix
-//! needs ([`super::sums`]) are kept per pair, as `[f64; LANES]` each, so that the compiler turns the inner loops
-//! into vector instructions; `multiversion` picks AVX-512 or AVX2 where the processor has it.
+//! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is r = ‖e‖ − d. The
+//! derivatives of r are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums for the 8×8 matrix ([`super::pair_sums`]) are
+//! accumulated per pair, as `[f64; LANES]` each, so that the compiler vectorises the inner loops. `multiversion` selects AVX-512 or
+//! AVX2 if the processor has it.
 
 use std::ops::Range;
 
 use multiversion::multiversion;
 use nalgebra::{SMatrix, SVector};
 
-use super::sums::{Rows, Sums, by_pair, cost, gradient, matrix};
+use super::pair_sums::{PairRows, PairSums, by_pair, cost, gradient, matrix};
 use super::{CentredTriplets, Parameters};
 
-/// JᵀJ, Jᵀr and rᵀr of all triplets at some parameters.
+/// JᵀJ, Jᵀr and rᵀr of all triplets at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalEquations {
     pub matrix: SMatrix<f64, 8, 8>,
@@ -23,16 +23,16 @@ pub struct NormalEquations {
 }
 
 impl NormalEquations {
-    pub fn of(sums: &[Sums<1>; 3]) -> Self {
+    pub fn of(sums: &[PairSums<1>; 3]) -> Self {
         Self { matrix: matrix(sums), gradient: gradient(sums), cost: cost(sums) }
     }
 
-    /// Normal equations of the distances themselves (Vaidis et al. 2022, eq. (3)).
+    /// Returns the normal equations of the distances (Vaidis et al. 2022, eq. (3)).
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
         Self::over(data, parameters, 0..data.len())
     }
 
-    /// Normal equations of the distances of some of the triplets.
+    /// Returns the normal equations of the distances of some of the triplets.
     pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
         Self::of(&sums_over(data, parameters, instants, true))
     }
@@ -48,7 +48,7 @@ fn sums_over(
     parameters: &Parameters,
     instants: Range<usize>,
     for_solver: bool,
-) -> [Sums<1>; 3] {
+) -> [PairSums<1>; 3] {
     let coordinates =
         data.coordinates.each_ref().map(|s| s.each_ref().map(|axis| &axis[instants.clone()]));
     let p = parameters.as_slice();
@@ -56,7 +56,7 @@ fn sums_over(
 }
 
 #[derive(Clone, Copy)]
-struct Pose {
+struct PairPose {
     x: f64,
     y: f64,
     z: f64,
@@ -64,9 +64,9 @@ struct Pose {
     cos: f64,
 }
 
-fn pose(p: &[f64]) -> Pose {
+fn pose(p: &[f64]) -> PairPose {
     let (sin, cos) = p[3].sin_cos();
-    Pose { x: p[0], y: p[1], z: p[2], sin, cos }
+    PairPose { x: p[0], y: p[1], z: p[2], sin, cos }
 }
 
 const LANES: usize = 8;
@@ -74,10 +74,10 @@ const LANES: usize = 8;
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn sum(
     coordinates: &[[&[f64]; 3]; 3],
-    poses: &[Pose; 2],
+    poses: &[PairPose; 2],
     inter_prism_m: &[f64; 3],
     for_solver: bool,
-) -> [Sums<1>; 3] {
+) -> [PairSums<1>; 3] {
     if for_solver {
         sum_all::<true>(coordinates, poses, inter_prism_m)
     } else {
@@ -88,12 +88,12 @@ fn sum(
 #[inline(always)]
 fn sum_all<const FOR_SOLVER: bool>(
     coordinates: &[[&[f64]; 3]; 3],
-    poses: &[Pose; 2],
+    poses: &[PairPose; 2],
     inter_prism_m: &[f64; 3],
-) -> [Sums<1>; 3] {
+) -> [PairSums<1>; 3] {
     let count = coordinates[0][0].len();
     let whole = count / LANES * LANES;
-    let mut wide = [Sums::<LANES>::ZERO; 3];
+    let mut wide = [PairSums::<LANES>::ZERO; 3];
     for start in (0..whole).step_by(LANES) {
         add::<LANES, FOR_SOLVER>(coordinates, start, poses, inter_prism_m, &mut wide);
     }
@@ -109,9 +109,9 @@ fn sum_all<const FOR_SOLVER: bool>(
 fn add<const L: usize, const FOR_SOLVER: bool>(
     coordinates: &[[&[f64]; 3]; 3],
     start: usize,
-    poses: &[Pose; 2],
+    poses: &[PairPose; 2],
     inter_prism_m: &[f64; 3],
-    sums: &mut [Sums<L>; 3],
+    sums: &mut [PairSums<L>; 3],
 ) {
     let load = |station: usize, axis: usize| -> [f64; L] {
         coordinates[station][axis][start..start + L].try_into().expect("L long")
@@ -138,7 +138,7 @@ fn add<const L: usize, const FOR_SOLVER: bool>(
     add_pair::<L, FOR_SOLVER>(second, third, inter_prism_m[2], true, &mut sums[2]);
 }
 
-/// Prism positions of one station in frame 1 at L instants.
+/// Prism positions of one station in station 1's frame at L instants (m).
 #[derive(Clone, Copy)]
 struct PlacedPrisms<const L: usize> {
     position: [[f64; L]; 3],
@@ -146,14 +146,14 @@ struct PlacedPrisms<const L: usize> {
     by_yaw: [[f64; L]; 2],
 }
 
-/// Adds one pair of stations; `moving` says that station a is unknown too (only in pair 23).
+/// Adds one pair of stations; `moving` is true if station a has unknowns too (only in pair 23).
 #[inline(always)]
 fn add_pair<const L: usize, const FOR_SOLVER: bool>(
     station_a: &PlacedPrisms<L>,
     station_b: &PlacedPrisms<L>,
     distance_m: f64,
     moving: bool,
-    sums: &mut Sums<L>,
+    sums: &mut PairSums<L>,
 ) {
     let PlacedPrisms { position: at_a, by_yaw: turned_a } = station_a;
     let PlacedPrisms { position: at_b, by_yaw: turned_b } = station_b;
@@ -171,7 +171,7 @@ fn add_pair<const L: usize, const FOR_SOLVER: bool>(
         a[l] = u[0][l] * turned_a[0][l] + u[1][l] * turned_a[1][l];
         b[l] = u[0][l] * turned_b[0][l] + u[1][l] * turned_b[1][l];
     }
-    sums.add::<FOR_SOLVER>(&Rows { u, a, b, r }, moving);
+    sums.add::<FOR_SOLVER>(&PairRows { u, a, b, r }, moving);
 }
 
 #[cfg(test)]
@@ -180,7 +180,7 @@ pub(super) mod tests {
     use crate::pipeline::Triplets;
     use nalgebra::Vector3;
 
-    /// Irregular points and parameters; no rig would look like this, the derivatives must hold anyway.
+    /// Irregular points and parameters of no real rig; the derivatives must be right for any.
     pub fn irregular(count: usize) -> (CentredTriplets, Parameters) {
         let wave = |seed: f64, i: usize| {
             40.0 * (43758.5453 * (seed * 12.9898 + i as f64 * 78.233).sin()).fract()
@@ -234,7 +234,7 @@ pub(super) mod tests {
         let mut expected = SMatrix::<f64, 8, 8>::zeros();
         for i in 0..data.len() {
             for pair in 0..3 {
-                // One instant, one pair: its gradient over its residual is the row of J.
+                // The gradient of one pair at one instant over its residual is the row of J.
                 let one = data.select(&[i]);
                 let row = distance_pulls(&one, &parameters)[pair];
                 expected += row * row.transpose();

@@ -1,55 +1,54 @@
-//! What the drive holds and what it does not: the spectrum of JᵀJ, direction by direction, in words.
+//! Observability of a drive: the spectrum of JᵀJ, direction by direction, in words.
 //!
-//! Directions live in centred parameters with yaw in metres at the track's radius, where every part of a motion is what
-//! it moves the points of the track by. What is free together (a straight line leaves three of eight) has no directions
-//! of its own; there the plainest motions that lie in it are taken: one station sliding, or both swinging as if the rig
-//! stood differently.
+//! Directions are in centred parameters with yaw in metres at the track's radius, so that each component is a displacement of the
+//! track's points. Jointly unobservable directions (three of eight on a straight line) span a space without a preferred basis. The
+//! simplest motions in that space are reported: one station sliding, or both swinging as if the rig had another orientation.
 
 use nalgebra::{Vector2, Vector3};
 
-use super::drive_shape::{DriveShape, Plan};
-use super::motion_in_words::{Motion, Part, TrackAxes, describe, leading_part};
+use super::drive_shape::{DriveShape, PlanView};
+use super::motion_in_words::{MotionComponent, PoseDirection, TrackAxes, describe, leading_part};
 use super::uncertainty::{FREE_DIRECTION, Uncertainty};
 use super::{CentredTriplets, Parameters, gross_errors};
 use crate::calibration::checks::{FREE_SIGMA_M, WEAK_SIGMA_M};
 use crate::geometry::LevelTransform;
 
-/// Eigenvalues below this share of the largest belong to drives such as an L (5e-3); drives with bends reach 2e-2. An
-/// error that is in no σ, such as a bias of the distances, weighs ten times as much there as where the drive is best.
+/// Eigenvalue over the largest below which a direction is weak. Drives such as an L reach 5e-3, drives with bends 2e-2. An error
+/// outside σ, such as a bias of the distances, has ten times the effect there as in the best direction.
 const WEAK_DIRECTION: f64 = 1e-2;
-/// A plain motion stands for a part of the free ones when this much of its length lies among them.
+/// Share of a simple motion's length that must be in the unobservable space.
 const INSIDE: f64 = 0.95;
-/// A plain motion is said only where this much of it is not said already.
+/// Share of a simple motion that must be independent of those already chosen.
 const NEW: f64 = 0.3;
 
-/// How the drive holds the answer.
+/// Observability of an answer.
 #[derive(Clone, Debug)]
 pub struct Observability {
-    /// Eight independent directions, from the least held to the best.
+    /// Eight independent directions, from the least observable to the best.
     pub directions: [Direction; 8],
     pub drive: DriveShape,
-    /// What to drive next, to hold the least held direction better.
+    /// Advice on the next drive, to improve the least observable direction.
     pub advice: &'static str,
-    /// What a radian of yaw moves the track by (m).
+    /// Radius of the track: displacement by a radian of yaw (m).
     pub track_radius_m: f64,
 }
 
-/// One direction in which stations 2 and 3 may err together.
+/// One direction of a joint error of stations 2 and 3.
 #[derive(Clone, Debug)]
 pub struct Direction {
-    /// How much the distances resist, over the direction in which they resist most.
+    /// Information along it over that along the best direction.
     pub relative: f64,
-    /// Standard deviation along it (m), of the answer; `None` where a direction is free.
+    /// Standard deviation of the answer along it (m); `None` if a direction is unobservable.
     pub sigma_m: Option<f64>,
     pub hold: Hold,
     pub words: String,
-    /// How stations 2 and 3 move along this direction.
+    /// Motion of stations 2 and 3 along this direction.
     pub motion: [StationMotion; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// Nothing resists a move in this direction.
+    /// Unobservable.
     Free,
     Weak,
     Held,
@@ -65,17 +64,17 @@ impl Hold {
     }
 }
 
-/// How a station moves when the answer moves one metre along a direction.
+/// Motion of a station for one metre along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationMotion {
-    /// How the instrument moves, in station 1's frame (m per m).
+    /// Displacement of the instrument, in station 1's frame (m per m).
     pub translation_m: Vector3<f64>,
-    /// How its zero direction turns (rad per m).
+    /// Rotation of its zero direction (rad per m).
     pub yaw_rad: f64,
 }
 
 impl Direction {
-    /// The words without what follows the first comma.
+    /// Returns the words up to the first comma.
     pub fn short(&self) -> &str {
         self.words.split(',').next().unwrap_or_default()
     }
@@ -86,7 +85,7 @@ impl Observability {
         self.directions.iter().filter(|direction| direction.hold == hold).count()
     }
 
-    /// The words of all directions that are held like this.
+    /// Returns the words of all directions with this `hold`, separated by semicolons.
     pub fn words(&self, hold: Hold) -> String {
         let words: Vec<&str> = (self.directions.iter())
             .filter(|direction| direction.hold == hold)
@@ -96,14 +95,14 @@ impl Observability {
     }
 }
 
-/// The triplets that are not wild.
+/// Returns the triplets that are not gross outliers.
 pub fn fitting(data: &CentredTriplets, answer: &Parameters) -> CentredTriplets {
     let errors_m = data.distance_errors_m(answer);
     let pairs = errors_m.chunks(3).map(|pairs| [pairs[0], pairs[1], pairs[2]]);
     data.select(&gross_errors::fitting(pairs))
 }
 
-/// Reads the spectrum at an answer. `data` are triplets that fit, in order of time.
+/// Computes the observability of an answer. `data` are inliers in order of time.
 pub fn observe(
     data: &CentredTriplets,
     answer: &Parameters,
@@ -119,7 +118,7 @@ pub fn observe(
         let sigma_m = uncertainty
             .centred_m2
             .map(|covariance| motion.dot(&(covariance * motion)).max(0.0).sqrt());
-        // What the verdict calls degenerate has a free direction, whatever the eigenvalues say.
+        // A degenerate answer has an unobservable direction even if no eigenvalue shows it.
         let first = rank.next() == Some(0);
         let hold = if free || sigma_m > Some(FREE_SIGMA_M) || first && degenerate {
             Hold::Free
@@ -130,7 +129,7 @@ pub fn observe(
         };
         let words = swing.map_or_else(
             || describe(&axes, &motion, hold == Hold::Free),
-            |swing| format!("stations 2 and 3 can swing {swing}"),
+            |swing| format!("stations 2 and 3 can rotate {swing}"),
         );
         let at_stations = at_the_stations(data, answer, &motion, uncertainty.radius_m);
         Direction { relative, sigma_m, hold, words, motion: at_stations }
@@ -139,17 +138,17 @@ pub fn observe(
     Observability { directions, drive, advice, track_radius_m: uncertainty.radius_m }
 }
 
-/// A motion of length one, before it is put into words.
+/// A motion of length one, before its description.
 #[derive(Clone, Copy)]
 struct Named {
-    motion: Motion,
+    motion: PoseDirection,
     relative: f64,
     free: bool,
-    /// How the rig would have to stand for it, where it is one of the swings.
+    /// Description of the rig's orientation, for a swing.
     swing: Option<&'static str>,
 }
 
-/// The eigenvectors of JᵀJ; in place of those that are free together, the plainest motions among them.
+/// Returns the eigenvectors of JᵀJ, with the simplest motions in place of those that are jointly unobservable.
 fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> [Named; 8] {
     let spectrum = &uncertainty.spectrum;
     let largest = spectrum.eigenvalues.max();
@@ -159,7 +158,7 @@ fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> 
         Named { motion, relative, free: relative <= FREE_DIRECTION, swing: None }
     };
     let mut motions: [Named; 8] = std::array::from_fn(eigen);
-    let free: Vec<Motion> = motions.iter().filter(|m| m.free).map(|m| m.motion).collect();
+    let free: Vec<PoseDirection> = motions.iter().filter(|m| m.free).map(|m| m.motion).collect();
     if free.len() > 1 {
         let plain = plainest(&free, &candidates(axes, answer));
         for (named, (motion, swing)) in motions.iter_mut().filter(|m| m.free).zip(plain) {
@@ -175,16 +174,16 @@ fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> 
     motions
 }
 
-/// Motions with a name, the plainest first.
-fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(Motion, Option<&'static str>)> {
+/// Returns simple motions, the simplest first, with a description of each swing.
+fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(PoseDirection, Option<&'static str>)> {
     let [ax, ay] = axes.along;
     let level = |at: usize, x: f64, y: f64| {
-        let mut motion = Motion::zeros();
+        let mut motion = PoseDirection::zeros();
         (motion[at], motion[at + 1]) = (x, y);
         motion
     };
     let single = |at: usize| {
-        let mut motion = Motion::zeros();
+        let mut motion = PoseDirection::zeros();
         motion[at] = 1.0;
         motion
     };
@@ -200,13 +199,16 @@ fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(Motion, Option<&'st
     ]
     .map(|motion| (motion, None))
     .into();
-    // While the rig never turns, nothing tells how it stands on the vehicle: both stations move about prism 1 with it.
+    // If the rig never rotates, its orientation on the vehicle is unobservable: both stations move about prism 1 with it.
     for (axis, words) in [
-        (Vector3::new(ax, ay, 0.0), "about the track, as if the rig leaned to a side"),
-        (Vector3::z(), "about the vertical, as if the rig faced elsewhere"),
-        (Vector3::new(-ay, ax, 0.0), "up and along, as if the rig nodded"),
+        (Vector3::new(ax, ay, 0.0), "about the track, like a roll of the rig"),
+        (Vector3::z(), "about the vertical, like a yaw of the rig"),
+        (
+            Vector3::new(-ay, ax, 0.0),
+            "about the horizontal across the track, like a pitch of the rig",
+        ),
     ] {
-        let mut motion = Motion::zeros();
+        let mut motion = PoseDirection::zeros();
         for at in [0, 4] {
             let from_prism_1_m = answer.fixed_rows::<3>(at).into_owned();
             motion.fixed_rows_mut::<3>(at).copy_from(&axis.cross(&from_prism_1_m));
@@ -216,18 +218,18 @@ fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(Motion, Option<&'st
     candidates
 }
 
-/// The plainest free motions, independent and as many as there are: candidates first, then what they leave.
+/// Returns the simplest independent unobservable motions, as many as there are: candidates first, then the remaining directions.
 fn plainest(
-    free: &[Motion],
-    candidates: &[(Motion, Option<&'static str>)],
-) -> Vec<(Motion, Option<&'static str>)> {
-    let mut said: Vec<Motion> = Vec::new();
+    free: &[PoseDirection],
+    candidates: &[(PoseDirection, Option<&'static str>)],
+) -> Vec<(PoseDirection, Option<&'static str>)> {
+    let mut said: Vec<PoseDirection> = Vec::new();
     let mut chosen = Vec::new();
-    let unsaid = |motion: &Motion, said: &[Motion]| {
+    let unsaid = |motion: &PoseDirection, said: &[PoseDirection]| {
         said.iter().fold(*motion, |rest, one| rest - one * one.dot(motion))
     };
     for (candidate, swing) in candidates {
-        let inside: Motion = free.iter().map(|one| one * one.dot(candidate)).sum();
+        let inside: PoseDirection = free.iter().map(|one| one * one.dot(candidate)).sum();
         let rest = unsaid(&inside, &said);
         if chosen.len() < free.len() && inside.norm() > INSIDE && rest.norm() > NEW {
             said.push(rest.normalize());
@@ -243,12 +245,12 @@ fn plainest(
     chosen
 }
 
-/// Moves a motion from the centroid of each station's track to its instrument: a turn about the centroid moves it
-/// sideways.
+/// Converts a motion at the centroid of each station's track to one at the instrument, which a rotation about the centroid
+/// displaces.
 fn at_the_stations(
     data: &CentredTriplets,
     answer: &Parameters,
-    motion: &Motion,
+    motion: &PoseDirection,
     radius_m: f64,
 ) -> [StationMotion; 2] {
     [0, 1].map(|slot| {
@@ -261,29 +263,30 @@ fn at_the_stations(
     })
 }
 
-/// What to drive next.
-fn advice(plan: &Plan, weakest: Part) -> &'static str {
+/// Returns advice on the next drive.
+fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
     match (plan, weakest) {
-        (Plan::Standing, _) => {
-            "drive: a figure-eight with turns to both sides, 20 m or more across"
+        (PlanView::Standing, _) => {
+            "drive a figure-eight with turns to both sides, 20 m or more across if the place allows"
         }
-        (Plan::StraightLine { .. }, _) => {
+        (PlanView::StraightLine { .. }, _) => {
             "leave the line: drive a figure-eight with turns to both sides"
         }
-        (Plan::Circle { .. }, _) => {
+        (PlanView::Circle { .. }, _) => {
             "turn the other way too: drive a figure-eight with turns to both sides"
         }
-        (Plan::TwoLegs { .. }, _) => {
-            "do not rest it on one corner: drive a figure-eight with turns to both sides"
+        (PlanView::TwoLegs { .. }, _) => {
+            "one corner is not enough: drive a figure-eight with turns to both sides"
         }
-        (Plan::Winding, Part::Height) => {
-            "drive over a ramp or uneven ground, or fix the prisms at heights that differ more"
+        (PlanView::Winding, MotionComponent::Height) => {
+            "drive over a ramp or uneven ground, or mount the prisms at heights that differ more"
         }
-        (Plan::Winding, Part::Turn) => {
-            "drive further: yaw is held by how far the track reaches from its middle"
+        (PlanView::Winding, MotionComponent::Turn) => {
+            "drive further from the middle of the track: a longer track determines yaw better"
         }
-        (Plan::Winding, Part::Along | Part::Across | Part::Level) => {
-            "turn more: drive a figure-eight with turns to both sides"
-        }
+        (
+            PlanView::Winding,
+            MotionComponent::Along | MotionComponent::Across | MotionComponent::Level,
+        ) => "turn more: drive a figure-eight with turns to both sides",
     }
 }

@@ -1,9 +1,9 @@
-//! The paper's search of a prior: growing speed limits, twice.
+//! The paper's search of a prior: two steps with increasing speed limits.
 //!
-//! Step 1 starts from the point-to-point alignment, solves with the triplets slower than τ_v = 1 cm/s, raises τ_v
-//! by 10 cm/s over the speed range, and hands each solution to the next as its prior. Step 2 repeats from the
-//! best of step 1, the same prior for every τ_v. The inter-prism metric picks the best among the optima that
-//! at least three other runs agree with (Vaidis et al. 2022, section "Dynamic methods", "Search of prior").
+//! Step 1 starts from the point-to-point alignment and solves with the triplets slower than τ_v = 1 cm/s. It then raises τ_v by 10
+//! cm/s over the speed range, with each solution as the prior of the next. Step 2 repeats this from the best solution of step 1,
+//! with the same prior for every τ_v. The inter-prism metric selects the best among the optima that at least three other runs agree
+//! with (Vaidis et al. 2022, section "Dynamic methods", "Search of prior").
 
 use super::levenberg_marquardt::ROUGH_M;
 use super::{CentredTriplets, FEWEST_TRIPLETS, minimise, same_solution};
@@ -14,41 +14,41 @@ use crate::statistics::median;
 
 const FIRST_LIMIT_M_PER_S: f64 = 0.01;
 const LIMIT_STEP_M_PER_S: f64 = 0.10;
-/// An optimum counts when this many other runs end in it.
+/// Number of other runs that must converge to the same optimum.
 const AGREEING_RUNS: usize = 3;
-/// An outlier's speed must not make the search endless; no vehicle here drives faster.
+/// Highest speed limit, so that an outlier does not prolong the search; no vehicle here drives faster.
 const HIGHEST_LIMIT_M_PER_S: f64 = 10.0;
 
-/// One solution on the way.
+/// Solution for one speed limit.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchRun {
     pub tau_v_m_per_s: f64,
     /// Triplets slower than τ_v.
     pub triplets: usize,
     pub station1_from_station: [LevelTransform; 3],
-    /// Root mean square distance error of those triplets (m): the square root of the cost that was minimised.
+    /// Root mean square distance error of those triplets (m): the square root of the minimised cost.
     pub rms_m: f64,
     /// Median of |distance error| over all triplets (m).
     pub metric_m: f64,
-    /// Other runs of the same step with the same solution.
+    /// Number of other runs of the same step with the same solution.
     pub agreeing: usize,
 }
 
 impl SearchRun {
-    /// Whether enough others ended in the same optimum for it to count.
+    /// Returns true if enough other runs converged to the same optimum.
     pub fn counts(&self) -> bool {
         self.agreeing >= AGREEING_RUNS
     }
 }
 
-/// What the search did and what it chose.
+/// Runs and result of the search.
 #[derive(Clone, Debug)]
 pub struct PriorSearch {
     pub steps: [Vec<SearchRun>; 2],
-    /// The run of each step that won; `None` where no run had enough triplets.
+    /// The best run of each step; `None` if no run had enough triplets.
     pub best: [Option<usize>; 2],
     pub chosen: [LevelTransform; 3],
-    /// Whether the choice met the rule of three agreeing runs in both steps.
+    /// True if the best runs of both steps have three agreeing runs.
     pub agreed: bool,
 }
 
@@ -115,7 +115,7 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
     }
 }
 
-/// The best run that enough others agree with; failing that the best of all, and `false`.
+/// Returns the best run with enough agreeing runs and `true`; without one, the best of all and `false`.
 fn best_run(runs: &[SearchRun]) -> Option<(usize, bool)> {
     let best = |counts: &dyn Fn(&SearchRun) -> bool| {
         (0..runs.len())

@@ -1,4 +1,4 @@
-//! The published solution: a prior, all minima, and which of the two twins is real.
+//! The published solution: a prior, all minima, and the choice between the mirror twins.
 
 use crate::deployment::findings::outliers::{prior_search_elsewhere, prior_search_unconfirmed};
 
@@ -13,21 +13,21 @@ use crate::calibration::Basin;
 use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::stopwatch::Stopwatch;
 
-/// What the published method finds on some triplets.
+/// Solution of the published method on some triplets.
 pub struct Published {
     pub thinned: CentredTriplets,
-    /// The published answer on all of the data: the lowest minimum, or its mirror twin where that is the real one.
+    /// The published answer on all of the data: the lowest minimum, or its mirror twin if that is the real one.
     pub answer: Minimum,
     pub choice: Choice,
     pub basins: Vec<Basin>,
-    /// The best minimum beside the answer and its twin, and its cost over the lowest.
+    /// The best minimum other than the answer and its twin, and its cost over the lowest.
     pub rival: Option<(Parameters, f64)>,
     pub prior_search: Option<PriorSearch>,
     pub findings: Vec<Finding>,
     pub prior_ms: f64,
 }
 
-/// The published solution on some triplets, from the closed form on, or by a search where there are triplets to search.
+/// Solves by the published method, from the closed-form priors, and from a search of the prior if `search` has triplets for it.
 pub fn solve(
     rig: &Rig,
     control_points: &[ControlPointSet],
@@ -47,7 +47,7 @@ pub fn solve(
                 findings.push(prior_search_unconfirmed());
             }
             let mut priors = vec![data.parameters(&search.chosen)];
-            // A search that went astray must not decide alone.
+            // A failed search must not decide alone.
             priors.extend(closed_form_priors(&squared));
             prior_search = Some(search);
             priors
@@ -72,7 +72,7 @@ pub fn solve(
     Published { thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
 }
 
-/// The finding that the search of the prior ended elsewhere.
+/// Returns the finding that the search of the prior converged to another minimum.
 fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
     let answer = &choice.answer.station1_from_station;
     if same_solution(&search.chosen, answer) {

@@ -1,15 +1,15 @@
-//! The search of the squared cost for all its minima, from enough starts to be sure.
+//! Search for all minima of the squared cost, from random starts.
 //!
-//! **Where they can be.** If two poses of a pair both fit, their differences e and e′ of a triplet have the size d, and
-//! e − e′ = (R′ − R) q + t′ − t with q about its centroid; the mean of ‖e − e′‖² is at most 4d² and at least
-//! (2 sin(δ/2) · radius)² for yaws that differ by δ. So all good yaws lie within 2 asin(d / radius) of any one of them:
-//! a few degrees. And t is the mean of e, thus within d of zero, the rig's triangle seen from prism 1: turned anyhow,
-//! with the horizontal part shrunk by as much as the vehicle turned. Starts are drawn all over this small region;
-//! mirrored heights and turned or mirrored rigs are in it.
+//! **Region of the minima.** If two poses of a pair both fit, their differences e and e′ of a triplet have the length d, and e − e′
+//! = (R′ − R) q + t′ − t with q about its centroid. The mean of ‖e − e′‖² is at most 4d², and at least (2 sin(δ/2) · radius)² for
+//! yaws that differ by δ. So all good yaws are within 2 asin(d / radius) of each other: a few degrees. The translation t is the
+//! mean of e, thus within d of zero. It is the rig's triangle seen from prism 1, in any rotation, with the horizontal components
+//! reduced by the rotation of the vehicle. Starts are drawn from this small region, which includes mirrored heights and rotated or
+//! mirrored rigs.
 //!
-//! **When it is enough.** After [`QUIET`] starts in a row that found nothing new, the minima not yet seen draw in less
-//! than a tenth of the region together, with 95 % confidence (0.9³⁰ < 0.05). On simulated and field data every minimum
-//! that costs less than a thousand times the lowest draws in a fifth or more, of which 30 starts miss one in 800.
+//! **Stopping.** After [`QUIET`] starts in a row without a new minimum, the basins of all unknown minima together fill less than a
+//! tenth of the region, with 95 % confidence (0.9³⁰ < 0.05). On simulated and field data the basin of every minimum below a
+//! thousand times the lowest cost fills a fifth or more. Then 30 starts miss it with a probability of at most one in 800.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,20 +22,20 @@ use super::levenberg_marquardt::descend;
 use super::valley::one_valley;
 use super::{Minimum, Parameters, SquaredCost};
 
-/// Starts in a row that must find nothing new.
+/// Number of starts in a row without a new minimum that ends the search.
 const QUIET: usize = 30;
-/// Drives that leave directions free have minima everywhere; they are not worth more than this.
+/// Most starts: drives with unobservable directions have minima everywhere.
 const MOST_STARTS: usize = 600;
-/// Most minima that are listed: a longer list would not say more.
+/// Most minima that are listed; more would not be informative.
 const MOST_BASINS: usize = 16;
-/// How close to a minimum a search ends (m): enough to tell minima apart.
+/// Tolerance of a descent (m): enough to distinguish minima.
 const TOLERANCE_M: f64 = 1e-3;
-/// Most passes of a search; what is not there by then creeps along a valley.
+/// Most passes of a descent; a longer one creeps along a valley.
 const MOST_PASSES: usize = 40;
-/// Seed of the random starts: fixed, so that the answer is the same every time.
+/// Seed of the random starts, fixed for reproducible answers.
 const SEED: u64 = 1;
 
-/// All minima of the squared cost, the lowest first; each valley counts once.
+/// Returns all minima of the squared cost, the lowest first; one for each valley.
 pub fn search(
     cost: &SquaredCost,
     priors: &[Parameters],
@@ -63,14 +63,14 @@ pub fn search(
     basins.into_iter().map(|basin| basin.floor).collect()
 }
 
-/// A basin: mostly one point, a valley where a direction is free.
+/// A basin: usually one point, a valley if a direction is unobservable.
 struct Valley {
     floor: Minimum,
-    /// Places in the valley where searches ended, so that none walks there again.
+    /// End points of descents in the valley, so that none is tested for it twice.
     seen: Vec<Parameters>,
 }
 
-/// Adds a minimum, unless its valley is known: then the lower of the two stays.
+/// Adds a minimum, and returns true if its valley is new. Otherwise the lower of the two minima is kept.
 fn is_new(
     cost: &SquaredCost,
     basins: &mut Vec<Valley>,
@@ -87,7 +87,7 @@ fn is_new(
         lower(basin);
         return false;
     }
-    // Not there yet, and nothing that the lowest would not beat.
+    // Not converged, and not below the lowest.
     let least = basins.first().map_or(f64::INFINITY, |lowest| lowest.floor.normal.cost);
     if !found.converged && found.normal.cost >= least {
         return false;
@@ -101,12 +101,12 @@ fn is_new(
     true
 }
 
-/// Starts all over the region where minima can be.
+/// Generator of starts in the region of the minima.
 struct Starts {
     random: ChaCha8Rng,
-    /// Prisms 2 and 3 seen from prism 1 (m).
+    /// Prisms 2 and 3 relative to prism 1 (m).
     prisms_m: [Vector3<f64>; 2],
-    /// Good yaws are this close to each other (rad).
+    /// Largest difference of good yaws (rad).
     yaw_rad: [f64; 2],
 }
 
@@ -122,7 +122,7 @@ impl Starts {
         }
     }
 
-    /// A random start with yaws near those of a solution that fits.
+    /// Draws a random start with yaws near those of a solution that fits.
     fn draw(&mut self, fits: &Parameters) -> Parameters {
         let [w, i, j, k] = std::array::from_fn(|_| self.random.sample(StandardNormal));
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));

@@ -1,6 +1,6 @@
-//! Method D from triplets to an answer with its verdict.
+//! Method D: from triplets to an answer with its verdict.
 
-use super::unjudged::{Unjudged, required_rig};
+use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{InterPrismDetails, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
@@ -30,7 +30,7 @@ pub fn solve(
     let plain = published.choice.answer.station1_from_station;
     let ((mut answer, pull), suspected) = rayon::join(
         || {
-            let answer = Unjudged::published(published, &data, &used, settings);
+            let answer = UnjudgedAnswer::published(published, &data, &used, settings);
             let sigma = answer.uncertainty.sigma();
             let (thinned, minimum) = (&answer.published.thinned, &answer.published.answer);
             let pull = gross_errors::pull(&data, thinned, minimum, sigma.as_ref());

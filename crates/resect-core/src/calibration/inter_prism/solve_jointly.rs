@@ -1,10 +1,10 @@
-//! The joint estimate of three prisms: from the published answer to one from the readings, with its verdict.
+//! The joint estimate of three prisms: from the published answer to the estimate from the readings, with its verdict.
 
 use std::borrow::Cow;
 
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
-use super::unjudged::{Unjudged, required_rig};
+use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
@@ -20,7 +20,7 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
-/// Rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
+/// Most rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
 
 /// Calibrates by the joint estimate of three prisms.
@@ -35,7 +35,7 @@ pub fn solve_jointly(
     let (published, data, used) = screened(deployment, rig, triplets, settings, progress)?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
-    let mut answer = Unjudged::published(published, &data, &used, settings);
+    let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
     let estimate = match answer.uncertainty.covariance {
@@ -43,7 +43,7 @@ pub fn solve_jointly(
             let distances_m = Some(&rig.inter_prism_m);
             joint::estimate(&|| used.triplets(), &plain, distances_m, &sizes, progress)?
         }
-        // Where the published answer has a free direction, so has the joint estimate.
+        // If a direction is unobservable for the published answer, it is for the joint estimate too.
         None => None,
     };
     progress.check()?;
@@ -56,8 +56,8 @@ pub fn solve_jointly(
     let mut judgement = answer.judge(deployment, &observability);
     match &estimate {
         Some(estimate) => {
-            judgement.findings.extend(joint::in_words::distances(estimate, &rig.inter_prism_m));
-            judgement.findings.extend(joint::in_words::findings(estimate));
+            judgement.findings.extend(joint::findings::distances(estimate, &rig.inter_prism_m));
+            judgement.findings.extend(joint::findings::findings(estimate));
         }
         None => {
             judgement.doubt([joint_estimate_undetermined("this is the answer of method D")]);
@@ -77,7 +77,7 @@ pub fn solve_jointly(
     })
 }
 
-/// The published answer without the triplets that cannot be right, which no robust loss makes harmless.
+/// Returns the published answer without gross outliers, which no robust loss makes harmless.
 fn screened<'a>(
     deployment: &Deployment,
     rig: &Rig,
@@ -110,9 +110,9 @@ fn screened<'a>(
 
 /// Replaces the published answer by the joint estimate, on the corrected readings.
 ///
-/// Returns the times of the kept triplets (s), where some are rejected, and the doubts about the estimate.
+/// Returns the times of the kept triplets (s), `None` if none is rejected, and the doubts about the estimate.
 fn replace(
-    answer: &mut Unjudged,
+    answer: &mut UnjudgedAnswer,
     estimate: &JointEstimate,
     (deployment, rig): (&Deployment, &Rig),
     used: &Used<'_>,
@@ -132,6 +132,6 @@ fn replace(
     doubts.extend(checks::far_apart(&published, &placed));
     doubts.extend(doubt);
     doubts.extend(checks::unconverged(estimate.converged));
-    doubts.extend(joint::in_words::doubts(estimate));
+    doubts.extend(joint::findings::doubts(estimate));
     (kept_s, doubts)
 }

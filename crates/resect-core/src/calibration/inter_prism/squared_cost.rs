@@ -1,30 +1,30 @@
-//! The cost of the squared distances, Σ (‖e‖² − d²)²/(2d)² over triplets and pairs, and its derivatives, in a time that
-//! does not depend on the number of triplets ([`super::compression`]).
+//! Cost of the squared distances, Σ (‖e‖² − d²)²/(2d)² over triplets and pairs, and its derivatives, in a time independent of the
+//! number of triplets ([`super::compression`]).
 //!
-//! Near a good fit (‖e‖² − d²)/2d is the distance error itself, so its minima lie close to those of the exact cost; far
-//! away it grows faster. It finds the minima, exact passes finish them.
+//! Near a good fit (‖e‖² − d²)/2d is the distance error itself, so the minima are close to those of the exact cost; far away the
+//! cost grows faster. It is used to find the minima, which are then refined on the exact cost.
 
 use multiversion::multiversion;
 use nalgebra::Vector3;
 
 use super::compression::{CONSTANT, Factor, MONOMIALS, compress};
 use super::levenberg_marquardt::track_radius_m;
-use super::sums::{Rows, Sums};
+use super::pair_sums::{PairRows, PairSums};
 use super::{CentredTriplets, NormalEquations, Parameters};
 
-/// Rows that are worked on at once, and nine of them with as many zeros as make it come out even.
+/// Number of rows that are processed together, and the nine rows padded with zeros to a multiple of it.
 const LANES: usize = 4;
 const ROWS: usize = 12;
 
 type Column = [f64; ROWS];
 
-/// All that the search needs of the triplets.
+/// The compressed triplets, for the search.
 #[derive(Clone, Debug)]
 pub struct SquaredCost {
     /// Columns of the triangles of pairs 12, 13 and 23, over 2d (m).
     columns: [[Column; MONOMIALS]; 3],
     pub inter_prism_m: [f64; 3],
-    /// What a radian of yaw moves (m).
+    /// Displacement by a radian of yaw (m).
     pub radius_m: f64,
 }
 
@@ -36,7 +36,7 @@ impl SquaredCost {
         Self { columns, inter_prism_m: data.inter_prism_m, radius_m: track_radius_m(data) }
     }
 
-    /// Triangle of a pair, over 2d (m).
+    /// Returns the triangle of a pair, over 2d (m).
     pub fn factor(&self, pair: usize) -> Factor {
         self.columns[pair].map(|column| std::array::from_fn(|row| column[row]))
     }
@@ -50,23 +50,23 @@ fn padded(factor: &Factor, scale: f64) -> [Column; MONOMIALS] {
     factor.map(|column| std::array::from_fn(|row| column.get(row).map_or(0.0, |v| scale * v)))
 }
 
-/// The pose (ψ, t) of frame b in frame a.
-struct Pose {
+/// Pose (ψ, t) of frame b in frame a.
+struct FramePose {
     sin: f64,
     cos: f64,
     t: Vector3<f64>,
 }
 
-// What runs inside `sums` is plain loops in functions that are inlined always: closures and iterators would be compiled
-// for the oldest processor.
+// Code inside `sums` consists of plain loops in functions that are always inlined: closures and iterators would be compiled for the
+// oldest processor.
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [Sums<1>; 3] {
+fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [PairSums<1>; 3] {
     let t = [Vector3::new(p[0], p[1], p[2]), Vector3::new(p[4], p[5], p[6])];
     let [(sin_2, cos_2), (sin_3, cos_3)] = [p[3].sin_cos(), p[7].sin_cos()];
     // Pair 23 has the relative pose, ψ = ψ3 − ψ2 and t = R2ᵀ(t3 − t2).
     let apart = t[1] - t[0];
-    let relative = Pose {
+    let relative = FramePose {
         sin: sin_3 * cos_2 - cos_3 * sin_2,
         cos: cos_3 * cos_2 + sin_3 * sin_2,
         t: Vector3::new(
@@ -75,9 +75,9 @@ fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [Sums<1>; 3] {
             apart.z,
         ),
     };
-    let still = Pose { sin: 0.0, cos: 1.0, t: Vector3::zeros() };
-    let of_2 = Pose { sin: sin_2, cos: cos_2, t: t[0] };
-    let of_3 = Pose { sin: sin_3, cos: cos_3, t: t[1] };
+    let still = FramePose { sin: 0.0, cos: 1.0, t: Vector3::zeros() };
+    let of_2 = FramePose { sin: sin_2, cos: cos_2, t: t[0] };
+    let of_3 = FramePose { sin: sin_3, cos: cos_3, t: t[1] };
     [
         pair(&columns[0], &still, &of_2, false),
         pair(&columns[1], &still, &of_3, false),
@@ -85,10 +85,10 @@ fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [Sums<1>; 3] {
     ]
 }
 
-/// Sums of a pair whose station a is turned by `a` in frame 1, and whose station b has the pose `b` in frame a.
+/// Returns the sums of a pair. Station a has the rotation of `a` in frame 1, and station b the pose `b` in frame a.
 #[inline(always)]
-fn pair(columns: &[Column; MONOMIALS], a: &Pose, b: &Pose, moving: bool) -> Sums<1> {
-    let mut sums = Sums::<LANES>::ZERO;
+fn pair(columns: &[Column; MONOMIALS], a: &FramePose, b: &FramePose, moving: bool) -> PairSums<1> {
+    let mut sums = PairSums::<LANES>::ZERO;
     for start in (0..ROWS).step_by(LANES) {
         sums.add::<true>(&rows(columns, start, a, b), moving);
     }
@@ -96,12 +96,18 @@ fn pair(columns: &[Column; MONOMIALS], a: &Pose, b: &Pose, moving: bool) -> Sums
 }
 
 #[inline(always)]
-fn rows(columns: &[Column; MONOMIALS], start: usize, a: &Pose, b: &Pose) -> Rows<LANES> {
-    let Pose { sin, cos, t } = *b;
-    // Rᵀt, whose derivative by the yaw is (v, −u).
+fn rows(
+    columns: &[Column; MONOMIALS],
+    start: usize,
+    a: &FramePose,
+    b: &FramePose,
+) -> PairRows<LANES> {
+    let FramePose { sin, cos, t } = *b;
+    // Rᵀt, with derivative (v, −u) with respect to the yaw.
     let (u, v) = (cos * t.x + sin * t.y, cos * t.y - sin * t.x);
     let square = t.norm_squared();
-    let mut rows = Rows { u: [[0.0; LANES]; 3], a: [0.0; LANES], b: [0.0; LANES], r: [0.0; LANES] };
+    let mut rows =
+        PairRows { u: [[0.0; LANES]; 3], a: [0.0; LANES], b: [0.0; LANES], r: [0.0; LANES] };
     for l in 0..LANES {
         let c = |monomial: usize| columns[monomial][start + l];
         rows.r[l] = cos * c(0)
@@ -113,7 +119,7 @@ fn rows(columns: &[Column; MONOMIALS], start: usize, a: &Pose, b: &Pose) -> Rows
             + u * c(6)
             + v * c(7)
             + c(CONSTANT);
-        // Derivatives by t and ψ in frame a.
+        // Derivatives with respect to t and ψ in frame a.
         let by_x = c(2) + 2.0 * t.x * c(5) + cos * c(6) - sin * c(7);
         let by_y = c(3) + 2.0 * t.y * c(5) + sin * c(6) + cos * c(7);
         let by_z = c(4) + 2.0 * t.z * c(5);
@@ -121,7 +127,7 @@ fn rows(columns: &[Column; MONOMIALS], start: usize, a: &Pose, b: &Pose) -> Rows
         rows.u[0][l] = a.sin * by_y - a.cos * by_x;
         rows.u[1][l] = -a.sin * by_x - a.cos * by_y;
         rows.u[2][l] = -by_z;
-        // The yaw of station a turns t as well.
+        // The yaw of station a rotates t as well.
         rows.a[l] = t.y * by_x - t.x * by_y - by_yaw;
         rows.b[l] = -by_yaw;
     }
@@ -135,7 +141,7 @@ mod tests {
     use crate::deployment::PAIRS;
     use crate::geometry::LevelTransform;
 
-    /// Σ (‖e‖² − d²)²/(2d)², triplet by triplet.
+    /// Σ (‖e‖² − d²)²/(2d)², computed triplet by triplet.
     fn direct(data: &CentredTriplets, parameters: &Parameters) -> f64 {
         let errors = data.distance_errors_m(parameters);
         errors
@@ -160,12 +166,11 @@ mod tests {
         }
     }
 
-    /// Digits are kept where it matters: at a fit of millimetres, with all the cancellation of squares of tens of
-    /// metres.
+    /// Precision is sufficient at a fit of millimetres, with the cancellation of squares of tens of metres.
     #[test]
     fn a_good_fit_keeps_its_digits() {
         let (mut data, parameters) = irregular(700);
-        // Prisms 2 and 3 a known distance beside prism 1, to a millimetre.
+        // Prisms 2 and 3 at a known distance from prism 1, to a millimetre.
         let poses = [0, 4].map(|at| {
             let moved = Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
             LevelTransform::new(moved, parameters[at + 3]).inverse()
@@ -207,7 +212,7 @@ mod tests {
             let scale = normal.gradient.amax();
             assert!((numerical - normal.gradient[k]).abs() < 1e-6 * scale, "parameter {k}");
         }
-        // JᵀJ from the rows of J, which are differences of residuals: the weights make them the triplets' own.
+        // JᵀJ from the rows of J by differences of residuals, weighted like those of the triplets.
         let residuals = |p: &Parameters| {
             let errors = data.distance_errors_m(p);
             nalgebra::DVector::from_iterator(

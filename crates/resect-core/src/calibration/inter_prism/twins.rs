@@ -1,4 +1,4 @@
-//! The two solutions of the published method alone, for whoever only asks what some triplets would show.
+//! The two solutions of the published method, for hypothetical triplets.
 
 use super::levenberg_marquardt::ROUGH_M;
 use super::minima::{self, THINNED};
@@ -11,18 +11,19 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// This many triplets show whether anything near a prior fits at all.
+/// Number of triplets from which the fit near a prior is computed first.
 const FIRST_LOOK: usize = 60;
 
-/// The lowest minimum and its mirror twin, judged by nothing yet.
+/// The lowest minimum and its mirror twin, before the choice between them.
 pub struct Twins {
     lowest: Basin,
     twin: Option<Basin>,
 }
 
 impl Twins {
-    /// `None` where the nearest minima fit worse than `hopeless_m` (median size of the errors): the search for all of them takes
-    /// ten times as long, and triplets that were read right are near one to begin with.
+    /// Finds the two solutions; `None` if the minima nearest to the priors fit worse than `hopeless_m` (median absolute error).
+    ///
+    /// The search for all minima takes ten times as long, and correct triplets have a minimum near a prior.
     pub fn of(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Self> {
         let data = CentredTriplets::new(triplets, rig.inter_prism_m);
         let thinned = data.thinned(THINNED);
@@ -42,7 +43,7 @@ impl Twins {
         Some(Self { lowest: basin(&data, &found.lowest), twin })
     }
 
-    /// Frames of the stations into station 1's by the one of the two that rig, control points or cost decide for.
+    /// Returns the transforms of the stations to station 1's frame by the solution that rig, control points or cost select.
     pub fn chosen(&self, rig: &Rig, control_points: &[ControlPointSet]) -> [RigidTransform; 3] {
         let choice = mirror::choose(rig, control_points, self.lowest, self.twin);
         choice.answer.station1_from_station.map(RigidTransform::from)

@@ -1,10 +1,8 @@
-//! How far the answer may be off: a covariance that does not take interpolated points for measurements.
+//! Covariance of the answer, which accounts for correlated errors of interpolated points.
 //!
-//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend, so the
-//! inverse of JᵀJ alone is several times too small. The [`sandwich`] by blocks of consecutive time asks only that these
-//! be independent.
-//! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
-//! propagated with their own σ.
+//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend. The inverse of JᵀJ alone
+//! is therefore several times too small. The [`sandwich`] assumes only that blocks of consecutive time are independent. Errors of
+//! the inter-prism distances affect every triplet alike, so no residual shows them; they are propagated with their own σ.
 
 use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 
@@ -15,26 +13,26 @@ use crate::statistics::sandwich::Block;
 
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 16;
-/// Readings a second that the fallback takes for independent.
+/// Readings a second that the fallback assumes to be independent.
 const READINGS_HZ: f64 = 2.5;
-/// Ratio of smallest to largest scaled eigenvalue of JᵀJ below which a direction is as good as free. Drives with
-/// bends reach 2e-2 and more; at 2e-5 (twelve seconds of driving) simulated answers are off by ten times the σ
-/// that a linearisation gives, so none is given.
+/// Ratio of the smallest to the largest scaled eigenvalue of JᵀJ below which a direction is unobservable. Drives with bends reach
+/// 2e-2 and more. At 2e-5 (twelve seconds of driving) simulated answers have errors of ten times the linearised σ, so no σ is
+/// returned.
 pub const FREE_DIRECTION: f64 = 1e-4;
 
-/// What is known about the answer's error.
+/// Covariance of the answer and observability of its directions.
 pub struct Uncertainty {
-    /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
+    /// Covariance of (x, y, z, yaw) of stations 2 and 3 to station 1's frame (m, rad); `None` if a direction is unobservable.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
-    /// Covariance of the centred parameters, yaw in metres at the radius (m²); `None` if a direction is free.
+    /// Covariance of the centred parameters, yaw in metres at the radius (m²); `None` if a direction is unobservable.
     pub centred_m2: Option<SMatrix<f64, 8, 8>>,
-    /// Eigenvalues and directions of JᵀJ in the same, without wild triplets.
+    /// Eigenvalues and eigenvectors of JᵀJ in the same units, without outlier triplets.
     pub spectrum: SymmetricEigen<f64, Const<8>>,
-    /// What a radian of yaw moves the track by (m).
+    /// Radius of the track: displacement by a radian of yaw (m).
     pub radius_m: f64,
     /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
     pub weakest: SVector<f64, 8>,
-    /// Standard deviation along it (m); infinite if free.
+    /// Standard deviation along it (m); infinite if unobservable.
     pub weakest_sigma_m: f64,
 }
 
@@ -44,8 +42,8 @@ impl Uncertainty {
     }
 }
 
-/// Uncertainty at a minimum found on all of `data`, whose instants are `time_s` and `interval`. What is free is read
-/// off `fitting`, the triplets whose distances fit: a wild point seems to hold what the drive does not.
+/// Estimates the uncertainty of a minimum on all of `data`, with the times `time_s` (s) and intervals. Observability is computed
+/// from `fitting`, the triplets whose distances fit: an outlier makes directions seem observable.
 pub fn estimate(
     data: &CentredTriplets,
     fitting: &CentredTriplets,
@@ -81,8 +79,8 @@ pub fn estimate(
             None => return free(spectrum),
         }
     } else {
-        // Too few blocks for a sandwich: one residual variance of what degrees of freedom the unknowns leave, and as many
-        // independent triplets as readings.
+        // Too few blocks for a sandwich: one residual variance with the remaining degrees of freedom, and as many independent
+        // triplets as readings.
         let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
         let independent = (duration_s * READINGS_HZ).clamp(3.0, data.len() as f64);
         let degrees = (3.0 * independent - 8.0).max(1.0);
@@ -103,7 +101,7 @@ pub fn estimate(
     known(covariance, centred, spectrum, radius_m)
 }
 
-/// Uncertainty of an answer whose covariance at the stations is known already.
+/// Returns the uncertainty of an answer whose covariance at the stations is known.
 pub fn of_covariance(
     data: &CentredTriplets,
     fitting: &CentredTriplets,
@@ -112,13 +110,13 @@ pub fn of_covariance(
 ) -> Uncertainty {
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
     let spectrum = spectrum(fitting, &answer.parameters, radius_m);
-    // What turns a station about the track's centroid has ones on its diagonal.
+    // This matrix has ones on its diagonal, so it is invertible.
     let back = at_the_stations(data, &answer.parameters).try_inverse().expect("a shear");
     known(covariance, back * covariance * back.transpose(), spectrum, radius_m)
 }
 
-/// Uncertainty of an answer that is not estimated yet, at which `data` are: what is free is read off them, and the rest is
-/// `covariance`, where there is one.
+/// Predicts the uncertainty of an answer before it is estimated, from triplets at the true state. Observability is computed from
+/// `data`; `covariance` is the predicted covariance, if there is one.
 pub fn foreseen(
     data: &CentredTriplets,
     answer: &Minimum,
@@ -167,7 +165,7 @@ fn known(
     }
 }
 
-/// Eigenvalues and directions of JᵀJ, with yaw in metres at the track's radius, so that directions can be compared.
+/// Returns eigenvalues and eigenvectors of JᵀJ, with yaw in metres at the track's radius, so that directions are comparable.
 fn spectrum(
     fitting: &CentredTriplets,
     parameters: &Parameters,
@@ -177,7 +175,7 @@ fn spectrum(
     (scale * NormalEquations::at(fitting, parameters).matrix * scale).symmetric_eigen()
 }
 
-/// Divides yaws by a radius (m).
+/// Returns the diagonal matrix that divides yaws by a radius (m).
 fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
     SMatrix::from_fn(|i, j| match (i == j, i % 4) {
         (true, 3) => 1.0 / radius_m,
@@ -186,7 +184,7 @@ fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
     })
 }
 
-/// Derivative of (translation, yaw) by the centred parameters: t = t' − R c + const, so ∂t/∂ψ = −R' c.
+/// Jacobian of (translation, yaw) with respect to the centred parameters: t = t' − R c + const, so ∂t/∂ψ = −R' c.
 fn at_the_stations(data: &CentredTriplets, parameters: &Parameters) -> SMatrix<f64, 8, 8> {
     let transforms = data.transforms(parameters);
     let mut jacobian = SMatrix::<f64, 8, 8>::identity();

@@ -13,7 +13,7 @@ use crate::deployment::{Deployment, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
-/// Returns the rig, where the deployment has all that the method needs.
+/// Returns the rig, if the deployment has all data that the method needs.
 pub fn required_rig<'a>(
     deployment: &'a Deployment,
     triplets: &Triplets,
@@ -35,7 +35,7 @@ pub fn required_rig<'a>(
 }
 
 /// An answer without its verdict.
-pub struct Unjudged {
+pub struct UnjudgedAnswer {
     pub published: Published,
     pub prior_search: Option<PriorSearch>,
     /// The triplets whose distances fit.
@@ -44,8 +44,8 @@ pub struct Unjudged {
     pub station1_from_station: [RigidTransform; 3],
 }
 
-impl Unjudged {
-    /// The answer of the published method on these triplets, with its uncertainty.
+impl UnjudgedAnswer {
+    /// Returns the answer of the published method on these triplets, with its uncertainty.
     pub fn published(
         mut published: Published,
         data: &CentredTriplets,
@@ -71,7 +71,7 @@ impl Unjudged {
         observability::observe(&self.fitting, &self.published.answer.parameters, &self.uncertainty)
     }
 
-    /// Judges the answer by its own data. The findings of the solution become those of the judgement.
+    /// Judges the answer by its own data. Moves the findings of the solution to the judgement.
     pub fn judge(&mut self, deployment: &Deployment, observability: &Observability) -> Judgement {
         let mut findings = std::mem::take(&mut self.published.findings);
         let evidence = Evidence {

@@ -1,4 +1,4 @@
-//! The triplets that an answer rests on: all of them, or those that can be right.
+//! The triplets that an answer uses: all, or those without gross outliers.
 
 use std::borrow::Cow;
 
@@ -7,12 +7,11 @@ use nalgebra::Vector3;
 use super::CentredTriplets;
 use crate::pipeline::Triplets;
 
-/// The triplets that an answer rests on. A copy of a long drive's would take as much room as all that is made of them, so
-/// none is kept.
+/// The triplets that an answer uses, by their indices: a copy would need as much memory as everything computed from them.
 #[derive(Clone)]
 pub struct Used<'a> {
     all: &'a Triplets,
-    /// Some of the instants; `None` for all.
+    /// Indices of the kept triplets; `None` for all.
     kept: Option<Vec<usize>>,
 }
 
@@ -43,7 +42,7 @@ impl<'a> Used<'a> {
         }
     }
 
-    /// The points by station (m, each in its station's frame).
+    /// Returns the points by station (m, each in its station's frame).
     pub fn points_m(&self) -> [Vec<Vector3<f64>>; 3] {
         self.all.points_m.each_ref().map(|points| match &self.kept {
             Some(kept) => kept.iter().map(|i| points[*i]).collect(),
@@ -51,7 +50,7 @@ impl<'a> Used<'a> {
         })
     }
 
-    /// Times of the triplets (s), and their intervals.
+    /// Returns the times of the triplets (s), and their intervals.
     pub fn instants(&self) -> (Cow<'a, [f64]>, Cow<'a, [u32]>) {
         let Triplets { time_s, interval, .. } = self.all;
         match &self.kept {

@@ -1,17 +1,17 @@
-//! Whether two minima are ends of one valley, with no ridge between them.
+//! Test if two minima are ends of one valley of the cost, with no ridge between them.
 //!
-//! Where a drive leaves a direction free, the cost has a valley, and each start ends somewhere else in it; where noise
-//! alone shapes its floor, there are minima along it that mean nothing. So one walks from one to the other, going down
-//! to the floor at every step but not along it, and looks for a ridge.
+//! If a drive leaves a direction unobservable, the cost has a valley, and each start converges to another point of it. If noise
+//! alone shapes the floor, the minima along it are meaningless. The test moves from one minimum to the other in steps. Each step
+//! minimises the cost across the direction of travel and checks for a ridge.
 
 use super::levenberg_marquardt::descend;
 use super::{Minimum, NormalEquations, Parameters, SquaredCost};
 use crate::geometry::wrap_to_pi;
 
-/// A ridge that costs less than this many times the higher end is noise: 10 % are one σ of 200 independent residuals.
+/// A ridge whose cost is below this many times the higher end is noise: 10 % are one σ of 200 independent residuals.
 const RIDGE: f64 = 1.1;
 const STEPS: usize = 8;
-/// How close to the valley's floor every step goes (m).
+/// Tolerance of each minimisation (m).
 const TOLERANCE_M: f64 = 1e-3;
 const MOST_PASSES: usize = 20;
 
@@ -30,9 +30,9 @@ pub fn one_valley(cost: &SquaredCost, a: &Minimum, b: &Minimum) -> bool {
     })
 }
 
-/// The lowest point of the plane through `start` across a direction: a stiff spring holds it there.
+/// Returns the minimum in the plane through `start` across a direction. A stiff spring constrains the motion to the plane.
 fn floor_across(cost: &SquaredCost, start: Parameters, direction: &Parameters) -> Minimum {
-    // Metres: a radian of yaw moves the track by its radius.
+    // In metres: a radian of yaw moves the track by its radius.
     let metric = Parameters::from_fn(|k, _| if k % 4 == 3 { cost.radius_m.powi(2) } else { 1.0 });
     let across = direction.component_mul(&metric);
     let across = across / direction.dot(&across).sqrt();
@@ -66,7 +66,7 @@ mod tests {
         let data = two_legs(0.0);
         let cost = SquaredCost::of(&data);
         let truth = data.parameters(&[LevelTransform::IDENTITY; 3]);
-        // The rig can roll about the track: prisms 2 and 3 turn about prism 1.
+        // The rig can roll about the track: prisms 2 and 3 rotate about prism 1.
         let rolled = |angle: f64| {
             let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), angle);
             let mut p = truth;

@@ -1,8 +1,9 @@
-//! The parts of a drive as a chain: what the data says of what is constant over all of them, and of what changes slowly.
+//! Normal equations of the constants and slow states, once the motion is eliminated. They are a chain of blocks, each coupled to the next,
+//! with the constants as border.
 //!
-//! Each part has its information about its own unknowns and about the next part's ([`super::band`]). These move with the
-//! constants θ and with slow states s of the part ([`super::unknowns::moves`]). What that says of θ and s takes twice the room
-//! of the parts: that of a long drive is made from them, some parts at a time, whenever it is asked for.
+//! Jacobians of [`super::block_jacobians`] transform the information I of the blocks' unknowns to θ and s. Diagonal blocks are
+//! `J_sᵀ I J_s`, the border is `J_sᵀ I J_θ`, the corner `Σ J_θᵀ I J_θ`. These need twice the memory of the blocks, so those of a long
+//! drive are recomputed, some blocks at a time.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,144 +12,169 @@ use std::sync::Arc;
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
-use super::band::{Part, PartVector};
-use super::moves::Moves;
-use super::slow_priors::SlowMatrix;
-use super::unknowns::{CONSTANTS, SLOW};
+use super::block_jacobians::BlockJacobians;
+use super::drive::Drive;
+use super::motion_band::BlockEquations;
+use super::priors::Priors;
+use super::random_walks::{SlowMatrix, SlowPrecisions};
+use super::state_vector::{BlockVector, CONSTANTS, SLOW, StateVector};
 
-/// Slow states with constants, and constants with each other.
-pub type Between = SMatrix<f64, SLOW, CONSTANTS>;
-pub type Square = SMatrix<f64, CONSTANTS, CONSTANTS>;
+/// Matrices of slow states by constants, and of constants by constants.
+pub type SlowByConstants = SMatrix<f64, SLOW, CONSTANTS>;
+pub type ConstantsMatrix = SMatrix<f64, CONSTANTS, CONSTANTS>;
 
-/// Parts whose blocks are made side by side, and whose factors are.
-pub const AT_ONCE: usize = 256;
-/// What is made of so many parts is kept (14 MB with the factor; two hours of a usual drive).
-pub const MOST_KEPT_PARTS: usize = 4 * AT_ONCE;
+/// Blocks that are computed in parallel.
+pub const CHUNK: usize = 256;
+/// Blocks whose rows are stored (14 MB with the factor; two hours of a usual drive).
+pub const MOST_STORED_BLOCKS: usize = 4 * CHUNK;
 
-/// A right-hand side, or a solution: `K` columns for each part's slow states and for the constants.
+/// `K` right-hand sides or solutions: rows for the slow states of each block, and for the constants.
 #[derive(Clone, Debug)]
-pub struct Columns<const K: usize> {
+pub struct ChainVectors<const K: usize> {
     pub slow: Vec<SMatrix<f64, SLOW, K>>,
     pub constants: SMatrix<f64, CONSTANTS, K>,
 }
 
-impl<const K: usize> Columns<K> {
-    pub fn zeros(parts: usize) -> Self {
-        Self { slow: vec![SMatrix::zeros(); parts], constants: SMatrix::zeros() }
+impl<const K: usize> ChainVectors<K> {
+    pub fn zeros(blocks: usize) -> Self {
+        Self { slow: vec![SMatrix::zeros(); blocks], constants: SMatrix::zeros() }
     }
 }
 
-/// What the data says of one part: of its slow states, of these with those of the next part, and with the constants.
+/// Block row of the normal matrix, from the data without the priors.
 #[derive(Clone, Debug)]
-pub struct Block {
-    pub own: SlowMatrix,
-    pub with_next: SlowMatrix,
-    pub with_constants: Between,
+pub struct ChainRow {
+    pub diagonal: SlowMatrix,
+    pub upper: SlowMatrix,
+    pub border: SlowByConstants,
 }
 
-/// What the data says of the constants and the slow states, without any prior.
-pub struct Data {
-    /// Linear about where everything is taken to be.
-    parts: Vec<Part>,
-    pub moves: Moves,
-    /// The rows of the first parts.
-    kept: Vec<Block>,
-    pub constants: Square,
+/// Normal matrix H of constants and slow states, from the data without the priors.
+pub struct ChainMatrix {
+    blocks: Vec<BlockEquations>,
+    pub jacobians: BlockJacobians,
+    /// Rows of the first blocks.
+    stored: Vec<ChainRow>,
+    /// The corner of the constants.
+    pub constants: ConstantsMatrix,
 }
 
-/// What the data says about where everything is taken to be: its normal matrix, and its gradient there.
-pub struct Linear {
-    pub data: Arc<Data>,
-    pub gradient: Columns<1>,
+/// Normal matrix and gradient at the linearisation point, from the data without the priors.
+pub struct ChainEquations {
+    pub matrix: Arc<ChainMatrix>,
+    pub gradient: ChainVectors<1>,
 }
 
-impl Data {
-    pub fn new(parts: Vec<Part>, moves: Moves) -> Self {
-        let mut data = Self { parts, moves, kept: Vec::new(), constants: Square::zeros() };
-        for some in data.chunks() {
-            let found: Vec<(Block, Square)> =
-                some.clone().into_par_iter().map(|part| data.of_part(part)).collect();
-            for (part, (block, constants)) in some.zip(found) {
-                data.constants += constants;
-                if part < MOST_KEPT_PARTS {
-                    data.kept.push(block);
+impl ChainEquations {
+    pub fn drive(&self) -> &Drive {
+        self.matrix.jacobians.drive()
+    }
+
+    /// Gradient of data and priors at a state.
+    pub fn gradient_with_priors(
+        &self,
+        priors: &Priors,
+        precisions: &SlowPrecisions,
+        state: &StateVector,
+    ) -> ChainVectors<1> {
+        let mut gradient = self.gradient.clone();
+        gradient.constants += priors.gradient(&state.constants);
+        for (block, slow) in gradient.slow.iter_mut().enumerate() {
+            *slow += precisions.multiply(&state.slow, block);
+        }
+        gradient
+    }
+}
+
+impl ChainMatrix {
+    pub fn new(blocks: Vec<BlockEquations>, jacobians: BlockJacobians) -> Self {
+        let constants = ConstantsMatrix::zeros();
+        let mut matrix = Self { blocks, jacobians, stored: Vec::new(), constants };
+        for chunk in matrix.chunks() {
+            let rows: Vec<(ChainRow, ConstantsMatrix)> =
+                chunk.clone().into_par_iter().map(|block| matrix.compute_row(block)).collect();
+            for (block, (row, constants)) in chunk.zip(rows) {
+                matrix.constants += constants;
+                if block < MOST_STORED_BLOCKS {
+                    matrix.stored.push(row);
                 }
             }
         }
-        // Rounding must not make it lopsided.
-        data.constants = 0.5 * (data.constants + data.constants.transpose());
-        data
+        // Rounding must not make it asymmetric.
+        matrix.constants = 0.5 * (matrix.constants + matrix.constants.transpose());
+        matrix
     }
 
-    /// The number of parts.
+    /// Number of blocks.
     pub fn len(&self) -> usize {
-        self.parts.len()
+        self.blocks.len()
     }
 
-    /// The parts in their order, some at a time.
+    /// Ranges of blocks in their order.
     pub fn chunks(&self) -> impl DoubleEndedIterator<Item = Range<usize>> + use<> {
-        let parts = self.len();
-        (0..parts.div_ceil(AT_ONCE)).map(move |k| k * AT_ONCE..parts.min((k + 1) * AT_ONCE))
+        let blocks = self.len();
+        (0..blocks.div_ceil(CHUNK)).map(move |k| k * CHUNK..blocks.min((k + 1) * CHUNK))
     }
 
-    /// What the data says of some parts.
-    pub fn blocks(&self, parts: Range<usize>) -> Cow<'_, [Block]> {
-        match self.kept.get(parts.clone()) {
-            Some(kept) => Cow::Borrowed(kept),
-            None => parts.into_par_iter().map(|part| self.of_part(part).0).collect(),
+    /// Rows of some blocks.
+    pub fn rows(&self, blocks: Range<usize>) -> Cow<'_, [ChainRow]> {
+        match self.stored.get(blocks.clone()) {
+            Some(stored) => Cow::Borrowed(stored),
+            None => blocks.into_par_iter().map(|block| self.compute_row(block).0).collect(),
         }
     }
 
-    /// A part's block, and what it says of the constants.
-    fn of_part(&self, index: usize) -> (Block, Square) {
-        let part = &self.parts[index];
-        // Products with a transpose that is written out are several times faster than `tr_mul`.
-        let (own_by_constants, own_by_slow) = self.moves.of(index);
+    /// Row of a block, and its share of the corner.
+    fn compute_row(&self, index: usize) -> (ChainRow, ConstantsMatrix) {
+        let block = &self.blocks[index];
+        // Products with a stored transpose are several times faster than `tr_mul`.
+        let (own_by_constants, own_by_slow) = self.jacobians.of_block(index);
         let (by_slow, by_constants) = (own_by_slow.transpose(), own_by_constants.transpose());
-        let mut pulled = part.information * own_by_constants;
-        let mut with_next = SlowMatrix::zeros();
-        if self.moves.ties_to_next(index) {
-            let (next_by_constants, next_by_slow) = self.moves.of(index + 1);
-            pulled += part.with_next * next_by_constants;
-            with_next = by_slow * (part.with_next * next_by_slow);
+        let mut product = block.information * own_by_constants;
+        let mut upper = SlowMatrix::zeros();
+        if self.jacobians.is_coupled_to_next(index) {
+            let (next_by_constants, next_by_slow) = self.jacobians.of_block(index + 1);
+            product += block.with_next * next_by_constants;
+            upper = by_slow * (block.with_next * next_by_slow);
         }
-        if let Some(before) = index.checked_sub(1).filter(|before| self.moves.ties_to_next(*before))
-        {
-            pulled += self.parts[before].with_next.transpose() * self.moves.of(before).0;
+        let before = index.checked_sub(1);
+        if let Some(before) = before.filter(|before| self.jacobians.is_coupled_to_next(*before)) {
+            let before_by_constants = self.jacobians.of_block(before).0;
+            product += self.blocks[before].with_next.transpose() * before_by_constants;
         }
-        let own = by_slow * (part.information * own_by_slow);
-        (Block { own, with_next, with_constants: by_slow * pulled }, by_constants * pulled)
+        let diagonal = by_slow * (block.information * own_by_slow);
+        (ChainRow { diagonal, upper, border: by_slow * product }, by_constants * product)
     }
 
-    /// The parts' gradients where the data was made.
-    pub fn gradients(&self) -> impl Iterator<Item = PartVector> {
-        self.parts.iter().map(|part| part.gradient)
+    /// Gradients of the blocks' unknowns at the linearisation point.
+    pub fn block_gradients(&self) -> impl Iterator<Item = BlockVector> {
+        self.blocks.iter().map(|block| block.gradient)
     }
 
-    /// The gradient of constants and slow states, from the gradients of the parts.
-    pub fn gradient(&self, of_parts: impl Iterator<Item = PartVector>) -> Columns<1> {
-        let mut gradient = Columns::zeros(self.len());
-        for (index, of_part) in of_parts.enumerate() {
-            let (by_constants, by_slow) = self.moves.of(index);
-            gradient.slow[index] = by_slow.tr_mul(&of_part);
-            gradient.constants += by_constants.tr_mul(&of_part);
+    /// Gradient of constants and slow states, from that of the blocks' unknowns.
+    pub fn gradient(&self, block_gradients: impl Iterator<Item = BlockVector>) -> ChainVectors<1> {
+        let mut gradient = ChainVectors::zeros(self.len());
+        for (index, block_gradient) in block_gradients.enumerate() {
+            let (by_constants, by_slow) = self.jacobians.of_block(index);
+            gradient.slow[index] = by_slow.tr_mul(&block_gradient);
+            gradient.constants += by_constants.tr_mul(&block_gradient);
         }
         gradient
     }
 
-    /// The squares of solutions by this normal matrix, `XᵀHX`.
-    pub fn squares<const K: usize>(&self, columns: &Columns<K>) -> SMatrix<f64, K, K> {
-        let constants = &columns.constants;
+    /// Returns `XᵀHX`.
+    pub fn quadratic_form<const K: usize>(&self, x: &ChainVectors<K>) -> SMatrix<f64, K, K> {
+        let constants = &x.constants;
         let mut sum = constants.tr_mul(&(self.constants * constants));
-        for some in self.chunks() {
-            for (part, block) in some.clone().zip(self.blocks(some).iter()) {
-                let slow = &columns.slow[part];
-                let mut across = block.with_constants * constants;
-                if let Some(next) = columns.slow.get(part + 1) {
-                    across += block.with_next * next;
+        for chunk in self.chunks() {
+            for (block, row) in chunk.clone().zip(self.rows(chunk).iter()) {
+                let slow = &x.slow[block];
+                let mut across = row.border * constants;
+                if let Some(next) = x.slow.get(block + 1) {
+                    across += row.upper * next;
                 }
                 let across = slow.tr_mul(&across);
-                sum += slow.tr_mul(&(block.own * slow)) + across + across.transpose();
+                sum += slow.tr_mul(&(row.diagonal * slow)) + across + across.transpose();
             }
         }
         sum
@@ -159,9 +185,13 @@ impl Data {
 pub(super) mod tests {
     use super::*;
 
-    /// The same data, of which nothing is kept that can be made again.
-    pub fn without_kept(data: &Data) -> Data {
-        let (parts, moves) = (data.parts.clone(), data.moves.clone());
-        Data { parts, moves, kept: Vec::new(), constants: data.constants }
+    /// The same matrix without stored rows.
+    pub fn without_stored_rows(matrix: &ChainMatrix) -> ChainMatrix {
+        ChainMatrix {
+            blocks: matrix.blocks.clone(),
+            jacobians: matrix.jacobians.clone(),
+            stored: Vec::new(),
+            constants: matrix.constants,
+        }
     }
 }

@@ -1,8 +1,7 @@
-//! Which constants, and which slow changes, explain the parts of a drive best, and how certain that is.
+//! Cholesky factor of the chain's normal matrix with the priors, its solutions, and the covariance of constants and slow states.
 //!
-//! Data and priors make one normal matrix. The slow states are eliminated along the chain, as in a Kalman smoother (Rauch,
-//! Tung & Striebel 1965), which leaves the constants. Of a long drive the rows of the factor are not kept but made again,
-//! some parts at a time.
+//! The slow states are eliminated block by block, as in a Kalman smoother (Rauch, Tung & Striebel 1965), which leaves the
+//! constants. The rows of a long drive's factor are not stored but recomputed, some blocks at a time.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,150 +9,207 @@ use std::sync::Arc;
 
 use nalgebra::{ArrayStorage, Cholesky, Const, SMatrix};
 
-use super::chain::{AT_ONCE, Between, Columns, Data, MOST_KEPT_PARTS, Square};
-use super::chain_rows::{BORDER, Elimination, NEXT, Rows, backward, forward, next_rows};
-use super::slow_priors::{SlowMatrix, SlowPrecisions, Walk};
-use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_RANGES};
+use super::chain::{
+    CHUNK, ChainMatrix, ChainRow, ChainVectors, ConstantsMatrix, MOST_STORED_BLOCKS,
+    SlowByConstants,
+};
+use super::random_walks::{SlowMatrix, SlowPrecisions, WalkMatrix};
+use super::state_vector::{CONSTANTS, Constants, SLOW, SLOW_RANGES};
+use crate::linear_algebra::block_tridiagonal::{
+    BlockRow, add_border_gram, back_substitute, eliminate_block, forward_substitute,
+};
 
-/// Data and priors, factorised.
-pub struct Factor {
-    data: Arc<Data>,
+const ROW: usize = 2 * SLOW + CONSTANTS;
+
+/// Block row of the factor.
+pub type FactorRow = BlockRow<SLOW, ROW>;
+type ConstantsFactor = Cholesky<f64, Const<CONSTANTS>>;
+
+/// Factorised normal matrix of data and priors.
+pub struct ChainFactor {
+    matrix: Arc<ChainMatrix>,
     pub priors: SlowPrecisions,
-    /// Rows of the first parts.
-    kept: Vec<Rows>,
-    /// The rows before those of each chunk of parts, from which its own are made again where they are not kept.
-    before: Vec<Option<Rows>>,
-    constants: Cholesky<f64, Const<CONSTANTS>>,
+    /// Rows of the first blocks.
+    stored: Vec<FactorRow>,
+    /// The row before each chunk of blocks, from which rows that are not stored are recomputed.
+    before_chunks: Vec<Option<FactorRow>>,
+    constants: ConstantsFactor,
 }
 
-/// What is known of the slow states of a part.
+/// Covariance of the slow states of a block.
 pub struct SlowCovariance {
     pub own: SlowMatrix,
-    pub with_constants: Between,
-    /// With the part after it; `None` of the last.
+    pub with_constants: SlowByConstants,
+    /// Covariance with the states of the next block; `None` for the last.
     pub with_next: Option<SlowMatrix>,
 }
 
-impl Factor {
-    /// Factorises, and solves for a right-hand side on the way; `None` where a direction stays free.
+impl ChainFactor {
+    /// Factorises, and solves for a right-hand side; `None` if the matrix is not positive definite.
     pub fn new<const K: usize>(
-        data: &Arc<Data>,
+        matrix: &Arc<ChainMatrix>,
         precision: &Constants,
         priors: &SlowPrecisions,
-        right: Columns<K>,
-    ) -> Option<(Self, Columns<K>)> {
-        let (mut kept, mut before) = (Vec::new(), Vec::new());
-        let mut elimination = Elimination::new(priors);
-        let mut sought = Sought::new(right);
-        for some in data.chunks() {
-            before.push(elimination.before);
-            for (part, block) in some.clone().zip(data.blocks(some).iter()) {
-                let rows = elimination.eliminate(block, part)?;
-                sought.forward(part, rows);
-                if part < MOST_KEPT_PARTS {
-                    kept.push(*rows);
+        right: ChainVectors<K>,
+    ) -> Option<(Self, ChainVectors<K>)> {
+        let (mut stored, mut before_chunks) = (Vec::new(), Vec::new());
+        let mut elimination = ChainElimination::new(priors);
+        let mut right = RightHandSide::new(right);
+        for chunk in matrix.chunks() {
+            before_chunks.push(elimination.before);
+            for (block, row) in chunk.clone().zip(matrix.rows(chunk).iter()) {
+                let rows = elimination.eliminate(row, block)?;
+                right.forward(block, rows);
+                if block < MOST_STORED_BLOCKS {
+                    stored.push(*rows);
                 }
             }
         }
-        let (constants, _) = elimination.constants(&data.constants, precision)?;
-        let (data, priors) = (Arc::clone(data), priors.clone());
-        let factor = Self { data, priors, kept, before, constants };
-        let found = factor.backward(sought);
-        Some((factor, found))
+        let (constants, _) = elimination.constants(&matrix.constants, precision)?;
+        let (matrix, priors) = (Arc::clone(matrix), priors.clone());
+        let factor = Self { matrix, priors, stored, before_chunks, constants };
+        let solution = factor.backward(right);
+        Some((factor, solution))
     }
 
-    /// The parts in their order, some at a time.
-    fn chunks(&self) -> impl DoubleEndedIterator<Item = Range<usize>> + use<> {
-        self.data.chunks()
-    }
-
-    /// The upper factor of each of some parts' own states, with what it has in common with the next part and the constants.
-    fn rows(&self, parts: Range<usize>) -> Cow<'_, [Rows]> {
-        if let Some(kept) = self.kept.get(parts.clone()) {
-            return Cow::Borrowed(kept);
+    /// Returns the rows of one chunk of [`ChainMatrix::chunks`].
+    fn rows(&self, blocks: Range<usize>) -> Cow<'_, [FactorRow]> {
+        if let Some(stored) = self.stored.get(blocks.clone()) {
+            return Cow::Borrowed(stored);
         }
-        let mut before = self.before[parts.start / AT_ONCE];
-        let blocks = self.data.blocks(parts.clone());
-        // What was positive definite when the same was done before is so now.
-        let rows = |(part, block)| {
-            before = next_rows(block, &self.priors, part, before.as_ref());
+        let mut before = self.before_chunks[blocks.start / CHUNK];
+        let rows = self.matrix.rows(blocks.clone());
+        // The same rows were positive definite before.
+        let factorised = |(block, row)| {
+            before = factor_row(row, &self.priors, block, before.as_ref());
             before
         };
-        parts.zip(blocks.iter()).map_while(rows).collect()
+        blocks.zip(rows.iter()).map_while(factorised).collect()
     }
 
     /// Covariance of the constants.
-    pub fn of_constants(&self) -> Square {
+    pub fn constants_covariance(&self) -> ConstantsMatrix {
         self.constants.inverse()
     }
 
-    /// The solution for a right-hand side, in its room.
-    pub fn solve<const K: usize>(&self, right: Columns<K>) -> Columns<K> {
-        let mut sought = Sought::new(right);
-        for some in self.chunks() {
-            let rows = self.rows(some.clone());
-            some.zip(rows.iter()).for_each(|(part, rows)| sought.forward(part, rows));
+    /// Returns the solution for a right-hand side.
+    pub fn solve<const K: usize>(&self, right: ChainVectors<K>) -> ChainVectors<K> {
+        let mut right = RightHandSide::new(right);
+        for chunk in self.matrix.chunks() {
+            let rows = self.rows(chunk.clone());
+            chunk.zip(rows.iter()).for_each(|(block, rows)| right.forward(block, rows));
         }
-        self.backward(sought)
+        self.backward(right)
     }
 
-    /// The solution of what all parts have been taken out of.
-    fn backward<const K: usize>(&self, sought: Sought<K>) -> Columns<K> {
-        let Sought { mut slow, constants } = sought;
+    /// Back substitution.
+    fn backward<const K: usize>(&self, right: RightHandSide<K>) -> ChainVectors<K> {
+        let RightHandSide { mut slow, constants } = right;
         let by_column = SMatrix::<f64, K, CONSTANTS>::from_data(ArrayStorage(constants));
-        let mut known = by_column.transpose();
-        self.constants.solve_mut(&mut known);
-        let constants = known.transpose().data.0;
-        for some in self.chunks().rev() {
-            for (part, rows) in some.clone().zip(self.rows(some).iter()).rev() {
-                let (own, next) = slow[part..].split_first_mut().expect("a part");
-                backward(rows, own, next.first(), &constants);
+        let mut solution = by_column.transpose();
+        self.constants.solve_mut(&mut solution);
+        let constants = solution.transpose().data.0;
+        for chunk in self.matrix.chunks().rev() {
+            for (block, rows) in chunk.clone().zip(self.rows(chunk).iter()).rev() {
+                let (own, next) = slow[block..].split_first_mut().expect("a block");
+                back_substitute(rows, own, next.first(), &constants);
             }
         }
         let by_column = |rows| SMatrix::<f64, K, SLOW>::from_data(ArrayStorage(rows)).transpose();
-        Columns { slow: slow.into_iter().map(by_column).collect(), constants: known }
+        ChainVectors { slow: slow.into_iter().map(by_column).collect(), constants: solution }
     }
 
-    /// Covariance of how the states that walk do so to each part but the first from the one before it.
-    pub fn of_walks(&self) -> Vec<Walk> {
+    /// Covariance of the increment of the random walks from each block to the next.
+    pub fn increment_covariances(&self) -> Vec<WalkMatrix> {
         let walking =
             |block: &SlowMatrix| block.fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0).into_owned();
-        let mut walks = vec![Walk::zeros(); self.data.len().saturating_sub(1)];
+        let mut increments = vec![WalkMatrix::zeros(); self.matrix.len().saturating_sub(1)];
         let mut after: Option<SlowMatrix> = None;
-        self.each_covariance(|part, found| {
-            if let (Some(next), Some(with_next)) = (after, &found.with_next) {
+        self.each_covariance(|block, covariance| {
+            if let (Some(next), Some(with_next)) = (after, &covariance.with_next) {
                 let across = walking(with_next);
-                walks[part] = walking(&next) + walking(&found.own) - across - across.transpose();
+                increments[block] =
+                    walking(&next) + walking(&covariance.own) - across - across.transpose();
             }
-            after = Some(found.own);
+            after = Some(covariance.own);
         });
-        walks
+        increments
     }
 
-    /// Shows the covariance of each part's slow states, from the last part back.
+    /// Visits the covariance of each block's slow states, from the last block back.
     ///
-    /// Only the blocks of the inverse that this takes (Rauch, Tung & Striebel 1965).
-    pub fn each_covariance(&self, mut show: impl FnMut(usize, &SlowCovariance)) {
-        let by_constants = self.of_constants();
+    /// Computes only the blocks of the inverse that this needs (Rauch, Tung & Striebel 1965).
+    pub fn each_covariance(&self, mut visit: impl FnMut(usize, &SlowCovariance)) {
+        let constants = self.constants_covariance();
         let mut after: Option<SlowCovariance> = None;
-        for some in self.chunks().rev() {
-            for (part, rows) in some.clone().zip(self.rows(some).iter()).rev() {
-                let found = covariance(rows, after.as_ref(), &by_constants);
-                show(part, &found);
-                after = Some(found);
+        for chunk in self.matrix.chunks().rev() {
+            for (block, rows) in chunk.clone().zip(self.rows(chunk).iter()).rev() {
+                let covariance = slow_covariance(rows, after.as_ref(), &constants);
+                visit(block, &covariance);
+                after = Some(covariance);
             }
         }
     }
 }
 
-/// A right-hand side that parts are taken out of; by row, so that all columns are solved at once.
-struct Sought<const K: usize> {
+/// The chain, eliminated from its first block on.
+pub struct ChainElimination<'a> {
+    priors: &'a SlowPrecisions,
+    /// The row that was eliminated last.
+    pub before: Option<FactorRow>,
+    /// Gram matrix of the border.
+    gram: [[f64; CONSTANTS]; CONSTANTS],
+    ln_determinant: f64,
+}
+
+impl<'a> ChainElimination<'a> {
+    pub fn new(priors: &'a SlowPrecisions) -> Self {
+        let gram = [[0.0; CONSTANTS]; CONSTANTS];
+        Self { priors, before: None, gram, ln_determinant: -priors.ln_determinant }
+    }
+
+    /// Eliminates the next block, and returns its row of the factor; `None` if it is not positive definite.
+    pub fn eliminate(&mut self, row: &ChainRow, block: usize) -> Option<&FactorRow> {
+        let rows = factor_row(row, self.priors, block, self.before.as_ref())?;
+        add_border_gram(&mut self.gram, &rows);
+        self.ln_determinant += (0..SLOW).map(|i| 2.0 * rows[i][i].ln()).sum::<f64>();
+        Some(self.before.insert(rows))
+    }
+
+    /// Factor of the constants once all blocks are eliminated, and the logarithm of the determinant less that of the slow priors.
+    pub fn constants(
+        self,
+        corner: &ConstantsMatrix,
+        precision: &Constants,
+    ) -> Option<(ConstantsFactor, f64)> {
+        let gram = ConstantsMatrix::from_fn(|i, j| self.gram[i.min(j)][i.max(j)]);
+        let schur_complement = corner + ConstantsMatrix::from_diagonal(precision) - gram;
+        let constants = schur_complement.cholesky()?;
+        let ln_determinant = self.ln_determinant + constants.ln_determinant();
+        ln_determinant.is_finite().then_some((constants, ln_determinant))
+    }
+}
+
+/// Row of the factor for a block, given that of the block before it.
+fn factor_row(
+    data: &ChainRow,
+    priors: &SlowPrecisions,
+    block: usize,
+    before: Option<&FactorRow>,
+) -> Option<FactorRow> {
+    let diagonal = data.diagonal + priors.diagonal(block);
+    let upper = data.upper + priors.upper(block);
+    eliminate_block(&diagonal, &upper, &data.border, before)
+}
+
+/// A right-hand side during elimination, by row, so that all columns are solved at once.
+struct RightHandSide<const K: usize> {
     slow: Vec<[[f64; K]; SLOW]>,
     constants: [[f64; K]; CONSTANTS],
 }
 
-impl<const K: usize> Sought<K> {
-    fn new(right: Columns<K>) -> Self {
+impl<const K: usize> RightHandSide<K> {
+    fn new(right: ChainVectors<K>) -> Self {
         let by_row = |slow: SMatrix<f64, SLOW, K>| slow.transpose().data.0;
         Self {
             slow: right.slow.into_iter().map(by_row).collect(),
@@ -161,35 +217,34 @@ impl<const K: usize> Sought<K> {
         }
     }
 
-    fn forward(&mut self, part: usize, rows: &Rows) {
-        let (own, next) = self.slow[part..].split_first_mut().expect("a part");
-        forward(rows, own, next.first_mut(), &mut self.constants);
+    fn forward(&mut self, block: usize, rows: &FactorRow) {
+        let (own, next) = self.slow[block..].split_first_mut().expect("a block");
+        forward_substitute(rows, own, next.first_mut(), &mut self.constants);
     }
 }
 
-/// What is known of a part's slow states, from its rows, what is known of the part after it, and the covariance of the
-/// constants.
-fn covariance(
-    rows: &Rows,
+/// Covariance of a block's slow states, from its row, that of the next block, and that of the constants.
+fn slow_covariance(
+    rows: &FactorRow,
     after: Option<&SlowCovariance>,
-    by_constants: &Square,
+    constants: &ConstantsMatrix,
 ) -> SlowCovariance {
     let own = SlowMatrix::from_fn(|i, j| if j < i { 0.0 } else { rows[i][j] });
     let inverse =
         own.solve_upper_triangular(&SlowMatrix::identity()).unwrap_or_else(SlowMatrix::identity);
-    // The part's states are `forward` times the next one's, `aside` times the constants, and noise.
-    let forward = -inverse * SlowMatrix::from_fn(|i, j| rows[i][NEXT + j]);
-    let aside = -inverse * Between::from_fn(|i, j| rows[i][BORDER + j]);
+    // s_b = by_next · s_b+1 + by_constants · θ + noise.
+    let by_next = -inverse * SlowMatrix::from_fn(|i, j| rows[i][SLOW + j]);
+    let by_constants = -inverse * SlowByConstants::from_fn(|i, j| rows[i][2 * SLOW + j]);
     let noise = inverse * inverse.transpose();
-    let mut with_constants = aside * by_constants;
+    let mut with_constants = by_constants * constants;
     let mut covariance = noise;
     let with_next = after.map(|next| {
-        with_constants += forward * next.with_constants;
-        forward * next.own + aside * next.with_constants.transpose()
+        with_constants += by_next * next.with_constants;
+        by_next * next.own + by_constants * next.with_constants.transpose()
     });
-    covariance += with_constants * aside.transpose();
+    covariance += with_constants * by_constants.transpose();
     if let Some(with_next) = &with_next {
-        covariance += with_next * forward.transpose();
+        covariance += with_next * by_next.transpose();
     }
     SlowCovariance { own: covariance, with_constants, with_next }
 }
@@ -199,63 +254,63 @@ mod tests {
     use nalgebra::SMatrix;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::band::Part;
-    use super::super::band_rows::PART;
-    use super::super::chain::tests::without_kept;
+    use super::super::block_jacobians::BlockJacobians;
+    use super::super::chain::tests::without_stored_rows;
     use super::super::drive::Drive;
-    use super::super::moves::Moves;
-    use super::super::slow_priors::{SlowPriors, Wander};
-    use super::super::unknowns::Outlook;
+    use super::super::motion_band::BlockEquations;
+    use super::super::random_walks::{RangeWander, SlowPriors};
+    use super::super::state_vector::BLOCK;
+    use super::super::station_model::MeanSight;
     use super::*;
 
-    /// A drive of parts that all look elsewhere and have any information, as one chain.
-    fn chain(parts: usize) -> (Data, SlowPrecisions) {
+    /// A chain of blocks with random mean sights and random information.
+    fn chain(blocks: usize) -> (ChainMatrix, SlowPrecisions) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-        let mut any = || rng.random_range(-1.0..1.0);
-        let mut outlook = || {
-            let mut vector = || nalgebra::Vector3::from_fn(|_, _| any());
-            Outlook { along: vector(), point_m: vector(), up_m: vector(), side_m: vector() }
+        let mut random = || rng.random_range(-1.0..1.0);
+        let mut mean_sight = || {
+            let mut vector = || nalgebra::Vector3::from_fn(|_, _| random());
+            MeanSight { along: vector(), point_m: vector(), up_m: vector(), side_m: vector() }
         };
         let drive = Drive {
-            pieces: Vec::new(),
-            outlooks: (0..parts).map(|_| std::array::from_fn(|_| outlook())).collect(),
-            part_times_s: (0..parts).map(|part| 6.0 * part as f64).collect(),
-            tied_to_next: (0..parts).map(|part| part % 3 < 2 && part + 1 < parts).collect(),
-            spans_s: vec![[0.0, 6.0 * parts as f64]],
+            segments: Vec::new(),
+            mean_sights: (0..blocks).map(|_| std::array::from_fn(|_| mean_sight())).collect(),
+            block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
+            coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
+            spans_s: vec![[0.0, 6.0 * blocks as f64]],
         };
-        let mut matrix = || SMatrix::<f64, PART, PART>::from_fn(|_, _| any());
-        let all = (0..parts).map(|_| {
+        let mut matrix = || SMatrix::<f64, BLOCK, BLOCK>::from_fn(|_, _| random());
+        let all = (0..blocks).map(|_| {
             let root = matrix();
             let information = root * root.transpose() + SMatrix::identity() * 30.0;
-            Part { information, with_next: matrix(), ..Part::NOTHING }
+            BlockEquations { information, with_next: matrix(), ..BlockEquations::ZERO }
         });
-        let all: Vec<Part> = all.collect();
+        let all: Vec<BlockEquations> = all.collect();
         let priors = SlowPriors {
             settling: SMatrix::identity(),
             clocks_s2: 2.0,
-            wander: Wander { sigma_m: 0.5, correlation_s: 5.0 },
+            wander: RangeWander { sigma_m: 0.5, correlation_s: 5.0 },
             restarts_s: Vec::new(),
             restarted_s2: 1.0,
             station_steps: vec![2],
             clock_steps: vec![3],
         };
-        let priors = SlowPrecisions::new(&priors, &drive.part_times_s);
-        let moves = Moves::about(&Arc::new(drive), &Constants::zeros());
-        (Data::new(all, moves), priors.expect("nothing is known exactly"))
+        let priors = SlowPrecisions::new(&priors, &drive.block_times_s);
+        let jacobians = BlockJacobians::new(&Arc::new(drive), &Constants::zeros());
+        (ChainMatrix::new(all, jacobians), priors.expect("positive variances"))
     }
 
     #[test]
-    fn walks_are_as_certain_as_their_solutions_say() {
-        const PARTS: usize = 5;
-        let (data, priors) = chain(PARTS);
+    fn increment_covariances_agree_with_solutions_for_unit_vectors() {
+        const BLOCKS: usize = 5;
+        let (data, priors) = chain(BLOCKS);
         let data = Arc::new(data);
-        let any = Columns::<1>::zeros(PARTS);
+        let any = ChainVectors::<1>::zeros(BLOCKS);
         let (factor, _) =
-            Factor::new(&data, &Constants::repeat(1.0), &priors, any).expect("definite");
-        let walks = factor.of_walks();
-        assert_eq!(walks.len(), PARTS - 1);
+            ChainFactor::new(&data, &Constants::repeat(1.0), &priors, any).expect("definite");
+        let walks = factor.increment_covariances();
+        assert_eq!(walks.len(), BLOCKS - 1);
         for (index, found) in walks.iter().enumerate() {
-            let mut walked = Columns::<SLOW_RANGES>::zeros(PARTS);
+            let mut walked = ChainVectors::<SLOW_RANGES>::zeros(BLOCKS);
             for k in 0..SLOW_RANGES {
                 walked.slow[index + 1][(k, k)] = 1.0;
                 walked.slow[index][(k, k)] = -1.0;
@@ -272,16 +327,16 @@ mod tests {
         let (data, priors) = chain(7);
         let data = Arc::new(data);
         let precision = Constants::repeat(2.0);
-        let mut right = Columns::<1>::zeros(7);
+        let mut right = ChainVectors::<1>::zeros(7);
         right.slow.iter_mut().for_each(|slow| slow.fill(0.7));
         right.constants.fill(-0.3);
         let (factor, found) =
-            Factor::new(&data, &precision, &priors, right.clone()).expect("definite");
+            ChainFactor::new(&data, &precision, &priors, right.clone()).expect("definite");
         assert_eq!(found.slow, factor.solve(right.clone()).slow);
         // xᵀHx is xᵀ times the right-hand side.
         let by_priors: f64 =
-            (0..7).map(|part| found.slow[part].dot(&priors.pull(&found.slow, part))).sum();
-        let square = data.squares(&found)[0]
+            (0..7).map(|block| found.slow[block].dot(&priors.multiply(&found.slow, block))).sum();
+        let square = data.quadratic_form(&found)[0]
             + found.constants.dot(&found.constants.component_mul(&precision))
             + by_priors;
         let pulled: f64 = found.slow.iter().zip(&right.slow).map(|(a, b)| a.dot(b)).sum();
@@ -290,20 +345,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_made_again_is_what_was_kept() {
-        let parts = 2 * AT_ONCE + 7;
-        let (data, priors) = chain(parts);
+    fn recomputed_rows_are_the_stored_rows() {
+        let blocks = 2 * CHUNK + 7;
+        let (data, priors) = chain(blocks);
         let kept = Arc::new(data);
-        let again = Arc::new(without_kept(&kept));
+        let again = Arc::new(without_stored_rows(&kept));
         let precision = Constants::repeat(2.0);
-        let mut right = Columns::<2>::zeros(parts);
-        right.slow.iter_mut().enumerate().for_each(|(part, slow)| slow.fill(part as f64));
-        let of = |data| Factor::new(data, &precision, &priors, right.clone()).expect("definite");
+        let mut right = ChainVectors::<2>::zeros(blocks);
+        right.slow.iter_mut().enumerate().for_each(|(block, slow)| slow.fill(block as f64));
+        let of =
+            |data| ChainFactor::new(data, &precision, &priors, right.clone()).expect("definite");
         let ((factor, by), (mut other, by_other)) = (of(&kept), of(&again));
-        other.kept = Vec::new();
+        other.stored = Vec::new();
         assert_eq!(by_other.slow, other.solve(right.clone()).slow);
         assert_eq!((&by.slow, &by.constants), (&by_other.slow, &by_other.constants));
-        assert_eq!(kept.squares(&by), again.squares(&by));
-        assert_eq!(factor.of_walks(), other.of_walks());
+        assert_eq!(kept.quadratic_form(&by), again.quadratic_form(&by));
+        assert_eq!(factor.increment_covariances(), other.increment_covariances());
     }
 }

@@ -1,48 +1,73 @@
-//! The readings of a drive, by stretch, and what its parts look like.
+//! The readings of a drive by segment, and the mean sights of its blocks.
 
-use super::motion::stretches;
-use super::observed::{Piece, Reading};
-use super::unknowns::{Outlook, Station};
+use super::knot_grid::{KnotGrid, segment_grids};
+use super::state_vector::{Constants, Slow, StateVector};
+use super::station_model::{MeanSight, Sight, StationModel};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
+use nalgebra::Vector3;
 
-/// Slow changes are constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
-/// matters, and at last for as long as a stretch.
-pub const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
-/// Rows of so many knots are kept (21 MB; half an hour of a usual drive). Those of longer drives are made twice for each
-/// step, which takes nearly twice as long, and no more room than for one stretch at a time.
-const MOST_KEPT_KNOTS: usize = 4096;
+/// Lengths of a block that are tried (s): longer ones where the data determines a direction so weakly that six seconds leave the
+/// normal matrix singular, at last the whole segment.
+pub const BLOCK_LENGTHS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
+/// Rows of this many knots are stored (21 MB; half an hour of a usual drive). Those of longer drives are computed twice for each
+/// step, which nearly doubles its time and needs memory for one segment a thread.
+const MOST_STORED_KNOTS: usize = 4096;
 
-/// The readings of a drive, by stretch, and what its parts look like.
+/// One reading of one station, in its own frame. Its [`Sight`] is computed when it is needed: long drives have millions of readings.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    pub time_s: f64,
+    pub point_m: Vector3<f64>,
+}
+
+impl Reading {
+    pub fn sight(&self) -> Sight {
+        Sight::to(&self.point_m)
+    }
+}
+
+/// An unbroken span of a drive with its readings by station.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    pub grid: KnotGrid,
+    pub readings: [Vec<Reading>; 3],
+    /// Middle of the drive (s), from which clock drifts count.
+    pub middle_s: f64,
+}
+
+/// The readings of a drive by segment, and what its blocks have in common.
 #[derive(Clone, Debug)]
 pub struct Drive {
-    pub pieces: Vec<Piece>,
-    /// Where the readings of each station point at, by part over all stretches.
-    pub outlooks: Vec<[Outlook; 3]>,
-    pub part_times_s: Vec<f64>,
-    pub tied_to_next: Vec<bool>,
+    pub segments: Vec<Segment>,
+    /// Mean sights of the stations, by block over all segments.
+    pub mean_sights: Vec<[MeanSight; 3]>,
+    pub block_times_s: Vec<f64>,
+    /// True for a block whose next block belongs to the same segment.
+    pub coupled_to_next: Vec<bool>,
     /// Start and end of each drive (s), where several are solved together.
     pub spans_s: Vec<[f64; 2]>,
 }
 
 impl Drive {
-    pub fn new(triplets: &Triplets, part_s: f64) -> Option<Self> {
+    /// Segments with blocks of about `block_s`; `None` without a segment that all stations observe.
+    pub fn new(triplets: &Triplets, block_s: f64) -> Option<Self> {
         let knot_s =
             triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
         if !(0.01..=2.0).contains(&knot_s) {
             return None;
         }
         let mut drive = Self {
-            pieces: Vec::new(),
-            outlooks: Vec::new(),
-            part_times_s: Vec::new(),
-            tied_to_next: Vec::new(),
+            segments: Vec::new(),
+            mean_sights: Vec::new(),
+            block_times_s: Vec::new(),
+            coupled_to_next: Vec::new(),
             spans_s: spans_s(triplets),
         };
-        for stretch in stretches(&triplets.time_s, &triplets.interval, knot_s, part_s) {
+        for grid in segment_grids(&triplets.time_s, &triplets.interval, knot_s, block_s) {
             let readings = triplets.readings.each_ref().map(|track| {
-                let from = track.time_s.partition_point(|t| *t < stretch.start_s);
-                let to = track.time_s.partition_point(|t| *t <= stretch.end_s);
+                let from = track.time_s.partition_point(|t| *t < grid.start_s);
+                let to = track.time_s.partition_point(|t| *t <= grid.end_s);
                 let both = track.time_s[from..to].iter().zip(&track.position_m[from..to]);
                 both.map(|(time_s, point_m)| Reading { time_s: *time_s, point_m: *point_m })
                     .collect::<Vec<_>>()
@@ -50,90 +75,106 @@ impl Drive {
             if readings.iter().any(Vec::is_empty) {
                 continue;
             }
-            for part in 0..stretch.parts {
-                drive.outlooks.push(readings.each_ref().map(|readings| {
-                    let of_part = readings.iter().filter(|r| stretch.part(r.time_s) == part);
+            for block in 0..grid.blocks {
+                drive.mean_sights.push(readings.each_ref().map(|readings| {
+                    let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
                     let all = readings.iter().map(Reading::sight);
-                    Outlook::over(of_part.map(Reading::sight))
-                        .or_else(|| Outlook::over(all))
+                    MeanSight::of(of_block.map(Reading::sight))
+                        .or_else(|| MeanSight::of(all))
                         .unwrap_or_default()
                 }));
-                drive.part_times_s.push(stretch.part_time_s(part));
-                drive.tied_to_next.push(part + 1 < stretch.parts);
+                drive.block_times_s.push(grid.block_time_s(block));
+                drive.coupled_to_next.push(block + 1 < grid.blocks);
             }
-            let middle_s = drive.middle_s(stretch.start_s);
-            drive.pieces.push(Piece { stretch, readings, middle_s });
+            let middle_s = drive.middle_s(grid.start_s);
+            drive.segments.push(Segment { grid, readings, middle_s });
         }
-        (!drive.pieces.is_empty()).then_some(drive)
+        (!drive.segments.is_empty()).then_some(drive)
     }
 
-    /// Knots of all stretches.
+    /// Knots of all segments.
     pub fn knots(&self) -> usize {
-        self.pieces.iter().map(|piece| piece.stretch.knots).sum()
+        self.segments.iter().map(|segment| segment.grid.knots).sum()
     }
 
-    /// How many of the stretches, from the first on, have the rows of their motion kept from pass to pass.
-    pub fn kept_pieces(&self) -> usize {
+    /// Number of segments, from the first on, whose rows are stored from step to step.
+    pub fn stored_segments(&self) -> usize {
         let mut knots = 0;
-        let fits = |piece: &&Piece| {
-            knots += piece.stretch.knots;
-            knots <= MOST_KEPT_KNOTS
+        let fits = |segment: &&Segment| {
+            knots += segment.grid.knots;
+            knots <= MOST_STORED_KNOTS
         };
-        self.pieces.iter().take_while(fits).count()
+        self.segments.iter().take_while(fits).count()
     }
 
-    /// Every so many stretches of the drive, which have about `knots` knots together.
+    /// Evenly spaced segments of the drive that together have about `knots` knots.
     pub fn sample(&self, knots: usize) -> Self {
         let stride = (self.knots() / knots).max(1);
-        let first_parts = self.first_parts();
-        let taken: Vec<usize> = (stride / 2..self.pieces.len()).step_by(stride).collect();
-        let parts = || taken.iter().flat_map(|index| first_parts[*index]..first_parts[*index + 1]);
+        let first_blocks = self.first_blocks();
+        let taken: Vec<usize> = (stride / 2..self.segments.len()).step_by(stride).collect();
+        let blocks =
+            || taken.iter().flat_map(|index| first_blocks[*index]..first_blocks[*index + 1]);
         Self {
-            pieces: taken.iter().map(|index| self.pieces[*index].clone()).collect(),
-            outlooks: parts().map(|part| self.outlooks[part]).collect(),
-            part_times_s: parts().map(|part| self.part_times_s[part]).collect(),
-            tied_to_next: parts().map(|part| self.tied_to_next[part]).collect(),
+            segments: taken.iter().map(|index| self.segments[*index].clone()).collect(),
+            mean_sights: blocks().map(|block| self.mean_sights[block]).collect(),
+            block_times_s: blocks().map(|block| self.block_times_s[block]).collect(),
+            coupled_to_next: blocks().map(|block| self.coupled_to_next[block]).collect(),
             spans_s: self.spans_s.clone(),
         }
     }
 
-    /// The drifts of clocks count from the middle of the drive that an instant is in (s).
+    /// Middle of the drive that an instant is in (s).
     pub fn middle_s(&self, time_s: f64) -> f64 {
         let drive = self.spans_s.iter().rfind(|[from_s, _]| *from_s <= time_s);
         drive.or(self.spans_s.first()).map_or(0.0, |[from_s, to_s]| 0.5 * (from_s + to_s))
     }
 
-    /// The first part of each stretch, and the number of all parts.
-    pub fn first_parts(&self) -> Vec<usize> {
+    /// The first block of each segment, and the number of all blocks.
+    pub fn first_blocks(&self) -> Vec<usize> {
         let mut first = vec![0];
-        for piece in &self.pieces {
-            first.push(first[first.len() - 1] + piece.stretch.parts);
+        for segment in &self.segments {
+            first.push(first[first.len() - 1] + segment.grid.blocks);
         }
         first
     }
 
-    /// Splines through the triplets.
-    pub fn coefficients_m(
+    /// The state in which the iteration starts: splines through the triplets, and slow states of zero.
+    pub fn initial_state(
         &self,
         triplets: &Triplets,
-        plain: &[Station; 3],
+        constants: &Constants,
+        prisms: usize,
+    ) -> StateVector {
+        let stations = [0, 1, 2].map(|station| StationModel::new(constants, station));
+        StateVector {
+            constants: *constants,
+            slow: vec![Slow::zeros(); self.mean_sights.len()],
+            coefficients_m: self.coefficients_m(triplets, &stations, prisms),
+        }
+    }
+
+    /// Coefficients of splines through the triplets (m), by segment.
+    fn coefficients_m(
+        &self,
+        triplets: &Triplets,
+        stations: &[StationModel; 3],
         prisms: usize,
     ) -> Vec<Vec<f64>> {
-        let of = |piece: &Piece| {
-            let stretch = &piece.stretch;
-            let mut coefficients_m = Vec::with_capacity(stretch.knots * 3 * prisms);
-            for knot in 0..stretch.knots {
-                let time_s = stretch.knot_time_s(knot).clamp(stretch.start_s, stretch.end_s);
+        let of_segment = |segment: &Segment| {
+            let grid = &segment.grid;
+            let mut coefficients_m = Vec::with_capacity(grid.knots * 3 * prisms);
+            for knot in 0..grid.knots {
+                let time_s = grid.knot_time_s(knot).clamp(grid.start_s, grid.end_s);
                 let after = triplets.time_s.partition_point(|t| *t < time_s);
-                let at = after.min(triplets.len() - 1);
-                for (prism, station) in plain.iter().enumerate().take(prisms) {
-                    let point_m = station.turn * triplets.points_m[prism][at] + station.place_m;
-                    coefficients_m.extend(point_m.iter());
+                let index = after.min(triplets.len() - 1);
+                for (prism, station) in stations.iter().enumerate().take(prisms) {
+                    let own_m = triplets.points_m[prism][index];
+                    coefficients_m.extend((station.rotation * own_m + station.position_m).iter());
                 }
             }
             coefficients_m
         };
-        self.pieces.iter().map(of).collect()
+        self.segments.iter().map(of_segment).collect()
     }
 }
 

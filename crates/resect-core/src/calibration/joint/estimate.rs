@@ -3,216 +3,275 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::band_rows::{BORDER, MOTION_BORDER, TIED};
-use super::drive::{Drive, PARTS_S};
+use super::detected_steps::{add_steps, measured_steps};
+use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
-use super::likelihood::{likeliest, likeliest_clocks_s2};
-use super::noise::{FIRST_LEVELS, learned};
-use super::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
-use super::prisms::Solution;
-use super::slow_changes;
-use super::slow_changes::{add_steps, measured};
-use super::unknowns::{CLOCKS, Constants, precisions, start};
+use super::linearisation::Weighting;
+use super::marginal_likelihood::{likeliest_clocks_s2, likeliest_wander};
+use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
+use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
+use super::priors::{Priors, prior_mean};
+use super::prism_motion::Solution;
+use super::state_vector::{CLOCKS, Constants, StateVector};
+use super::step_search::StationStep;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
-const MOST_STEPS: usize = 20;
-/// The motion is near the readings if no constant moves by more than this many σ.
+/// Largest number of Gauss–Newton steps.
+const MOST_ITERATIONS: usize = 20;
+/// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
-/// Steps whose squares shrink by this factor or more need nothing but gradients.
+/// The normal matrix is reused while the squared length of the steps shrinks at least by this factor.
 const FAST: f64 = 0.1;
-/// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
-/// costs a third. Before the constants are about right, all of it would look like noise.
-const LEARNING_KNOTS: usize = 600;
-const LEARNING_STEPS: [bool; 5] = [true, true, false, true, false];
-/// Wandering ranges and steps are looked for so often near the readings: what the first look finds moves all else, and with
-/// one look alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
-const LOOKS: usize = 2;
-/// This many steps of the motion alone bring the rest of a long drive near its readings.
+/// Noise levels are estimated on a sample of about so many knots, in these steps: of all unknowns (true), or of the motion alone, which
+/// needs a third of the time. Before the constants are nearly right, their errors would count as noise.
+const SAMPLE_KNOTS: usize = 600;
+const SAMPLE_STEPS: [bool; 5] = [true, true, false, true, false];
+/// Least number of searches for slow changes near the solution. Detected changes move everything else: with one search alone the 95 % regions
+/// of 3000 drives covered 91.7 %, with two 94.1 %.
+const SEARCHES: usize = 2;
+/// Steps of the motion alone that bring a whole drive near its readings once a sample of it is solved.
 const MOTION_STEPS: usize = 2;
-/// Standard deviations (1 σ) of the published answer while it is the linearisation point.
-const NEAR_M: f64 = 0.1;
-const NEAR_RAD: f64 = 0.002;
-/// An estimate this far from the published answer (m) has run away: readings that contradict each other led it there.
-const RUN_AWAY_M: f64 = 30.0;
-/// A step whose square is this share of the answer's variances changes nothing that anyone can see.
-const SMALL_STEP: f64 = 4e-3;
+/// Standard deviations of the published answer while noise is estimated: a sample may not determine all that the whole drive does.
+const SAMPLE_PRIOR_M: f64 = 0.1;
+const SAMPLE_PRIOR_RAD: f64 = 0.002;
+/// An estimate this far from the published answer (m) has diverged.
+const DIVERGED_M: f64 = 30.0;
+/// The iteration has converged once the squared length of a step is this small (σ²).
+const CONVERGED: f64 = 4e-3;
 
-/// Estimates everything from `plain` on, the answer of a published method. `inter_prism_m` is `None` where all stations
-/// follow one prism. `Ok(None)` without readings, or where they leave a direction free.
+/// Estimates all unknowns; `published` is the answer of a published method, from which the iteration starts.
 ///
-/// `triplets` is asked where they are needed: a copy that lasts would take as much room as the rest.
+/// `inter_prism_m` is `None` where all stations follow one prism. Returns `None` without readings, if the normal matrix is not positive
+/// definite, or if the iteration diverges. `triplets` is called where they are needed: a copy for the whole iteration would
+/// double its memory.
 pub fn estimate<'a>(
     triplets: &dyn Fn() -> Cow<'a, Triplets>,
-    plain: &[LevelTransform; 3],
+    published: &[LevelTransform; 3],
     inter_prism_m: Option<&[f64; 3]>,
     sizes: &ErrorSizes,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    const RIG: usize = 9;
-    const PRISM: usize = 3;
-    let start = start(plain, inter_prism_m);
-    for part_s in PARTS_S {
+    let mean = prior_mean(published, inter_prism_m);
+    for block_s in BLOCK_LENGTHS_S {
         let triplets = triplets();
-        let Some(drive) = Drive::new(&triplets, part_s) else { return Ok(None) };
+        let Some(drive) = Drive::new(&triplets, block_s) else { return Ok(None) };
         let drive = Arc::new(drive);
-        let found = match inter_prism_m {
-            Some(_) => {
-                const ROW: usize = TIED * RIG;
-                solve::<RIG, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    drive, triplets, &start, sizes, progress,
-                )
-            }
-            None => {
-                const ROW: usize = TIED * PRISM;
-                solve::<PRISM, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    drive, triplets, &start, sizes, progress,
-                )
-            }
-        }?;
-        if found.is_some() {
-            return Ok(found);
+        let solve = match inter_prism_m {
+            Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
+            None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
+        };
+        let estimate = solve(drive, triplets, &mean, sizes, progress)?;
+        if estimate.is_some() {
+            return Ok(estimate);
         }
     }
     Ok(None)
 }
 
+/// Estimates noise levels on a sample, then iterates with robust weights that follow the residuals, then with fixed ones.
 fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     drive: Arc<Drive>,
     triplets: Cow<'_, Triplets>,
-    start: &Constants,
+    mean: &Constants,
     sizes: &ErrorSizes,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let mut model = Model {
-        precision: precisions(sizes),
-        start: *start,
-        priors: slow_changes::priors(sizes, start, &triplets.restarts_s),
-    };
-    // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
-    let sample = Arc::new(drive.sample(LEARNING_KNOTS));
-    let Some((mut by, mut at)) = learn::<LOCAL, ROW, MOTION>(&sample, &triplets, &model, progress)?
-    else {
-        return Ok(None);
-    };
-    // What a share of the drive leaves open of the constants, the whole one may move.
-    let longest_move = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
-    if sample.pieces.len() < drive.pieces.len() {
-        at = Estimates::start(&drive, &triplets, &at.constants, LOCAL / 3);
-        drop(triplets);
+    let priors = Priors::new(sizes, mean, &triplets.restarts_s);
+    let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
+    let learned = learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, progress)?;
+    let Some((weighting, mut state)) = learned else { return Ok(None) };
+    let is_sampled = sample.segments.len() < drive.segments.len();
+    if is_sampled {
+        state = drive.initial_state(&triplets, &state.constants, LOCAL / 3);
+    }
+    drop(triplets);
+    if is_sampled {
         for _ in 0..MOTION_STEPS {
-            if move_motion::<LOCAL, MOTION>(&drive, &mut at, &by, progress)?.is_none() {
+            if step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?.is_none() {
                 return Ok(None);
             }
         }
     }
-    let mut stepped = Vec::new();
-    let mut looks = 0;
-    let mut spare = Spare::default();
-    // What is linear about a place so near that gradients alone tell where to go.
-    let mut nearby: Option<Pass<LOCAL, ROW>> = None;
-    let mut before = f64::INFINITY;
-    for steps in 1..=MOST_STEPS {
-        let mut holds = false;
-        let pass = if let Some(mut pass) = nearby.take() {
-            pass.turn_to(&drive, &at, &by.levels, &model, progress)?;
-            pass
-        } else {
-            let pass = pass::<LOCAL, ROW>(&drive, &at, &by, &model, &mut spare, progress)?;
-            let Some(mut pass) = pass else { return Ok(None) };
-            // Only near its readings does the motion leave errors that tell of anything else.
-            let is_near = pass.longest_move() < longest_move;
-            if is_near && by.held.is_none() {
-                if sizes.ranges_wander {
-                    model.priors.wander = likeliest(&pass.linear, &model, &drive, &at, progress)?;
-                }
-                // What jumps has its room by now, and is not taken for what walks.
-                if looks + 1 == LOOKS {
-                    model.priors.clocks_s2 =
-                        likeliest_clocks_s2(&pass.linear, &model, &drive, &at, progress)?;
-                }
-                let known = stepped.len();
-                add_steps(&mut stepped, &pass.linear, &mut model, &drive, &at, progress)?;
-                if !pass.solve(&drive, &at, &model) {
+    // The whole drive determines the constants better than its sample: the first step may be that much longer.
+    let near_sigmas = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
+    let (steps, buffers, iterations) = (Vec::new(), RowBuffers::default(), 0);
+    let mut iteration = Iteration::<LOCAL, ROW> {
+        drive,
+        sizes,
+        progress,
+        priors,
+        weighting,
+        state,
+        steps,
+        buffers,
+        iterations,
+    };
+    let Some(step) = iteration.step_reweighted(near_sigmas)? else { return Ok(None) };
+    let Some((step, converged)) = iteration.step_with_fixed_weights(step)? else {
+        return Ok(None);
+    };
+    Ok(Some(iteration.summarise(&step, converged)))
+}
+
+/// The state of the iteration.
+struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
+    drive: Arc<Drive>,
+    sizes: &'a ErrorSizes,
+    progress: &'a Progress,
+    priors: Priors,
+    weighting: Weighting,
+    state: StateVector,
+    /// Detected steps of stations and clocks.
+    steps: Vec<StationStep>,
+    buffers: RowBuffers<LOCAL, ROW>,
+    iterations: usize,
+}
+
+impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
+    /// Steps with robust weights that follow the residuals, until the searches find no further slow change. Returns the last step.
+    fn step_reweighted(
+        &mut self,
+        near_sigmas: f64,
+    ) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+        let mut searches = 0;
+        loop {
+            let Some(mut step) = self.linearise()? else { return Ok(None) };
+            let mut is_settled = false;
+            if step.largest_step_sigmas() < near_sigmas {
+                let known = self.steps.len();
+                searches += 1;
+                if !self.search_slow_changes(&mut step, searches == SEARCHES)? {
                     return Ok(None);
                 }
-                // Readings about a step that nothing allowed for seem worse than they are.
-                looks += 1;
-                holds = stepped.len() == known && looks >= LOOKS;
+                // Readings near a step seem to be outliers until the priors allow the step.
+                is_settled = searches >= SEARCHES && self.steps.len() == known;
             }
-            pass
-        };
-        pass.walk(&drive, &mut at, &by.levels);
-        let moved = pass.moved;
-        let converged = by.held.is_some() && moved < SMALL_STEP;
-        if has_run_away(&at.constants, start) {
-            return Ok(None);
+            if !self.apply(&step) {
+                return Ok(None);
+            }
+            if is_settled || self.iterations == MOST_ITERATIONS {
+                return Ok(Some(step));
+            }
+            self.buffers = step.into_buffers();
         }
-        if converged || steps == MOST_STEPS {
-            let solution = Solution { drive, at, by, model, sizes: *sizes, prisms: LOCAL / 3 };
-            let mut found = pass.summary(solution);
-            let Solution { model, drive, at, .. } = &*found.solution;
-            found.stepped = measured(&stepped, &pass.factor, model, drive, at);
-            (found.converged, found.steps) = (converged, steps);
-            return Ok(Some(found));
-        }
-        if holds {
-            by.held = Some(pass.eliminated.iter().map(|one| one.weights.clone()).collect());
-        }
-        let is_kept = drive.kept_pieces() == drive.pieces.len();
-        if is_kept && (holds || (by.held.is_some() && moved < FAST * before)) {
-            nearby = Some(pass);
-        } else {
-            spare = pass.spare();
-        }
-        before = moved;
     }
-    Ok(None)
+
+    /// Steps with the robust weights of `step`, until the last step is small. Returns it, and true if it was small.
+    fn step_with_fixed_weights(
+        &mut self,
+        mut step: GaussNewtonStep<LOCAL, ROW>,
+    ) -> Result<Option<(GaussNewtonStep<LOCAL, ROW>, bool)>, Cancelled> {
+        if self.iterations == MOST_ITERATIONS {
+            return Ok(Some((step, false)));
+        }
+        self.weighting.fixed = Some(step.weights());
+        let is_stored = self.drive.stored_segments() == self.drive.segments.len();
+        let mut reuse_matrix = is_stored;
+        loop {
+            let before = step.squared_length;
+            if reuse_matrix {
+                step.update_gradient(&self.state, &self.priors, self.progress)?;
+            } else {
+                self.buffers = step.into_buffers();
+                let Some(next) = self.linearise()? else { return Ok(None) };
+                step = next;
+            }
+            if !self.apply(&step) {
+                return Ok(None);
+            }
+            let converged = step.squared_length < CONVERGED;
+            if converged || self.iterations == MOST_ITERATIONS {
+                return Ok(Some((step, converged)));
+            }
+            reuse_matrix = is_stored && step.squared_length < FAST * before;
+        }
+    }
+
+    fn linearise(&mut self) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+        let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
+        GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
+    }
+
+    /// Applies a step; `false` if the estimate has diverged.
+    fn apply(&mut self, step: &GaussNewtonStep<LOCAL, ROW>) -> bool {
+        step.apply(&mut self.state);
+        self.iterations += 1;
+        !has_diverged(&self.state.constants, &self.priors.mean)
+    }
+
+    /// Estimates the variances of slow states and detects steps, then solves again; `false` if that fails.
+    fn search_slow_changes(
+        &mut self,
+        step: &mut GaussNewtonStep<LOCAL, ROW>,
+        is_last: bool,
+    ) -> Result<bool, Cancelled> {
+        let Self { state, priors, progress, .. } = self;
+        if self.sizes.ranges_wander {
+            priors.slow.wander = likeliest_wander(&step.normal, priors, state, progress)?;
+        }
+        // Steps have their own variance by now, so the random walk does not absorb them.
+        if is_last {
+            priors.slow.clocks_s2 = likeliest_clocks_s2(&step.normal, priors, state, progress)?;
+        }
+        add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
+        Ok(step.solve_again(state, priors))
+    }
+
+    fn summarise(self, step: &GaussNewtonStep<LOCAL, ROW>, converged: bool) -> JointEstimate {
+        let Self { drive, state, weighting, priors, sizes, steps, iterations, .. } = self;
+        let steps = measured_steps(&steps, &step.factor, &priors, &drive, &state);
+        let prisms = LOCAL / 3;
+        let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
+        JointEstimate { steps, converged, iterations, ..step.summary(solution) }
+    }
 }
 
-fn has_run_away(constants: &Constants, start: &Constants) -> bool {
-    let places = [0, 1].map(|slot| (constants - start).fixed_rows::<3>(4 * slot).norm());
-    // Not a number is nowhere.
-    !places.into_iter().all(|away_m| away_m < RUN_AWAY_M)
+fn has_diverged(constants: &Constants, mean: &Constants) -> bool {
+    let distances_m = [0, 1].map(|slot| (constants - mean).fixed_rows::<3>(4 * slot).norm());
+    // NaN has diverged, too.
+    !distances_m.into_iter().all(|distance_m| distance_m < DIVERGED_M)
 }
 
-/// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
-fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+/// Estimates noise levels on a sample of the drive; returns them with the state of the sample.
+fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     sample: &Arc<Drive>,
     triplets: &Triplets,
-    model: &Model,
+    priors: &Priors,
     progress: &Progress,
-) -> Result<Option<(Weigh, Estimates)>, Cancelled> {
-    let mut near = Model { priors: model.priors.clone(), ..*model };
-    // A share of the drive may leave open what the whole one holds.
-    for place in 0..CLOCKS {
-        let sigma = if place % 4 == 3 { NEAR_RAD } else { NEAR_M };
-        near.precision[place] = sigma.powi(-2);
+) -> Result<Option<(Weighting, StateVector)>, Cancelled> {
+    let mut priors = priors.clone();
+    for index in 0..CLOCKS {
+        let sigma = if index % 4 == 3 { SAMPLE_PRIOR_RAD } else { SAMPLE_PRIOR_M };
+        priors.precision[index] = sigma.powi(-2);
     }
-    let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
-    let mut at = Estimates::start(sample, triplets, &model.start, LOCAL / 3);
-    let mut spare = Spare::default();
-    for (steps, all_moves) in LEARNING_STEPS.into_iter().enumerate() {
-        let squares = if all_moves {
-            let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
-            let Some(pass) = pass else { return Ok(None) };
-            let squares = pass.squares();
-            pass.walk(sample, &mut at, &by.levels);
-            spare = pass.spare();
+    let mut weighting = Weighting { levels: FIRST_LEVELS, redundancy: 0.5, fixed: None };
+    let mut state = sample.initial_state(triplets, &priors.mean, LOCAL / 3);
+    let mut buffers = RowBuffers::<LOCAL, ROW>::default();
+    for (index, is_whole_step) in SAMPLE_STEPS.into_iter().enumerate() {
+        let squares = if is_whole_step {
+            let step =
+                GaussNewtonStep::new(sample, &state, &weighting, &priors, &mut buffers, progress)?;
+            let Some(step) = step else { return Ok(None) };
+            step.apply(&mut state);
+            let squares = step.squares();
+            buffers = step.into_buffers();
             squares
         } else {
-            let squares = move_motion::<LOCAL, MOTION>(sample, &mut at, &by, progress)?;
+            let squares = step_motion::<LOCAL, MOTION>(sample, &mut state, &weighting, progress)?;
             let Some(squares) = squares else { return Ok(None) };
             squares
         };
-        // The first step brings the motion to the readings; only then do errors tell of noise.
-        if steps > 0 {
-            (by.levels, by.redundancy) = learned(&by.levels, &squares);
+        // The first residuals are those of splines through the triplets, not of noise.
+        if index > 0 {
+            (weighting.levels, weighting.redundancy) =
+                estimate_noise_levels(&weighting.levels, &squares);
         }
     }
-    Ok(Some((by, at)))
+    Ok(Some((weighting, state)))
 }
 
 #[cfg(test)]
@@ -220,14 +279,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_ran_away_is_told_by_where_it_is() {
-        let start = Constants::zeros();
-        let mut constants = start;
+    fn divergence_is_a_distance_from_the_published_answer() {
+        let mean = Constants::zeros();
+        let mut constants = mean;
         constants[4] = 29.0;
-        assert!(!has_run_away(&constants, &start));
+        assert!(!has_diverged(&constants, &mean));
         for far in [31.0, -4e15, f64::NAN, f64::INFINITY] {
             constants[5] = far;
-            assert!(has_run_away(&constants, &start), "{far}");
+            assert!(has_diverged(&constants, &mean), "{far}");
         }
     }
 }

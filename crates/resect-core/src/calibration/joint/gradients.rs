@@ -1,74 +1,80 @@
-//! What the equations of a stretch pull at, where all else about them is known from a place nearby.
+//! Gradients of a segment's equations alone, for steps near the solution that reuse an earlier normal matrix.
 
-use super::band::PartVector;
-use super::band_rows::TIED;
-use super::observed::{At, Levels, Piece, RIGID_M, Seen, apart, jerk_factors, jerks, knots_s};
-use super::unknowns::PART_DISTANCES;
+use super::drive::Segment;
+use super::knot_grid::ORDER;
+use super::residuals::{
+    LinearisationPoint, NoiseLevels, RIG_FLEX_SIGMA_M, ReadingResidual, distance_residual,
+    distance_times_s, jerk_factors, jerk_residuals,
+};
+use super::state_vector::{BLOCK_DISTANCES, BlockVector};
 use crate::deployment::PAIRS;
 
-/// Gradients of the equations of a stretch.
+/// Gradients of a segment's equations.
 pub struct Gradients<const LOCAL: usize> {
-    /// Gradients of the splines' coefficients, by knot.
-    pub local: Vec<[f64; LOCAL]>,
-    /// Gradients of the parts' unknowns, by part of the stretch.
-    pub parts: Vec<PartVector>,
+    /// By spline coefficient, knot by knot.
+    pub knots: Vec<[f64; LOCAL]>,
+    /// By the unknowns of each block of the segment.
+    pub blocks: Vec<BlockVector>,
 }
 
-/// The gradients of the equations of a stretch about where everything is taken to be, by weights that are held.
+/// Computes the gradients at a linearisation point, with robust weights in the order of the segment's equations.
 pub fn gradients<const LOCAL: usize>(
-    piece: &Piece,
-    at: &At<'_>,
-    levels: &Levels,
-    held: &[f64],
+    segment: &Segment,
+    point: &LinearisationPoint<'_>,
+    levels: &NoiseLevels,
+    weights: &[f64],
 ) -> Gradients<LOCAL> {
-    let stretch = &piece.stretch;
-    let mut found = Gradients {
-        local: vec![[0.0; LOCAL]; stretch.knots],
-        parts: vec![PartVector::zeros(); stretch.parts],
+    let grid = &segment.grid;
+    let mut sums = Gradients {
+        knots: vec![[0.0; LOCAL]; grid.knots],
+        blocks: vec![BlockVector::zeros(); grid.blocks],
     };
-    let mut held = held.iter();
-    let mut weight = || held.next().copied().unwrap_or(1.0);
-    for (station, readings) in piece.readings.iter().enumerate() {
+    let mut weights = weights.iter();
+    let mut next_weight = || weights.next().copied().unwrap_or(1.0);
+    for (station, readings) in segment.readings.iter().enumerate() {
         for reading in readings {
-            let seen = Seen::of::<LOCAL>(stretch, at, levels, station, reading);
-            let pull = seen.axes * (seen.information * seen.errors) * weight();
-            for (k, share) in seen.place.position.iter().enumerate() {
+            let residual = ReadingResidual::new::<LOCAL>(grid, point, levels, station, reading);
+            let gradient =
+                residual.axes * (residual.information * residual.residual_m) * next_weight();
+            for (k, factor) in residual.weights.position.iter().enumerate() {
+                let knot = &mut sums.knots[residual.weights.first + k];
                 for axis in 0..3 {
-                    found.local[seen.place.first + k][3 * seen.prism + axis] += share * pull[axis];
+                    knot[3 * residual.prism + axis] += factor * gradient[axis];
                 }
             }
-            for (column, moved) in seen.columns(station).into_iter().flatten() {
-                found.parts[seen.part][column] += moved.dot(&pull);
+            for (column, jacobian) in residual.block_jacobian(station).into_iter().flatten() {
+                sums.blocks[residual.block][column] += jacobian.dot(&gradient);
             }
         }
     }
-    if let Some(distances_m) = at.distances_m {
-        for time_s in knots_s(stretch) {
-            let place = stretch.place(time_s);
-            let part = &mut found.parts[stretch.part(time_s)];
+    if let Some(distances_m) = point.distances_m {
+        for time_s in distance_times_s(grid) {
+            let weights = grid.weights(time_s);
+            let block = &mut sums.blocks[grid.block_at(time_s)];
             for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-                let (along, error_m) = apart::<LOCAL>(at, &place, (a, b), distances_m[pair]);
-                let pull = along * (error_m * RIGID_M.powi(-2));
-                for (k, share) in place.position.iter().enumerate() {
-                    let knot = &mut found.local[place.first + k];
+                let (along, residual_m) =
+                    distance_residual::<LOCAL>(point, &weights, (a, b), distances_m[pair]);
+                let gradient = along * (residual_m * RIG_FLEX_SIGMA_M.powi(-2));
+                for (k, factor) in weights.position.iter().enumerate() {
+                    let knot = &mut sums.knots[weights.first + k];
                     for axis in 0..3 {
-                        knot[3 * a + axis] += share * pull[axis];
-                        knot[3 * b + axis] -= share * pull[axis];
+                        knot[3 * a + axis] += factor * gradient[axis];
+                        knot[3 * b + axis] -= factor * gradient[axis];
                     }
                 }
-                part[PART_DISTANCES + pair] -= error_m * RIGID_M.powi(-2);
+                block[BLOCK_DISTANCES + pair] -= residual_m * RIG_FLEX_SIGMA_M.powi(-2);
             }
         }
     }
-    let factors = jerk_factors(stretch, levels);
-    for first in 0..stretch.knots - (TIED - 1) {
-        let errors = jerks::<LOCAL>(at, first, &factors);
-        let weight = weight();
+    let factors = jerk_factors(grid, levels);
+    for first in 0..grid.knots - (ORDER - 1) {
+        let residuals = jerk_residuals::<LOCAL>(point, first, &factors);
+        let weight = next_weight();
         for (k, factor) in factors.iter().enumerate() {
-            for (pull, error) in found.local[first + k].iter_mut().zip(&errors) {
-                *pull += weight * factor * error;
+            for (gradient, residual) in sums.knots[first + k].iter_mut().zip(&residuals) {
+                *gradient += weight * factor * residual;
             }
         }
     }
-    found
+    sums
 }

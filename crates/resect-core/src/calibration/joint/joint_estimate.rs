@@ -4,28 +4,28 @@ use std::sync::Arc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::contradiction::Contradiction;
-use super::observed::Levels;
-use super::prisms::Solution;
-use super::slow_changes::is_usual;
-use super::slow_priors::Wander;
-use super::stability::Step;
-use super::strain::Strain;
+use super::detected_steps::is_usual;
+use super::prior_conflict::PriorConflict;
+use super::prism_motion::Solution;
+use super::random_walks::RangeWander;
+use super::residuals::NoiseLevels;
+use super::stated_size_conflict::StatedSizeConflict;
+use super::step_search::StationStep;
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::LevelTransform;
 
 /// The result of the joint estimate.
 #[derive(Clone, Debug)]
 pub struct JointEstimate {
-    /// Level frames of the stations into station 1's, as they stood on average.
+    /// Mean poses of the stations' level frames over the drive, in station 1's.
     pub station1_from_station: [LevelTransform; 3],
     /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
-    /// Contributions to each of these variances.
+    /// Contribution of each source to these variances.
     pub budget: Vec<(&'static str, SVector<f64, 8>)>,
-    /// Time offsets of stations 2 and 3 against station 1 in the middle of the first drive (s).
+    /// Time offsets of stations 2 and 3 from station 1 in the middle of the first drive (s).
     pub clock_offsets_s: [Estimate; 2],
-    /// The clocks of each drive, where several were solved together.
+    /// Clock offsets of each drive, where several were solved together.
     pub drives: Vec<DriveClocks>,
     pub clock_drifts: [Estimate; 2],
     pub latencies_s: [Estimate; 3],
@@ -35,76 +35,78 @@ pub struct JointEstimate {
     pub range_scales: [Estimate; 3],
     pub indices_rad: [Estimate; 3],
     pub collimations_rad: [Estimate; 3],
-    pub(super) strain: Strain,
-    /// Sizes that the user reduced below those of instruments, with their tests against the data.
-    pub(super) contradictions: Vec<Contradiction>,
-    pub levels: Levels,
-    pub wander: Wander,
+    pub(super) prior_conflict: PriorConflict,
+    /// Tests of error sizes that the user reduced below those of instruments in the field.
+    pub(super) stated_size_conflicts: Vec<StatedSizeConflict>,
+    pub levels: NoiseLevels,
+    pub wander: RangeWander,
     /// Standard deviations of the priors.
     pub sizes: ErrorSizes,
-    /// Stations and clocks that did not stay as they were, the clearest first.
-    pub stepped: Vec<Step>,
+    /// Significant steps of stations and clocks, the most significant first.
+    pub steps: Vec<StationStep>,
     pub converged: bool,
-    pub steps: usize,
-    /// From which the motion can be had.
+    pub iterations: usize,
+    /// The solution, from which the motion is evaluated.
     pub solution: Arc<Solution>,
 }
 
-/// The clocks of one drive.
+/// The clock offsets of one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveClocks {
     /// Start and end of the drive (s).
     pub span_s: [f64; 2],
-    /// Time offsets of stations 2 and 3 against station 1 in its middle.
-    pub late_s: [Estimate; 2],
+    /// Mean time offsets of stations 2 and 3 from station 1 (s).
+    pub offsets_s: [Estimate; 2],
 }
 
-/// The largest part of one of the σ.
+/// The largest source of a standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dominant {
-    pub what: &'static str,
-    /// The part's σ, and the whole (m, or rad).
-    pub part: f64,
-    pub whole: f64,
+pub struct LargestSource {
+    pub name: &'static str,
+    /// The source's standard deviation, and the total one (m, or rad).
+    pub sigma: f64,
+    pub total_sigma: f64,
 }
 
 impl JointEstimate {
-    /// The largest contribution to a σ; `place` counts (x, y, z, yaw) of station 2, then of station 3.
-    pub fn dominant(&self, place: usize) -> Dominant {
-        let largest = self.budget.iter().max_by(|a, b| a.1[place].total_cmp(&b.1[place]));
-        let (what, variance) = largest.map_or(("", 0.0), |(what, all)| (*what, all[place]));
-        let whole = self.covariance[(place, place)].sqrt();
-        Dominant { what, part: variance.sqrt(), whole }
+    /// Returns the largest source of σ of a coordinate: (x, y, z, yaw) of station 2, then of station 3.
+    pub fn largest_source(&self, coordinate: usize) -> LargestSource {
+        let by_variance = self.budget.iter();
+        let largest = by_variance.max_by(|a, b| a.1[coordinate].total_cmp(&b.1[coordinate]));
+        let (name, variance) = largest.map_or(("", 0.0), |(name, all)| (*name, all[coordinate]));
+        let total_sigma = self.covariance[(coordinate, coordinate)].sqrt();
+        LargestSource { name, sigma: variance.sqrt(), total_sigma }
     }
 
-    /// Returns true for a step that instruments in the field are expected to make.
-    pub fn is_usual(&self, step: &Step) -> bool {
+    /// Returns true for a step of the size that instruments in the field are expected to make.
+    pub fn is_usual(&self, step: &StationStep) -> bool {
         is_usual(step, &self.sizes)
     }
 
     /// Time of a step (s, in the stations' clock).
-    pub fn at_s(&self, step: &Step) -> f64 {
+    pub fn step_time_s(&self, step: &StationStep) -> f64 {
         self.drives.first().map_or(0.0, |drive| drive.span_s[0]) + step.after_s
     }
 
-    /// "about 200 s into the drive".
-    pub fn when(&self, step: &Step) -> String {
+    /// Returns the time of a step in words: "about 200 s into the drive".
+    pub fn describe_time(&self, step: &StationStep) -> String {
         if step.slowly {
             return "over the whole drive".to_owned();
         }
-        let at_s = self.at_s(step);
-        let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();
+        let time_s = self.step_time_s(step);
+        let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= time_s).count();
         match (self.drives.get(begun.saturating_sub(1)), begun) {
-            (Some(drive), _) if at_s > drive.span_s[1] => {
+            (Some(drive), _) if time_s > drive.span_s[1] => {
                 format!("between drives {begun} and {}", begun + 1)
             }
             (Some(drive), 2..) => {
-                format!("about {:.0} s into drive {begun}", at_s - drive.span_s[0])
+                format!("about {:.0} s into drive {begun}", time_s - drive.span_s[0])
             }
             _ => format!("about {:.0} s into the drive", step.after_s),
         }
     }
 
+    /// Standard deviations of the transforms of stations 2 and 3.
     pub fn sigma(&self) -> [TransformSigma; 2] {
         let sigma = self.covariance.diagonal().map(f64::sqrt);
         [0, 1].map(|slot| TransformSigma {

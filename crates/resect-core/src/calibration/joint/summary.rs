@@ -1,16 +1,18 @@
-//! The joint estimate of a last step: values, covariance, and the variance budget of the covariance.
+//! The joint estimate of a last step: values, covariance, and variance budget.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::chain::Columns;
+use super::chain::ChainVectors;
+use super::gauss_newton_step::GaussNewtonStep;
 use super::joint_estimate::{DriveClocks, JointEstimate};
-use super::pass::{Model, Pass, Weigh};
-use super::prisms::Solution;
-use super::strain::Strain;
-use super::unknowns::{
+use super::linearisation::Weighting;
+use super::prior_conflict::PriorConflict;
+use super::priors::Priors;
+use super::prism_motion::Solution;
+use super::state_vector::{
     CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
     SLOW, SLOW_CLOCKS, SLOW_RANGES,
 };
@@ -29,132 +31,140 @@ const BUDGET_GROUPS: [(&str, Range<usize>); 8] = [
     ("collimations", COLLIMATIONS..CONSTANTS),
 ];
 
-impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
-    /// Summarises a solution; its steps and its convergence are set by the caller.
+impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+    /// Summarises a solution; the caller sets steps, iterations and convergence.
     pub fn summary(&self, solution: Solution) -> JointEstimate {
-        let Solution { at, by: Weigh { levels, .. }, model, sizes, prisms, .. } = &solution;
-        let rig = *prisms == 3;
-        let parts = at.slow.len();
-        // Mean positions of the stations over the drive.
-        let answer = Mean { constants: 0, slow: 0, parts: (0..parts).collect() };
-        let by = self.factor.solve(answer.columns::<8>(parts));
-        let covariance = answer.of(&by);
-        let states = Columns::<1> { slow: at.slow.clone(), constants: at.constants };
-        let mean: SVector<f64, 8> = answer.of(&states);
+        let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, prisms, .. } =
+            &solution;
+        let is_rig = *prisms == 3;
+        let blocks = state.slow.len();
+        // Mean poses of the stations over the drive.
+        let poses = DriveMean { constants: 0, slow: 0, blocks: (0..blocks).collect() };
+        let pose_sensitivity = self.factor.solve(poses.jacobian::<8>(blocks));
+        let covariance = poses.of(&pose_sensitivity);
+        let states = ChainVectors::<1> { slow: state.slow.clone(), constants: state.constants };
+        let mean: SVector<f64, 8> = poses.of(&states);
         let level = |slot: usize| {
-            let at = mean.fixed_rows::<4>(4 * slot);
-            LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
+            let pose = mean.fixed_rows::<4>(4 * slot);
+            LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
         };
-        // Random walk of a station: variance of its mean position about its position at set-up.
-        let stray = model.priors.settling / 3.0;
-        let constants = self.factor.of_constants();
-        let estimate = |place: usize| Estimate {
-            value: at.constants[place],
-            sigma: constants[(place, place)].max(0.0).sqrt(),
+        // Variance of a random walk's mean about its start is a third of that of its end.
+        let settling = priors.slow.settling / 3.0;
+        let constants = self.factor.constants_covariance();
+        let estimate = |index: usize| Estimate {
+            value: state.constants[index],
+            sigma: constants[(index, index)].max(0.0).sqrt(),
         };
         let drives = self.drive_clocks(&solution, &states);
         JointEstimate {
             station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
-            covariance: covariance + stray,
-            budget: self.variance_budget(&by, model, &stray),
-            clock_offsets_s: drives[0].late_s,
+            covariance: covariance + settling,
+            budget: self.variance_budget(&pose_sensitivity, priors, &settling),
+            clock_offsets_s: drives[0].offsets_s,
             drives,
             clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
             latencies_s: [0, 1, 2].map(|station| estimate(LATENCIES + station)),
-            distances_m: rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
+            distances_m: is_rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
             leans_rad: [0, 1, 2]
                 .map(|station| [0, 1].map(|axis| estimate(LEANS + 2 * station + axis))),
             range_offsets_m: [0, 1, 2].map(|station| estimate(OFFSETS + station)),
             range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
             indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
             collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
-            contradictions: self.contradictions(model, at),
-            strain: Strain::new(&(at.constants - model.start), &model.precision, &constants),
+            stated_size_conflicts: self.stated_size_conflicts(priors, state),
+            prior_conflict: PriorConflict::new(
+                &(state.constants - priors.mean),
+                &priors.precision,
+                &constants,
+            ),
             levels: *levels,
-            wander: model.priors.wander,
+            wander: priors.slow.wander,
             sizes: *sizes,
-            stepped: Vec::new(),
+            steps: Vec::new(),
             converged: false,
-            steps: 0,
+            iterations: 0,
             solution: Arc::new(solution),
         }
     }
 
-    /// Returns the share of each source in the variances of the answer; `by` is the solution for its columns.
+    /// Contribution of each source to the variances of the poses; `sensitivity` is the solution for their Jacobian.
     fn variance_budget(
         &self,
-        by: &Columns<8>,
-        model: &Model,
-        stray: &SMatrix<f64, 8, 8>,
+        sensitivity: &ChainVectors<8>,
+        priors: &Priors,
+        settling: &SMatrix<f64, 8, 8>,
     ) -> Vec<(&'static str, SVector<f64, 8>)> {
-        let mut budget = vec![("noise", self.linear.data.squares(by).diagonal())];
-        for (name, places) in BUDGET_GROUPS {
-            let share = |k: usize| {
-                places.clone().map(|p| by.constants[(p, k)].powi(2) * model.precision[p]).sum()
+        let noise = self.normal.matrix.quadratic_form(sensitivity).diagonal();
+        let mut budget = vec![("noise", noise)];
+        for (name, indices) in BUDGET_GROUPS {
+            let variance = |k: usize| {
+                let of_group = indices.clone();
+                of_group.map(|i| sensitivity.constants[(i, k)].powi(2) * priors.precision[i]).sum()
             };
-            budget.push((name, SVector::from_fn(|k, _| share(k))));
+            budget.push((name, SVector::from_fn(|k, _| variance(k))));
         }
-        let mut by_slow = [SVector::<f64, 8>::zeros(); 3];
-        for (part, state) in by.slow.iter().enumerate() {
-            let pull = self.slow_priors.pull(&by.slow, part);
+        let mut slow_variances = [SVector::<f64, 8>::zeros(); 3];
+        for (block, slow) in sensitivity.slow.iter().enumerate() {
+            let product = self.slow_precisions.multiply(&sensitivity.slow, block);
             for row in 0..SLOW {
-                let which = match row {
+                let source = match row {
                     SLOW_RANGES.. => 2,
                     SLOW_CLOCKS.. => 1,
                     _ => 0,
                 };
                 for k in 0..8 {
-                    by_slow[which][k] += state[(row, k)] * pull[(row, k)];
+                    slow_variances[source][k] += slow[(row, k)] * product[(row, k)];
                 }
             }
         }
-        budget.push(("settling", by_slow[0] + stray.diagonal()));
-        budget.push(("wandering clocks", by_slow[1]));
-        budget.push(("wandering ranges", by_slow[2]));
+        budget.push(("settling", slow_variances[0] + settling.diagonal()));
+        budget.push(("wandering clocks", slow_variances[1]));
+        budget.push(("wandering ranges", slow_variances[2]));
         budget
     }
 
-    /// Returns the mean clock offsets of stations 2 and 3 in each drive.
-    fn drive_clocks(&self, solution: &Solution, states: &Columns<1>) -> Vec<DriveClocks> {
+    /// Mean clock offsets of stations 2 and 3 in each drive.
+    fn drive_clocks(&self, solution: &Solution, states: &ChainVectors<1>) -> Vec<DriveClocks> {
         let drive = &solution.drive;
-        let parts = states.slow.len();
+        let blocks = states.slow.len();
         let clocks = |span_s: &[f64; 2]| {
-            let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
-            let own = (0..parts).filter(|part| inside(drive.part_times_s[*part])).collect();
-            let late = Mean { constants: CLOCKS, slow: SLOW_CLOCKS, parts: own };
-            let value: SVector<f64, 2> = late.of(states);
-            let by = self.factor.solve(late.columns::<2>(parts));
-            let variance = late.of::<2, 2>(&by).diagonal();
-            let late_s = [0, 1]
+            let is_inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
+            let own = (0..blocks).filter(|block| is_inside(drive.block_times_s[*block])).collect();
+            let mean = DriveMean { constants: CLOCKS, slow: SLOW_CLOCKS, blocks: own };
+            let value: SVector<f64, 2> = mean.of(states);
+            let sensitivity = self.factor.solve(mean.jacobian::<2>(blocks));
+            let variance = mean.of::<2, 2>(&sensitivity).diagonal();
+            let offsets_s = [0, 1]
                 .map(|slot| Estimate { value: value[slot], sigma: variance[slot].max(0.0).sqrt() });
-            DriveClocks { span_s: *span_s, late_s }
+            DriveClocks { span_s: *span_s, offsets_s }
         };
         drive.spans_s.iter().map(clocks).collect()
     }
 }
 
-/// Constants from one place on, plus the mean of the slow states from another place on over some parts.
-struct Mean {
+/// Consecutive constants plus the mean of consecutive slow states over some blocks.
+struct DriveMean {
+    /// Index of the first constant, and of the first slow state.
     constants: usize,
     slow: usize,
-    parts: Vec<usize>,
+    blocks: Vec<usize>,
 }
 
-impl Mean {
-    /// Returns the means of some columns.
-    fn of<const N: usize, const K: usize>(&self, columns: &Columns<K>) -> SMatrix<f64, N, K> {
-        let of_part = |part: &usize| columns.slow[*part].fixed_rows::<N>(self.slow).into_owned();
-        let sum: SMatrix<f64, N, K> = self.parts.iter().map(of_part).sum();
-        columns.constants.fixed_rows::<N>(self.constants) + sum / self.parts.len() as f64
+impl DriveMean {
+    /// The means of some columns.
+    fn of<const N: usize, const K: usize>(&self, columns: &ChainVectors<K>) -> SMatrix<f64, N, K> {
+        let of_block = |block: &usize| columns.slow[*block].fixed_rows::<N>(self.slow).into_owned();
+        let sum: SMatrix<f64, N, K> = self.blocks.iter().map(of_block).sum();
+        columns.constants.fixed_rows::<N>(self.constants) + sum / self.blocks.len() as f64
     }
 
-    /// Returns the Jacobian of the means, as columns.
-    fn columns<const N: usize>(&self, parts: usize) -> Columns<N> {
-        let mut columns = Columns::zeros(parts);
+    /// The transposed Jacobian of the means, a column for each.
+    fn jacobian<const N: usize>(&self, blocks: usize) -> ChainVectors<N> {
+        let mut columns = ChainVectors::zeros(blocks);
         for k in 0..N {
             columns.constants[(self.constants + k, k)] = 1.0;
-            for part in &self.parts {
-                columns.slow[*part][(self.slow + k, k)] = 1.0 / self.parts.len() as f64;
+            for block in &self.blocks {
+                columns.slow[*block][(self.slow + k, k)] = 1.0 / self.blocks.len() as f64;
             }
         }
         columns

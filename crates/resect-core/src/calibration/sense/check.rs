@@ -8,10 +8,10 @@ use crate::deployment::findings::checks::{rig_heights_contradict, rig_orientatio
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
-/// Triplets that show which way round the prisms lie.
+/// Number of triplets from which the orientation of the prisms is computed.
 const THINNED: usize = 300;
 
-/// Holds an answer about three prisms against the rig, and names the misreading that explains a contradiction.
+/// Compares an answer for three prisms with the rig, and names the misreading that explains a contradiction.
 pub fn check(
     calibration: &mut Calibration,
     deployment: &Deployment,
@@ -48,7 +48,7 @@ pub fn check(
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(finding);
     }
-    // Heights alone tell no sense, and a thin rig has none.
+    // Heights alone do not determine the sense, and a nearly collinear rig has none.
     if area == Some(Agreement::Agrees) && heights != Some(Agreement::Contradicts) {
         calibration.checked_by.push(Witness::Rig);
     }

@@ -1,6 +1,7 @@
-//! Which single misreading explains what contradicts an answer.
+//! Search for the single misreading that explains a contradiction of an answer.
 //!
-//! Each is undone in some hundred triplets, method D is solved again, and all witnesses are asked once more.
+//! Each misreading is undone in some hundred triplets. Method D is solved again, and the answer is compared with all independent
+//! data again.
 
 use crate::deployment::findings::checks::{
     SuspectedMisreading, misreading_not_found, misreading_suspected,
@@ -19,27 +20,27 @@ use crate::pipeline;
 use crate::pipeline::{PipelineSettings, Triplets};
 use crate::progress::{Cancelled, Progress};
 
-/// Triplets that a drive is thinned to: enough to tell millimetres from decimetres.
+/// Number of triplets to which a drive is thinned: enough to distinguish millimetres from decimetres.
 const THINNED: usize = 300;
-/// Fewest triplets of a drive that is explained: with fewer a drive fits anything.
+/// Fewest triplets of a drive that is explained: with fewer, any hypothesis fits.
 const FEWEST_TRIPLETS: usize = 20;
-/// An explanation may fit this much worse than what it explains, and than the best explanation.
+/// Largest ratio of an explanation's fit to that without it, and to the fit of the best explanation.
 const NO_WORSE: f64 = 1.2;
 const AS_GOOD: f64 = 1.5;
 /// Differences of a fit below this are noise (m).
 const FIT_NOISE_M: f64 = 0.0005;
-/// What fits this many times worse than it may, near a first guess, is looked into no further.
+/// A hypothesis whose fit near the first guess is this many times worse than the limit is not searched further.
 const HOPELESS: f64 = 4.0;
-/// What was off has to be off by less than this part of it.
+/// Share of its former size that an error must fall below to count as explained.
 const CLEARLY_LESS: f64 = 0.5;
-/// Most explanations that are named.
+/// Most explanations that are reported.
 const MOST_NAMED: usize = 3;
-/// Where the outlier filter left a smaller part of a station's readings than this, its limits act on wrong units. Then
-/// it is run again on what the readings would be, as many of them as this.
+/// If the outlier filter keeps a smaller share of a station's readings than this, its limits are probably in wrong units. The
+/// filter then runs again on the corrected readings, at most this many.
 const MOSTLY_REJECTED: f64 = 0.6;
 const MOST_READINGS: usize = 20_000;
 
-/// What was misread.
+/// The data that was misread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scope {
     Tracks,
@@ -47,26 +48,27 @@ enum Scope {
     Both,
 }
 
-/// What things would show, had one mistake not been made.
+/// A misreading, and the properties of the answer if it is undone.
 #[derive(Clone, Copy)]
-struct Explanation {
+struct Hypothesis {
     misreading: Misreading,
     scope: Scope,
     shown: Shown,
 }
 
-/// What was tried on a drive: the same for all answers that are asked about, and made when the first one needs it.
+/// Hypotheses for a drive, shared by all answers to be checked and computed for the first that needs them.
 #[derive(Default)]
 pub struct Tried(Option<Tries>);
 
 struct Tries {
-    /// What things show as they were read; `None` without an answer.
+    /// Properties and transforms of the answer as read; `None` without an answer.
     base: Option<(Shown, [RigidTransform; 3])>,
-    undone: Option<Vec<Explanation>>,
+    undone: Option<Vec<Hypothesis>>,
 }
 
-/// The misreadings that explain what contradicts method D here, the likeliest first; one line that none does, where the
-/// contradiction is a gross one; nothing where nothing contradicts it.
+/// Returns the misreadings that explain the contradiction of method D, the likeliest first.
+///
+/// Returns one finding if none explains a gross contradiction; empty if nothing contradicts the answer.
 pub fn explain(
     deployment: &Deployment,
     rig: &Rig,
@@ -104,7 +106,7 @@ pub fn explain(
     Ok(case.in_words(found, deployment))
 }
 
-/// What each misreading would show if it was one, of the tracks, of the control points, and of both.
+/// Computes the answer with each misreading undone: in the tracks, in the control points, and in both.
 fn try_all(
     deployment: &Deployment,
     rig: &Rig,
@@ -112,7 +114,7 @@ fn try_all(
     base: &Shown,
     base_transforms: &[RigidTransform; 3],
     progress: &Progress,
-) -> Result<Vec<Explanation>, Cancelled> {
+) -> Result<Vec<Hypothesis>, Cancelled> {
     let points = deployment.comparable_control_points();
     let constants_m = deployment.tracks.each_ref().map(|track| track.prism_constant_m);
     let rejected = mostly_rejected(deployment, triplets);
@@ -137,7 +139,7 @@ fn try_all(
             all.push((Scope::ControlPoints, Some(Shown { control_points_m, ..*base })));
         }
         let explanation = |(scope, shown): (Scope, Option<Shown>)| {
-            Some(Explanation { misreading, scope, shown: shown? })
+            Some(Hypothesis { misreading, scope, shown: shown? })
         };
         Ok(all.into_iter().filter_map(explanation).collect::<Vec<_>>())
     };
@@ -145,7 +147,7 @@ fn try_all(
     Ok(all?.concat())
 }
 
-/// The published method's solutions on some triplets; `None` where there are too few, or they fit worse than that.
+/// Returns the published method's solutions on some triplets; `None` if there are too few, or if they fit worse than `hopeless_m`.
 fn twins(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Twins> {
     if triplets.len() < FEWEST_TRIPLETS {
         return None;
@@ -153,7 +155,7 @@ fn twins(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Twins> {
     Twins::of(rig, triplets, hopeless_m)
 }
 
-/// What makes triplets out of tracks that have none: ranges in feet, whose rates no filter lets through.
+/// Returns the explanation of tracks without triplets: ranges in feet, whose rates no filter accepts.
 pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String> {
     let feet = Misreading::ALL.into_iter().filter(|one| matches!(one, Misreading::Feet(_)));
     let (misreading, count, fit_m) = feet
@@ -178,14 +180,14 @@ pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String>
     ))
 }
 
-/// Whether the outlier filter left less than it would of readings in the right unit.
+/// Returns true if the outlier filter kept fewer readings than it would in the right unit.
 fn mostly_rejected(deployment: &Deployment, triplets: &Triplets) -> bool {
     deployment.tracks.iter().zip(triplets.readings.iter()).any(|(track, filtered)| {
         (filtered.time_s.len() as f64) < MOSTLY_REJECTED * track.measurements.len() as f64
     })
 }
 
-/// What the pipeline makes of the first readings, by its default settings, had they been read right.
+/// Returns the pipeline's triplets of the first readings with the misreading undone, by default settings.
 fn filtered_again(deployment: &Deployment, misreading: Misreading) -> Triplets {
     let tracks: [Track; 3] = std::array::from_fn(|station| {
         let track = &deployment.tracks[station];
@@ -206,14 +208,14 @@ fn thinned(triplets: &Triplets) -> Triplets {
     triplets.select(&(0..triplets.len()).step_by(step).collect::<Vec<_>>())
 }
 
-/// What is to be explained.
+/// The contradiction to be explained.
 struct Case<'a> {
     witnesses: Witnesses<'a>,
-    /// What the answer shows as things were read.
+    /// Properties of the answer as read.
     base: Shown,
 }
 
-/// What speaks against an answer.
+/// Data that contradicts an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Complaints {
     fit: bool,
@@ -242,13 +244,13 @@ impl Case<'_> {
         fit || area || heights || control_points || self.height_is_suspicious()
     }
 
-    /// Whether all witnesses agree with what this shows, and one of them did not before.
+    /// Returns true if these properties contradict nothing and remove a contradiction.
     fn is_explained_by(&self, shown: &Shown) -> bool {
         let (was, is) = (self.complaints(&self.base), self.complaints(shown));
         if is.area || is.heights || is.control_points {
             return false;
         }
-        // Prisms that lie in a line contradict nothing, and explain nothing.
+        // Collinear prisms contradict nothing, and explain nothing.
         if was.area && self.witnesses.area(shown).is_none() {
             return false;
         }
@@ -262,13 +264,13 @@ impl Case<'_> {
         let fit = was.fit && shown.fit_m < CLEARLY_LESS * self.base.fit_m;
         let heights = self.height_is_suspicious()
             && worst(shown).zip(worst(&self.base)).is_some_and(|(is, was)| is < CLEARLY_LESS * was);
-        // Heights that are only suspicious are no reason to believe something that fits worse.
+        // Suspicious heights alone do not justify an explanation that fits worse.
         let only_heights = heights && shown.fit_m < self.base.fit_m + FIT_NOISE_M;
         fit || was.area || was.control_points || (was.heights && heights) || only_heights
     }
 
-    /// The explanations that fit as well as the best.
-    fn in_words(&self, mut found: Vec<Explanation>, deployment: &Deployment) -> Vec<Finding> {
+    /// Returns findings for the explanations that fit about as well as the best.
+    fn in_words(&self, mut found: Vec<Hypothesis>, deployment: &Deployment) -> Vec<Finding> {
         let Complaints { fit, area, heights, control_points } = self.complaints(&self.base);
         let best_m = found.iter().map(|one| one.shown.fit_m).fold(f64::INFINITY, f64::min);
         found.retain(|one| one.shown.fit_m < AS_GOOD * best_m + FIT_NOISE_M);
@@ -287,11 +289,11 @@ impl Case<'_> {
 
     fn suspected(
         &self,
-        one: &Explanation,
+        one: &Hypothesis,
         deployment: &Deployment,
         is_alternative: bool,
     ) -> Finding {
-        let Explanation { misreading, scope, .. } = one;
+        let Hypothesis { misreading, scope, .. } = one;
         let of = match scope {
             Scope::Tracks if self.base.control_points_m.is_none() => "",
             Scope::Tracks => " of the tracks",
@@ -308,16 +310,16 @@ impl Case<'_> {
             assuming: misreading.assuming(),
             correction: &correction(*misreading, *scope, deployment),
             improvements: &self.improvements(one),
-            // Where the rig is the only one to contradict them, it may be the one that is wrong.
+            // If only the rig contradicts the tracks, the rig may be wrong instead.
             only_by_rig: !(was.fit || was.control_points) && *scope != Scope::ControlPoints,
             is_alternative,
             remedy: read_with.map(|overrides| Remedy::ReadWith(Box::new(overrides))),
         })
     }
 
-    /// "the distances fit to 1.3 mm instead of 42 mm", and so on.
-    fn improvements(&self, one: &Explanation) -> Vec<String> {
-        let Explanation { shown, .. } = one;
+    /// Returns the improvements in words, such as "the distances fit to 1.3 mm instead of 42 mm".
+    fn improvements(&self, one: &Hypothesis) -> Vec<String> {
+        let Hypothesis { shown, .. } = one;
         let base = &self.base;
         let mm = |m: f64| {
             let mm = m * 1e3;
@@ -334,7 +336,8 @@ impl Case<'_> {
         }
         if was.area {
             compared.push(
-                "prisms 1, 2, 3 lie the same way round as in the reading of the rig".to_owned(),
+                "the order of prisms 1, 2, 3 seen from above agrees with the reading of the rig"
+                    .to_owned(),
             );
         }
         if self.height_is_suspicious()
@@ -342,14 +345,15 @@ impl Case<'_> {
                 self.witnesses.heights_off_m(shown).zip(self.witnesses.heights_off_m(base))
         {
             let [is, was] = [is, was].map(|off_m| mm(off_m.into_iter().fold(0.0, f64::max)));
-            compared
-                .push(format!("heights of the prisms are {is} instead of {was} from that reading"));
+            compared.push(format!(
+                "prism heights differ from the reading of the rig by {is} instead of {was}"
+            ));
         }
         if was.control_points
             && let Some((is, was)) = shown.control_points_m.zip(base.control_points_m)
         {
             compared.push(format!(
-                "the control points lie {} instead of {} apart",
+                "the control points differ by {} instead of {}",
                 mm(is),
                 mm(was)
             ));
@@ -359,9 +363,9 @@ impl Case<'_> {
 }
 
 fn correction(misreading: Misreading, scope: Scope, deployment: &Deployment) -> String {
-    let of_points = "correct the files of control points";
+    let of_points = "correct the control-point files";
     let of_tracks = misreading.remedy(deployment).map_or_else(
-        || "correct what that station recorded".to_owned(),
+        || "correct that station's recording".to_owned(),
         |key| format!("set `{key}` of deployment.toml"),
     );
     match scope {

@@ -1,4 +1,4 @@
-//! The mistakes that a reader can make about sense, numbers and units, and what was measured if one was made.
+//! Possible misreadings of sense, station numbers and units, and corrections of the data for each.
 
 use crate::geometry::FOOT_M;
 use nalgebra::Vector3;
@@ -8,19 +8,19 @@ use crate::deployment::{
 };
 use crate::pipeline::Triplets;
 
-/// One mistake in how readings were understood.
+/// One mistake in the interpretation of readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misreading {
-    /// Azimuths run counter-clockwise: of all stations, or of one (0 to 2).
+    /// Azimuths are counter-clockwise: of all stations, or of one (0 to 2).
     Azimuth(Option<usize>),
-    /// Ranges are feet.
+    /// Ranges are in feet: of all stations, or of one (0 to 2).
     Feet(Option<usize>),
-    /// What is station k should be what was read as station `numbers[k]` (0 to 2).
+    /// Station numbers are permuted: the data of station k was read as that of station `numbers[k]` (0 to 2).
     Numbers([usize; 3]),
 }
 
 impl Misreading {
-    /// All misreadings, what happens most and explains most in few words first.
+    /// All misreadings, the most frequent and simplest first.
     pub const ALL: [Self; 13] = [
         Self::Azimuth(None),
         Self::Feet(None),
@@ -37,7 +37,7 @@ impl Misreading {
         Self::Azimuth(Some(2)),
     ];
 
-    /// Which station's readings are station k's.
+    /// Returns the station under which the data of station k was read.
     fn source(self, station: usize) -> usize {
         match self {
             Self::Numbers(numbers) => numbers[station],
@@ -53,12 +53,12 @@ impl Misreading {
         matches!(self, Self::Feet(which) if which.is_none_or(|one| one == station))
     }
 
-    /// Range in metres, of one that was read as metres and got a prism constant.
+    /// Returns the corrected range (m), of one that was read as metres and includes the prism constant.
     fn range_m(self, station: usize, range_m: f64, constant_m: f64) -> f64 {
         if self.is_feet(station) { (range_m - constant_m) * FOOT_M + constant_m } else { range_m }
     }
 
-    /// The triplets had it been read right.
+    /// Returns the triplets with the misreading undone.
     pub fn undone(self, triplets: &Triplets, constants_m: [f64; 3]) -> Triplets {
         let right = |station: usize, point: &Vector3<f64>| {
             let (measured_m, mut point) = (point.norm(), *point);
@@ -74,7 +74,7 @@ impl Misreading {
         Triplets::new(triplets.time_s.clone(), triplets.interval.clone(), points_m)
     }
 
-    /// Control points had they been read right.
+    /// Returns the control points with the misreading undone.
     pub fn undone_in_points(
         self,
         sets: &[ControlPointSet],
@@ -96,13 +96,13 @@ impl Misreading {
         sets
     }
 
-    /// One reading of a track had its range been read in feet; other mistakes leave it alone.
+    /// Returns a reading with a range in feet converted to metres; other misreadings do not change it.
     pub fn undone_in_range(self, station: usize, measurement: &Measurement) -> Measurement {
         let range_m = self.range_m(station, measurement.range_m, 0.0);
         Measurement { range_m, ..*measurement }
     }
 
-    /// "azimuths of the tracks look counter-clockwise".
+    /// Returns the misreading in words, such as "azimuths of the tracks look counter-clockwise".
     pub fn in_words(self, of: &str) -> String {
         match self {
             Self::Azimuth(None) => format!("azimuths{of} look counter-clockwise"),
@@ -121,23 +121,23 @@ impl Misreading {
                 None => {
                     let [a, b, c] = numbers.map(|number| number + 1);
                     format!(
-                        "stations{of} look numbered in a circle: what was read as {a}, {b}, {c} looks like 1, 2, 3"
+                        "stations{of} look renumbered: those read as {a}, {b}, {c} look like 1, 2, 3"
                     )
                 }
             },
         }
     }
 
-    /// "with 0.3048 m each".
+    /// Returns the correction as a phrase, such as "with 0.3048 m per foot".
     pub fn assuming(self) -> &'static str {
         match self {
-            Self::Azimuth(_) => "with them reversed",
-            Self::Feet(_) => "with 0.3048 m each",
-            Self::Numbers(_) => "with that put right",
+            Self::Azimuth(_) => "with azimuths reversed",
+            Self::Feet(_) => "with 0.3048 m per foot",
+            Self::Numbers(_) => "with the numbers corrected",
         }
     }
 
-    /// What puts it right in the tracks, as a key of `deployment.toml`; `None` where that has none.
+    /// Returns the correction of the tracks as a key of `deployment.toml`; `None` if there is no such key.
     pub fn remedy(self, deployment: &Deployment) -> Option<String> {
         if self == Self::Feet(None) {
             return Some("length_unit = \"feet\" in [columns]".to_owned());
@@ -148,7 +148,7 @@ impl Misreading {
             .or(stations.map(|[a, b, c]| format!("stations = [{a}, {b}, {c}]")))
     }
 
-    /// What puts it right in the tracks by being said over the files, where that is all there is to say.
+    /// Returns the correction of the tracks as overrides of the files; `None` if overrides are not sufficient.
     pub fn read_with(self, deployment: &Deployment) -> Option<Overrides> {
         let Overrides { azimuth, stations, .. } = &deployment.overrides;
         match self {

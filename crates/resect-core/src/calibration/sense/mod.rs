@@ -1,9 +1,9 @@
-//! Sense checks: whether what was read has the right sense, numbers and units.
+//! Sense checks: detection of wrong sense of azimuths, station numbers and units.
 //!
-//! A drive's distances fit as well with every azimuth reversed, and on a rig with three like sides with stations exchanged:
-//! the answer is then a mirror image, and no residual shows it. What shows it is which way round the prisms lie, how high
-//! they stand, and the control points. Where one of them contradicts the answer, [`explanation`] looks for the one mistake
-//! that would make all of them agree.
+//! A drive's distances fit as well with every azimuth reversed. On a rig with three equal sides they also fit with stations
+//! exchanged. The answer is then a mirror image, and no residual shows it. Orientation and heights of the prisms, and the control
+//! points, show it. If one of them contradicts the answer, [`explanation`] looks for the single mistake that would make all of them
+//! agree.
 
 mod check;
 mod explanation;

@@ -1,4 +1,4 @@
-//! What an answer shows of the rig and the control points, and what contradicts it.
+//! Properties of the rig and the control points by an answer, and their comparison with known values.
 
 use nalgebra::Vector3;
 
@@ -10,42 +10,41 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::{central_sigma, median};
 
-/// Prisms whose triangle, seen from above, is thinner than this (m) have no way round to speak of; nor have those that
-/// tilting by [`SHEAR_RAD`] can turn over.
+/// A triangle of prisms with a smaller height than this, seen from above (m), has no significant orientation. The same is true if a
+/// tilt by [`SHEAR_RAD`] can reverse it.
 const THIN_M: f64 = 0.010;
 const SHEAR_RAD: f64 = 0.1;
-/// What noise and the millimetres of a reading of the rig do to a height (m).
+/// Error of a height by noise and by the accuracy of a reading of the rig (m).
 const HEIGHT_NOISE_M: f64 = 0.005;
-/// The rig may have been read on ground that slopes by this much, and while the vehicle was tilted by as many σ of what it
-/// pitches and rolls on the drive; never by more than the last of the three.
+/// Allowance for the tilt of the rig when its heights were read: slope of the ground (rad), number of σ of the pitch and roll
+/// during the drive, and upper limit of the sum (rad).
 const SLOPE_RAD: f64 = 0.05;
 const CONTRADICTION_TILTS: f64 = 4.0;
 const STEEPEST_RAD: f64 = 0.2;
-/// Already this many of them make it worth looking for another explanation.
+/// From this number of σ on, heights are suspicious, and another explanation is searched.
 const SUSPICION_TILTS: f64 = 2.0;
-/// Heights may be off by this many σ of the answer.
+/// Errors of heights are allowed up to this many σ of the answer.
 const HEIGHT_SIGMAS: f64 = 3.0;
-/// No misreading moves the control points by less (m); stations stand metres apart.
+/// Smallest disagreement of control points that a misreading causes (m); stations are metres apart.
 const CONTROL_POINTS_M: f64 = 0.25;
 
-/// What an answer shows.
+/// Properties of an answer that independent data can contradict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// Median size of the errors of the inter-prism distances (m).
+    /// Median absolute error of the inter-prism distances (m).
     pub fit_m: f64,
-    /// Area of the triangle of prisms 1, 2, 3 seen from above (m²), positive where they lie counter-clockwise; median over
-    /// the drive.
+    /// Area of the triangle of prisms 1, 2, 3 seen from above (m²), positive if they are counter-clockwise; median over the drive.
     pub area_m2: f64,
-    /// How much higher prism 1 stands than prisms 2 and 3 (m), medians over the drive.
+    /// Heights of prism 1 above prisms 2 and 3 (m), medians over the drive.
     pub heights_m: [f64; 2],
     /// One standard deviation of the rig's pitch and roll (rad).
     pub tilt_rad: f64,
-    /// What two stations make of a control point is this far apart (m, median over all sets).
+    /// Distance between two stations' positions of a control point (m, median over all sets).
     pub control_points_m: Option<f64>,
 }
 
 impl Shown {
-    /// What an answer shows; `None` without triplets.
+    /// Returns the properties of an answer; `None` without triplets.
     pub fn of(
         rig: &Rig,
         control_points: &[ControlPointSet],
@@ -83,22 +82,22 @@ impl Shown {
     }
 }
 
-/// Signed area of a triangle seen from above (m²), positive where its corners lie counter-clockwise.
+/// Returns the signed area of a triangle seen from above (m²), positive if its corners are counter-clockwise.
 pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
     let [a, b, c] = corners_m.map(|corner| corner.xy());
     0.5 * (b - a).perp(&(c - a))
 }
 
-/// How well what an answer shows goes with one witness.
+/// Agreement of an answer with independent data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Agreement {
     Agrees,
-    /// What the answer shows is not what one expects, but it can be.
+    /// Unlikely, but possible.
     Suspicious,
     Contradicts,
 }
 
-/// The rig as something that answers can be held against.
+/// Known properties of the rig, with which answers are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Witnesses<'a> {
     rig: &'a Rig,
@@ -107,16 +106,16 @@ pub struct Witnesses<'a> {
 }
 
 impl<'a> Witnesses<'a> {
-    /// `sigma` is that of the answer, where it has one.
+    /// Creates the comparison; `sigma` is the σ of the answer, if it has one.
     pub fn new(rig: &'a Rig, sigma: Option<&[TransformSigma; 2]>) -> Self {
-        // A larger σ makes an answer weak by itself, and what makes it large may be the misreading.
+        // A larger σ makes an answer weak by itself, and the misreading may be its cause.
         let capped_m = |s: TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
         let height_sigma_m = sigma.map_or([0.0; 2], |s| s.map(capped_m));
         Self { rig, height_sigma_m }
     }
 
-    /// Which way round the prisms lie, against the reading of the rig or, without one, the prisms in the vehicle's frame.
-    /// `None` where one of the two is too thin to tell, or neither is there.
+    /// Compares the orientation of the prisms with the reading of the rig or, without one, with the prisms in the vehicle's frame.
+    /// `None` if a triangle is too thin, or if neither is known.
     pub fn area(&self, shown: &Shown) -> Option<Agreement> {
         let known_m2 = self.area_m2()?;
         let prisms_m = self.layout_m()?;
@@ -134,7 +133,7 @@ impl<'a> Witnesses<'a> {
         Some(if same { Agreement::Agrees } else { Agreement::Contradicts })
     }
 
-    /// Area of the prisms as they are known (m²).
+    /// Returns the known area of the prisms' triangle (m²).
     pub fn area_m2(&self) -> Option<f64> {
         self.layout_m().map(|prisms_m| plan_area_m2(&prisms_m))
     }
@@ -143,8 +142,8 @@ impl<'a> Witnesses<'a> {
         self.rig.prisms_m.or(self.rig.in_vehicle_m)
     }
 
-    /// How high the prisms stand, against the reading of the rig. The limit is in proportion to the rig, and to what the
-    /// vehicle pitches and rolls on the drive.
+    /// Compares the heights of the prisms with the reading of the rig. The limit is proportional to the size of the rig, and to the
+    /// vehicle's pitch and roll during the drive.
     pub fn heights(&self, shown: &Shown) -> Option<Agreement> {
         let off_m = self.heights_off_m(shown)?;
         let limit_m = |at: usize, tilt_rad: f64| {
@@ -163,23 +162,23 @@ impl<'a> Witnesses<'a> {
         })
     }
 
-    /// How much higher prism 1 stands than prisms 2 and 3 in the reading (m).
+    /// Returns the heights of prism 1 above prisms 2 and 3 in the reading (m).
     pub fn heights_m(&self) -> Option<[f64; 2]> {
         self.rig.height_differences_m()
     }
 
-    /// What the heights of prism 1 above prisms 2 and 3 differ from the reading by (m).
+    /// Returns the absolute differences of the heights of prism 1 above prisms 2 and 3 from the reading (m).
     pub fn heights_off_m(&self, shown: &Shown) -> Option<[f64; 2]> {
         let known_m = self.heights_m()?;
         Some([0, 1].map(|at| (shown.heights_m[at] - known_m[at]).abs()))
     }
 
-    /// The inter-prism distances themselves.
+    /// Compares the inter-prism distances.
     pub fn distances(shown: &Shown) -> Agreement {
         if shown.fit_m > POOR_FIT_M { Agreement::Contradicts } else { Agreement::Agrees }
     }
 
-    /// The control points; what is less than a misreading is not judged here.
+    /// Compares the control points. Differences smaller than those of a misreading are not judged here.
     pub fn control_points(shown: &Shown) -> Option<Agreement> {
         let far = |apart_m: f64| apart_m > CONTROL_POINTS_M;
         shown

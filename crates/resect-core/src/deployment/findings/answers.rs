@@ -1,6 +1,8 @@
 //! Findings about answers as a whole: none, not converged, or far from another.
 
-use crate::deployment::{Finding, FindingKind, Message, Remedy, Subject, ToldAngle, ToldIn, Unit};
+use crate::deployment::{
+    AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Subject, Unit,
+};
 
 pub fn no_triplets(deployment: &str, why: &str) -> Finding {
     Finding::new(FindingKind::NoTriplets, format!("{deployment}: no triplets: {why}"))
@@ -30,7 +32,7 @@ pub fn no_rig(deployment: &str) -> Finding {
     .with(Remedy::GiveRig)
 }
 
-/// `method` is its name for people, `lack` what the data lacks.
+/// `method` is its name for people, `lack` the missing data.
 pub fn method_lacks_data(deployment: &str, method: &str, lack: &str) -> Finding {
     Finding::new(FindingKind::MethodLacksData, format!("{deployment}: {method} needs {lack}"))
         .about(Subject::Named(method.to_owned()))
@@ -41,15 +43,15 @@ pub fn points_on_a_line(deployment: &str, method: &str) -> Finding {
     Finding::new(
         FindingKind::PointsOnALine,
         format!(
-            "{deployment}: the points of {method} lie in one place or on a line, which holds no rigid transform; use a level \
-             alignment, or more points"
+            "{deployment}: the points of {method} lie in one place or on a line and do not determine a rigid transform; use a \
+             level alignment, or more points"
         ),
     )
     .about(Subject::Named(method.to_owned()))
     .with(Remedy::LevelAlignment)
 }
 
-/// `why` there is no joint estimate; the published method has an answer: its name for people, and the short one.
+/// `why` is the reason; `published` are the name for people and the short name of the published method, which has an answer.
 pub fn no_joint_estimate(why: Finding, published: [&str; 2]) -> Finding {
     let [name, short] = published;
     let message = format!("{why}; {name} has an answer: choose it ({short})");
@@ -71,11 +73,11 @@ pub fn estimate_not_converged() -> Finding {
 pub fn solver_not_converged() -> Finding {
     Finding::new(
         FindingKind::SolverNotConverged,
-        "the solver stopped before it reached the minimum",
+        "the solver did not converge: it stopped before it reached the minimum",
     )
 }
 
-/// `fallback` is the answer that stands in its place: "this is …".
+/// `fallback` names the answer that is used instead: "this is …".
 pub fn joint_estimate_undetermined(fallback: &str) -> Finding {
     Finding::new(
         FindingKind::JointEstimateUndetermined,
@@ -86,8 +88,7 @@ pub fn joint_estimate_undetermined(fallback: &str) -> Finding {
 pub fn other_minimum_fits_better(cost_ratio: f64) -> Finding {
     Finding::new(
         FindingKind::OtherMinimumFitsBetter,
-        "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
-         between them",
+        "another minimum fits better than this answer, with all estimated errors corrected; nothing decides between them",
     )
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
 }
@@ -96,8 +97,8 @@ pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
     Finding::new(
         FindingKind::PublishedAnswerFarApart,
         format!(
-            "the paper's method puts station {} {:.0} mm elsewhere from the same readings: more than instruments in order make \
-             of it, so find out which readings are wrong",
+            "the paper's method puts station {} {:.0} mm away from this answer, with the same readings: instrument errors do not \
+             explain that, so find the wrong readings",
             station + 1,
             apart_m * 1e3
         ),
@@ -110,7 +111,7 @@ pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
 pub fn published_answer_missing(method: &str, why: &Finding) -> Finding {
     Finding::new(
         FindingKind::PublishedAnswerMissing,
-        format!("the paper's answer is not there to compare with: {method} has none ({why})"),
+        format!("no answer of the paper to compare with: {method} has none ({why})"),
     )
     .about(Subject::Named(method.to_owned()))
 }
@@ -118,22 +119,22 @@ pub fn published_answer_missing(method: &str, why: &Finding) -> Finding {
 pub fn tracks_not_transformed() -> Finding {
     Finding::new(
         FindingKind::TracksNotTransformed,
-        "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and nothing \
-         of the drive was held against it",
+        "this answer refers to the stations' own frames, but the tracks are in another: it does not place the tracks, and \
+         the drive does not check it",
     )
 }
 
-/// Two methods that differ for a station by more than their σ.
+/// Difference of two methods for a station that exceeds their σ.
 pub struct MethodDifference<'a> {
     pub methods: [&'a str; 2],
     /// The station, 0 to 2.
     pub station: usize,
     pub translation_m: [f64; 3],
     pub yaw_rad: f64,
-    /// The difference of the yaw in σ, where that is what the methods disagree about.
+    /// Difference of the yaw in σ; `None` if the methods do not disagree about the yaw.
     pub yaw_sigmas: Option<f64>,
     pub largest_sigmas: f64,
-    /// The difference on the station's track (m, rms), and the mean distance to it (m).
+    /// Difference on the station's track (m, rms), and the mean distance to the track (m).
     pub moved_m: f64,
     pub range_m: f64,
 }
@@ -144,19 +145,18 @@ pub fn methods_disagree(difference: &MethodDifference<'_>) -> Finding {
     } = *difference;
     let [first, second] = difference.methods;
     let number = station + 1;
-    let moved =
-        format!("{:.0} mm apart on its track, {range_m:.0} m away on average", moved_m * 1e3);
+    let moved = format!("{:.0} mm on its track at {range_m:.0} m on average", moved_m * 1e3);
     let message = match difference.yaw_sigmas {
         Some(sigmas) => Message::from(format!(
             "{first} and {second} disagree about the yaw of station {number}: "
         ))
-        .angle(ToldAngle::signed(yaw_rad, ToldIn::Milliradians, 2))
-        .text(format!(", {sigmas:.0} σ apart, {moved}")),
+        .angle(MessageAngle::signed(yaw_rad, AngleFormat::Milliradians, 2))
+        .text(format!(" ({sigmas:.0} σ), {moved}")),
         None => {
             let [x, y, z] = translation_m.map(|m| m * 1e3);
             Message::from(format!(
                 "{first} and {second} disagree about the position of station {number}: {x:+.1}, {y:+.1}, {z:+.1} mm in x, y, \
-                 z, up to {largest_sigmas:.0} σ apart, {moved}"
+                 z (up to {largest_sigmas:.0} σ), {moved}"
             ))
         }
     };

@@ -5,17 +5,23 @@ use crate::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
 pub fn points_leave_direction_free() -> Finding {
     Finding::new(
         FindingKind::PointsLeaveDirectionFree,
-        "the points leave a direction free: spread them over the whole area",
+        "the points leave a direction unobservable: spread them over the whole area",
     )
 }
 
-/// `fits` is true where the points fit, so that their positions are to be improved.
+/// `fits` is true if the points fit, so that their positions are to be improved.
 pub fn points_weak(largest_sigma_m: f64, fits: bool) -> Finding {
-    let advice =
-        if fits { "spread the points over a larger area" } else { "first make the points fit" };
+    let advice = if fits {
+        "spread the points over a larger area"
+    } else {
+        "first correct the poor fit of the points"
+    };
     Finding::new(
         FindingKind::PointsWeak,
-        format!("weakly held: σ up to {:.0} mm at the stations; {advice}", largest_sigma_m * 1e3),
+        format!(
+            "weakly observable: σ up to {:.0} mm at the stations; {advice}",
+            largest_sigma_m * 1e3
+        ),
     )
     .quantity("largest_sigma", largest_sigma_m, Unit::Metre)
 }
@@ -31,8 +37,8 @@ pub fn control_points_contradict(
     let finding = Finding::new(
         FindingKind::ControlPointsContradict,
         format!(
-            "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; a \
-             station moved between the two, or a bias is not modelled",
+            "control points contradict this answer: {:.0} mm apart in {file} (median), about {:.0} mm expected; a station moved \
+             between the survey and the drive, or a bias is not modelled",
             median_m * 1e3,
             expected_m * 1e3
         ),
@@ -51,8 +57,8 @@ pub fn drive_contradicts(median_m: f64, expected_m: f64) -> Finding {
     Finding::new(
         FindingKind::DriveContradicts,
         format!(
-            "the drive contradicts this answer: its inter-prism distances are off by {:.1} mm (median) where about {:.0} mm \
-             are expected; a station moved between the two, or a bias is not modelled",
+            "the drive contradicts this answer: its inter-prism distances are off by {:.1} mm (median), about {:.0} mm \
+             expected; a station moved between the survey and the drive, or a bias is not modelled",
             median_m * 1e3,
             expected_m * 1e3
         ),
@@ -66,8 +72,8 @@ pub fn drive_fits_poorly(median_m: f64, expected_m: f64) -> Finding {
     Finding::new(
         FindingKind::DriveFitsPoorly,
         format!(
-            "this answer does not hold the drive together: its inter-prism distances are off by {:.1} mm (median), which its σ \
-             allows ({:.0} mm) and a good answer does not show (1 to 2 mm)",
+            "this answer fits the drive poorly: the inter-prism distances are off by {:.1} mm (median); its σ allows {:.0} mm, a \
+             good answer has 1 to 2 mm",
             median_m * 1e3,
             expected_m * 1e3
         ),
@@ -82,15 +88,15 @@ pub fn rig_orientation_contradicts(answer_m2: f64, rig_m2: f64) -> Finding {
     Finding::new(
         FindingKind::RigOrientationContradicts,
         format!(
-            "seen from above, prisms 1, 2, 3 lie {} in this answer ({answer_m2:+.3} m²) and {} in the reading of the rig \
-             ({rig_m2:+.3} m²): azimuths run the other way, or two stations are exchanged",
+            "the rig contradicts this answer: seen from above, prisms 1, 2, 3 lie {} in the answer ({answer_m2:+.3} m²) and {} \
+             in the reading of the rig ({rig_m2:+.3} m²); the sense of the azimuths is wrong, or two stations are exchanged",
             way(answer_m2),
             way(rig_m2),
         ),
     )
     .quantity("area", answer_m2, Unit::SquareMetre)
     .quantity("area_of_rig", rig_m2, Unit::SquareMetre)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 /// Heights of prism 1 above prisms 2 and 3 (m).
@@ -98,25 +104,25 @@ pub fn rig_heights_contradict(answer_m: [f64; 2], rig_m: [f64; 2]) -> Finding {
     Finding::new(
         FindingKind::RigHeightsContradict,
         format!(
-            "prism 1 stands {:+.3} and {:+.3} m above prisms 2 and 3 in this answer, {:+.3} and {:+.3} m in the reading of the \
-             rig, more than the vehicle tilts; check which station tracked which prism",
+            "the rig contradicts this answer: prism 1 stands {:+.3} and {:+.3} m above prisms 2 and 3 in the answer, {:+.3} and \
+             {:+.3} m in the reading of the rig: more than tilt explains; check which station tracked which prism",
             answer_m[0], answer_m[1], rig_m[0], rig_m[1]
         ),
     )
     .quantity("height_over_prism_2", answer_m[0], Unit::Metre)
     .quantity("height_over_prism_3", answer_m[1], Unit::Metre)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 /// A misreading that would explain the contradictions of an answer.
 pub struct SuspectedMisreading<'a> {
-    /// The misreading, the assumption, the correction, all in words.
+    /// Misreading, assumption and correction in words.
     pub misreading: &'a str,
     pub assuming: &'a str,
     pub correction: &'a str,
     /// The improvements under the assumption, in words.
     pub improvements: &'a [String],
-    /// True if the rig alone contradicts the answer, and may be wrong itself.
+    /// True if only the rig contradicts the answer; the rig may be wrong itself.
     pub only_by_rig: bool,
     /// True if other misreadings were named before.
     pub is_alternative: bool,
@@ -127,7 +133,7 @@ pub fn misreading_suspected(suspected: SuspectedMisreading<'_>) -> Finding {
     let SuspectedMisreading { misreading, assuming, correction, improvements, .. } = suspected;
     let or = if suspected.is_alternative { "or else " } else { "" };
     let unless =
-        if suspected.only_by_rig { ", unless the reading of the rig is what is wrong" } else { "" };
+        if suspected.only_by_rig { ", unless the reading of the rig is wrong" } else { "" };
     let message =
         format!("{or}{misreading}: {assuming} {}; {correction}{unless}", improvements.join(", "));
     let finding = Finding::new(FindingKind::MisreadingSuspected, message)
@@ -138,8 +144,8 @@ pub fn misreading_suspected(suspected: SuspectedMisreading<'_>) -> Finding {
 pub fn misreading_not_found() -> Finding {
     Finding::new(
         FindingKind::MisreadingNotFound,
-        "no single misreading explains what contradicts this answer: the numbers of the stations, the sense of their azimuths \
-         and ranges in feet were tried",
+        "no single misreading explains the contradictions of this answer: station numbers, the sense of azimuths and ranges in \
+         feet were tried",
     )
 }
 
@@ -154,7 +160,7 @@ pub(super) fn examples() -> Vec<Finding> {
         rig_heights_contradict([0.2, 0.1], [-0.2, -0.1]),
         misreading_suspected(SuspectedMisreading {
             misreading: "stations 2 and 3 look exchanged",
-            assuming: "with that put right",
+            assuming: "with the numbers corrected",
             correction: "set `stations` of deployment.toml",
             improvements: &["the distances fit to 1.3 mm instead of 42 mm".to_owned()],
             only_by_rig: false,

@@ -35,8 +35,8 @@ pub fn clock_drift(station: usize, drift: &Estimate) -> Finding {
 
 pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
     let message = format!(
-        "station {}'s stamps seem {:.1} ± {:.1} ms {} against station 1's, which biases this answer: estimate the clocks, as \
-         the joint estimate does",
+        "station {}'s stamps seem {:.1} ± {:.1} ms {} against station 1's, which biases this answer: use the joint \
+         estimate, which estimates the clock offsets",
         station + 1,
         offset_s.value.abs() * 1e3,
         offset_s.sigma * 1e3,
@@ -51,7 +51,7 @@ pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
 pub fn clock_jump_suspected(station: usize, jump_s: &Estimate) -> Finding {
     let message = format!(
         "station {}'s stamps seem {:+.1} ± {:.1} ms later in the second half of the drive than in the first, which biases this \
-         answer: look for a clock that jumped (the joint estimate says when)",
+         answer: find the clock jump (the joint estimate reports its time)",
         station + 1,
         jump_s.value * 1e3,
         jump_s.sigma * 1e3,
@@ -61,16 +61,16 @@ pub fn clock_jump_suspected(station: usize, jump_s: &Estimate) -> Finding {
         .with(Remedy::JointEstimate)
 }
 
-/// `is_allowed_for` is true where the estimate has the drift among its parameters.
+/// `is_allowed_for` is true if the drift is a parameter of the estimate.
 pub fn clock_drift_implausible(station: usize, drift: &Estimate, is_allowed_for: bool) -> Finding {
     let consequence = if is_allowed_for {
-        "the estimate allows for a drift, and for no more than that"
+        "the estimate models a constant drift only"
     } else {
-        "the answer is not corrected for that"
+        "the answer is not corrected for it"
     };
     let message = format!(
-        "station {}'s clock seems to drift by {:+.0} µs a second, more than those of total stations do: nothing keeps it, or \
-         it jumps or wanders; {consequence}",
+        "station {}'s clock seems to drift by {:+.0} µs a second, more than those of total stations do: it is not \
+         synchronised, jumps or wanders; {consequence}",
         station + 1,
         drift.value * 1e6,
     );

@@ -1,6 +1,8 @@
 //! Findings about the shape of a drive, and the directions that it determines.
 
-use crate::deployment::{Finding, FindingKind, Message, Remedy, Severity, ToldAngle, ToldIn, Unit};
+use crate::deployment::{
+    AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Unit,
+};
 
 /// Numbers of directions, of 8, that a drive leaves unobservable or determines weakly.
 #[derive(Clone, Copy)]
@@ -10,16 +12,16 @@ pub struct OpenDirections {
 }
 
 impl OpenDirections {
-    /// A finding about the shape of the drive, as severe as its consequence.
+    /// A finding about the shape of the drive, with the severity of its consequence.
     fn finding(self, kind: FindingKind, shape: impl Into<Message>) -> Finding {
         let of_all = |count, how| match count {
             1 => format!("1 of 8 directions is {how}"),
             _ => format!("{count} of 8 directions are {how}"),
         };
         let (severity, consequence) = match (self.free, self.weak) {
-            (0, 0) => (Severity::Note, "yet all 8 directions are held".to_owned()),
-            (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
-            (free, _) => (Severity::Problem, of_all(free, "free")),
+            (0, 0) => (Severity::Note, "all 8 directions are observable".to_owned()),
+            (0, weak) => (Severity::Warning, of_all(weak, "weakly observable")),
+            (free, _) => (Severity::Problem, of_all(free, "unobservable")),
         };
         Finding::new(kind, shape.into().text(format!("; {consequence}")))
             .with_severity(severity)
@@ -34,7 +36,7 @@ pub fn drive_standing(open: OpenDirections) -> Finding {
 
 pub fn drive_straight_line(open: OpenDirections, length_m: f64, bends_m: f64) -> Finding {
     let shape = format!(
-        "the drive is one straight line ({length_m:.0} m, bends under {:.1} m), on which the rig never turns",
+        "the drive is one straight line ({length_m:.0} m, bends under {:.1} m): the rig never turns",
         (bends_m * 10.0).ceil().max(1.0) / 10.0
     );
     open.finding(FindingKind::DriveStraightLine, shape)
@@ -42,13 +44,13 @@ pub fn drive_straight_line(open: OpenDirections, length_m: f64, bends_m: f64) ->
         .quantity("bends", bends_m, Unit::Metre)
 }
 
-/// `driven_rad` is the angle that was driven on the circle.
+/// `driven_rad` is the angle driven on the circle.
 pub fn drive_circle(open: OpenDirections, radius_m: f64, driven_rad: f64) -> Finding {
     let shape = if driven_rad > std::f64::consts::TAU {
         format!("the drive goes round one circle, one way (radius {radius_m:.1} m)").into()
     } else {
         Message::from("the drive is an arc of one circle (")
-            .angle(ToldAngle::size(driven_rad, ToldIn::Degrees, 0))
+            .angle(MessageAngle::size(driven_rad, AngleFormat::Degrees, 0))
             .text(format!(" of radius {radius_m:.1} m)"))
     };
     open.finding(FindingKind::DriveCircle, shape)
@@ -64,12 +66,14 @@ pub fn drive_two_legs(
     rival_cost_ratio: Option<f64>,
 ) -> Finding {
     let rival = rival_cost_ratio.map_or_else(String::new, |cost_ratio| {
-        format!(", with the rig turned another solution costs {cost_ratio:.1} times as much")
+        format!(
+            ", and another solution with the rig turned has only {cost_ratio:.1} times the cost"
+        )
     });
     let [x, y] = corner_m;
     let shape = Message::from("the drive is an L, two straight legs with one corner of ")
-        .angle(ToldAngle::size(turn_rad, ToldIn::Degrees, 0))
-        .text(format!(" at ({x:.1}, {y:.1}) m: everything rests on that corner{rival}"));
+        .angle(MessageAngle::size(turn_rad, AngleFormat::Degrees, 0))
+        .text(format!(" at ({x:.1}, {y:.1}) m: the answer depends on that corner alone{rival}"));
     let finding =
         open.finding(FindingKind::DriveTwoLegs, shape).quantity("turn", turn_rad, Unit::Radian);
     match rival_cost_ratio {
@@ -82,7 +86,7 @@ pub fn drive_two_legs(
 pub fn drive_leaves_direction_free(free: &str, advice: &str) -> Finding {
     Finding::new(
         FindingKind::DriveLeavesDirectionFree,
-        format!("the drive leaves a direction free: {free}; next, {advice}"),
+        format!("the drive leaves a direction unobservable: {free}; next, {advice}"),
     )
 }
 
@@ -90,8 +94,8 @@ pub fn stations_far_from_track(largest_sigma_m: f64) -> Finding {
     Finding::new(
         FindingKind::StationsFarFromTrack,
         format!(
-            "weakly held: the stations stand far from the track, where an error of yaw grows (σ up to {:.0} mm); drive nearer \
-             to them, or over a larger area",
+            "weakly observable: the stations stand far from the track, where an error of yaw grows (σ up to {:.0} mm); drive \
+             nearer to them or over a larger area, if the place allows",
             largest_sigma_m * 1e3
         ),
     )
@@ -103,7 +107,7 @@ pub fn drive_weak(direction: &str, largest_sigma_m: f64, advice: &str) -> Findin
     Finding::new(
         FindingKind::DriveWeak,
         format!(
-            "weakly held: {direction} (σ up to {:.0} mm); next, {advice}",
+            "weakly observable: {direction} (σ up to {:.0} mm); next, {advice}",
             largest_sigma_m * 1e3
         ),
     )
@@ -127,7 +131,7 @@ pub enum Flat {
     Tilt { tilt_rad: f64 },
 }
 
-/// A warning where nothing resolves the twin, else a note.
+/// A warning if nothing resolves the twin, else a note.
 pub fn flat_ground(flat: Flat, is_resolved: bool) -> Finding {
     let (ground, name, value, unit) = match flat {
         Flat::Floor { relief_m } => {
@@ -135,15 +139,14 @@ pub fn flat_ground(flat: Flat, is_resolved: bool) -> Finding {
             (Message::from(ground), "relief", relief_m, Unit::Metre)
         }
         Flat::Tilt { tilt_rad } => {
-            let ground = Message::from("the rig never pitches or rolls (by ")
-                .angle(ToldAngle::size(tilt_rad, ToldIn::Degrees, 2))
+            let ground = Message::from("the rig hardly pitches or rolls (")
+                .angle(MessageAngle::size(tilt_rad, AngleFormat::Degrees, 2))
                 .text(" at most)");
             (ground, "tilt", tilt_rad, Unit::Radian)
         }
     };
-    let message = ground.text(
-        ": heights have a mirror twin that only the rig or control points can tell from the answer",
-    );
+    let message =
+        ground.text(": only the rig or control points resolve the mirror ambiguity of the heights");
     let severity = if is_resolved { Severity::Note } else { Severity::Warning };
     Finding::new(FindingKind::FlatGround, message)
         .with_severity(severity)
@@ -154,7 +157,7 @@ pub fn rival_minimum(apart_m: f64, cost_ratio: f64) -> Finding {
     Finding::new(
         FindingKind::RivalMinimum,
         format!(
-            "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
+            "another solution {apart_m:.2} m away has only {cost_ratio:.2} times the cost; turn to both sides while driving"
         ),
     )
     .quantity("apart", apart_m, Unit::Metre)
@@ -172,7 +175,7 @@ pub fn distances_fit_poorly(median_m: f64) -> Finding {
         ),
     )
     .quantity("median", median_m, Unit::Metre)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 pub(super) fn examples() -> Vec<Finding> {

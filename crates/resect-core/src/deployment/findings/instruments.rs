@@ -1,13 +1,14 @@
 //! Findings of the joint estimate: noise, errors of instruments, distances, steps.
 
 use crate::deployment::{
-    Finding, FindingKind, Message, Remedy, Severity, Subject, ToldAngle, ToldIn, Unit, pair_label,
+    AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Subject, Unit,
+    pair_label,
 };
 use crate::statistics::estimate::{Estimate, Quantity, sigmas_in_words};
 
 /// Noise of the readings about the motion, one standard deviation each.
 #[derive(Clone, Copy)]
-pub struct Noise {
+pub struct ReadingNoise {
     pub range_m: f64,
     pub angle_rad: f64,
     pub stamp_s: f64,
@@ -15,18 +16,16 @@ pub struct Noise {
     pub range_wander_m: f64,
 }
 
-pub fn noise_levels(noise: Noise) -> Finding {
-    let Noise { range_m, angle_rad, stamp_s, range_wander_m } = noise;
-    let message = Message::from(format!(
-        "readings scatter about the motion by {:.1} mm in range, ",
-        range_m * 1e3
-    ))
-    .angle(ToldAngle::size(angle_rad, ToldIn::Arcseconds, 1))
-    .text(format!(
-        " in angle and {:.1} ms in time; ranges wander by {:.1} mm",
-        stamp_s * 1e3,
-        range_wander_m * 1e3
-    ));
+pub fn noise_levels(noise: ReadingNoise) -> Finding {
+    let ReadingNoise { range_m, angle_rad, stamp_s, range_wander_m } = noise;
+    let message =
+        Message::from(format!("noise of the readings (1 σ): {:.1} mm in range, ", range_m * 1e3))
+            .angle(MessageAngle::size(angle_rad, AngleFormat::Arcseconds, 1))
+            .text(format!(
+                " in angle, {:.1} ms in time; slow range errors {:.1} mm",
+                stamp_s * 1e3,
+                range_wander_m * 1e3
+            ));
     Finding::new(FindingKind::NoiseLevels, message)
         .quantity("range", range_m, Unit::Metre)
         .quantity("angle", angle_rad, Unit::Radian)
@@ -34,11 +33,11 @@ pub fn noise_levels(noise: Noise) -> Finding {
         .quantity("range_wander", range_wander_m, Unit::Metre)
 }
 
-/// An error that was estimated, in words: "station 2's ranges are off by".
+/// An estimated error with its description: "station 2's ranges are off by".
 #[derive(Clone, Copy)]
 pub struct NamedError<'a> {
     pub sentence: &'a str,
-    /// The station (0 to 2) of an error of an instrument.
+    /// The station (0 to 2) of an instrument error; `None` for other errors.
     pub station: Option<usize>,
     pub quantity: Quantity,
     pub estimate: Estimate,
@@ -66,12 +65,12 @@ impl NamedError<'_> {
         )
     }
 
-    /// "station 2's ranges are off by +1.2 ± 0.3 mm".
+    /// Sentence with value and σ: "station 2's ranges are off by +1.2 ± 0.3 mm".
     fn in_words(&self, decimals: usize) -> Message {
         let Estimate { value, sigma } = self.estimate;
         let sentence = Message::from(format!("{} ", self.sentence));
         if self.quantity == Quantity::Angle {
-            let angle = ToldAngle::signed(value, ToldIn::Arcseconds, 1).sigma(sigma);
+            let angle = MessageAngle::signed(value, AngleFormat::Arcseconds, 1).sigma(sigma);
             return sentence.angle(angle);
         }
         let (scale, unit) = self.quantity.told();
@@ -82,10 +81,10 @@ impl NamedError<'_> {
         ))
     }
 
-    /// "0.3 mm".
+    /// Prior σ with its unit: "0.3 mm".
     fn prior_in_words(&self, decimals: usize) -> Message {
         if self.quantity == Quantity::Angle {
-            return ToldAngle::size(self.prior_sigma, ToldIn::Arcseconds, 1).into();
+            return MessageAngle::size(self.prior_sigma, AngleFormat::Arcseconds, 1).into();
         }
         let (scale, unit) = self.quantity.told();
         format!("{:.decimals$} {unit}", self.prior_sigma * scale).into()
@@ -96,15 +95,13 @@ pub fn instrument_error(error: &NamedError<'_>) -> Finding {
     error.finding(FindingKind::InstrumentError, error.in_words(1))
 }
 
-/// `sigmas` beyond chance.
+/// `sigmas` is the distance from the prior in standard deviations.
 pub fn instrument_error_implausible(error: &NamedError<'_>, sigmas: f64) -> Finding {
     let message = error
         .in_words(1)
-        .text(", where instruments in order have ")
+        .text(format!(": implausible at {sigmas:.1} σ, sound instruments have "))
         .message(error.prior_in_words(1))
-        .text(format!(
-            " (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that this estimate takes for it"
-        ));
+        .text(" (1 σ); probably another error, which this estimate does not model, is the cause");
     error.finding(FindingKind::InstrumentErrorImplausible, message).quantity(
         "sigmas",
         sigmas,
@@ -112,17 +109,14 @@ pub fn instrument_error_implausible(error: &NamedError<'_>, sigmas: f64) -> Find
     )
 }
 
-/// The data contradicts the size that was stated for an error, by `sigmas`.
+/// The data contradicts the stated size of an error; `sigmas` is its distance from zero, in σ of data and stated size.
 pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding {
     let decimals = if error.station.is_some() { 1 } else { 2 };
     let message = error
         .in_words(decimals)
-        .text(" by the data, which was said to be within ")
+        .text(format!(" by the data: {:.1} σ beyond the stated ", sigmas.abs()))
         .message(error.prior_in_words(decimals))
-        .text(format!(
-            " (1 σ): {:.1} σ beyond that, so this answer is bent; let it have its usual size",
-            sigmas.abs()
-        ));
+        .text(" (1 σ), so this answer is biased; restore the usual size of this error");
     error.finding(FindingKind::StatedErrorContradicted, message).quantity(
         "sigmas",
         sigmas,
@@ -130,7 +124,7 @@ pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding
     )
 }
 
-/// An estimated distance; a warning where it is notably far from its measurement.
+/// An estimated distance; a warning if it differs notably from its measurement.
 pub fn distance_estimated(
     pair: usize,
     measured_m: f64,
@@ -147,20 +141,20 @@ pub fn distance_estimated(
     );
     let finding = if is_notable {
         Finding::new(FindingKind::DistanceOff, format!("{line}; measure the rig again"))
-            .with(Remedy::PutRight)
+            .with(Remedy::Corrections)
     } else {
         Finding::new(FindingKind::DistanceEstimated, line)
     };
     finding.about(Subject::Pair(pair)).estimate("error", &off_m, Unit::Metre)
 }
 
-/// A distance that would be `off_m` from its measurement, of which `prior_sigma_m` is one standard deviation.
+/// A distance that differs by `off_m` from its measurement, whose prior standard deviation is `prior_sigma_m`.
 pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas: f64) -> Finding {
     Finding::new(
         FindingKind::DistanceImplausible,
         format!(
-            "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ beyond \
-             chance: the rig, its units or the stations' numbers are wrong",
+            "prisms {} would be {:+.1} mm from their measured distance (σ {:.1} mm), implausible at {sigmas:.1} σ: the rig, its \
+             units or the station numbers are wrong",
             pair_label(pair),
             off_m * 1e3,
             prior_sigma_m * 1e3
@@ -169,7 +163,7 @@ pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas:
     .about(Subject::Pair(pair))
     .quantity("error", off_m, Unit::Metre)
     .quantity("sigmas", sigmas, Unit::Ratio)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
@@ -177,8 +171,8 @@ pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
     Finding::new(
         FindingKind::DistancesImplausible,
         format!(
-            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, which is {sigmas:.1} σ beyond chance, taken \
-             together: a station followed another prism for a while, or the rig is not as it was measured",
+            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, together implausible at {sigmas:.1} σ: a \
+             station followed another prism for a while, or the rig has changed since it was measured",
             off_mm.join(", ")
         ),
     )
@@ -186,15 +180,15 @@ pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
     .quantity("error_13", off_m[1], Unit::Metre)
     .quantity("error_23", off_m[2], Unit::Metre)
     .quantity("sigmas", sigmas, Unit::Ratio)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 pub fn station_errors_implausible(station: usize, sigmas: f64) -> Finding {
     Finding::new(
         FindingKind::StationErrorsImplausible,
         format!(
-            "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order have, \
-             taken together: it was knocked, or something else bends the answer",
+            "station {}'s errors of ranges, angles and tilt are together implausible at {sigmas:.1} σ: it was knocked, or \
+             another error biases the answer",
             station + 1
         ),
     )
@@ -206,8 +200,8 @@ pub fn errors_implausible(sigmas: f64) -> Finding {
     Finding::new(
         FindingKind::ErrorsImplausible,
         format!(
-            "what is wrong with all stations and distances is {sigmas:.1} σ beyond what instruments in order have, taken \
-             together: something that this estimate does not know bends the answer"
+            "the errors of all stations and distances are together implausible at {sigmas:.1} σ: an error that this estimate \
+             does not model biases the answer"
         ),
     )
     .quantity("sigmas", sigmas, Unit::Ratio)
@@ -217,7 +211,7 @@ pub fn range_wander_implausible(sigma_m: f64) -> Finding {
     Finding::new(
         FindingKind::RangeWanderImplausible,
         format!(
-            "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
+            "slow range errors of {:.0} mm are larger than any prism causes: find the cause",
             sigma_m * 1e3
         ),
     )
@@ -231,9 +225,9 @@ pub struct StepContext<'a> {
     pub station: usize,
     /// The time in words: "about 200 s into the drive".
     pub when: &'a str,
-    /// True if the standard deviations allow for it; the finding is a note then.
+    /// True if the standard deviations include the step; the finding is a note then.
     pub is_usual: bool,
-    /// The span around a sudden step (s, in the stations' clock); `None` of a slow change.
+    /// Span around a sudden step (s, in the stations' clock); `None` for a slow change.
     pub span_s: Option<[f64; 2]>,
 }
 
@@ -241,12 +235,12 @@ impl StepContext<'_> {
     fn finding(self, kind: FindingKind, event: impl Into<Message>) -> Finding {
         let Self { station, is_usual, span_s, .. } = self;
         let consequence = match (is_usual, span_s) {
-            (true, _) => "no more than σ allows for",
+            (true, _) => "σ includes it",
             (false, None) => {
-                "the estimate allows for it, but no one answer holds for the whole drive: find out why"
+                "the estimate models it, but no single answer fits the whole drive: find the cause"
             }
             (false, Some(_)) => {
-                "the estimate allows for it, but no one answer holds for the whole drive: cut the recording there"
+                "the estimate models it, but no single answer fits the whole drive: cut the recording there"
             }
         };
         let message = event.into().text(format!("; {consequence}"));
@@ -261,7 +255,7 @@ impl StepContext<'_> {
 
 pub fn clock_stepped(context: StepContext<'_>, by_s: &Estimate) -> Finding {
     let event = format!(
-        "station {}'s stamps jump by {:+.1} ± {:.1} ms {}, which no offset puts right",
+        "station {}'s stamps jump by {:+.1} ± {:.1} ms {}, which no constant offset corrects",
         context.station + 1,
         by_s.value * 1e3,
         by_s.sigma * 1e3,
@@ -275,8 +269,8 @@ pub fn station_moved(
     turned_rad: &Estimate,
     moved_m: &Estimate,
 ) -> Finding {
-    let turned =
-        ToldAngle::signed(turned_rad.value, ToldIn::Milliradians, 3).sigma(turned_rad.sigma);
+    let turned = MessageAngle::signed(turned_rad.value, AngleFormat::Milliradians, 3)
+        .sigma(turned_rad.sigma);
     let event = Message::from(format!("station {} turned by ", context.station + 1))
         .angle(turned)
         .text(format!(
@@ -295,21 +289,21 @@ pub fn station_moved(
 #[derive(Clone, Copy)]
 pub struct UncertaintySource<'a> {
     pub source: &'a str,
-    /// Standard deviation by this source alone, and by all (m or rad).
+    /// Standard deviation by this source alone, and by all sources (m or rad).
     pub part: f64,
     pub whole: f64,
 }
 
-/// The sources of x, y, z (m) and yaw (rad) of a station.
+/// Largest sources of the standard deviations of x, y, z (m) and yaw (rad) of a station.
 pub fn uncertainty_sources(station: usize, sources: [UncertaintySource<'_>; 4]) -> Finding {
     let [x, y, z, yaw] = sources;
-    let mut message = Message::from(format!("what dominates σ of station {}: ", station + 1));
+    let mut message = Message::from(format!("largest part of σ of station {}: ", station + 1));
     for (axis, UncertaintySource { source, part, whole }) in [("x", x), ("y", y), ("z", z)] {
         message =
             message.text(format!("{axis} {source} ({:.1} of {:.1} mm), ", part * 1e3, whole * 1e3));
     }
     let [part, whole] =
-        [yaw.part, yaw.whole].map(|rad| ToldAngle::size(rad, ToldIn::Milliradians, 3));
+        [yaw.part, yaw.whole].map(|rad| MessageAngle::size(rad, AngleFormat::Milliradians, 3));
     let message = message
         .text(format!("yaw {} (", yaw.source))
         .angle(part)
@@ -353,7 +347,7 @@ pub(super) fn examples() -> Vec<Finding> {
     };
     let source = UncertaintySource { source: "settling", part: 0.0006, whole: 0.0009 };
     vec![
-        noise_levels(Noise {
+        noise_levels(ReadingNoise {
             range_m: 0.001,
             angle_rad: 1e-5,
             stamp_s: 0.001,

@@ -5,14 +5,14 @@ use crate::deployment::{Finding, FindingKind, Remedy, Unit};
 pub fn mirror_same_height() -> Finding {
     Finding::new(
         FindingKind::MirrorSameHeight,
-        "the prisms stand at the same height, so the mirror twin is the answer itself",
+        "the prisms are at the same height, so the mirrored solution is the answer itself",
     )
 }
 
 pub fn mirror_ruled_out() -> Finding {
     Finding::new(
         FindingKind::MirrorRuledOut,
-        "the mirror twin is no minimum of its own here: pitch and roll rule it out",
+        "no mirror ambiguity: pitch and roll exclude the mirrored solution",
     )
 }
 
@@ -25,8 +25,8 @@ pub enum MirrorWitness {
     Nothing,
 }
 
-/// A mirror twin with its distance in height and its cost over that of the answer; `is_contradicted` where the cost says
-/// clearly the opposite.
+/// A mirror twin with its difference in height and its cost over that of the answer. `is_contradicted` is true if the cost
+/// clearly contradicts the evidence.
 pub fn mirror_twin(
     witness: MirrorWitness,
     apart_m: f64,
@@ -35,41 +35,42 @@ pub fn mirror_twin(
 ) -> Finding {
     let (kind, decision) = match witness {
         MirrorWitness::Rig => {
-            (FindingKind::MirrorResolvedByRig, "the rig decides (which prism stands higher)")
+            (FindingKind::MirrorResolvedByRig, "decided by the rig (which prism is higher)")
         }
         MirrorWitness::ControlPoints => {
-            (FindingKind::MirrorResolvedByControlPoints, "the control points decide")
+            (FindingKind::MirrorResolvedByControlPoints, "decided by the control points")
         }
-        MirrorWitness::Cost => (FindingKind::MirrorResolvedByCost, "the cost decides"),
-        MirrorWitness::Nothing => (FindingKind::MirrorUnresolved, "nothing decides between them"),
+        MirrorWitness::Cost => (FindingKind::MirrorResolvedByCost, "decided by the cost"),
+        MirrorWitness::Nothing => (FindingKind::MirrorUnresolved, "not resolved"),
     };
     let kind = if is_contradicted { FindingKind::MirrorUnresolved } else { kind };
     Finding::new(
         kind,
         format!(
-            "a mirror twin {apart_m:.2} m away in height costs {cost_ratio:.2} times the answer; {decision}"
+            "mirror ambiguity {decision}: the mirrored solution, {apart_m:.2} m away in height, has {cost_ratio:.2} times the \
+             cost"
         ),
     )
     .quantity("apart", apart_m, Unit::Metre)
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
 }
 
-/// `witness` is its name.
+/// `witness` is the name of the evidence.
 pub fn mirror_witness_contradicted(witness: &str) -> Finding {
     Finding::new(
         FindingKind::MirrorWitnessContradicted,
         format!(
-            "the {witness} says one solution, the cost clearly the other; check the order of the prisms"
+            "the {witness} and the cost clearly contradict each other about the mirrored solution; check the order of the prisms"
         ),
     )
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 pub fn mirror_needs_witness() -> Finding {
     Finding::new(
         FindingKind::MirrorNeedsWitness,
-        "to tell the twins apart, add calibration_raw.csv (heights of the prisms) or control points, or drive over uneven \
-         ground",
+        "to resolve the mirror ambiguity, add calibration_raw.csv (heights of the prisms) or control points, or drive over \
+         uneven ground",
     )
     .with(Remedy::GiveRig)
     .with(Remedy::GiveControlPoints)

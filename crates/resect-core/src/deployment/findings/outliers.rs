@@ -2,16 +2,16 @@
 
 use crate::deployment::{Finding, FindingKind, Remedy, Unit};
 
-/// `count` of `all` triplets were left out; `is_many` where the rest may be wrong too.
+/// `count` of `all` triplets were left out; `is_many` is true if the rest may be wrong too.
 pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
     let share = count as f64 / all as f64;
-    let line = format!("{count} triplets that cannot be right were left out");
+    let line = format!("{count} outlying triplets were left out");
     let finding = if is_many {
         Finding::new(
             FindingKind::ManyOutliersLeftOut,
             format!(
-                "{line}, {:.0} % of all: the rest may be wrong as well; find out what station followed another prism, or whose \
-                 distances are another rig's",
+                "{line}, {:.0} % of all: the rest may be wrong as well; check if a station followed another prism, or if the \
+                 distances are those of another rig",
                 1e2 * share
             ),
         )
@@ -27,8 +27,8 @@ pub fn span_left_out(span_s: [f64; 2], start_s: f64) -> Finding {
     Finding::new(
         FindingKind::SpanLeftOut,
         format!(
-            "most of what is from {:.0} to {:.0} s of the drive does not fit the rest and was left out: a station moved, or \
-             followed another prism for that long; cut the recording there",
+            "most triplets from {:.0} to {:.0} s of the drive do not fit the rest and were left out: a station moved, or \
+             followed another prism for that time; cut the recording there",
             from_s - start_s,
             to_s - start_s
         ),
@@ -38,16 +38,16 @@ pub fn span_left_out(span_s: [f64; 2], start_s: f64) -> Finding {
     .with(Remedy::ShowTimes(span_s))
 }
 
-/// `largest_m` is the largest error of a distance, where it is known.
+/// `largest_m` is the largest error of a distance; `None` if it is unknown.
 pub fn outliers_shift_answer(count: usize, largest_m: Option<f64>, shift_m: f64) -> Finding {
     let message = match largest_m {
         Some(largest_m) => format!(
-            "{count} triplets with distances off by up to {largest_m:.2} m pull this answer by {:.0} mm: a station lost its \
-             prism or followed another; the joint estimate leaves them out",
+            "{count} outlying triplets shift this answer by {:.0} mm (their distances are off by up to {largest_m:.2} m): a \
+             station lost its prism or followed another; the joint estimate leaves them out",
             shift_m * 1e3
         ),
         None => format!(
-            "{count} triplets that cannot be right pull this answer by {:.0} mm; the joint estimate leaves them out",
+            "{count} outlying triplets shift this answer by {:.0} mm; the joint estimate leaves them out",
             shift_m * 1e3
         ),
     };
@@ -60,7 +60,7 @@ pub fn outliers_shift_answer(count: usize, largest_m: Option<f64>, shift_m: f64)
 pub fn prior_search_unconfirmed() -> Finding {
     Finding::new(
         FindingKind::PriorSearchUnconfirmed,
-        "the search of the prior found no optimum that three other runs agree with; compare with the closed form",
+        "the search of the prior found no optimum that three other runs confirm; compare with the closed form",
     )
     .with(Remedy::ClosedFormPrior)
 }
@@ -69,8 +69,8 @@ pub fn prior_search_elsewhere(apart_m: f64) -> Finding {
     Finding::new(
         FindingKind::PriorSearchElsewhere,
         format!(
-            "the search of the prior ended {apart_m:.2} m from this answer (in another minimum, such as the mirror twin); the \
-             answer does not rest on it"
+            "the search of the prior ended {apart_m:.2} m from this answer, in another minimum such as the mirrored solution; \
+             the answer does not depend on it"
         ),
     )
     .quantity("apart", apart_m, Unit::Metre)

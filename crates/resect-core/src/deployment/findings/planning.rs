@@ -5,7 +5,7 @@ use crate::deployment::{Finding, FindingKind, Severity, Subject, Unit};
 pub fn plan_leaves_direction_free() -> Finding {
     Finding::new(
         FindingKind::PlanLeavesDirectionFree,
-        "this drive leaves a direction free: turn, and drive further",
+        "this drive leaves a direction unobservable: turn, and drive further",
     )
 }
 
@@ -21,7 +21,7 @@ pub fn plan_leaves_directions_free(planned: PlannedDirections<'_>) -> Finding {
     let PlannedDirections { shape, directions, advice } = planned;
     Finding::new(
         FindingKind::PlanLeavesDirectionFree,
-        format!("this drive ({shape}) leaves free: {directions}; {advice}"),
+        format!("unobservable with this drive ({shape}): {directions}; {advice}"),
     )
     .about(Subject::Named(shape.to_owned()))
 }
@@ -30,7 +30,7 @@ pub fn plan_directions_weak(planned: PlannedDirections<'_>) -> Finding {
     let PlannedDirections { shape, directions, advice } = planned;
     Finding::new(
         FindingKind::PlanWeak,
-        format!("this drive ({shape}) holds weakly: {directions}; {advice}"),
+        format!("weakly observable with this drive ({shape}): {directions}; {advice}"),
     )
     .about(Subject::Named(shape.to_owned()))
 }
@@ -38,18 +38,18 @@ pub fn plan_directions_weak(planned: PlannedDirections<'_>) -> Finding {
 pub fn plan_weak(largest_sigma_m: f64) -> Finding {
     Finding::new(
         FindingKind::PlanWeak,
-        format!("weakly held: σ up to {:.0} mm at the stations", largest_sigma_m * 1e3),
+        format!("weakly observable: σ up to {:.0} mm at the stations", largest_sigma_m * 1e3),
     )
     .quantity("largest_sigma", largest_sigma_m, Unit::Metre)
 }
 
-/// A warning where the target is missed, else a note.
+/// A warning if the target is missed, else a note.
 pub fn plan_far_end(station: usize, sigma_m: f64, target_m: f64) -> Finding {
     let severity = if sigma_m > target_m { Severity::Warning } else { Severity::Note };
     Finding::new(
         FindingKind::PlanFarEnd,
         format!(
-            "at the far end of the track, station {}'s prism is known to {:.1} mm, where {:.1} mm are wanted",
+            "at the far end of the track, σ of station {}'s prism is {:.1} mm; the target is {:.1} mm",
             station + 1,
             sigma_m * 1e3,
             target_m * 1e3
@@ -65,7 +65,7 @@ pub fn plan_resolves_mirror(cost_ratio: f64) -> Finding {
     Finding::new(
         FindingKind::PlanResolvesMirror,
         format!(
-            "the mirror twin in height will cost about {cost_ratio:.1} times the answer: the drive tells them apart"
+            "the drive resolves the mirror ambiguity: the mirrored solution will have about {cost_ratio:.1} times the cost"
         ),
     )
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
@@ -75,8 +75,9 @@ pub fn plan_mirror_needs_reading(cost_ratio: f64) -> Finding {
     Finding::new(
         FindingKind::PlanMirrorNeedsReading,
         format!(
-            "the mirror twin in height will cost only {cost_ratio:.2} times the answer: read the three prisms from one static \
-             station before the drive (calibration_raw.csv), or drive over a ramp"
+            "the drive does not resolve the mirror ambiguity: the mirrored solution will have only {cost_ratio:.2} times the \
+             cost; read the three prisms from one static station before the drive (calibration_raw.csv), or drive over a \
+             ramp"
         ),
     )
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
@@ -86,8 +87,8 @@ pub fn plan_mirror_unresolved(cost_ratio: f64) -> Finding {
     Finding::new(
         FindingKind::PlanMirrorUnresolved,
         format!(
-            "the mirror twin in height will cost only {cost_ratio:.2} times the answer, and the prisms stand too nearly level to \
-             be told apart: fix them at heights that differ more"
+            "nothing resolves the mirror ambiguity: the mirrored solution will have only {cost_ratio:.2} times the cost, and the \
+             prisms are at nearly the same height; fix them at heights that differ more"
         ),
     )
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
@@ -98,10 +99,10 @@ pub struct LostReadings<'a> {
     /// The station, 0 to 2.
     pub station: usize,
     pub count: usize,
-    /// The longest span of them (s).
+    /// The longest span of lost readings (s).
     pub span_s: [f64; 2],
     pub reason: &'a str,
-    /// True if they are worth a warning.
+    /// True if their number justifies a warning.
     pub are_many: bool,
 }
 
@@ -111,7 +112,7 @@ pub fn plan_readings_lost(lost: &LostReadings<'_>) -> Finding {
     Finding::new(
         FindingKind::PlanReadingsLost,
         format!(
-            "station {}: {count} readings do not count, most of them from {from_s:.0} to {to_s:.0} s: {reason}",
+            "station {}: {count} readings are lost, most of them from {from_s:.0} to {to_s:.0} s: {reason}",
             station + 1
         ),
     )

@@ -2,7 +2,7 @@
 
 use crate::deployment::{Finding, FindingKind, Overrides, Remedy, Severity, Subject, Unit};
 
-/// `is_global` where the points have known coordinates.
+/// `is_global` is true if the points have known coordinates.
 pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Finding {
     Finding::new(
         FindingKind::ControlPointsAligned,
@@ -16,20 +16,20 @@ pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Find
     .quantity("rms", rms_m, Unit::Metre)
 }
 
-/// A problem where the fit is hopeless, else a warning.
+/// A problem if the fit is hopeless, else a warning.
 pub fn control_points_fit_poorly(rms_m: f64, is_hopeless: bool) -> Finding {
     let severity = if is_hopeless { Severity::Problem } else { Severity::Warning };
     Finding::new(
         FindingKind::ControlPointsFitPoorly,
         format!(
-            "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station \
-             moved",
+            "the control points fit poorly ({:.1} mm rms): check markers, coordinates and prism constant, and if a \
+             station moved",
             rms_m * 1e3
         ),
     )
     .with_severity(severity)
     .quantity("rms", rms_m, Unit::Metre)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 /// `typical_m` is the median residual of all points.
@@ -37,8 +37,8 @@ pub fn control_point_outlier(file: &str, marker: i64, off_m: f64, typical_m: f64
     Finding::new(
         FindingKind::ControlPointOutlier,
         format!(
-            "marker {marker} of {file} is off by {:.0} mm where half of the points are within {:.0} mm: check its readings, or \
-             leave it out",
+            "marker {marker} of {file} is an outlier: it is off by {:.0} mm, half of the points by less than {:.0} mm; check its \
+             readings, or leave it out",
             off_m * 1e3,
             typical_m * 1e3
         ),
@@ -53,8 +53,8 @@ pub fn known_point_misplaced(file: &str, marker: i64, off_m: f64) -> Finding {
     Finding::new(
         FindingKind::KnownPointMisplaced,
         format!(
-            "marker {marker} of {file} lies {:.0} mm from where the other points put it, and is left out: check its coordinates \
-             and marker",
+            "marker {marker} of {file} is left out: it lies {:.0} mm from the position by the other points; check its \
+             coordinates and marker",
             off_m * 1e3
         ),
     )
@@ -73,13 +73,13 @@ pub fn resection_pair(
 ) -> Finding {
     let [first, second] = markers;
     let agreement = median_m.map_or(String::new(), |median_m| {
-        format!(": stations agree there within {:.1} mm (median)", median_m * 1e3)
+        format!(": the stations agree there within {:.1} mm (median)", median_m * 1e3)
     });
     let finding = Finding::new(
         FindingKind::ResectionPair,
         format!(
-            "points {first} and {second} of {file} ({baseline_m:.0} m apart), the best of {pairs} pairs by the points left \
-             out{agreement}"
+            "points {first} and {second} of {file} ({baseline_m:.0} m apart), the best of {pairs} pairs by the other \
+             points{agreement}"
         ),
     )
     .about(Subject::File(file.to_owned()))
@@ -94,7 +94,7 @@ pub fn resection_pair(
 pub fn resection_unchecked() -> Finding {
     Finding::new(
         FindingKind::ResectionUnchecked,
-        "no third known point checks this resection; a wrong coordinate or a wrong marker would not show",
+        "this resection is unchecked: without a third known point, a wrong coordinate or marker does not show",
     )
 }
 
@@ -102,7 +102,7 @@ pub fn resection_inconsistent(median_m: f64) -> Finding {
     Finding::new(
         FindingKind::ResectionInconsistent,
         format!(
-            "even with the best pair the stations disagree by {:.0} mm (median) at the points left out",
+            "the resection is inconsistent: with the best pair the stations disagree by {:.0} mm (median) at the other points",
             median_m * 1e3
         ),
     )
@@ -116,24 +116,21 @@ pub fn known_distance_off(markers: [i64; 2], error_m: f64, distance_m: f64) -> F
     Finding::new(
         FindingKind::KnownDistanceOff,
         format!(
-            "the stations measure points {first} and {second} {:+.0} mm ({ppm:+.0} ppm) from their known distance: check \
+            "the measured distance of points {first} and {second} is off by {:+.0} mm ({ppm:+.0} ppm) from the known one: check \
              temperature, pressure and prism constant, or the survey",
             error_m * 1e3
         ),
     )
     .quantity("error", error_m, Unit::Metre)
     .quantity("scale_error", ppm * 1e-6, Unit::Ratio)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 /// `blocks` are independent segments of time.
 pub fn tracks_aligned(rms_m: f64, blocks: usize) -> Finding {
     Finding::new(
         FindingKind::TracksAligned,
-        format!(
-            "tracks of one prism aligned, {:.1} mm rms over {blocks} stretches of time",
-            rms_m * 1e3
-        ),
+        format!("tracks of one prism aligned, {:.1} mm rms over {blocks} segments", rms_m * 1e3),
     )
     .quantity("rms", rms_m, Unit::Metre)
     .count("blocks", blocks)
@@ -143,7 +140,8 @@ pub fn prism_count_undecided() -> Finding {
     let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
     Finding::new(
         FindingKind::PrismCountUndecided,
-        "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in deployment.toml",
+        "the number of prisms is not determined, because the drive hardly turns; if it was one, set `prisms = 1` in \
+         deployment.toml",
     )
     .with(Remedy::ReadWith(Box::new(one_prism)))
 }
@@ -156,7 +154,7 @@ pub fn tracks_apart(rms_m: f64) -> Finding {
         ),
     )
     .quantity("rms", rms_m, Unit::Metre)
-    .with(Remedy::PutRight)
+    .with(Remedy::Corrections)
 }
 
 pub fn tracks_fit_poorly(rms_m: f64) -> Finding {
@@ -170,12 +168,12 @@ pub fn tracks_fit_poorly(rms_m: f64) -> Finding {
     .quantity("rms", rms_m, Unit::Metre)
 }
 
-/// `fewest` segments of time give a good standard deviation.
+/// `fewest` is the number of segments of time for a good standard deviation.
 pub fn few_time_blocks(blocks: usize, fewest: usize) -> Finding {
     Finding::new(
         FindingKind::FewTimeBlocks,
         format!(
-            "only {blocks} stretches of independent time; σ is rough below {fewest}: record longer"
+            "only {blocks} independent segments of time; σ is rough below {fewest}: record longer"
         ),
     )
     .count("blocks", blocks)

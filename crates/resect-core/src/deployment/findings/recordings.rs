@@ -5,8 +5,7 @@ use crate::deployment::{Finding, FindingKind, Subject, Unit};
 pub fn stamps_are_station_clocks() -> Finding {
     Finding::new(
         FindingKind::StampsAreStationClocks,
-        "the stamps of the readings are the stations' own clocks: the recording does not tell whether those were \
-         synchronised",
+        "the stamps of the readings are the stations' own clocks: the recording does not show if they were synchronised",
     )
 }
 
@@ -32,7 +31,7 @@ pub fn station_clocks_compared(clocks: &[ClockDifference]) -> Finding {
     };
     let each: Vec<String> = clocks.iter().map(in_words).collect();
     let message =
-        format!("own clocks minus synchronised stamps, which are used: {}", each.join(", "));
+        format!("own clocks minus synchronised stamps (the stamps are used): {}", each.join(", "));
     const OFFSETS: [&str; 3] = ["offset_station_1", "offset_station_2", "offset_station_3"];
     clocks.iter().fold(Finding::new(FindingKind::StationClocksCompared, message), |found, clock| {
         found.quantity(OFFSETS[clock.station], clock.offset_s, Unit::Second)
@@ -44,7 +43,7 @@ pub fn station_clock_drifts(station: usize, drift_ppm: f64) -> Finding {
         FindingKind::StationClockDrifts,
         format!(
             "station {}: its own clock and its stamps drift apart by {drift_ppm:+.0} ppm, more than clocks do; one of them was \
-             being corrected during the recording",
+             adjusted during the recording",
             station + 1
         ),
     )
@@ -72,10 +71,10 @@ pub fn station_clock_jumps(station: usize, by_s: f64, after_s: f64, count: usize
     .count("jumps", count)
 }
 
-/// `off_s` is the difference between stamps and corrections, where enough readings have both times.
+/// `off_s` is the difference between stamps and corrections; `None` if too few readings have both times.
 pub fn time_corrections(station: usize, count: usize, off_s: Option<f64>) -> Finding {
-    let from = off_s
-        .map_or_else(String::new, |off_s| format!(", from its stamps by {:+.1} ms", off_s * 1e3));
+    let from =
+        off_s.map_or_else(String::new, |off_s| format!(", {:+.1} ms from its stamps", off_s * 1e3));
     let message = format!("station {}: {count} time corrections{from}", station + 1);
     let finding = Finding::new(FindingKind::TimeCorrections, message)
         .about(Subject::Station(station))
@@ -90,8 +89,8 @@ pub fn time_corrections_contradict_stamps(station: usize, count: usize, off_s: f
     Finding::new(
         FindingKind::TimeCorrectionsContradictStamps,
         format!(
-            "station {}: own clock minus stamp is {off_s:+.4} s off the {count} time corrections in the recording: the stamps \
-             are not what those would make of the own clock",
+            "station {}: the stamps contradict the {count} time corrections in the recording: own clock minus stamp differs \
+             from them by {off_s:+.4} s",
             station + 1
         ),
     )
@@ -99,8 +98,8 @@ pub fn time_corrections_contradict_stamps(station: usize, count: usize, off_s: f
     .quantity("difference", off_s, Unit::Second)
 }
 
-/// By the recorder's clock: the stamps of the stations (0 to 2) against those of the first (s), the range of the stamps,
-/// and that of the stations' own clocks.
+/// Comparison by the recorder's clock: stamps of the stations (0 to 2) relative to those of the first (s), the range of the
+/// stamps (s), and the range of the stations' own clocks (s).
 pub fn stamps_contradict_recorder(
     against_first_s: &[(usize, f64)],
     stamps_s: f64,
@@ -114,8 +113,8 @@ pub fn stamps_contradict_recorder(
     Finding::new(
         FindingKind::StampsContradictRecorder,
         format!(
-            "the synchronised stamps (header.stamp) of the stations look wrong: against the recorder's clock they lie apart by \
-             {stamps_s:.3} s ({}, from station {first}), their own clocks (theodolite_time) by {own_s:.3} s only",
+            "the synchronised stamps (header.stamp) of the stations look wrong: against the recorder's clock they differ by \
+             {stamps_s:.3} s ({}, from station {first}); the stations' own clocks (theodolite_time) differ by only {own_s:.3} s",
             each.join(", ")
         ),
     )
@@ -127,7 +126,8 @@ pub fn drive_shifted(drive: &str, by_s: f64) -> Finding {
     Finding::new(
         FindingKind::DriveShifted,
         format!(
-            "{drive}: its stamps overlap those of the drive before; it is put behind that, {by_s:.0} s later than stamped"
+            "{drive}: its stamps overlap those of the previous drive; it was moved behind that one, {by_s:.0} s later \
+             than stamped"
         ),
     )
     .about(Subject::Named(drive.to_owned()))

@@ -7,7 +7,7 @@ pub fn estimate_clock_far_off(estimate: &str, clock_s: f64) -> Finding {
     Finding::new(
         FindingKind::EstimateClockFarOff,
         format!(
-            "{estimate}: its clock is off by {clock_s:.0} s; the two were brought together by their speeds alone: check that \
+            "{estimate}: its clock is off by {clock_s:.0} s; estimate and ground truth were aligned by speed alone: check that \
              both are of one drive"
         ),
     )
@@ -15,7 +15,7 @@ pub fn estimate_clock_far_off(estimate: &str, clock_s: f64) -> Finding {
     .quantity("clock_offset", clock_s, Unit::Second)
 }
 
-/// `times_longer` the trajectory is; `why` says it in words.
+/// `times_longer` is the ratio of the trajectory's length to the ground truth's; `why` states it in words.
 pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Finding {
     Finding::new(FindingKind::EstimateScaleOff, format!("{estimate}: {why}"))
         .about(Subject::Named(estimate.to_owned()))

@@ -15,7 +15,7 @@ pub fn compared_without_joint_estimate(which: &str, method: &str) -> Finding {
     Finding::new(
         FindingKind::ComparedWithoutJointEstimate,
         format!(
-            "the {which} is by {method}, not by the joint estimate: errors that its σ leaves out look like a move"
+            "the {which} is by {method}, not by the joint estimate: errors that its σ omits look like a movement"
         ),
     )
     .about(Subject::Named(which.to_owned()))
@@ -24,8 +24,8 @@ pub fn compared_without_joint_estimate(which: &str, method: &str) -> Finding {
 pub fn compared_in_unknown_frame() -> Finding {
     Finding::new(
         FindingKind::ComparedInUnknownFrame,
-        "the tracks of both runs were turned into one frame, and what turned them is not known: where they were turned \
-         otherwise, that looks like a move",
+        "the tracks of both runs were transformed into one frame by unknown transforms: a difference of these transforms looks \
+         like a movement",
     )
 }
 
@@ -33,7 +33,7 @@ pub fn rig_differs_from_earlier(pair: usize, before_m: f64, now_m: f64) -> Findi
     Finding::new(
         FindingKind::RigDiffersFromEarlier,
         format!(
-            "the rig is another one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m",
+            "the rig is a different one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m apart now",
             pair_label(pair)
         ),
     )

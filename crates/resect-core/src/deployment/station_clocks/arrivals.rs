@@ -1,20 +1,20 @@
-//! The recorder's clock as a witness: whether stamps or own clocks of the stations lie apart against it.
+//! Comparison of the stations' stamps and own clocks with the recorder's clock.
 
 use crate::deployment::Finding;
 use crate::deployment::findings::recordings::stamps_contradict_recorder;
 use crate::statistics::median;
 
-/// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
+/// Smallest number of readings for a drift; half as many on either side of a jump.
 pub const FEWEST_READINGS: usize = 10;
-/// Headers that lie apart by this much (s) against the recorder, where the own clocks do not, are doubted.
+/// Stamps are doubted if they disagree by this much (s) by the recorder's clock, and the own clocks do not.
 pub const DOUBTED_S: f64 = 0.05;
-/// Arrivals that are kept of a station, at most.
+/// Largest number of arrivals kept for a station.
 const KEPT_ARRIVALS: usize = 4096;
 
-/// When readings reached the recorder, against both of their times: an independent witness.
+/// Arrival times of readings at the recorder, relative to both of their times: independent evidence.
 #[derive(Clone, Debug, Default)]
 pub struct Arrivals {
-    /// How long after its stamp and after its own clock a reading of each station arrived (s); every `every`-th.
+    /// Delay of the readings of each station after the stamp and after the own clock (s); every `every`-th reading.
     kept: [Vec<(f64, f64)>; 3],
     seen: [usize; 3],
     every: [usize; 3],
@@ -38,7 +38,7 @@ impl Arrivals {
         self.seen[station] += 1;
     }
 
-    /// A doubt where the stations' stamps lie apart against the recorder, and their own clocks do not.
+    /// Returns a doubt if the stations' stamps disagree by the recorder's clock, and their own clocks do not.
     pub fn finding(&self) -> Option<Finding> {
         let stations =
             self.kept.iter().enumerate().filter(|(_, kept)| kept.len() >= FEWEST_READINGS);

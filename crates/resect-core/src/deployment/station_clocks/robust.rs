@@ -1,26 +1,26 @@
-//! Slope and jumps of differences of clocks, which a few wrong values do not bend.
+//! Slope and jumps of clock differences, robust against outliers.
 
 use std::ops::Range;
 
 use crate::statistics::{median, sigma_of_errors};
 
-/// Readings on either side that a jump is judged by.
+/// Number of readings on either side from which a jump is estimated.
 const BESIDE_JUMP: usize = 5;
-/// A jump is at least this (s).
+/// Smallest jump (s).
 const SMALLEST_JUMP_S: f64 = 1e-3;
-/// A jump is at least this many times what neighbouring differences scatter by.
+/// Smallest jump in units of the scatter of neighbouring differences.
 const JUMP_OVER_NOISE: f64 = 8.0;
-/// Points that a line is fitted to, at most.
+/// Largest number of points to which a line is fitted.
 const FITTED_POINTS: usize = 200;
 
-/// Median slope between neighbours: a jump changes one of them only. 0 where no two are apart.
+/// Median slope between neighbours; a jump changes one of them only. 0 without distinct times.
 pub fn slope_of_neighbours(times_s: &[f64], apart_s: &[f64]) -> f64 {
     let slopes =
         times_s.windows(2).zip(apart_s.windows(2)).map(|(t, d)| (d[1] - d[0]) / (t[1] - t[0]));
     median(slopes.filter(|slope| slope.is_finite())).unwrap_or(0.0)
 }
 
-/// Indices of the first readings after a jump, and its sizes.
+/// Indices of the first readings after jumps, with the sizes of the jumps.
 pub fn jumps(times_s: &[f64], apart_s: &[f64], slope: f64) -> Vec<(usize, f64)> {
     let flat: Vec<f64> =
         times_s.iter().zip(apart_s).map(|(t, d)| d - slope * (t - times_s[0])).collect();
@@ -38,7 +38,7 @@ pub fn jumps(times_s: &[f64], apart_s: &[f64], slope: f64) -> Vec<(usize, f64)> 
         if by_s.abs() < least_s {
             continue;
         }
-        // Its neighbours see the same jump; where it is, the step itself is largest.
+        // Neighbouring readings detect the same jump; the step is largest at the jump.
         let step = |index: usize| (flat[index] - flat[index - 1]).abs();
         match found.last_mut() {
             Some(last) if index - last.0 <= BESIDE_JUMP => {
@@ -52,7 +52,7 @@ pub fn jumps(times_s: &[f64], apart_s: &[f64], slope: f64) -> Vec<(usize, f64)> 
     found
 }
 
-/// The median slope over all pairs of a sample of the points (Theil 1950, Sen 1968); 0 where there is none.
+/// Median slope over all pairs of a sample of the points (Theil 1950, Sen 1968); 0 if there is none.
 pub fn theil_sen(times_s: &[f64], values: &[f64]) -> f64 {
     let every = times_s.len().div_ceil(FITTED_POINTS).max(1);
     let points: Vec<_> = times_s.iter().zip(values).step_by(every).collect();

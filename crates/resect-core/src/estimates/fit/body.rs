@@ -1,4 +1,4 @@
-//! How an estimate's body is turned in the vehicle.
+//! Rotation of an estimate's body in the vehicle.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -8,7 +8,7 @@ use crate::estimates::estimate::EstimatedPose;
 use crate::estimates::reference::True;
 use crate::statistics::median;
 
-/// How the body is turned in the vehicle: the middle of what each epoch says, by blocks of time.
+/// Estimates the body's rotation in the vehicle: the median over epochs, with σ from the means of blocks of time.
 pub fn turn_body(fit: &mut Fit, pairs: &[(&EstimatedPose, &True)], is_same: bool) {
     let each: Option<Vec<(f64, UnitQuaternion<f64>)>> = pairs
         .iter()
@@ -22,7 +22,7 @@ pub fn turn_body(fit: &mut Fit, pairs: &[(&EstimatedPose, &True)], is_same: bool
         fit.body_rotation = Some(UnitQuaternion::identity());
         return;
     }
-    // Far from it the mean of rotation vectors is not the mean rotation.
+    // Far from the mean rotation, the mean of rotation vectors is not the mean rotation.
     let mut middle = each[each.len() / 2].1;
     let mut left: Vec<Vector3<f64>> = Vec::new();
     for _ in 0..10 {

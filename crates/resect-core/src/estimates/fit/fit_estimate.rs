@@ -5,11 +5,11 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use super::body::turn_body;
 use super::fit::Fit;
 use super::pieces::{Pieces, by_common};
-use super::state::{CLOCK, LEVER, SCALE, State, UNKNOWNS, prior_of};
+use super::state::{CLOCK, FitState, LEVER, SCALE, UNKNOWNS, prior_of};
 use crate::deployment::findings::studies::{estimate_clock_far_off, estimate_scale_off};
-use crate::estimates::estimate::{Estimate, EstimatedPose};
-use crate::estimates::options::{Alignment, Body, Options};
-use crate::estimates::reference::{Reference, True, matched, sound};
+use crate::estimates::estimate::{EstimatedPose, EstimatedTrajectory};
+use crate::estimates::options::{Body, Options, TrajectoryAlignment};
+use crate::estimates::reference::{GroundTruthSource, True, matched, sound};
 use crate::estimates::time_offset;
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
@@ -17,23 +17,23 @@ use crate::evaluation::vehicle::Instants;
 use crate::geometry::{RigidTransform, align_rigid, align_similar};
 use crate::statistics::{median, sandwich};
 
-/// Fits take so many epochs at most, evenly spread.
+/// Largest number of epochs in a fit, evenly spread.
 const MOST_EPOCHS: usize = 4000;
 const MOST_STEPS: usize = 40;
-/// Clock and lever arm are refined until a step is smaller (s, m).
+/// Clock and lever arm have converged if a step is smaller than this (s, m).
 const SETTLED: f64 = 1e-5;
-/// Beyond such a change of the offset the ground truth is asked again, and not moved along its velocity (s): on the way,
-/// and before the end.
+/// Change of the time offset (s) above which the ground truth is recomputed, and not moved along its velocity: during the
+/// iteration, and before its end.
 const LINEAR_S: f64 = 0.01;
 const EXACT_S: f64 = 1e-4;
 const FEWEST_EPOCHS: usize = 10;
-/// Clocks further apart than this (s) have nothing in common, such as one since 1970 and one since the start.
+/// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
 
-/// Brings an estimate together with the ground truth; gives the truth at its times as well.
+/// Fits an estimate to the ground truth, and returns the ground truth at its times as well.
 pub fn fit(
-    reference: &Reference<'_>,
-    estimate: &Estimate,
+    reference: &GroundTruthSource<'_>,
+    estimate: &EstimatedTrajectory,
     options: &Options,
 ) -> Result<(Fit, Vec<True>), Unjudged> {
     let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
@@ -58,7 +58,7 @@ pub fn fit(
         clock: options.time_offset_s.is_none(),
         lever: options.body == Body::Found && turning,
     };
-    let mut state = State {
+    let mut state = FitState {
         fit: Fit {
             station1_from_estimate: RigidTransform {
                 rotation: Rotation3::identity(),
@@ -81,11 +81,11 @@ pub fn fit(
     let thinned = thinned(poses);
     if sought.clock || sought.lever {
         let truths = at(reference, &thinned, offset_s)?;
-        // Once and for all: a set that changes with the clock would not let it settle.
+        // Selected once: a set that changes with the clock would prevent convergence.
         let sound = sound(&matched(&thinned, &truths, offset_s));
         align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
         let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
-        let longer = times_longer(&sound).filter(|_| sought.frame == Alignment::Rigid);
+        let longer = times_longer(&sound).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
         refine(&mut state, reference, &poses, &mut sought, estimate).map_err(|why| {
             match (&why, longer) {
                 (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
@@ -102,7 +102,9 @@ pub fn fit(
     let truths = at(reference, poses, fit.time_offset_s)?;
     let pairs = matched(poses, &truths, fit.time_offset_s);
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
-    if let Some(longer) = times_longer(&pairs).filter(|_| options.alignment == Alignment::Rigid) {
+    if let Some(longer) =
+        times_longer(&pairs).filter(|_| options.alignment == TrajectoryAlignment::Rigid)
+    {
         let why = Unfit::OtherScale(longer).to_string();
         fit.findings.push(estimate_scale_off(&estimate.name, longer, &why));
     }
@@ -110,15 +112,15 @@ pub fn fit(
     Ok((fit, truths))
 }
 
-/// What is to be found.
+/// Unknowns to estimate.
 struct Sought {
-    frame: Alignment,
+    frame: TrajectoryAlignment,
     clock: bool,
     lever: bool,
 }
 
 fn at(
-    reference: &Reference<'_>,
+    reference: &GroundTruthSource<'_>,
     poses: &[EstimatedPose],
     offset_s: f64,
 ) -> Result<Vec<True>, Unjudged> {
@@ -126,8 +128,9 @@ fn at(
     Ok(reference.at(Instants::At(&times_s))?)
 }
 
-/// Tells how many times as long as the ground truth's the estimate's ways are, where that is no drift but another unit, or one
-/// camera alone: the median over ways of some metres, whatever the two frames and errors are.
+/// Returns the ratio of the estimate's path lengths to the ground truth's; `None` if it is within drift. A larger ratio is
+/// another unit, or the scale of a single camera. It is the median over paths of some metres, which does not depend on frames
+/// and errors.
 fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
     const WAY_M: f64 = 2.0;
     const DRIFT: f64 = 1.1;
@@ -147,16 +150,16 @@ fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
     poses.iter().step_by(poses.len().div_ceil(MOST_EPOCHS).max(1)).copied().collect()
 }
 
-/// The frame by plain least squares, clock and lever arm as they are.
+/// Aligns the frame by plain least squares, with fixed clock and lever arm.
 pub fn align(
     fit: &mut Fit,
     pairs: &[(&EstimatedPose, &True)],
-    alignment: Alignment,
+    alignment: TrajectoryAlignment,
 ) -> Result<(), Unfit> {
     if pairs.len() < FEWEST_EPOCHS {
         return Err(Unfit::FewEpochs);
     }
-    if alignment == Alignment::None {
+    if alignment == TrajectoryAlignment::None {
         return Ok(());
     }
     let lever_m = fit.lever_arm_m.unwrap_or_default();
@@ -170,33 +173,33 @@ pub fn align(
     let own: Vec<Vector3<f64>> = pairs
         .iter()
         .map(|(pose, truth)| match (&truth.turned, pose.orientation) {
-            // The lever is as long whatever the scale.
+            // The length of the lever arm does not depend on the scale.
             (None, Some(own)) => pose.position_m + own * lever_m / fit.scale,
             _ => pose.position_m,
         })
         .collect();
     let found = match alignment {
-        Alignment::Similarity => align_similar(&of_truth, &own),
+        TrajectoryAlignment::Similarity => align_similar(&of_truth, &own),
         _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
     };
     (fit.station1_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
     Ok(())
 }
 
-/// Frame, lever arm and clock together, with the σ of the latter two.
+/// Estimates frame, lever arm and clock together, with σ of the latter two.
 fn refine(
-    state: &mut State,
-    reference: &Reference<'_>,
+    state: &mut FitState,
+    reference: &GroundTruthSource<'_>,
     poses: &[EstimatedPose],
     sought: &mut Sought,
-    estimate: &Estimate,
+    estimate: &EstimatedTrajectory,
 ) -> Result<(), Unjudged> {
     let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
     let open = |sought: &Sought| -> Vec<usize> {
         let frame = match sought.frame {
-            Alignment::None => 0..0,
-            Alignment::Rigid => 0..SCALE,
-            Alignment::Similarity => 0..SCALE + 1,
+            TrajectoryAlignment::None => 0..0,
+            TrajectoryAlignment::Rigid => 0..SCALE,
+            TrajectoryAlignment::Similarity => 0..SCALE + 1,
         };
         let lever = if sought.lever { LEVER..CLOCK } else { 0..0 };
         let clock = if sought.clock { CLOCK..UNKNOWNS } else { 0..0 };

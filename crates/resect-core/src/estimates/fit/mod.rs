@@ -1,10 +1,10 @@
-//! What an estimate and the ground truth do not share: the zero of their clocks, where the estimate's body is in the vehicle,
-//! and the estimate's frame.
+//! Fit of an estimate to the ground truth: time offset, position of the body in the vehicle, and transform of the estimate's
+//! frame.
 //!
-//! Clocks and lever arm are found together with the frame, by Gauss & Newton with Huber's loss on the distances between the
-//! two; their σ come from blocks of time (a sandwich), because errors of estimates drift, and from the errors that the ground
-//! truth has at all instants alike, which no estimate's errors tell of. Then the frame is aligned once more, by plain least
-//! squares over all epochs, as evo does it.
+//! Gauss–Newton steps with Huber's loss on the position differences estimate time offset, lever arm and frame together. σ of
+//! time offset and lever arm have two sources. A sandwich estimator over blocks of time accounts for the drift of the estimate.
+//! The errors of the ground truth that are common to all instants are added, because the residuals do not show them. Finally
+//! plain least squares over all epochs aligns the frame again, as evo does.
 
 mod body;
 mod fit;

@@ -1,58 +1,60 @@
-//! What an estimate's errors say of the unknowns: cut into pieces of time, each with noise and an error in common.
+//! Normal equations of the fit, with the errors of an estimate in segments of time that have noise and a common error each.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::state::{CLOCK, LEVER, SCALE, State, TRANSLATION, UNKNOWNS};
-use crate::calibration::joint::prisms::ByConstants;
+use super::state::{CLOCK, FitState, LEVER, SCALE, TRANSLATION, UNKNOWNS};
+use crate::calibration::joint::prism_motion::ConstantsJacobian;
 use crate::estimates::estimate::EstimatedPose;
 use crate::estimates::reference::True;
 use crate::statistics::robust::huber;
 use crate::statistics::{median, sandwich};
 
-/// Errors are taken to forget each other within a block: so many blocks, none shorter than this (s).
+/// Errors are assumed to be independent between blocks: number of blocks, and the shortest one (s).
 pub const BLOCKS: f64 = 24.0;
 pub const SHORTEST_BLOCK_S: f64 = 2.0;
-/// Within such a time an estimate hardly drifts (s).
+/// Length of a segment (s), within which an estimate hardly drifts.
 const PIECE_S: f64 = 3.0;
-/// Huber's bend (σ), and the median length of an error of three axes over their σ.
+/// Threshold of Huber's loss (σ), and the median length of a vector of three errors over their σ.
 const BEND: f64 = 2.0;
 const MEDIAN_LENGTH: f64 = 1.538;
 
-/// An error (m), and how it changes with each unknown.
+/// An error (m), and its derivative with respect to each unknown.
 type Row = (Vector3<f64>, [Vector3<f64>; UNKNOWNS]);
 
-/// Errors of an estimate are noise about a drift, so the drive is cut into pieces with a common error each (a random effect):
-/// what differs within a piece counts by the noise, the piece's mean by how large the means are.
+/// Segments of the drive with a common error each (a random effect), because errors of an estimate are noise about a drift.
+/// Differences within a segment are weighted by the noise, the segment's mean by the size of the means.
 pub struct Pieces<'a> {
-    all: Vec<Piece<'a>>,
-    /// How many blocks of time they are in.
+    all: Vec<EpochGroup<'a>>,
+    /// Number of blocks of time.
     blocks: usize,
-    /// One standard deviation of the errors within pieces, and of the means, along an axis (m).
+    /// One standard deviation of the errors within segments, and of the means, along an axis (m).
     noise_m: f64,
     drift_m: f64,
 }
 
-/// Epochs that have a part of their error in common.
-struct Piece<'a> {
+/// Epochs of one segment, which have a common error.
+struct EpochGroup<'a> {
     block: usize,
     truths: Vec<&'a True>,
     mean: Row,
-    /// The rows less their mean.
+    /// The rows minus their mean.
     within: Vec<Row>,
 }
 
 impl<'a> Pieces<'a> {
-    pub fn of(pairs: &[(&EstimatedPose, &'a True)], state: &State) -> Self {
+    pub fn of(pairs: &[(&EstimatedPose, &'a True)], state: &FitState) -> Self {
         let (from_s, to_s) = (pairs[0].1.time_s, pairs[pairs.len() - 1].1.time_s);
         let block_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
         let piece_s = block_s / (block_s / PIECE_S).ceil();
         let place = |truth: &True, length_s: f64| ((truth.time_s - from_s) / length_s) as usize;
-        let all: Vec<Piece<'a>> = pairs
+        let all: Vec<EpochGroup<'a>> = pairs
             .chunk_by(|a, b| place(a.1, piece_s) == place(b.1, piece_s))
-            .map(|pairs| Piece {
+            .map(|pairs| EpochGroup {
                 block: place(pairs[0].1, block_s),
                 truths: pairs.iter().map(|(_, truth)| *truth).collect(),
-                ..Piece::of(pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect())
+                ..EpochGroup::of(
+                    pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect(),
+                )
             })
             .collect();
         let axis_sigma_m = |lengths: &mut dyn Iterator<Item = f64>| {
@@ -64,7 +66,7 @@ impl<'a> Pieces<'a> {
         Self { all, blocks: ((to_s - from_s) / block_s) as usize + 1, noise_m, drift_m }
     }
 
-    /// What each block of time says, in units of the errors' own σ.
+    /// Information matrix and gradient of each block of time, with the errors weighted by their σ.
     pub fn blocks(&self, open: &[usize]) -> Vec<sandwich::Block> {
         let mut blocks: Vec<sandwich::Block> = (0..self.blocks)
             .map(|_| sandwich::Block {
@@ -89,8 +91,8 @@ impl<'a> Pieces<'a> {
         blocks
     }
 
-    /// What differs within a piece, and last its mean, each with its σ (m).
-    fn rows<'b>(&self, piece: &'b Piece<'a>) -> impl Iterator<Item = (&'b Row, f64)> {
+    /// Rows minus the mean of their segment, then the mean, each with its σ (m).
+    fn rows<'b>(&self, piece: &'b EpochGroup<'a>) -> impl Iterator<Item = (&'b Row, f64)> {
         let (noise_m, drift_m) = (self.noise_m, self.drift_m);
         let within = piece.within.iter().map(move |row| (row, noise_m));
         within.chain([(&piece.mean, drift_m)])
@@ -101,18 +103,18 @@ fn weight((error, _): &Row, sigma_m: f64) -> f64 {
     huber(error.norm() / sigma_m, BEND).weight / (sigma_m * sigma_m)
 }
 
-/// How the gradient moves with what errors of the ground truth all instants have in common.
+/// Jacobian of the gradient with respect to the errors of the ground truth that are common to all instants.
 pub fn by_common(
     pieces: &Pieces<'_>,
     open: &[usize],
-    state: &State,
-    common: &ByConstants,
+    state: &FitState,
+    common: &ConstantsJacobian,
 ) -> DMatrix<f64> {
     let constants = common.covariance.nrows();
     let mut moved = DMatrix::zeros(open.len(), constants);
-    let mut left = common.each.iter().peekable();
+    let mut left = common.instants.iter().peekable();
     for piece in &pieces.all {
-        // The truth at the body moves with the vehicle's position, and with its turns by the lever arm.
+        // The true position of the body depends on the vehicle's position, and by the lever arm on its rotation.
         let each: Vec<DMatrix<f64>> = piece
             .truths
             .iter()
@@ -144,7 +146,7 @@ pub fn by_common(
     moved
 }
 
-impl Piece<'_> {
+impl EpochGroup<'_> {
     fn of(mut rows: Vec<Row>) -> Self {
         let share = 1.0 / rows.len() as f64;
         let mut mean = (Vector3::zeros(), [Vector3::zeros(); UNKNOWNS]);
@@ -160,8 +162,8 @@ impl Piece<'_> {
     }
 }
 
-/// Truth less estimate (m), and how it changes with each unknown.
-fn row(pose: &EstimatedPose, truth: &True, state: &State) -> Row {
+/// Truth minus estimate (m), and its derivative with respect to each unknown.
+fn row(pose: &EstimatedPose, truth: &True, state: &FitState) -> Row {
     let fit = &state.fit;
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
     let mut velocity = truth.velocity_m_per_s;

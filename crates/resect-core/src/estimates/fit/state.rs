@@ -4,25 +4,26 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 use super::fit::Fit;
 
-/// Indices of the unknowns: rotation, translation, scale, lever arm, clock.
+/// Number of unknowns.
 pub const UNKNOWNS: usize = 11;
+/// First index of each kind of unknown; rotation begins at 0.
 pub const TRANSLATION: usize = 3;
 pub const SCALE: usize = 6;
 pub const LEVER: usize = 7;
 pub const CLOCK: usize = 10;
 
-/// Bodies sit on vehicles: what is known of a lever arm without the data (m, 1 σ). It decides only where the drive does not
-/// tell, as on level ground the height.
+/// Prior standard deviation of a lever arm (m), of the size of a vehicle. It decides only where the drive does not determine
+/// the lever arm, such as its height on level ground.
 const LEVER_SIGMA_M: f64 = 1.0;
 
-/// Where the search is: what the fit says, and how much later than when the ground truth was asked (s).
-pub struct State {
+/// State of the iteration: the fit, and the change of the time offset since the ground truth was computed (s).
+pub struct FitState {
     pub fit: Fit,
     pub later_s: f64,
 }
 
-impl State {
-    /// What the prior is about.
+impl FitState {
+    /// Value of an unknown that has a prior, else 0.
     pub fn value(&self, unknown: usize) -> f64 {
         match unknown {
             LEVER..CLOCK => self.fit.lever_arm_m.unwrap_or_default()[unknown - LEVER],
@@ -30,7 +31,7 @@ impl State {
         }
     }
 
-    /// Takes a step; gives how large it was, in metres or seconds.
+    /// Applies a step, and returns its size in metres or seconds.
     pub fn step(&mut self, open: &[usize], step: &DVector<f64>) -> f64 {
         let mut turn = Vector3::zeros();
         let mut change: f64 = 0.0;
@@ -72,7 +73,7 @@ impl State {
     }
 }
 
-/// 1/σ² of what is known of the unknowns without the data.
+/// Prior precisions 1/σ² of the unknowns.
 pub fn prior_of(open: &[usize]) -> DVector<f64> {
     let precision = |unknown: &usize| match *unknown {
         LEVER..CLOCK => LEVER_SIGMA_M.powi(-2),

@@ -1,4 +1,4 @@
-//! The explanation of one reading: its step, its rates, and its place among the intervals.
+//! Explanation of one reading: its step, rates, and interval.
 
 use super::super::outlier_filter::rates;
 use super::super::staged::used_readings;
@@ -7,85 +7,85 @@ use super::super::{
 };
 use crate::deployment::{Deployment, Measurement};
 
-/// Everything that decided the fate of one raw reading. Times are in s of the stations' clock.
+/// All quantities that decided the fate of one raw reading. Times are in seconds of the stations' clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// The station, 0 to 2.
     pub station: usize,
     /// Index of the reading in the station's raw track.
     pub index: usize,
-    /// The reading as the instrument gave it, without the prism constant.
+    /// Raw reading of the instrument, without the prism constant.
     pub reading: Measurement,
     pub fate: SampleFate,
-    /// What module 1 looks at; `None` for the first reading of a station, which it always lets pass.
+    /// Step that module 1 tests; `None` for the first reading of a station, which always passes.
     pub step: Option<Step>,
-    /// Time since the station's raw reading before, and until the next (s).
+    /// Time since the station's previous raw reading, and until the next one (s).
     pub gap_before_s: Option<f64>,
     pub gap_after_s: Option<f64>,
     pub place: Place,
-    /// The settings that made it so.
+    /// Settings that produced the output.
     pub settings: PipelineSettings,
 }
 
-/// The way from the station's previous raw reading, kept or not, to this one.
+/// Step from the station's previous raw reading, kept or not, to this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     pub elapsed_s: f64,
     /// Rates of range, azimuth and zenith angle, in this order.
     pub rates: [Rate; 3],
-    /// What module 1 did to the previous reading: after a jump, the way back is a jump too.
+    /// True if module 1 rejected the previous reading; the return from a jump is a jump too.
     pub previous_rejected: bool,
 }
 
-/// A rate of change against its threshold.
+/// A rate of change and its threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     pub of: OutlierReason,
-    /// The rate with its sign.
+    /// Signed rate.
     pub value: f64,
-    /// τ_r, τ_a or τ_e, in the same unit; `None` while module 1 is off.
+    /// Threshold τ_r, τ_a or τ_e in the same unit; `None` without module 1.
     pub threshold: Option<f64>,
-    /// The unit of both rates: m/s for the range, °/s for the angles unless it is told in another.
+    /// Unit of both rates: m/s for the range; for angles °/s, unless converted.
     pub unit: &'static str,
 }
 
-/// Where a reading stands among the intervals.
+/// Position of a reading relative to the intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
-    /// Module 1 rejected it, so the intervals are made without it.
+    /// Module 1 rejected the reading; intervals are built without it.
     Rejected,
-    /// Positions in this interval are interpolated from it.
+    /// The reading is used for positions in this interval.
     In {
         interval: Interval,
-        /// The reading itself stands just outside, and the interval's first or last position needs it.
+        /// True if the reading lies just outside the interval, whose first or last position needs it.
         beside: bool,
-        /// Number of the interval among those that module 3 kept, from 0; `None` for one that it dropped.
+        /// Index of the interval among those that module 3 kept; `None` if it was dropped.
         kept: Option<usize>,
     },
-    /// The reading is in no interval: the user left it out.
+    /// The user excluded the reading, so it is in no interval.
     LeftOut,
-    /// The reading is in no interval, because these stations were silent; empty where all three measured at this
-    /// instant, and at no other around it.
+    /// The reading is in no interval, because these stations were silent. Empty if all three measured at this instant, but
+    /// at no other around it.
     InNone(Vec<Silence>),
 }
 
-/// A gap longer than τ_s between readings of one station that module 1 let pass, around the reading in question.
+/// A gap longer than τ_s between accepted readings of one station, around the reading in question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silence {
     /// The station, 0 to 2.
     pub station: usize,
-    /// `None`: from the beginning.
+    /// Beginning of the gap (s); `None` before the first reading.
     pub from_s: Option<f64>,
-    /// `None`: to the end.
+    /// End of the gap (s); `None` after the last reading.
     pub to_s: Option<f64>,
-    /// Whether it has one reading in between, at the instant itself, with a gap before and a gap after it.
+    /// True for a single reading at the instant itself, with a gap before and after it.
     pub alone: bool,
-    /// How many of its raw readings in this time module 1 rejected.
+    /// Number of raw readings in the gap that module 1 rejected.
     pub rejected: usize,
 }
 
-/// Explains one reading of a station (0 to 2); `None` where there is no such reading, or where the output is of
-/// another deployment. `settings` are those that made the output.
+/// Explains one reading of a station (0 to 2). `settings` are those of the output. `None` without such a reading, or if the
+/// output belongs to another deployment.
 pub fn explain(
     deployment: &Deployment,
     output: &PipelineOutput,
@@ -97,7 +97,7 @@ pub fn explain(
     let reading = *readings.get(index)?;
     let fate = *output.fates[station].each.get(index)?;
     let track = &deployment.tracks[station];
-    // What the user left out does not count as the reading before.
+    // Readings that the user excluded do not count as the previous reading.
     let before_index = (0..index).rev().find(|before| !track.is_left_out(*before));
     let before = before_index.map(|before| readings[before]);
     Some(Explanation {
@@ -161,8 +161,8 @@ fn checked_rates(
     ]
 }
 
-/// The interval that a raw reading is used for, its number in the list, and whether the reading is outside of it. One
-/// that it lies in goes before one that it brackets.
+/// Returns the interval that a raw reading is used for, its index in the list, and true if the reading lies outside it.
+/// Intervals that contain the reading have priority over those that it brackets.
 fn place_in(
     track: &FilteredTrack,
     intervals: &[Interval],
@@ -179,8 +179,8 @@ fn place_in(
         .min_by_key(|(_, _, outside)| *outside)
 }
 
-/// The silence of a station around an instant, if there is one. One reading alone between two gaps is silence too: it
-/// makes no interval.
+/// Returns the gap of a station around an instant, if there is one. A single reading between two gaps counts as silence
+/// too, because it forms no interval.
 fn silence(
     deployment: &Deployment,
     output: &PipelineOutput,
@@ -217,7 +217,7 @@ impl Rate {
         self.threshold.is_some_and(|threshold| self.value.abs() > threshold)
     }
 
-    /// Gives the rates in a unit of which °/s has so many; the range's rate stays as it is.
+    /// Converts angular rates to a unit, given its number per °/s; the rate of the range is unchanged.
     #[must_use]
     pub fn told_in(self, unit: &'static str, per_deg_per_s: f64) -> Self {
         if self.of == OutlierReason::Range {
@@ -227,7 +227,7 @@ impl Rate {
         Self { value: self.value * per_deg_per_s, threshold, unit, ..self }
     }
 
-    /// "range", "azimuth" or "zenith".
+    /// Returns "range", "azimuth" or "zenith".
     pub fn name(&self) -> &'static str {
         match self.of {
             OutlierReason::Range => "range",
@@ -236,7 +236,7 @@ impl Rate {
         }
     }
 
-    /// "τ_r", "τ_a" or "τ_e".
+    /// Returns "τ_r", "τ_a" or "τ_e".
     pub fn threshold_name(&self) -> &'static str {
         match self.of {
             OutlierReason::Range => "τ_r",
@@ -247,7 +247,7 @@ impl Rate {
 }
 
 impl Silence {
-    /// `None` where it has no beginning or no end.
+    /// Returns the length of the gap (s); `None` without a beginning or an end.
     pub fn length_s(&self) -> Option<f64> {
         Some(self.to_s? - self.from_s?)
     }

@@ -1,4 +1,4 @@
-//! Why the pipeline did to one raw reading what it did.
+//! Explanation of the fate of one raw reading.
 
 mod explanation;
 mod remedy;

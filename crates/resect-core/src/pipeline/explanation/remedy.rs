@@ -1,15 +1,15 @@
-//! Which threshold would let a reading past the module that stopped it.
+//! Thresholds with which a reading would pass the module that stopped it.
 
 use super::explanation::{Explanation, Place, Rate};
 use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate};
 
-/// A longer gap is not worth closing: what is interpolated across it is no measurement.
+/// Longest gap that is worth closing (s); positions interpolated across longer ones are not measurements.
 const LONGEST_GAP_S: f64 = 10.0;
 
 impl Explanation {
-    /// Settings with the one module relaxed that stopped this reading, by as little as round numbers allow. It may
-    /// meet the next module then, and every other reading is judged by the same thresholds. `None` for a reading that is kept, and
-    /// where no threshold would help.
+    /// Returns settings with the module relaxed that stopped this reading, by the smallest round amount. The next module
+    /// may still stop the reading, and the thresholds apply to every other reading. `None` for a kept reading, or if no
+    /// threshold helps.
     pub fn remedy(&self) -> Option<PipelineSettings> {
         let mut settings = self.settings;
         let thresholds = &mut settings.thresholds;
@@ -44,11 +44,11 @@ impl Explanation {
     }
 }
 
-/// Rounded up to two digits: 3.42 becomes 3.5.
+/// Rounds up to two digits: 3.42 becomes 3.5.
 fn two_digits_up(value: f64) -> f64 {
     let decimals = 1 - value.log10().floor() as i32;
     let scale = 10_f64.powi(decimals);
-    // Dividing by a whole power of ten gives 3.5, where multiplying by 0.1 gives 3.5000000000000004.
+    // Division by a whole power of ten gives 3.5; multiplication by 0.1 gives 3.5000000000000004.
     if decimals >= 0 {
         (value * scale).ceil() / scale
     } else {

@@ -1,4 +1,4 @@
-//! Every fate on small tracks, and all readings of a sample.
+//! Explanations of every fate on small tracks, and of all readings of a sample.
 
 use super::*;
 use crate::deployment::{Deployment, Measurement, Track};
@@ -6,7 +6,7 @@ use crate::pipeline;
 use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate};
 use crate::simulation::{Preset, simulate};
 
-/// Readings of one station, by time (s); everything else is still, unless changed.
+/// Readings of one station at times (s), all of the same point.
 fn track(times_s: impl IntoIterator<Item = f64>) -> Track {
     let still = |time_s| Measurement { time_s, range_m: 10.0, azimuth_rad: 0.1, zenith_rad: 1.5 };
     Track {
@@ -16,7 +16,7 @@ fn track(times_s: impl IntoIterator<Item = f64>) -> Track {
     }
 }
 
-/// Every half second of a span, its ends included.
+/// Times every half second from one to another (s after 1000 s), both included.
 fn every_half_second(from: u32, to: u32) -> impl Iterator<Item = f64> {
     (2 * from..=2 * to).map(|half| 1000.0 + f64::from(half) / 2.0)
 }
@@ -39,7 +39,7 @@ fn deployment(tracks: [Track; 3]) -> Deployment {
     }
 }
 
-/// Explains one reading under the paper's settings, and gives its words, counted from 1000 s.
+/// Explains one reading with the paper's settings, and returns the text with times from 1000 s on.
 fn explained(deployment: &Deployment, station: usize, index: usize) -> (Explanation, String) {
     let settings = PipelineSettings::default();
     let output = pipeline::run(deployment, &settings);
@@ -66,7 +66,7 @@ fn a_reading_beside_an_interval_says_which_end_needs_it() {
     let (_, words) = explained(&deployment([all(), all(), late]), 0, 1);
     assert_eq!(
         words,
-        "Kept: it stands just beside interval 1 (0.7–20.0 s), whose first triplet is interpolated from it."
+        "Kept: just outside interval 1 (0.7–20.0 s), whose first triplet is interpolated from it."
     );
 }
 
@@ -79,12 +79,12 @@ fn a_rejected_reading_names_the_rate_the_time_and_the_threshold() {
     let (explanation, words) = explained(&deployment, 1, 6);
     assert_eq!(
         words,
-        "Rejected by the azimuth rate: 3.42 °/s from the reading before (0.50 s earlier), and τ_a allows 1.00."
+        "Rejected by the azimuth rate: 3.42 °/s from the previous reading (0.50 s earlier), τ_a allows 1.00."
     );
     let remedy = explanation.remedy().expect("a threshold");
     assert_eq!(remedy.thresholds.tau_a_deg_per_s, 3.5);
     let (_, words) = explained(&deployment, 1, 7);
-    assert!(words.ends_with("the way back from a jump is a jump too."), "{words}");
+    assert!(words.ends_with("the return from a jump is also a jump."), "{words}");
 }
 
 #[test]
@@ -132,13 +132,15 @@ fn a_reading_in_no_interval_names_who_was_silent() {
 fn rejected_readings_in_a_silence_are_counted() {
     let all = || track(every_half_second(0, 20));
     let mut jumping = all();
-    // Up and down, each step too fast.
+    // Jumps up and down, each step too fast.
     for (index, reading) in jumping.measurements[16..=22].iter_mut().enumerate() {
         reading.range_m += if index % 2 == 0 { 5.0 } else { 0.0 };
     }
     let (_, words) = explained(&deployment([all(), all(), jumping]), 0, 20);
     assert!(
-        words.contains("station 3 was silent from 7.5 s to 12.0 s (4.5 s; its 8 readings in between were rejected)"),
+        words.contains(
+            "station 3 was silent from 7.5 s to 12.0 s (4.5 s; 8 readings in between were rejected)"
+        ),
         "{words}"
     );
 }
@@ -174,7 +176,7 @@ fn a_reading_in_a_short_interval_names_both_lengths() {
     let all = || track(every_half_second(0, 20));
     let gap = track(every_half_second(0, 20).filter(|t| !(1003.6..1007.4).contains(t)));
     let (explanation, words) = explained(&deployment([all(), gap, all()]), 2, 3);
-    assert_eq!(words, "Its interval 0.0–3.5 s lasts 3.5 s, and τ_l asks for more than 6.0 s.");
+    assert_eq!(words, "Interval too short: 0.0–3.5 s lasts 3.5 s, τ_l requires more than 6.0 s.");
     assert_eq!(explanation.remedy().expect("a threshold").thresholds.tau_l_seconds, 3.4);
 }
 
@@ -188,7 +190,7 @@ fn what_is_not_there_is_not_explained() {
     assert!(explain(&deployment, &output, &settings, 3, 0).is_none());
 }
 
-/// One remedy after the other leads to a reading that is kept, or to a gap that should stay open.
+/// Repeated remedies lead to a kept reading, or to a gap that should stay open.
 #[test]
 fn remedies_keep_what_they_promise() {
     let deployment = simulate(Preset::Warthog, 1).readings();

@@ -1,10 +1,10 @@
-//! The explanation of a reading in one or two sentences.
+//! Text of the explanation of a reading, in one or two sentences.
 
 use super::explanation::{Explanation, Place, Rate, Silence, Step};
 use crate::pipeline::{Interval, SampleFate};
 
 impl Explanation {
-    /// What became of the reading and why. Times count from `start_s` (s, in the stations' clock), as in the plots.
+    /// Returns the fate of the reading and its reason. Times count from `start_s` (s, stations' clock), as in the plots.
     pub fn in_words(&self, start_s: f64) -> String {
         match (&self.place, self.fate) {
             (Place::Rejected, SampleFate::Rejected(_)) => {
@@ -14,7 +14,7 @@ impl Explanation {
                 let tau_l = self.settings.thresholds.tau_l_seconds;
                 let [length, limit] = apart(interval.length_s(), tau_l, 1);
                 format!(
-                    "Its interval {} lasts {length} s, and τ_l asks for more than {limit} s.",
+                    "Interval too short: {} lasts {length} s, τ_l requires more than {limit} s.",
                     span(interval, start_s)
                 )
             }
@@ -23,7 +23,7 @@ impl Explanation {
                 if *beside {
                     let end = if self.reading.time_s < interval.start_s { "first" } else { "last" };
                     format!(
-                        "Kept: it stands just beside interval {} ({span}), whose {end} triplet is interpolated from it.",
+                        "Kept: just outside interval {} ({span}), whose {end} triplet is interpolated from it.",
                         number + 1
                     )
                 } else {
@@ -32,7 +32,7 @@ impl Explanation {
             }
             (Place::InNone(silences), _) => self.in_none(silences, start_s),
             (Place::LeftOut, _) => {
-                "Left out by hand: it is masked, or outside of the span that is used.".to_owned()
+                "Left out by hand: masked, or outside the time span in use.".to_owned()
             }
             (Place::Rejected, _) => self.fate.label().to_owned(),
         }
@@ -46,7 +46,7 @@ impl Explanation {
         let tau_s = self.settings.thresholds.tau_s_seconds;
         let why: Vec<String> =
             silences.iter().map(|silence| self.silence(silence, start_s)).collect();
-        // As many decimals as it takes to see that the shortest gap is longer than τ_s.
+        // Enough decimals to show that the shortest gap is longer than τ_s.
         let shortest_s = silences.iter().filter_map(|silence| self.gap_s(silence));
         let [_, limit] = apart(shortest_s.fold(f64::INFINITY, f64::min), tau_s, 1);
         format!("In no interval: {}; τ_s allows {limit} s.", why.join(", and "))
@@ -60,8 +60,8 @@ impl Explanation {
         let length = |from_s: f64, to_s: f64| apart(to_s - from_s, tau_s, 1)[0].clone();
         let rejected = match silence.rejected {
             0 => String::new(),
-            1 => "; its one reading in between was rejected".to_owned(),
-            many => format!("; its {many} readings in between were rejected"),
+            1 => "; 1 reading in between was rejected".to_owned(),
+            many => format!("; {many} readings in between were rejected"),
         };
         if silence.alone {
             let time_s = self.reading.time_s;
@@ -86,7 +86,7 @@ impl Explanation {
         }
     }
 
-    /// The gap that τ_s would have to allow for a silence to be none (s).
+    /// Returns the smallest τ_s (s) that would bridge the gap.
     pub(super) fn gap_s(&self, silence: &Silence) -> Option<f64> {
         let time_s = self.reading.time_s;
         if silence.alone {
@@ -103,7 +103,7 @@ fn rejected(step: &Step) -> String {
     let limit = |rate: &Rate| apart(rate.value.abs(), rate.threshold.unwrap_or(f64::NAN), 2);
     let [value, threshold] = limit(first);
     let mut text = format!(
-        "Rejected by the {} rate: {value} {} from the reading before ({:.2} s earlier), and {} allows {threshold}.",
+        "Rejected by the {} rate: {value} {} from the previous reading ({:.2} s earlier), {} allows {threshold}.",
         first.name(),
         first.unit,
         step.elapsed_s,
@@ -112,14 +112,14 @@ fn rejected(step: &Step) -> String {
     for rate in over {
         let [value, threshold] = limit(rate);
         text += &format!(
-            " The {} rate is too high as well: {value} {}, and {} allows {threshold}.",
+            " The {} rate is too high as well: {value} {}, {} allows {threshold}.",
             rate.name(),
             rate.unit,
             rate.threshold_name()
         );
     }
     if step.previous_rejected {
-        text += " The reading before was rejected itself: the way back from a jump is a jump too.";
+        text += " The previous reading was rejected too: the return from a jump is also a jump.";
     }
     text
 }
@@ -128,7 +128,7 @@ fn span(interval: &Interval, start_s: f64) -> String {
     format!("{:.1}–{:.1} s", interval.start_s - start_s, interval.end_s - start_s)
 }
 
-/// A value and its limit with as many decimals as it takes to tell them apart.
+/// Formats a value and its limit with enough decimals to distinguish them.
 fn apart(value: f64, limit: f64, fewest_decimals: usize) -> [String; 2] {
     let texts = |decimals: usize| [value, limit].map(|number| format!("{number:.decimals$}"));
     (fewest_decimals..9).map(texts).find(|[a, b]| a != b).unwrap_or_else(|| texts(fewest_decimals))

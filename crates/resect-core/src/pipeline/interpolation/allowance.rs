@@ -1,17 +1,17 @@
-//! The work that a search for hyper-parameters is expected to take.
+//! Expected work of a search for hyper-parameters.
 
 use std::cell::Cell;
 
 use crate::progress::{Cancelled, Progress};
 
-/// What a search is taken to cost, in readings looked at: how often it will look, nobody knows beforehand.
+/// Expected number of readings that a search evaluates; the number of evaluations is unknown beforehand.
 pub struct Allowance<'a> {
     progress: &'a Progress,
     left: Cell<u64>,
 }
 
 impl<'a> Allowance<'a> {
-    /// Tells `progress` of a search through so many readings.
+    /// Announces a search over this many readings to `progress`.
     pub fn new(progress: &'a Progress, readings: usize) -> Self {
         const USUAL_LOOKS: u64 = 30;
         let left = USUAL_LOOKS * readings as u64;
@@ -19,7 +19,7 @@ impl<'a> Allowance<'a> {
         Self { progress, left: Cell::new(left) }
     }
 
-    /// Counts readings that were looked at once more, and says whether the search shall go on.
+    /// Counts another evaluation of readings. Returns true if the search shall continue.
     pub fn spend(&self, readings: usize) -> bool {
         if self.progress.is_cancelled() {
             return false;
@@ -29,7 +29,7 @@ impl<'a> Allowance<'a> {
         self.progress.advance(amount).is_ok()
     }
 
-    /// The search is over, sooner than thought or not.
+    /// Ends the search and counts the rest of its expected work as done.
     pub fn end(self) -> Result<(), Cancelled> {
         self.progress.check()?;
         self.progress.advance(self.left.get())

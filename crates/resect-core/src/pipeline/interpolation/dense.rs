@@ -1,26 +1,27 @@
-//! A Gaussian process with a squared-exponential kernel over a straight line of which nothing is known, for so few
-//! readings that their covariance matrix can be factored.
+//! Gaussian process with a squared-exponential kernel and an unknown straight line as mean, for series short enough to
+//! factor their covariance matrix.
 //!
-//! With `K = exp(−Δt²/2ℓ²) + (σ_n²/σ_f²) I` and the line's basis `H` under a flat prior (Rasmussen & Williams 2006,
-//! sections 2.2 and 2.7). In units of `σ_f²`. With `K = UᵀU` all that is asked comes from columns that were
-//! multiplied by `U⁻ᵀ`: the line, the positions, and either the identity or the covariances with instants.
+//! The covariance is `K = exp(−Δt²/2ℓ²) + (σ_n²/σ_f²) I` in units of `σ_f²`. The line has the basis `H` under a flat prior
+//! (Rasmussen & Williams 2006, sections 2.2 and 2.7). With `K = UᵀU`, all results follow from columns multiplied by `U⁻ᵀ`:
+//! the line, the positions, and either the identity or the covariances with the instants.
 
 use nalgebra::{DMatrix, Vector2};
 
-use super::elimination::{LANES, contract, eliminate, padded, products_with};
 use super::kernel::{correlations, correlations_and_changes};
+use crate::linear_algebra::dense_tiles::{LANES, contract, eliminate, padded, products_with};
 
-/// What a kernel is like: its length scale, and the variance of noise `σ_n²/σ_f²`.
+/// Hyper-parameters of a kernel: length scale, and variance of the noise `σ_n²/σ_f²`.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     pub length_scale_s: f64,
     pub noise_ratio: f64,
 }
 
-/// What the readings say of a kernel.
+/// Terms of the marginal likelihood of a kernel, and their derivatives.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Evidence {
-    /// `yᵀPy` of all axes with `P = K⁻¹ − K⁻¹H (HᵀK⁻¹H)⁻¹ HᵀK⁻¹`: the weights of readings once any line is taken out.
+pub struct KernelEvidence {
+    /// `yᵀPy` summed over the axes, with `P = K⁻¹ − K⁻¹H (HᵀK⁻¹H)⁻¹ HᵀK⁻¹`, the weight matrix of the readings after the
+    /// line is projected out.
     pub energy_m2: f64,
     /// Derivatives of the energy by `ln ℓ` and by the logarithm of the noise ratio.
     pub energy_slope: Vector2<f64>,
@@ -29,10 +30,10 @@ pub struct Evidence {
     pub volume_slope: Vector2<f64>,
 }
 
-/// Weighs positions (m) with one column for each axis, two at most, at increasing times.
-pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> Evidence {
+/// Computes the evidence of positions (m) with one column for each axis, two at most, at increasing times (s).
+pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> KernelEvidence {
     let order = padded(times_s.len());
-    let mut rows = Rows::new(times_s, positions_m, order);
+    let mut rows = CovarianceRows::new(times_s, positions_m, order);
     let staircase = rows.beside();
     // ∂K/∂ln ℓ above the diagonal, by rows.
     let mut changes = vec![0.0; order * order];
@@ -48,7 +49,7 @@ pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> 
         changes[i * order + times_s.len()..(i + 1) * order].fill(0.0);
     }
     let Eliminated { rows, line, rest_m, lists } = rows.eliminate(kernel.noise_ratio, staircase);
-    // `P = XᵀX − GᵀG` with X = U⁻ᵀ and G = QᵀX; and `P y` are the weights of readings.
+    // `P = XᵀX − GᵀG` with X = U⁻ᵀ and G = QᵀX; `P y` are the weights of the readings.
     let lower = (&rows.values[staircase..], rows.width);
     let found = products_with(lower, &lists, order, true);
     let (known, weights) = found.with_lists.split_at(2);
@@ -56,7 +57,7 @@ pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> 
     let trace = found.squares.iter().sum::<f64>() - square(known);
     let [volume_change, energy_change] = contract(lower, [known, weights], &changes, order);
     let ln_pivots: f64 = (0..times_s.len()).map(|i| rows.row(i)[i].ln()).sum();
-    Evidence {
+    KernelEvidence {
         energy_m2: square(&rest_m),
         energy_slope: -Vector2::new(2.0 * energy_change, kernel.noise_ratio * square(weights)),
         volume: 2.0 * (ln_pivots + line.ln_size()),
@@ -64,8 +65,8 @@ pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> 
     }
 }
 
-/// Positions (m) at some instants, one column for each axis, and their standard deviations in units of `σ_f` (eq. 2.41
-/// and 2.42 with a flat prior).
+/// Predicts positions (m) at instants (s), one column for each axis, and their standard deviations in units of `σ_f` (eq.
+/// 2.41 and 2.42 with a flat prior).
 pub fn predict(
     times_s: &[f64],
     positions_m: &DMatrix<f64>,
@@ -73,7 +74,7 @@ pub fn predict(
     instants_s: &[f64],
 ) -> (DMatrix<f64>, Vec<f64>) {
     let (count, room) = (instants_s.len(), padded(instants_s.len()));
-    let mut rows = Rows::new(times_s, positions_m, room);
+    let mut rows = CovarianceRows::new(times_s, positions_m, room);
     let (beside, width) = (rows.beside(), rows.width);
     let order = padded(times_s.len());
     let instants = in_vectors(instants_s);
@@ -85,7 +86,7 @@ pub fn predict(
     let Eliminated { rows, line, rest_m, lists } = rows.eliminate(kernel.noise_ratio, width);
     let found = products_with((&rows.values[beside..], width), &lists, room, false);
     let (of_line, points_m) = found.with_lists.split_at(2);
-    // Weights that add to one cannot average the noise further down; rounding could.
+    // Lower bound of the variance: weights that sum to one cannot average the noise further, but rounding could.
     let least = kernel.noise_ratio / times_s.len() as f64;
     let at = |i: usize| line_at(times_s, instants_s[i]);
     let points_m = DMatrix::from_fn(count, rest_m.len(), |i, axis| {
@@ -93,7 +94,7 @@ pub fn predict(
         points_m[axis][i] + level + slope * at(i)[1]
     });
     let sigma = (0..count).map(|i| {
-        // What the readings near an instant leave unsaid of the line there.
+        // Variance of the line: squared norm of `L⁻¹ (h − HᵀK⁻¹k)`, with its basis h and the covariances k at the instant.
         let unsaid = line.in_basis(at(i));
         let unsaid: f64 =
             of_line.iter().zip(unsaid).map(|(said, all)| (all - said[i]).powi(2)).sum();
@@ -102,24 +103,24 @@ pub fn predict(
     (points_m, sigma.collect())
 }
 
-/// Times in whole vectors: the last is repeated.
+/// Pads times to whole vectors by repeating the last one.
 fn in_vectors(times_s: &[f64]) -> Vec<f64> {
     let mut filled = times_s.to_vec();
     filled.resize(padded(times_s.len()), times_s.last().copied().unwrap_or_default());
     filled
 }
 
-/// `[K | H, y, …]`: the readings' covariances with the line, the positions and more beside them, by rows.
-struct Rows {
+/// Rows of `[K | H, y, …]`: covariances of the readings, then the line's basis, the positions and further columns.
+struct CovarianceRows {
     values: Vec<f64>,
     width: usize,
-    /// Rows that there are; as many follow as make tiles come out even, of zeros and a one on the diagonal.
+    /// Number of readings. Padding rows follow to complete the tiles, with zeros and a one on the diagonal.
     readings: usize,
     axes: usize,
 }
 
-impl Rows {
-    /// The line and the positions, with room for `more` columns.
+impl CovarianceRows {
+    /// Fills in the line and the positions, with space for `more` columns.
     fn new(times_s: &[f64], positions_m: &DMatrix<f64>, more: usize) -> Self {
         let (readings, axes) = (times_s.len(), positions_m.ncols());
         let order = padded(readings);
@@ -138,8 +139,8 @@ impl Rows {
         rows
     }
 
-    /// Asks `write` for the covariances of each reading, given by its number and time, with those from the same vector
-    /// on, whose times it is told.
+    /// Calls `write` for the covariances of each reading. Its arguments are the reading's index and time, the times from
+    /// the beginning of the same vector, and the row.
     fn fill(
         &mut self,
         times_s: &[f64],
@@ -164,7 +165,7 @@ impl Rows {
         &mut self.values[i * self.width..(i + 1) * self.width]
     }
 
-    /// The first column after the positions.
+    /// Returns the first column after the positions.
     fn beside(&self) -> usize {
         padded(self.readings) + padded(2 + self.axes)
     }
@@ -184,24 +185,24 @@ impl Rows {
     }
 }
 
-/// What is left once `U⁻ᵀ` was applied.
+/// Result of the multiplication by `U⁻ᵀ`.
 struct Eliminated {
-    rows: Rows,
+    rows: CovarianceRows,
     line: Line,
-    /// The positions less their best line, one list for each axis.
+    /// Positions with their best line projected out, one list for each axis.
     rest_m: Vec<Vec<f64>>,
-    /// The line's basis and these, side by side.
+    /// For each row, the line's basis and `rest_m`, side by side.
     lists: Vec<[f64; 4]>,
 }
 
-/// The best line, and what the readings know of it: `U⁻ᵀH = Q Lᵀ`.
+/// The best line and its information: `U⁻ᵀH = Q Lᵀ`.
 struct Line {
-    /// `Q`: one column, or two if there are two readings or more.
+    /// Columns of `Q`: two, or one for a single reading.
     basis: Vec<Vec<f64>>,
-    /// `L`: its diagonal, and what is below.
+    /// `L`: its diagonal and the element below.
     diagonal: [f64; 2],
     below: f64,
-    /// The position in the middle of each axis (m), and half the way.
+    /// Position at mid-time and displacement over half the span, for each axis (m).
     coefficients_m: Vec<[f64; 2]>,
 }
 
@@ -223,7 +224,7 @@ impl Line {
         self.diagonal[0].ln() + self.diagonal[1].ln()
     }
 
-    /// Takes the best line out of an axis and remembers it.
+    /// Projects the best line out of an axis and stores its coefficients.
     fn take_out(&mut self, mut column_m: Vec<f64>) -> Vec<f64> {
         let mut along = [0.0; 2];
         for (along, basis) in along.iter_mut().zip(&self.basis) {
@@ -234,21 +235,22 @@ impl Line {
         column_m
     }
 
-    /// `L⁻¹` times the line's functions at an instant.
+    /// Returns `L⁻¹` times the line's basis functions at an instant.
     fn in_basis(&self, at: [f64; 2]) -> [f64; 2] {
         let level = at[0] / self.diagonal[0];
         [level, (at[1] - self.below * level) / self.diagonal[1]]
     }
 }
 
-/// The line's functions at an instant, centred and scaled to the readings so that both weigh alike.
+/// Basis functions of the line at an instant, centred and scaled to the span of the readings so that both have equal
+/// weight.
 fn line_at(times_s: &[f64], t_s: f64) -> [f64; 2] {
     let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
     let half_s = 0.5 * (last_s - first_s);
     [1.0, if half_s > 0.0 { (t_s - 0.5 * (first_s + last_s)) / half_s } else { 0.0 }]
 }
 
-/// Takes out of a column what is along a direction of size one, and says how much that was.
+/// Subtracts a column's component along a unit vector, and returns that component.
 fn subtract_along(direction: &[f64], column: &mut [f64]) -> f64 {
     let along = dot(direction, column);
     for (value, direction) in column.iter_mut().zip(direction) {
@@ -257,7 +259,7 @@ fn subtract_along(direction: &[f64], column: &mut [f64]) -> f64 {
     along
 }
 
-/// Gives a column the size one, and says what it was.
+/// Normalises a column, and returns its former norm.
 fn normalise(column: &mut [f64]) -> f64 {
     let size = dot(column, column).sqrt();
     for value in column.iter_mut() {
@@ -275,7 +277,7 @@ mod tests {
     use super::*;
     use crate::pipeline::interpolation::tests::{series_of, wander};
 
-    /// Whole vectors of readings, and some less and more than that.
+    /// Numbers of readings that fill whole vectors, and some smaller and larger ones.
     #[test]
     fn evidence_is_the_textbook_s() {
         let kernel = Kernel { length_scale_s: 2.5, noise_ratio: 1e-3 };

@@ -1,8 +1,8 @@
-//! Interpolation of three tracks by one of the models.
+//! Interpolation of three tracks with one of the models.
 
 use rayon::prelude::*;
 
-use super::series::Estimate;
+use super::series::InterpolatedTrack;
 use super::{linear, squared_exponential, white_noise_on_acceleration};
 use crate::pipeline::interval_split::Interval;
 use crate::pipeline::outlier_filter::FilteredTrack;
@@ -10,7 +10,7 @@ use crate::pipeline::settings::Interpolation;
 use crate::pipeline::triplets::Triplets;
 use crate::progress::{Cancelled, Progress};
 
-/// Triplets on a grid of `rate_hz` from the start of each interval, unless `progress` is cancelled.
+/// Interpolates triplets at `rate_hz` from the start of each interval, unless `progress` is cancelled.
 pub fn interpolate(
     tracks: &[FilteredTrack; 3],
     intervals: &[Interval],
@@ -28,7 +28,8 @@ pub fn interpolate(
         Interpolation::Wnoa => white_noise_on_acceleration::at,
     };
     let of_track = |track| model(track, intervals, (&time_s, &interval), progress);
-    let mut estimates: Vec<Estimate> = tracks.par_iter().map(of_track).collect::<Result<_, _>>()?;
+    let mut estimates: Vec<InterpolatedTrack> =
+        tracks.par_iter().map(of_track).collect::<Result<_, _>>()?;
     let mut sigma_m = [const { Vec::new() }; 3];
     let mut points_m = [const { Vec::new() }; 3];
     for (station, estimate) in estimates.drain(..).enumerate() {
@@ -38,7 +39,7 @@ pub fn interpolate(
     Ok(Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) })
 }
 
-/// Instants (s) and the interval each belongs to.
+/// Returns the instants (s) and the interval of each.
 fn grid(intervals: &[Interval], rate_hz: f64) -> (Vec<f64>, Vec<u32>) {
     let (mut time_s, mut owner) = (Vec::new(), Vec::new());
     for (index, interval) in intervals.iter().enumerate() {

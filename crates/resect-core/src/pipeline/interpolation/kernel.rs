@@ -1,13 +1,13 @@
-//! The squared-exponential kernel between times, many at once by vector instructions.
+//! The squared-exponential kernel for many times at once, with vector instructions.
 
 use multiversion::multiversion;
 
-use super::elimination::LANES;
+use crate::linear_algebra::dense_tiles::LANES;
 
-/// What is smaller than e⁻¹⁰⁰ is nothing beside 1; without a floor it would be numbers so small that processors are slow.
+/// Smallest exponent: e⁻¹⁰⁰ is negligible beside 1, and much smaller values are subnormal numbers, which are slow.
 const LEAST_EXPONENT: f64 = -100.0;
 
-/// `exp(−(t − t_j)²/2ℓ²)` for each of the times t_j, which come in whole vectors.
+/// Computes `exp(−(t − t_j)²/2ℓ²)` for times t_j, which fill whole vectors.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 pub fn correlations(t_s: f64, times_s: &[f64], length_scale_s: f64, found: &mut [f64]) {
     let scale = -0.5 / (length_scale_s * length_scale_s);
@@ -19,7 +19,7 @@ pub fn correlations(t_s: f64, times_s: &[f64], length_scale_s: f64, found: &mut 
     }
 }
 
-/// The same, and how it changes with `ln ℓ`: `(t − t_j)²/ℓ²` times that.
+/// Computes the same, and its derivative by `ln ℓ`, which is `(t − t_j)²/ℓ²` times the value.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 pub fn correlations_and_changes(
     t_s: f64,
@@ -40,12 +40,12 @@ pub fn correlations_and_changes(
     }
 }
 
-/// eˣ of a number that is not positive, to the last digit or so: 2ᵏ times the Taylor series of what is left.
+/// eˣ for x ≤ 0, accurate to about the last digit: 2ᵏ times the Taylor series of the remainder.
 #[inline(always)]
 fn exp(x: f64) -> f64 {
-    /// Beside this number, 1.5·2⁵², the last digit of a sum is a whole one.
+    /// 1.5·2⁵²: a sum with it is rounded to an integer.
     const WHOLE: f64 = 6_755_399_441_055_744.0;
-    /// The first part of ln 2 has so few digits that its multiples are exact.
+    /// ln 2 as a sum of two terms; the first has so few digits that its multiples are exact.
     const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
     /// 1/13!, 1/12!, … 1/2!.
     const SERIES: [f64; 12] = [

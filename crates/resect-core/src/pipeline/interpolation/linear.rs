@@ -1,10 +1,10 @@
-//! Straight lines between neighbouring readings, as in the paper's best pipeline.
+//! Linear interpolation between neighbouring readings, as in the paper's best pipeline.
 
 use nalgebra::Vector3;
 
 use crate::pipeline::FilteredTrack;
 
-/// Positions (m) at increasing instants (s) that lie within the track's own span.
+/// Returns positions (m) at increasing instants (s) within the span of the track.
 pub fn at(track: &FilteredTrack, time_s: &[f64]) -> Vec<Vector3<f64>> {
     let mut next = 1;
     time_s

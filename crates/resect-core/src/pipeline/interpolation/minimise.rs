@@ -1,16 +1,16 @@
-//! Search for the hyper-parameters that explain the readings best.
+//! Minimisation, for the most likely hyper-parameters.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// No step is longer, along either coordinate (both are logarithms).
+/// Longest step along either coordinate (both are logarithms).
 const LONGEST_STEP: f64 = 2.0;
-/// Where a step promises less than this (in nats), the readings themselves cannot tell the two places apart.
+/// Smallest predicted decrease (in nats) that is worth a step; the readings do not distinguish smaller ones.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Least place of a smooth function in a box, by BFGS (Nocedal & Wright 2006, ch. 6) with steps clipped to the box.
+/// Minimises a smooth function in a box by BFGS (Nocedal & Wright 2006, ch. 6), with steps clipped to the box.
 ///
-/// `curvature` is the size of a second derivative, for the first step. What `evaluate` tells beside value and slope comes
-/// with the place.
+/// `curvature` is the size of a second derivative, for the first step. `evaluate` returns value, gradient and further
+/// results, which are returned with the minimum.
 pub fn in_box<More>(
     start: Vector2<f64>,
     (low, high): (Vector2<f64>, Vector2<f64>),
@@ -23,7 +23,7 @@ pub fn in_box<More>(
     let fresh = Matrix2::identity() / curvature;
     let mut inverse_hessian = fresh;
     for _ in 0..50 {
-        // A coordinate at the wall that the function pushes outward rests there.
+        // A coordinate at its bound is fixed if the function decreases outward.
         let free = Vector2::from_fn(|i, _| {
             let held =
                 place[i] <= low[i] && slope[i] > 0.0 || place[i] >= high[i] && slope[i] < 0.0;
@@ -57,7 +57,7 @@ pub fn in_box<More>(
     (place, more)
 }
 
-/// The place of the least value; each is asked once.
+/// Returns the point with the smallest value, after one evaluation of each.
 pub fn least<Place>(
     places: impl Iterator<Item = Place>,
     evaluate: impl Fn(&Place) -> f64,
@@ -66,8 +66,8 @@ pub fn least<Place>(
     values.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
 }
 
-/// Least place of a function on a line: the best of evenly spaced places, because there may be several valleys, then
-/// golden sections around it.
+/// Minimises a function of one variable: the best of evenly spaced points, because there may be several minima, then a
+/// golden-section search around it.
 pub fn on_line(low: f64, high: f64, places: usize, evaluate: impl Fn(f64) -> f64) -> f64 {
     let spacing = (high - low) / (places - 1) as f64;
     let spread = (0..places).map(|k| low + spacing * k as f64);
@@ -104,7 +104,7 @@ mod tests {
         let open = (Vector2::repeat(-5.0), Vector2::repeat(5.0));
         let (found, ()) = in_box(Vector2::new(-1.2, 1.0), open, 100.0, rosenbrock);
         assert!((found - Vector2::repeat(1.0)).norm() < 0.1, "{found}");
-        // With a wall in the way the best place on the wall: y = x² there.
+        // With a bound in between, the minimum lies on it, where y = x².
         let walled = (Vector2::repeat(-5.0), Vector2::new(0.5, 5.0));
         let (found, ()) = in_box(Vector2::new(-1.2, 1.0), walled, 100.0, rosenbrock);
         assert!((found - Vector2::new(0.5, 0.25)).norm() < 0.02, "{found}");

@@ -1,11 +1,10 @@
 //! Module 4: the positions of the three prisms at common instants.
 //!
-//! [`linear`] as published; [`squared_exponential`] and [`white_noise_on_acceleration`] learn their hyper-parameters,
-//! noise included, and say how well each position is known.
+//! [`linear`] is the published method. [`squared_exponential`] and [`white_noise_on_acceleration`] estimate their
+//! hyper-parameters, noise included, and give the standard deviation of each position.
 
 mod allowance;
 mod dense;
-mod elimination;
 mod interpolate;
 mod kernel;
 mod linear;
@@ -17,4 +16,4 @@ mod tests;
 pub mod white_noise_on_acceleration;
 
 pub use interpolate::interpolate;
-pub use series::Estimate;
+pub use series::InterpolatedTrack;

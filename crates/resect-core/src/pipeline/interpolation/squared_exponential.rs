@@ -1,12 +1,11 @@
-//! A Gaussian process with a squared-exponential kernel, learned from the readings themselves.
+//! Gaussian process with a squared-exponential kernel, whose hyper-parameters are learned from the readings.
 //!
-//! Along each axis the prism moves on a straight line at constant speed, of which nothing is known, plus a smooth
-//! wandering with covariance `σ_f² exp(−Δt²/2ℓ²)`; readings add white noise `σ_n²`. The line stands in for the
-//! usual mean: removing a constant alone would ask the kernel for the ever larger `σ_f` of a vehicle that drives
-//! away. It is integrated out under a flat prior, so its own uncertainty is part of the answer.
+//! Along each axis the prism moves on an unknown straight line at constant speed, plus a smooth deviation with covariance
+//! `σ_f² exp(−Δt²/2ℓ²)`. Readings add white noise `σ_n²`. The line replaces the usual constant mean, with which `σ_f` would
+//! grow as the vehicle drives away. It is integrated out under a flat prior, so its uncertainty is part of the result.
 //!
-//! `ℓ`, `σ_f` and `σ_n` maximise the marginal likelihood (Rasmussen & Williams 2006, eq. 5.8, with the gradient
-//! of eq. 5.9 and the explicit basis of section 2.7).
+//! `ℓ`, `σ_f` and `σ_n` maximise the marginal likelihood (Rasmussen & Williams 2006, eq. 5.8, with the gradient of eq. 5.9
+//! and the explicit basis of section 2.7).
 
 use nalgebra::{DMatrix, Vector2, Vector3};
 use rayon::prelude::*;
@@ -15,25 +14,25 @@ use super::allowance::Allowance;
 use super::dense::{self, Kernel};
 use super::minimise;
 use super::series::{
-    AXIS_GROUPS, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval,
+    AXIS_GROUPS, FEWEST_TO_LEARN_FROM, InterpolatedTrack, LEAST_NOISE_M, ReadingSeries, by_interval,
 };
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
 
-/// Readings in a chunk to learn from; the cost grows with the cube.
+/// Number of readings in a chunk to learn from; the cost grows with its cube.
 const CHUNK: usize = 64;
-/// Readings in all chunks together that a first guess is made from, spread evenly over the station's intervals. An
-/// interval of its own is learned from whole: the one sharp turn of a long drive is what decides.
+/// Largest number of readings for the shared first estimate, spread evenly over the station's intervals. Each interval is
+/// then learned from all its readings, because a single sharp turn in a long drive is decisive.
 const MOST_FOR_A_GUESS: usize = 4 * CHUNK;
-/// Readings whose neighbourhood is predicted from one factorisation.
+/// Number of readings whose surroundings are predicted from one factorisation.
 const CORE: usize = 64;
-/// Readings beyond the core on either side: 13 s at the usual rate, some length scales of a vehicle's motion.
+/// Number of readings beyond the core on either side: 13 s at the usual rate, some length scales of a vehicle's motion.
 const MARGIN: usize = 32;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hyperparameters {
     pub length_scale_s: f64,
-    /// How far the prism wanders from the straight line.
+    /// Standard deviation of the prism's deviation from the straight line (m).
     pub signal_m: f64,
     pub noise_m: f64,
 }
@@ -44,39 +43,40 @@ impl Hyperparameters {
         Kernel { length_scale_s: self.length_scale_s, noise_ratio }
     }
 
-    /// `(ln ℓ, ln σ_n²/σ_f²)`: where a search finds them.
+    /// Returns the coordinates of the search, `(ln ℓ, ln σ_n²/σ_f²)`.
     fn place(&self) -> Vector2<f64> {
         Vector2::new(self.length_scale_s.ln(), self.kernel().noise_ratio.ln())
     }
 }
 
-/// Hyper-parameters where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
+/// Hyper-parameters without an interval long enough to learn from, for a robot at walking pace and a good instrument.
 const UNLEARNED: Hyperparameters =
     Hyperparameters { length_scale_s: 3.0, signal_m: 1.0, noise_m: 2e-3 };
 
-/// Positions at sorted `instants`: their times (s), and which of the intervals each is in.
+/// Interpolates positions at sorted `instants`: their times (s), and the index of each one's interval.
 pub fn at(
     track: &FilteredTrack,
     intervals: &[Interval],
     instants: (&[f64], &[u32]),
     progress: &Progress,
-) -> Result<Estimate, Cancelled> {
+) -> Result<InterpolatedTrack, Cancelled> {
     let learned = learn(track, intervals, progress)?;
     by_interval(track, intervals, instants, |index, series, instants_s| {
         predict(series, &learned[index], instants_s, progress)
     })
 }
 
-/// Hyper-parameters of the level axes and of the vertical one, for each interval.
+/// Learns the hyper-parameters of the horizontal axes and of the vertical one, for each interval.
 pub fn learn(
     track: &FilteredTrack,
     intervals: &[Interval],
     progress: &Progress,
 ) -> Result<Vec<[Hyperparameters; 2]>, Cancelled> {
-    let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
+    let series: Vec<_> =
+        intervals.iter().map(|interval| ReadingSeries::new(track, interval)).collect();
     let shared = AXIS_GROUPS
         .map(|axes| Likelihood::new(&series, axes, MOST_FOR_A_GUESS).map(|l| l.learn_afresh()));
-    let learn_own = |(own, [level, vertical]): (&Series, [Allowance<'_>; 2])| {
+    let learn_own = |(own, [level, vertical]): (&ReadingSeries, [Allowance<'_>; 2])| {
         let of_group = |group: usize, allowance: Allowance<'_>| {
             let learned = match shared[group] {
                 None => UNLEARNED,
@@ -88,41 +88,41 @@ pub fn learn(
                     likelihood.map_or(shared, |own| own.learn_from(&shared, &go_on))
                 }
             };
-            // What was learned until it was cancelled is worth nothing.
+            // Hyper-parameters from a cancelled search are discarded.
             allowance.end()?;
             Ok::<_, Cancelled>(learned)
         };
         Ok([of_group(0, level)?, of_group(1, vertical)?])
     };
-    // All is told before the first begins.
+    // All work is announced before the first search begins.
     let allowances: Vec<_> =
         series.iter().map(|own| [0, 1].map(|_| Allowance::new(progress, own.len()))).collect();
     series.par_iter().zip(allowances).map(learn_own).collect()
 }
 
-/// Positions along some axes from a place nearby, so that rounding is that of small numbers.
+/// Positions along some axes relative to the first one, which limits rounding errors.
 fn columns_m(positions_m: &[Vector3<f64>], axes: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(positions_m.len(), axes.len(), |i, j| {
         positions_m[i][axes[j]] - positions_m[0][axes[j]]
     })
 }
 
-/// Told how many readings are looked at next; whether they shall be.
+/// Called with the number of readings evaluated next; returns true to continue.
 type GoOn<'a> = dyn Fn(usize) -> bool + 'a;
 
-/// Composite likelihood of some chunks that share hyper-parameters; each has a line of its own.
+/// Composite likelihood of chunks that share hyper-parameters; each chunk has a line of its own.
 struct Likelihood {
-    /// Times (s) and positions (m).
+    /// Times (s) and positions (m) of each chunk.
     chunks: Vec<(Vec<f64>, DMatrix<f64>)>,
-    /// Coordinates of readings less those that fix the lines.
+    /// Degrees of freedom: coordinates of readings less those that determine the lines.
     freedom: f64,
-    /// Lowest and highest `(ln ℓ, ln σ_n²/σ_f²)`.
+    /// Lower and upper limits of `(ln ℓ, ln σ_n²/σ_f²)`.
     limits: (Vector2<f64>, Vector2<f64>),
 }
 
 impl Likelihood {
-    /// `None` where no series has readings to spare beyond a line.
-    fn new(series: &[Series], axes: &[usize], most_readings: usize) -> Option<Self> {
+    /// `None` if no series has more readings than a line needs.
+    fn new(series: &[ReadingSeries], axes: &[usize], most_readings: usize) -> Option<Self> {
         let mut chunks = Vec::new();
         for series in series {
             let parts = series.len().div_ceil(CHUNK);
@@ -140,7 +140,7 @@ impl Likelihood {
         let steps: usize = chunks.iter().map(|(times_s, _)| times_s.len() - 1).sum();
         let span_s: f64 =
             chunks.iter().map(|(times_s, _)| times_s[times_s.len() - 1] - times_s[0]).sum();
-        // Wandering that forgets itself between two readings cannot be told from noise.
+        // Motion with a shorter length scale than the interval between readings is indistinguishable from noise.
         let shortest_s = (span_s / steps as f64).max(0.2);
         (steps > 0).then(|| Self {
             freedom: ((steps - chunks.len()) * axes.len()) as f64,
@@ -152,7 +152,7 @@ impl Likelihood {
         })
     }
 
-    /// The best of a coarse grid first: there may be several valleys.
+    /// Searches from the best point of a coarse grid, because there may be several minima.
     fn learn_afresh(&self) -> Hyperparameters {
         let grid = [1.0, 3.0, 10.0, 30.0_f64].into_iter().flat_map(|length_scale_s| {
             [1e-8, 1e-5, 1e-2_f64].map(|ratio| Vector2::new(length_scale_s.ln(), ratio.ln()))
@@ -176,11 +176,11 @@ impl Likelihood {
         }
     }
 
-    /// Minus the log-likelihood but for a constant, its gradient over `(ln ℓ, ln σ_n²/σ_f²)`, and the `σ_f²` (m²)
-    /// that is best with these. Nothing of meaning where `go_on` ends it early.
+    /// Returns the negative log-likelihood up to a constant, its gradient with respect to `(ln ℓ, ln σ_n²/σ_f²)`, and the
+    /// best `σ_f²` (m²) for these. The result is meaningless if `go_on` stops it early.
     fn evaluate(&self, at: &Vector2<f64>, go_on: &GoOn<'_>) -> (f64, Vector2<f64>, f64) {
         let kernel = Kernel { length_scale_s: at.x.exp(), noise_ratio: at.y.exp() };
-        // Of `yᵀ P y`, and of the log-determinants.
+        // Sums of `yᵀ P y` and of the log-determinants.
         let least_m2 = self.freedom * LEAST_NOISE_M.powi(2) / kernel.noise_ratio;
         let (mut energy_m2, mut energy_slope) = (least_m2, Vector2::new(0.0, -least_m2));
         let (mut volume, mut volume_slope) = (0.0, Vector2::zeros());
@@ -201,15 +201,15 @@ impl Likelihood {
     }
 }
 
-/// Positions at sorted instants of one interval. A long one goes window by window, each with margins that
-/// overlap its neighbours: readings many length scales away have next to no say.
+/// Predicts positions at sorted instants of one interval. Long intervals are predicted in windows with overlapping margins,
+/// because readings many length scales away have almost no weight.
 fn predict(
-    series: &Series,
+    series: &ReadingSeries,
     learned: &[Hyperparameters; 2],
     instants_s: &[f64],
     progress: &Progress,
-) -> Result<Estimate, Cancelled> {
-    let mut estimate = Estimate::default();
+) -> Result<InterpolatedTrack, Cancelled> {
+    let mut estimate = InterpolatedTrack::default();
     let cores = if series.len() <= CORE + 2 * MARGIN { 1 } else { series.len().div_ceil(CORE) };
     let mut asked = 0;
     for core in 0..cores {

@@ -1,17 +1,21 @@
-//! What both Gaussian processes promise, and where they beat straight lines between readings and where not.
+//! Tests of both Gaussian processes, and comparisons with linear interpolation.
 
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::series::{Estimate, Series};
+use super::series::{InterpolatedTrack, ReadingSeries};
 use super::{linear, squared_exponential, white_noise_on_acceleration};
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
 
-type Method =
-    fn(&FilteredTrack, &[Interval], (&[f64], &[u32]), &Progress) -> Result<Estimate, Cancelled>;
+type Method = fn(
+    &FilteredTrack,
+    &[Interval],
+    (&[f64], &[u32]),
+    &Progress,
+) -> Result<InterpolatedTrack, Cancelled>;
 const BOTH: [(&str, Method); 2] = [
     ("squared exponential", squared_exponential::at),
     ("white noise on acceleration", white_noise_on_acceleration::at),
@@ -22,12 +26,11 @@ fn positions_at(
     intervals: &[Interval],
     times_s: &[f64],
     owners: &[u32],
-) -> Estimate {
+) -> InterpolatedTrack {
     method(track, intervals, (times_s, owners), &Progress::default()).expect("nobody cancels it")
 }
 
-/// Spectral density of the simulated acceleration: a few millimetres between readings, so that 2 mm of noise can be
-/// told apart.
+/// Spectral density of the simulated acceleration: a few millimetres between readings, so that noise of 2 mm is observable.
 const DENSITY_M2_PER_S3: f64 = 1e-3;
 /// Unix time: the stamps of real readings are this large.
 const START_S: f64 = 1.6e9;
@@ -36,7 +39,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// Readings of a motion about every 0.4 s, with noise of this size along each axis.
+/// Simulates readings of a motion about every 0.4 s, with this noise along each axis.
 fn measured(
     motion: impl Fn(f64) -> Vector3<f64>,
     count: usize,
@@ -58,7 +61,8 @@ fn whole(track: &FilteredTrack) -> Interval {
     Interval { start_s: track.time_s[0], end_s: track.time_s[track.time_s.len() - 1] }
 }
 
-/// A sample of a squared-exponential process of 3 m and 3 s about a point far from the station (random Fourier features).
+/// Returns a sample of a squared-exponential process of 3 m and 3 s about a point far from the station (random Fourier
+/// features).
 fn smooth_sample(seed: u64) -> impl Fn(f64) -> Vector3<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let waves: [Vec<(f64, f64)>; 3] = std::array::from_fn(|_| {
@@ -76,7 +80,7 @@ fn smooth_sample(seed: u64) -> impl Fn(f64) -> Vector3<f64> {
     }
 }
 
-/// A sample of the process with white acceleration, simulated in short steps.
+/// Returns a sample of the process with white acceleration, simulated in short steps.
 fn driven_sample(seed: u64) -> impl Fn(f64) -> Vector3<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let step_s: f64 = 0.01;
@@ -95,7 +99,7 @@ fn driven_sample(seed: u64) -> impl Fn(f64) -> Vector3<f64> {
     }
 }
 
-/// 6 s at 1 m/s and 6 s at rest, in turn.
+/// Alternates between 6 s at 1 m/s and 6 s at rest.
 fn stopping(t: f64) -> Vector3<f64> {
     let rounds = (t / 12.0).floor();
     Vector3::new(100.0 + 6.0 * rounds + (t - 12.0 * rounds).min(6.0), 0.0, 0.0)
@@ -105,20 +109,20 @@ pub fn stop_and_go(noise_m: f64) -> FilteredTrack {
     measured(stopping, 300, noise_m, 70)
 }
 
-/// A few readings of a smooth motion.
+/// Simulates readings of a smooth motion.
 pub fn wander(count: usize, seed: u64) -> FilteredTrack {
     measured(smooth_sample(seed), count, 2e-3, seed)
 }
 
-pub fn series_of(track: &FilteredTrack) -> Series {
-    Series::new(track, &whole(track))
+pub fn series_of(track: &FilteredTrack) -> ReadingSeries {
+    ReadingSeries::new(track, &whole(track))
 }
 
-/// Kriging with an unknown straight line, as one linear system for each instant's weights.
+/// Kriging with an unknown straight line, by one linear system for each instant's weights.
 pub fn dense_by_the_book(
     kernel: impl Fn(f64, f64) -> f64,
     noise_m: f64,
-    series: &Series,
+    series: &ReadingSeries,
     instants_s: &[f64],
 ) -> (Vec<Vector3<f64>>, Vec<f64>) {
     let (n, times_s) = (series.len(), &series.time_s);
@@ -149,7 +153,7 @@ fn instants_s(track: &FilteredTrack) -> Vec<f64> {
     (0..=(span.length_s() * 10.0) as usize).map(|k| span.start_s + 0.1 * k as f64).collect()
 }
 
-fn estimated(track: &FilteredTrack, method: Method) -> Estimate {
+fn estimated(track: &FilteredTrack, method: Method) -> InterpolatedTrack {
     let times_s = instants_s(track);
     positions_at(method, track, &[whole(track)], &times_s, &vec![0; times_s.len()])
 }
@@ -178,17 +182,17 @@ fn median_error_m(
     errors_m[errors_m.len() / 2]
 }
 
-/// Root-mean-square errors of straight lines and of both processes (m).
+/// Returns the root-mean-square errors of linear interpolation and of both processes (m).
 fn rms_errors_m(motion: impl Fn(f64) -> Vector3<f64>, track: &FilteredTrack) -> [f64; 3] {
     let by_lines = linear::at(track, &instants_s(track));
     let [smooth, driven] = BOTH.map(|(_, method)| estimated(track, method).points_m);
     [by_lines, smooth, driven].map(|points_m| rms(errors_m(track, &points_m, &motion).into_iter()))
 }
 
-/// Errors over what the model said of them, as one number that should be 1.
+/// Returns the rms of errors over their predicted standard deviations, which should be 1.
 fn normalised_error(
     track: &FilteredTrack,
-    found: &Estimate,
+    found: &InterpolatedTrack,
     motion: &impl Fn(f64) -> Vector3<f64>,
 ) -> f64 {
     let scaled = instants_s(track)
@@ -198,7 +202,7 @@ fn normalised_error(
     rms(scaled.flat_map(<[f64; 3]>::from))
 }
 
-/// Each process on motion of its own kind.
+/// Tests each process on motion of its own kind.
 #[test]
 fn noise_is_recovered_and_errors_are_as_large_as_said() {
     for seed in 10..14 {
@@ -263,7 +267,7 @@ fn standing_still_averages_the_noise_away() {
     assert!(errors_m[1..].iter().all(|error_m| *error_m < 1e-3), "{errors_m:?}");
 }
 
-/// The shortest tracks have one reading, and an interval may begin and end on readings.
+/// The shortest tracks have one reading; an interval may begin and end at readings.
 #[test]
 fn few_readings_are_enough_for_an_answer() {
     for count in 1..24 {
@@ -287,7 +291,7 @@ fn few_readings_are_enough_for_an_answer() {
     }
 }
 
-/// 4 m of radius at 1 m/s: between readings 0.4 s apart a chord cuts 5 mm off the bend.
+/// On a circle of radius 4 m at 1 m/s, the chord between readings 0.4 s apart is 5 mm off the arc.
 #[test]
 fn on_a_winding_track_both_beat_straight_lines() {
     let winding = |t: f64| Vector3::new(100.0 + 4.0 * (t / 4.0).cos(), 4.0 * (t / 4.0).sin(), 0.0);
@@ -296,7 +300,7 @@ fn on_a_winding_track_both_beat_straight_lines() {
     assert!(driven_m < 0.65 * lines_m, "{driven_m} and {lines_m}");
 }
 
-/// No length scale fits both a straight drive and a dead stop: the smooth process calls the difference noise.
+/// No length scale fits both a straight drive and a sudden stop, so the smooth process models the difference as noise.
 #[test]
 fn where_the_vehicle_stops_dead_the_smooth_process_loses() {
     let track = stop_and_go(2e-3);
@@ -305,7 +309,7 @@ fn where_the_vehicle_stops_dead_the_smooth_process_loses() {
     assert!(driven_m < lines_m, "{driven_m} and {lines_m}");
 }
 
-/// A straight line between two good readings knows nothing of a bad one elsewhere; both processes spread it.
+/// An outlier does not affect linear interpolation elsewhere; both processes spread it.
 #[test]
 fn where_outliers_are_left_in_straight_lines_win_almost_everywhere() {
     let straight = |t: f64| Vector3::new(100.0 + 1.2 * t, 3.0 + 0.5 * t, 0.01 * t);
@@ -321,7 +325,7 @@ fn where_outliers_are_left_in_straight_lines_win_almost_everywhere() {
     }
 }
 
-/// A long drive without a lost lock is learned from whole: a sharp turn in it must not be taken for noise.
+/// A long interval is learned from all its readings, so that a sharp turn is not mistaken for noise.
 #[test]
 fn one_sharp_turn_in_a_long_straight_drive_is_followed() {
     let count = 420;

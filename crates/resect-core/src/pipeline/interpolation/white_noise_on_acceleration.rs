@@ -1,40 +1,42 @@
-//! A Gaussian process whose acceleration is white noise: the motion model of continuous-time estimation.
+//! Gaussian process with white noise on acceleration: the motion model of continuous-time estimation.
 //!
-//! Along each axis the state is position and velocity, driven by white acceleration of power spectral density `q_c`;
-//! readings add white noise `σ_n²`. Such a process is Markov, so that a Kalman filter and a Rauch–Tung–Striebel
-//! smoother give its exact posterior in one pass forth and one back (Barfoot, Tong & Särkkä 2014; Särkkä 2013, ch. 8),
-//! at readings and at instants between them alike. `q_c` and `σ_n` maximise the marginal likelihood, which the
-//! filter's innovations give on the way (Särkkä 2013, ch. 12).
+//! Along each axis the state is position and velocity, driven by white acceleration of power spectral density `q_c`.
+//! Readings add white noise `σ_n²`. The process is Markov, so a Kalman filter and a Rauch–Tung–Striebel smoother give its
+//! exact posterior (Barfoot, Tong & Särkkä 2014; Särkkä 2013, ch. 8). One forward and one backward pass cover readings and
+//! the instants between them. `q_c` and `σ_n` maximise the marginal likelihood, which follows from the filter's innovations
+//! (Särkkä 2013, ch. 12).
 //!
-//! Readings at 2.5 Hz of a vehicle that turns smoothly leave `σ_n` all but undetermined: the acceleration that the turn
-//! takes, were it white, would hide the noise. The position at a reading is then the reading, and the deviation said
-//! of it too small.
+//! Readings at 2.5 Hz of a vehicle that turns smoothly hardly determine `σ_n`: the acceleration of the turn, modelled as
+//! white, hides the noise. The position at a reading is then the reading, and its standard deviation is too small.
 
 use nalgebra::{Matrix2, RowVector2, SMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::allowance::Allowance;
 use super::minimise;
-use super::series::{Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval};
+use super::series::{
+    FEWEST_TO_LEARN_FROM, InterpolatedTrack, LEAST_NOISE_M, ReadingSeries, by_interval,
+};
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hyperparameters {
+pub struct MotionModelHyperparameters {
     pub density_m2_per_s3: f64,
     pub noise_m: f64,
 }
 
-/// Hyper-parameters where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
-const UNLEARNED: Hyperparameters = Hyperparameters { density_m2_per_s3: 0.1, noise_m: 2e-3 };
+/// Hyper-parameters without an interval long enough to learn from, for a robot at walking pace and a good instrument.
+const UNLEARNED: MotionModelHyperparameters =
+    MotionModelHyperparameters { density_m2_per_s3: 0.1, noise_m: 2e-3 };
 
-/// Positions at sorted `instants`: their times (s), and which of the intervals each is in.
+/// Interpolates positions at sorted `instants`: their times (s), and the index of each one's interval.
 pub fn at(
     track: &FilteredTrack,
     intervals: &[Interval],
     instants: (&[f64], &[u32]),
     progress: &Progress,
-) -> Result<Estimate, Cancelled> {
+) -> Result<InterpolatedTrack, Cancelled> {
     let learned = learn(track, intervals, progress)?;
     by_interval(track, intervals, instants, |index, series, instants_s| {
         progress.check()?;
@@ -42,19 +44,20 @@ pub fn at(
     })
 }
 
-/// Hyper-parameters of the level axes and of the vertical one, for each interval.
+/// Learns the hyper-parameters of the horizontal axes and of the vertical one, for each interval.
 pub fn learn(
     track: &FilteredTrack,
     intervals: &[Interval],
     progress: &Progress,
-) -> Result<Vec<[Hyperparameters; 2]>, Cancelled> {
-    let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
-    // For both groups of axes; all is told before the first begins.
-    let allow = |series: &[Series]| Allowance::new(progress, 2 * readings(series));
+) -> Result<Vec<[MotionModelHyperparameters; 2]>, Cancelled> {
+    let series: Vec<_> =
+        intervals.iter().map(|interval| ReadingSeries::new(track, interval)).collect();
+    // Work for both groups of axes; all of it is announced before the first search begins.
+    let allow = |series: &[ReadingSeries]| Allowance::new(progress, 2 * readings(series));
     let of_all = allow(&series);
     let of_each: Vec<_> = series.iter().map(|own| allow(std::slice::from_ref(own))).collect();
     let shared = learn_together(&series, of_all)?.unwrap_or([UNLEARNED; 2]);
-    let alone = |(own, allowance): (&Series, Allowance<'_>)| {
+    let alone = |(own, allowance): (&ReadingSeries, Allowance<'_>)| {
         let own = Some(own).filter(|own| own.len() >= FEWEST_TO_LEARN_FROM);
         let own = own.map_or(&[][..], std::slice::from_ref);
         Ok(learn_together(own, allowance)?.unwrap_or(shared))
@@ -62,29 +65,30 @@ pub fn learn(
     series.par_iter().zip(of_each).map(alone).collect()
 }
 
-fn readings(series: &[Series]) -> usize {
-    series.iter().map(Series::len).sum()
+fn readings(series: &[ReadingSeries]) -> usize {
+    series.iter().map(ReadingSeries::len).sum()
 }
 
-/// `None` where no series has readings to spare beyond a line.
+/// Learns shared hyper-parameters; `None` if no series has more readings than a line needs.
 fn learn_together(
-    series: &[Series],
+    series: &[ReadingSeries],
     allowance: Allowance<'_>,
-) -> Result<Option<[Hyperparameters; 2]>, Cancelled> {
+) -> Result<Option<[MotionModelHyperparameters; 2]>, Cancelled> {
     let spare = series.iter().any(|series| series.len() > 2);
     let learned = spare
         .then(|| [learn_axes(series, [0, 1], &allowance), learn_axes(series, [2], &allowance)]);
-    // What was learned until it was cancelled is worth nothing.
+    // Hyper-parameters from a cancelled search are discarded.
     allowance.end()?;
     Ok(learned)
 }
 
 fn learn_axes<const A: usize>(
-    series: &[Series],
+    series: &[ReadingSeries],
     axes: [usize; A],
     allowance: &Allowance<'_>,
-) -> Hyperparameters {
-    // From a drift that a minute does not show to one that leaves every reading to itself.
+) -> MotionModelHyperparameters {
+    // From process noise too small to show within a minute, to process noise with which each reading determines its
+    // position alone.
     let (low, high) = (1e-8_f64.ln(), 1e8_f64.ln());
     let look = |ln: f64| match allowance.spend(readings(series)) {
         true => likelihood(series, axes, ln.exp()).0,
@@ -92,12 +96,16 @@ fn learn_axes<const A: usize>(
     };
     let best = minimise::on_line(low, high, 17, look).exp();
     let (_, noise_m2) = likelihood(series, axes, best);
-    Hyperparameters { density_m2_per_s3: best * noise_m2, noise_m: noise_m2.sqrt() }
+    MotionModelHyperparameters { density_m2_per_s3: best * noise_m2, noise_m: noise_m2.sqrt() }
 }
 
-/// Minus the log-likelihood but for a constant, and the `σ_n²` (m²) that is best with this `q_c/σ_n²` (1/s³). The first
-/// two readings of a series only fix the line that the motion starts on.
-fn likelihood<const A: usize>(series: &[Series], axes: [usize; A], ratio: f64) -> (f64, f64) {
+/// Returns the negative log-likelihood up to a constant, and the best `σ_n²` (m²) for this `q_c/σ_n²` (1/s³). The first two
+/// readings of a series only determine the initial line.
+fn likelihood<const A: usize>(
+    series: &[ReadingSeries],
+    axes: [usize; A],
+    ratio: f64,
+) -> (f64, f64) {
     let (mut energy_m2, mut volume, mut freedom) = (0.0, 0.0, 0.0);
     for series in series.iter().filter(|series| series.len() > 2) {
         let mut belief = Belief::of_two(series, axes, ratio);
@@ -114,7 +122,7 @@ fn likelihood<const A: usize>(series: &[Series], axes: [usize; A], ratio: f64) -
 }
 
 fn coordinates_m<const A: usize>(
-    series: &Series,
+    series: &ReadingSeries,
     index: usize,
     axes: [usize; A],
 ) -> SMatrix<f64, 1, A> {
@@ -129,8 +137,8 @@ struct Belief<const A: usize> {
 }
 
 impl<const A: usize> Belief<A> {
-    /// Belief at the second reading, given the first two and nothing else: what a flat prior comes to there.
-    fn of_two(series: &Series, axes: [usize; A], ratio: f64) -> Self {
+    /// Returns the state at the second reading, given the first two readings and a flat prior.
+    fn of_two(series: &ReadingSeries, axes: [usize; A], ratio: f64) -> Self {
         let elapsed_s = series.time_s[1] - series.time_s[0];
         let [first_m, second_m] = [0, 1].map(|index| coordinates_m(series, index, axes));
         let mut mean = SMatrix::<f64, 2, A>::zeros();
@@ -149,7 +157,7 @@ impl<const A: usize> Belief<A> {
         }
     }
 
-    /// Takes a reading in; the difference from what was expected (m), and its variance.
+    /// Updates the state with a reading; returns the innovation (m) and its variance in units of `σ_n²`.
     fn read(&mut self, position_m: SMatrix<f64, 1, A>) -> (SMatrix<f64, 1, A>, f64) {
         let surprise_m = position_m - self.mean.row(0);
         let spread = self.covariance.m11 + 1.0;
@@ -159,7 +167,7 @@ impl<const A: usize> Belief<A> {
         (surprise_m, spread)
     }
 
-    /// This filtered belief, once it is known what became of it some time later.
+    /// Returns the smoothed state, from this filtered state and the smoothed one some time later.
     fn in_hindsight(&self, elapsed_s: f64, ratio: f64, later: &Self) -> Self {
         let ahead = self.after(elapsed_s, ratio);
         let Some(inverse) = ahead.covariance.try_inverse() else { return *self };
@@ -171,9 +179,16 @@ impl<const A: usize> Belief<A> {
         }
     }
 
-    /// State before the second reading's instant, from what all readings say of the state at it. No filter has been
-    /// there; but given that state only the first reading matters, and the motion may as well run backwards.
-    fn before_second(&self, series: &Series, axes: [usize; A], time_s: f64, ratio: f64) -> Self {
+    /// Returns the smoothed state before the second reading's instant, from the smoothed state at it. The filter starts at
+    /// the second reading. Given the state there, only the first reading adds information, and the motion can run
+    /// backwards.
+    fn before_second(
+        &self,
+        series: &ReadingSeries,
+        axes: [usize; A],
+        time_s: f64,
+        ratio: f64,
+    ) -> Self {
         let back_s = time_s - series.time_s[1];
         let since_first_s = time_s - series.time_s[0];
         let drift_back = -drift(back_s, ratio);
@@ -191,27 +206,27 @@ impl<const A: usize> Belief<A> {
     }
 }
 
-/// What a state becomes without acceleration.
+/// Transition matrix without acceleration.
 fn motion(elapsed_s: f64) -> Matrix2<f64> {
     Matrix2::new(1.0, elapsed_s, 0.0, 1.0)
 }
 
-/// Covariance that white acceleration adds on the way, in units of `σ_n²`.
+/// Process noise covariance of white acceleration, in units of `σ_n²`.
 fn drift(elapsed_s: f64, ratio: f64) -> Matrix2<f64> {
     let square = elapsed_s.powi(2);
     ratio * Matrix2::new(square * elapsed_s / 3.0, square / 2.0, square / 2.0, elapsed_s)
 }
 
-/// Positions at sorted instants of one interval.
+/// Predicts positions at sorted instants of one interval.
 fn predict(
-    series: &Series,
-    [level, vertical]: &[Hyperparameters; 2],
+    series: &ReadingSeries,
+    [level, vertical]: &[MotionModelHyperparameters; 2],
     instants_s: &[f64],
-) -> Estimate {
-    let mut estimate = Estimate::default();
+) -> InterpolatedTrack {
+    let mut estimate = InterpolatedTrack::default();
     let in_plane = smooth(series, [0, 1], level, instants_s);
     let in_height = smooth(series, [2], vertical, instants_s);
-    // Weights that add to one cannot average the noise further down; rounding could.
+    // Lower bound of the variance: weights that sum to one cannot average the noise further, but rounding could.
     let least = 1.0 / series.len() as f64;
     for (xy, z) in in_plane.iter().zip(&in_height) {
         let level_m = level.noise_m * xy.covariance.m11.max(least).sqrt();
@@ -222,16 +237,16 @@ fn predict(
     estimate
 }
 
-/// What all readings say of the state at each instant: once forth and once back over readings and instants together.
+/// Returns the smoothed state at each instant, by one forward and one backward pass over readings and instants together.
 fn smooth<const A: usize>(
-    series: &Series,
+    series: &ReadingSeries,
     axes: [usize; A],
-    learned: &Hyperparameters,
+    learned: &MotionModelHyperparameters,
     instants_s: &[f64],
 ) -> Vec<Belief<A>> {
     let ratio = learned.density_m2_per_s3 / learned.noise_m.powi(2);
     if series.len() == 1 {
-        // Nothing is known of speed: the best guess is that there is none.
+        // The speed is unknown; zero is the best estimate.
         let mut mean = SMatrix::<f64, 2, A>::zeros();
         mean.set_row(0, &coordinates_m(series, 0, axes));
         return vec![Belief { mean, covariance: Matrix2::identity() }; instants_s.len()];
@@ -274,7 +289,7 @@ mod tests {
     #[test]
     fn smoothing_is_the_textbook_formula_with_the_integrated_wiener_kernel() {
         let series = series_of(&wander(40, 3));
-        let learned = Hyperparameters { density_m2_per_s3: 0.3, noise_m: 0.02 };
+        let learned = MotionModelHyperparameters { density_m2_per_s3: 0.3, noise_m: 0.02 };
         let mut instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
         instants_s.extend(&series.time_s);
         instants_s.sort_by(f64::total_cmp);
@@ -290,7 +305,7 @@ mod tests {
         }
     }
 
-    /// The likelihood that the innovations give differs from the dense one by the same amount whatever the ratio.
+    /// The likelihood from innovations differs from the dense one by the same constant for any ratio.
     #[test]
     fn innovations_give_the_dense_likelihood() {
         use nalgebra::{Cholesky, DMatrix};

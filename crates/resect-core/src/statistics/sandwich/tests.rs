@@ -1,32 +1,32 @@
-//! Stated variances against true ones, which are known exactly here, over many draws of the errors.
+//! Stated variances compared with the true ones, which are known exactly here, over many draws of the errors.
 
 use super::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Independent stretches of time that drives of 40 s to 5 minutes have.
+/// Numbers of independent blocks of time in drives of 40 s to 5 minutes.
 const BLOCKS: [usize; 6] = [8, 12, 16, 20, 40, 60];
 const ROWS: usize = 12;
 const DESIGNS: usize = 6;
-/// Variance of errors between −1 and 1: what the blocks' errors are times what their information says.
+/// Variance of errors between −1 and 1, over the variance in the blocks' information.
 const PHI: f64 = 1.0 / 3.0;
 
-/// A kind of estimate that is made here.
+/// A kind of estimation problem.
 struct Case {
     unknowns: usize,
-    /// 1/σ² of what is known beforehand of the last unknowns.
+    /// 1/σ² of the priors of the last unknowns.
     known: &'static [f64],
-    /// The weight of that.
+    /// Weight of the priors.
     weight: f64,
-    /// How much all errors of a block have in common; the information does not know of it.
+    /// Correlated error of all rows of a block, which the information ignores.
     shared: f64,
 }
 
 /// Two transforms.
 const TRANSFORMS: Case = Case { unknowns: 8, known: &[], weight: 1.0, shared: 0.0 };
 const ONE: Case = Case { unknowns: 1, ..TRANSFORMS };
-/// Two transforms, clocks, and what is known beforehand: hardly, as well as the data tells it, and far better.
+/// Two transforms and clocks, with priors from weak, through as precise as the data, to far more precise.
 const REFINED: Case =
     Case { unknowns: 16, known: &[3.0, 10.0, 30.0, 100.0, 1e4], weight: PHI, shared: 0.0 };
 
@@ -38,7 +38,8 @@ impl Case {
         (!self.known.is_empty()).then_some(Prior { precision, weight: self.weight })
     }
 
-    /// Rows of a block about a direction of its own, as the chords of one bend are; some blocks tell more than others.
+    /// Rows of each block, which scatter about a direction of its own, like the chords of one bend; some blocks are more
+    /// informative than others.
     fn design(&self, blocks: usize, rng: &mut ChaCha8Rng) -> Vec<DMatrix<f64>> {
         (0..blocks)
             .map(|_| {
@@ -53,10 +54,10 @@ impl Case {
     }
 }
 
-/// How a covariance is stated: out of the blocks at the minimum and the prior.
+/// Function that states a covariance from the blocks at the minimum and the prior.
 type Stated = fn(&[Block], Option<&Prior>) -> DMatrix<f64>;
 
-/// Stated over true variance of each unknown, on average over some designs.
+/// Returns stated over true variance of each unknown, averaged over some designs.
 fn stated_over_true(case: &Case, blocks: usize, state: Stated) -> DVector<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(blocks as u64);
     let draws = (2400 / blocks).clamp(60, 200);
@@ -111,7 +112,7 @@ fn ours(blocks: &[Block], prior: Option<&Prior>) -> DMatrix<f64> {
     covariance(blocks, prior).expect("held")
 }
 
-/// The sandwich with the blocks' gradients as they are, times a factor.
+/// Returns the sandwich with uncorrected gradients of the blocks, times a factor.
 fn with_factor(blocks: &[Block], prior: Option<&Prior>, factor: f64) -> DMatrix<f64> {
     let mut information: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
     let mut middle: DMatrix<f64> =
@@ -125,19 +126,19 @@ fn with_factor(blocks: &[Block], prior: Option<&Prior>, factor: f64) -> DMatrix<
     &inverse * middle * &inverse
 }
 
-/// B / (B − 1).
+/// Sandwich with the factor B / (B − 1).
 fn one_block_less(blocks: &[Block], prior: Option<&Prior>) -> DMatrix<f64> {
     let count = blocks.len() as f64;
     with_factor(blocks, prior, count / (count - 1.0))
 }
 
-/// B / (B − n).
+/// Sandwich with the factor B / (B − n).
 fn a_block_less_an_unknown(blocks: &[Block], prior: Option<&Prior>) -> DMatrix<f64> {
     let (count, unknowns) = (blocks.len(), blocks[0].gradient.len());
     with_factor(blocks, prior, count as f64 / count.saturating_sub(unknowns).max(1) as f64)
 }
 
-/// (H/φ + P)⁻¹, whatever the prior counted by.
+/// Returns (H/φ + P)⁻¹, for any weight of the prior.
 fn as_if_the_prior_were_weighed(blocks: &[Block], prior: Option<&Prior>) -> DMatrix<f64> {
     let information: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
     let precision = DMatrix::from_diagonal(&prior.expect("known").precision);
@@ -187,12 +188,12 @@ fn a_prior_need_not_be_weighed_by_the_noise() {
         let ratios = stated_over_true(&unweighed, blocks, ours);
         assert!(ratios.min() > 0.95 && ratios.max() < most, "{blocks} blocks: {ratios:.3}");
     }
-    // What prior and data tell alike is not as certain as if the two had been weighed.
+    // Unknowns informed by both prior and data are less certain than with the weight φ of the prior.
     let old = stated_over_true(&unweighed, 16, as_if_the_prior_were_weighed);
     assert!(old.min() < 0.8, "{old:.3}");
 }
 
-/// A part of errors that a block shares, which the information does not know of, is missing while blocks are few.
+/// With few blocks, the variance of errors that a block shares is not fully stated: the information ignores them.
 #[test]
 fn errors_that_a_block_shares_are_nearly_all_stated() {
     for (blocks, least) in [(16, 0.8), (20, 0.85), (40, 0.9), (60, 0.92)] {
@@ -207,7 +208,7 @@ fn the_series_and_the_eigenvalues_agree() {
     let rows = DMatrix::<f64>::from_fn(4, 8, |_, _| rng.random_range(-1.0..1.0));
     let leverage = rows.tr_mul(&rows);
     let gradient = DVector::from_fn(8, |_, _| rng.random_range(-1.0..1.0));
-    // The last two on both sides of where eigenvalues are asked.
+    // The last two are on both sides of the limit beyond which eigenvalues are used.
     for size in [0.01, 0.099, 0.4, 0.699, 0.701] {
         let leverage = &leverage * (size / leverage.norm());
         let found = unfollowed(leverage.clone(), gradient.clone());
@@ -220,7 +221,7 @@ fn the_series_and_the_eigenvalues_agree() {
     }
 }
 
-/// What a redescending loss can make of a block: negative information, on which the trace is blind.
+/// A redescending loss can make the information of a block negative, which a trace does not show.
 #[test]
 fn negative_information_is_no_leverage() {
     let leverage = DMatrix::from_diagonal(&DVector::from_vec(vec![0.5, -0.5]));

@@ -1,4 +1,4 @@
-//! Reading of a recording: its container by its first bytes, its pieces after each other.
+//! Reading of a recording: its container is recognised by the first bytes, its files are read one after the other.
 
 use std::fs::File;
 use std::path::Path;
@@ -14,17 +14,17 @@ use crate::recording::Recording;
 use resect_core::deployment::Finding;
 use resect_core::progress::Progress;
 
-/// One file of a recording: where it lies, and what it is called in findings.
+/// One file of a recording: its path, and its name in findings.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
     pub path: &'a Path,
     pub file: &'a str,
 }
 
-/// Bytes at a file's beginning that are enough to tell what it is.
+/// Bytes from a file's beginning that suffice to recognise it.
 const HEAD_BYTES: u64 = 4096;
 
-/// What a file is by its first bytes (up to [`HEAD_BYTES`]), if it is anything of a bag.
+/// Recognises a file of a bag by its first bytes (up to [`HEAD_BYTES`]); `None` for other files.
 pub fn recognise(head: &[u8]) -> Option<Format> {
     Some(if head.starts_with(b"#ROSBAG") {
         Format::Ros1Bag
@@ -34,12 +34,12 @@ pub fn recognise(head: &[u8]) -> Option<Format> {
         if sqlite::may_be_a_bag(head) {
             Format::Ros2Sqlite
         } else {
-            Format::Ignored("an SQLite database, but no ROS 2 bag")
+            Format::Ignored("an SQLite database, not a ROS 2 bag")
         }
     } else if sqlite::is_log(head) {
         Format::Ignored("left by an interrupted recording; read with the bag beside it")
     } else if head.starts_with(&inflate::ZSTD_MAGIC) {
-        Format::Ignored("compressed with zstd, but no ROS 2 bag")
+        Format::Ignored("compressed with zstd, not a ROS 2 bag")
     } else if head.starts_with(b"rosbag2_bagfile_information:") {
         Format::RosbagMetadata
     } else {
@@ -47,7 +47,7 @@ pub fn recognise(head: &[u8]) -> Option<Format> {
     })
 }
 
-/// What a file is that may be compressed as a whole; `None` where it is not, or not a bag.
+/// Recognises a bag that is compressed as a whole; `None` if it is not compressed, or not a bag.
 pub fn recognise_compressed(head: &[u8], path: &Path) -> Option<Format> {
     if !head.starts_with(&inflate::ZSTD_MAGIC) {
         return None;
@@ -56,10 +56,10 @@ pub fn recognise_compressed(head: &[u8], path: &Path) -> Option<Format> {
     recognise(&inner).filter(|format| format.is_bag())
 }
 
-/// Every reading of one recording into `into`, its pieces after each other.
+/// Reads all readings of one recording, its files one after the other.
 ///
-/// `topics` are those of stations 1, 2, 3 where positions do not name their station; without them, and without messages that do,
-/// the answer is [`Question::Topics`](crate::error::Question::Topics). `progress` counts the bytes of the files.
+/// `topics` are those of stations 1, 2, 3, for positions that do not name their station. If they are needed and missing, the error
+/// is [`Question::Topics`](crate::error::Question::Topics). `progress` counts the bytes of the files.
 pub fn read(
     pieces: &[Piece<'_>],
     topics: Option<&[String; 3]>,
@@ -75,15 +75,15 @@ pub fn read(
     intake.finish()
 }
 
-/// The poses of one topic of a recording.
+/// Poses of one topic of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseTopic {
     pub name: String,
-    /// In the order of the recording, each with a stamp.
+    /// Poses in the order of the recording, each with a stamp.
     pub poses: Vec<StampedPose>,
 }
 
-/// The poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic, and what was lost on the way.
+/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic, and findings about losses.
 pub fn poses(
     pieces: &[Piece<'_>],
     progress: &Progress,
@@ -103,17 +103,17 @@ pub fn poses(
     Ok((topics, unused.findings))
 }
 
-/// When the first and the last of the messages that are read were recorded (s, the recorder's clock); `None` where there is none.
-/// Reads the whole file.
+/// Returns the recording times of the first and the last message read (s, the recorder's clock); `None` without messages. Reads the
+/// whole file.
 pub fn span_s(piece: &Piece<'_>, progress: &Progress) -> Result<Option<[f64; 2]>, OpenError> {
     let mut unused = Recording::default();
     let mut intake = Intake::new(&mut unused, None, progress);
-    // The bytes count when they are read for good.
+    // The bytes are counted when the file is read again for its content.
     read_piece(piece, 0, &mut intake)?;
     Ok(intake.span_s())
 }
 
-/// `counted` bytes are told to the progress.
+/// `counted` bytes are reported to the progress.
 fn read_piece(piece: &Piece<'_>, counted: u64, intake: &mut Intake<'_>) -> Result<(), OpenError> {
     let io = |error| OpenError::Io { path: piece.path.to_owned(), error };
     let bytes = piece.path.metadata().map_err(io)?.len();
@@ -148,8 +148,8 @@ fn read_container(
         Some(Format::Ros2Sqlite) => sqlite::read(path, intake),
         _ => Err(OpenError::file(
             intake.file(),
-            "nothing of a bag can be read, it is cut off or damaged at its very start",
-            "copy it again from where it was recorded",
+            "nothing can be read: the bag is cut off or damaged at its start",
+            "copy it again from the recording computer",
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! What reading a damaged container of records needs: bytes with a position, and the next place that looks like a record.
+//! Reading of damaged containers of records: bytes with a position, and the search for the next plausible record.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -6,19 +6,19 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use super::intake::Intake;
 use crate::error::OpenError;
 
-/// How far a record's header is looked at when a place is judged.
+/// Number of bytes that are examined at each position in the search for a record.
 pub const JUDGED_BYTES: usize = 4096;
 const WINDOW_BYTES: usize = 1 << 18;
 
-/// Bytes that are read on and on, some of them passed over.
+/// Bytes read in sequence, some of them skipped.
 pub trait Bytes: Read + Sized {
-    /// Passes over bytes; gives fewer than asked for where there are no more.
+    /// Skips bytes; returns fewer than requested at the end.
     fn skip(&mut self, count: u64) -> io::Result<u64> {
         io::copy(&mut self.by_ref().take(count), &mut io::sink())
     }
 }
 
-/// A file that knows where it is.
+/// A file with its position.
 pub struct Positioned {
     file: BufReader<File>,
     at: u64,
@@ -44,7 +44,7 @@ impl Positioned {
     }
 
     pub fn seek_to(&mut self, at: u64) -> io::Result<()> {
-        // Within the buffer it costs nothing.
+        // Within the buffer, a relative seek reads nothing.
         match i64::try_from(i128::from(at) - i128::from(self.at)) {
             Ok(by) => self.file.seek_relative(by)?,
             Err(_) => return Err(io::ErrorKind::InvalidInput.into()),
@@ -53,7 +53,7 @@ impl Positioned {
         Ok(())
     }
 
-    /// Goes to the first place from `from` on whose bytes pass; at most [`JUDGED_BYTES`] of each place are shown.
+    /// Seeks the first position from `from` on that `is_record` accepts; it receives at most [`JUDGED_BYTES`] of each position.
     pub fn find(
         &mut self,
         from: u64,
@@ -105,18 +105,18 @@ impl Bytes for Positioned {
 
 impl Bytes for Box<dyn Read + '_> {}
 
-/// Fills `into` with so many bytes, or all that are left; what a header claims is not allocated before it is there.
+/// Reads `count` bytes, or all that are left; returns true if complete. Never allocates a claimed length before the bytes are read.
 pub fn read_up_to(reader: &mut impl Read, count: u64, into: &mut Vec<u8>) -> io::Result<bool> {
     into.clear();
     reader.take(count).read_to_end(into)?;
     Ok(into.len() as u64 == count)
 }
 
-/// Why the walk over the records stopped before their end.
+/// Reason why reading stopped before the last record.
 pub enum Stop {
-    /// The bag is refused for good.
+    /// The bag cannot be read.
     Refused(OpenError),
-    /// A record that makes no sense; what comes after it may.
+    /// A malformed record; later ones may be readable.
     Damaged(String),
 }
 
@@ -141,19 +141,19 @@ impl From<OpenError> for Stop {
     }
 }
 
-/// A reason to stop, with the place of the record in the file.
+/// A reason to stop, with the position of the record in the file.
 pub struct At<T> {
     pub start: u64,
     pub stop: T,
 }
 
-/// Who reads a container and has an intake.
+/// A reader of a container, with its intake.
 pub trait Holder<'a> {
     fn intake(&mut self) -> &mut Intake<'a>;
 }
 
-/// Walks a file from `first` on; after every record that makes no sense it goes on at the next place that looks like one, and
-/// counts the bytes between as lost.
+/// Reads a file from `first` on. After every malformed record it continues at the next plausible one, and counts the bytes between
+/// as lost.
 pub fn salvage<'a, H: Holder<'a>>(
     file: &mut Positioned,
     first: u64,

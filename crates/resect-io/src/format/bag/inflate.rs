@@ -1,7 +1,7 @@
-//! Decompression with a cap: a small file must not become gigabytes.
+//! Decompression with a limit, against small files that inflate to gigabytes.
 //!
-//! Everything compressed in one file together may inflate to [`ALWAYS_ALLOWED_BYTES`] and [`LARGEST_RATIO`] times the size of
-//! the file. Readings compress about three to one, whole recordings of a robot two to ten to one.
+//! All compressed data of one file together may inflate to [`ALWAYS_ALLOWED_BYTES`] plus [`LARGEST_RATIO`] times the size of the
+//! file. Readings compress about three to one, whole recordings of a robot two to ten to one.
 
 use std::cell::Cell;
 use std::fs::File;
@@ -11,16 +11,16 @@ use std::path::Path;
 use crate::error::OpenError;
 use resect_core::progress::Progress;
 
-/// What a file may inflate to whatever its own size is.
+/// Inflated bytes allowed for a file of any size.
 pub const ALWAYS_ALLOWED_BYTES: u64 = 32 << 20;
-/// What it may inflate to beyond that, in times its own size.
+/// Inflated bytes allowed beyond that, as a multiple of the file's size.
 pub const LARGEST_RATIO: u64 = 100;
-/// The memory that a zstd stream may ask for, as a power of two: 32 MiB. Writers of bags stay at 8 MiB.
+/// Largest window of a zstd stream, as a power of two: 32 MiB. Writers of bags stay at 8 MiB.
 const LARGEST_WINDOW_LOG: u32 = 25;
-/// What every zstd frame begins with (RFC 8878, 3.1.1).
+/// First bytes of every zstd frame (RFC 8878, 3.1.1).
 pub const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// How many bytes may still come out of a file's compressed parts.
+/// Number of bytes that a file's compressed data may still inflate to.
 pub struct Budget {
     left: Cell<u64>,
     file_bytes: u64,
@@ -32,28 +32,28 @@ impl Budget {
         Self { left: Cell::new(allowed), file_bytes }
     }
 
-    /// Whether more came out than may.
+    /// Returns true if the limit is reached.
     pub fn is_spent(&self) -> bool {
         self.left.get() == 0
     }
 
-    /// What comes out of `reader`, an error as soon as it is too much.
+    /// Wraps a decoder; reading from it fails once the limit is exceeded.
     pub fn watch<R: Read>(&self, reader: R) -> Watched<'_, R> {
         Watched { reader, budget: self }
     }
 
-    /// The line for the user.
+    /// The error of a file that exceeds the limit.
     pub fn refusal(&self, file: &str) -> OpenError {
         let allowed = (ALWAYS_ALLOWED_BYTES + LARGEST_RATIO * self.file_bytes) >> 20;
         OpenError::file(
             file,
             format!(
-                "its {} bytes inflate to more than {allowed} MiB, which no recording of readings does (the limit is {} MiB and \
-                 {LARGEST_RATIO} times the file)",
+                "too large for a recording of readings: its {} bytes decompress to more than {allowed} MiB (the limit \
+                 is {} MiB and {LARGEST_RATIO} times the file)",
                 self.file_bytes,
                 ALWAYS_ALLOWED_BYTES >> 20
             ),
-            "if it is one, decompress it first (`rosbag decompress`, `zstd -d`, `ros2 bag convert`)",
+            "if it is a recording, decompress it first (`rosbag decompress`, `zstd -d`, `ros2 bag convert`)",
         )
     }
 }
@@ -68,13 +68,13 @@ impl<R: Read> Read for Watched<'_, R> {
         let read = self.reader.read(buffer)?;
         self.budget.left.set(self.budget.left.get().saturating_sub(read as u64));
         if read > 0 && self.budget.is_spent() {
-            return Err(io::Error::other("inflates to too much"));
+            return Err(io::Error::other("too large when decompressed"));
         }
         Ok(read)
     }
 }
 
-/// A decoder by the name that ROS 1 and MCAP give it; `None` for an unknown one.
+/// Returns a decoder by its name in ROS 1 and MCAP; `None` for an unknown name.
 pub fn decoder<'a>(
     name: &str,
     compressed: impl Read + 'a,
@@ -98,28 +98,28 @@ fn zstd_decoder<R: Read>(
     Ok(decoder)
 }
 
-/// A message that was compressed on its own, as rosbag2 does by message; at most `largest` bytes, an error beyond that.
+/// Inflates a message compressed on its own, as rosbag2 does in the mode by message; an error beyond `largest` bytes.
 pub fn message(compressed: &[u8], largest: usize, into: &mut Vec<u8>) -> io::Result<()> {
     into.clear();
     zstd_decoder(compressed)?.take(largest as u64 + 1).read_to_end(into)?;
     if into.len() > largest {
-        return Err(io::Error::other("inflates to too much"));
+        return Err(io::Error::other("too large when decompressed"));
     }
     Ok(())
 }
 
-/// The first bytes of what a zstd file holds, at most `length`; fewer where it is damaged.
+/// Returns the first `length` bytes of a zstd file's content; fewer if it is damaged.
 pub fn head(file: impl Read, length: u64) -> Vec<u8> {
     let mut head = Vec::new();
     if let Ok(decoder) = zstd_decoder(file) {
-        // What came before the damage tells what it was.
+        // The bytes before the damage suffice to recognise the file.
         let _ = decoder.take(length).read_to_end(&mut head);
     }
     head
 }
 
-/// Inflates a whole file to a temporary one, which is gone when it is dropped. Where the file is cut or damaged, what came
-/// before that is in it, and the second value says what is wrong.
+/// Inflates a file into a temporary one, removed when dropped. If the file is cut off or damaged, the temporary one contains the
+/// bytes before that, and the second value describes the damage.
 pub fn to_temporary_file(
     path: &Path,
     budget: &Budget,

@@ -1,4 +1,4 @@
-//! What the containers hand their messages to: it fills the recording, and keeps count of what was lost on the way.
+//! Receiver of the containers' messages: adds them to the recording, and counts losses.
 
 use super::messages::StampedPose;
 use super::stream::{Heard, Stream};
@@ -9,10 +9,10 @@ use crate::findings::bags::{self, bag_damaged, bag_incomplete, bag_messages_malf
 use crate::recording::Recording;
 use resect_core::progress::Progress;
 
-/// What could not be read of one file.
+/// Losses of one file.
 #[derive(Debug, Default)]
-struct Losses {
-    /// The first, in words.
+struct FileLosses {
+    /// Description of the first.
     first: Option<String>,
     count: u64,
     bytes: u64,
@@ -20,7 +20,7 @@ struct Losses {
     first_malformed: Option<String>,
 }
 
-/// Takes in the messages of one bag, or of the pieces of one recording after each other.
+/// Receives the messages of one bag, or of the files of one recording one after the other.
 pub struct Intake<'a> {
     pub(super) into: &'a mut Recording,
     pub(super) stream: Stream,
@@ -28,12 +28,12 @@ pub struct Intake<'a> {
     pub(super) files: Vec<String>,
     file_bytes: u64,
     reported: u64,
-    /// Wanted messages of this file so far: what a place in it is counted by.
+    /// Number of wanted messages of this file so far: the place of the current one.
     place: usize,
-    losses: Losses,
-    /// When the first and the last message of this file were recorded (s).
+    losses: FileLosses,
+    /// Recording times of the first and the last message of this file (s).
     span_s: Option<[f64; 2]>,
-    /// The poses of each topic, by its index, where poses are wanted and not readings.
+    /// Poses by index of the topic; `None` if readings are wanted instead.
     pub(super) poses: Option<Vec<Vec<StampedPose>>>,
 }
 
@@ -51,13 +51,13 @@ impl<'a> Intake<'a> {
             file_bytes: 0,
             reported: 0,
             place: 0,
-            losses: Losses::default(),
+            losses: FileLosses::default(),
             span_s: None,
             poses: None,
         }
     }
 
-    /// Takes in poses of other systems, and no readings.
+    /// Receives poses of other systems, and no readings.
     pub fn of_poses(into: &'a mut Recording, progress: &'a Progress) -> Self {
         let stream = Stream::of_poses();
         Self { stream, poses: Some(Vec::new()), ..Self::new(into, None, progress) }
@@ -67,10 +67,10 @@ impl<'a> Intake<'a> {
         self.into.begin_file(file, "message");
         self.files.push(file.to_owned());
         (self.file_bytes, self.reported, self.place) = (bytes, 0, 0);
-        (self.losses, self.span_s) = (Losses::default(), None);
+        (self.losses, self.span_s) = (FileLosses::default(), None);
     }
 
-    /// The name of the file that is being read.
+    /// Name of the current file.
     pub fn file(&self) -> &str {
         self.files.last().map_or("", String::as_str)
     }
@@ -79,12 +79,12 @@ impl<'a> Intake<'a> {
         self.progress
     }
 
-    /// When the first and the last message of the file were recorded (s, the recorder's clock), of any topic that is read.
+    /// Recording times of the first and the last message of the file (s, the recorder's clock), over all topics that are read.
     pub fn span_s(&self) -> Option<[f64; 2]> {
         self.span_s
     }
 
-    /// Tells the progress that this share of the file is done.
+    /// Reports the share of the file that has been read.
     pub fn done(&mut self, share: f64) -> Result<(), OpenError> {
         let done = (self.file_bytes as f64 * share.clamp(0.0, 1.0)) as u64;
         let more = done.saturating_sub(self.reported);
@@ -92,7 +92,7 @@ impl<'a> Intake<'a> {
         Ok(self.progress.advance(more)?)
     }
 
-    /// Says of a topic of the file what it is; `None` where its messages are not wanted.
+    /// Registers a topic of the file; returns `None` if its messages are not wanted.
     pub fn topic(
         &mut self,
         name: &str,
@@ -102,7 +102,7 @@ impl<'a> Intake<'a> {
         self.stream.topic(name, message_type, encoding)
     }
 
-    /// Takes in a message, recorded at `recorded_s`. A damaged one is counted, never an error.
+    /// Receives a message, recorded at `recorded_s` (s). A damaged one is counted, never an error.
     pub fn message(
         &mut self,
         subscription: Subscription,
@@ -117,7 +117,7 @@ impl<'a> Intake<'a> {
             Ok(Heard::Pose { topic, pose }) => {
                 if let Some(poses) = &mut self.poses {
                     poses.resize_with(poses.len().max(topic + 1), Vec::new);
-                    // Who sets no stamp is taken at the time of the recorder, as readings are.
+                    // Poses without a stamp get the recorder's time, as readings do.
                     let stamp_s = pose.stamp_s.or(Some(recorded_s));
                     poses[topic].push(StampedPose { stamp_s, ..pose });
                 }
@@ -128,7 +128,7 @@ impl<'a> Intake<'a> {
         Ok(())
     }
 
-    /// A message that is longer than any can be.
+    /// Counts a message that is longer than any valid one.
     pub fn overlong_message(&mut self, subscription: Subscription, bytes: u64) {
         self.place += 1;
         let why = format!("has {bytes} bytes (the limit is {LARGEST_MESSAGE_BYTES})");
@@ -143,7 +143,7 @@ impl<'a> Intake<'a> {
             .get_or_insert_with(|| format!("message {place}, of {name}, {why}"));
     }
 
-    /// `bytes` of the file could not be read; `why` says it with the place.
+    /// Counts `bytes` of the file as lost; `why` is the reason with its place.
     pub fn lost(&mut self, bytes: u64, why: impl Into<String>) {
         self.losses.count += 1;
         self.losses.bytes += bytes;
@@ -159,13 +159,13 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Notes what an interrupted recording left of the file, all of which was read.
+    /// Adds a finding about an interrupted recording that was read completely.
     pub fn note(&mut self, what: &str) {
         let note = bag_incomplete(self.file(), what);
         self.into.findings.push(note);
     }
 
-    /// Says what was lost of the file.
+    /// Ends the file, and adds findings about its losses.
     pub fn end_file(&mut self) -> Result<(), OpenError> {
         self.done(1.0)?;
         let (losses, file) = (std::mem::take(&mut self.losses), self.file().to_owned());
@@ -183,7 +183,7 @@ impl<'a> Intake<'a> {
     }
 }
 
-/// Orders names by the numbers in them: 2 before 10.
+/// Returns a key that sorts names by the numbers in them: 2 before 10.
 pub fn natural_key(name: &str) -> Vec<(String, u64)> {
     let mut key = Vec::new();
     let mut rest = name;

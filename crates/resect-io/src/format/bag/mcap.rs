@@ -1,12 +1,12 @@
-//! MCAP files (mcap.dev/spec, version 0), plain or with chunks in lz4 or zstd: whole, without a footer, cut off or damaged.
+//! MCAP files (mcap.dev/spec, version 0), plain or with chunks in lz4 or zstd: complete, without a footer, cut off or damaged.
 //!
-//! A record is one byte of kind, eight bytes of length, and the data. Neither index nor footer is needed: records are walked from
-//! the first to the last, those of an uncompressed chunk as if they lay in the file itself. A chunk whose checksum is wrong is
-//! left out as a whole; where a record makes no sense the next chunk is searched. Only schemas and channels are read from
-//! the summary beforehand, for chunks whose own were lost.
+//! A record is one byte of kind, eight bytes of length, and the data. Neither index nor footer is needed: records are read from the
+//! first to the last, those of an uncompressed chunk as if they were in the file itself. A chunk with a wrong checksum is skipped.
+//! After a malformed record, the search for the next chunk begins. The summary is read first, but only for schemas and channels of
+//! chunks that have lost their own.
 //!
-//! The crate `mcap` (0.26) does not do: its readers give up at the first damage, and its parser allocates what a string
-//! claims to be long. What is needed of the format are four kinds of record.
+//! The crate `mcap` (0.26) is unsuitable: its readers give up at the first damage, and its parser allocates the length that a
+//! string claims. Only four kinds of record are needed.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -18,13 +18,13 @@ use super::wire::{Encoding, Malformed, Wire};
 use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-/// The definition of a message is text.
+/// Limit for schemas and channels; the definition of a message is text.
 const LARGEST_RECORD_BYTES: u64 = 1 << 20;
 /// Size of a message record before its data: channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 2 + 4 + 8 + 8;
 /// Size of a chunk before its records, without the name of the compression.
 const CHUNK_HEAD_BYTES: u64 = 8 + 8 + 8 + 4 + 4 + 8;
-/// The footer and the closing magic.
+/// Size of the footer and the closing magic.
 const TAIL_BYTES: u64 = 1 + 8 + 20 + 8;
 
 mod op {
@@ -33,18 +33,18 @@ mod op {
     pub const CHANNEL: u8 = 4;
     pub const MESSAGE: u8 = 5;
     pub const CHUNK: u8 = 6;
-    /// First byte of the closing magic, where a record would begin.
+    /// First byte of the closing magic, at the position of a record.
     pub const END: u8 = MAGIC_FIRST;
     const MAGIC_FIRST: u8 = 0x89;
 }
 
-/// Every message of the file.
+/// Reads all messages of the file.
 pub fn read(
     mut file: Positioned,
     budget: &Budget,
     intake: &mut Intake<'_>,
 ) -> Result<(), OpenError> {
-    let mut recording = Recording {
+    let mut recording = McapRecording {
         intake,
         types: HashMap::new(),
         subscriptions: HashMap::new(),
@@ -58,31 +58,30 @@ pub fn read(
         recording.walk(file, budget)
     })?;
     if recording.without_channel > 0 {
-        let lost =
-            format!("{} messages of channels that it does not describe", recording.without_channel);
+        let lost = format!("{} messages of undescribed channels", recording.without_channel);
         recording.intake.lost(0, lost);
     }
     if !recording.ended {
-        let what = "it has no footer, its recording was interrupted or it is cut off; what came last may be missing";
+        let what = "no footer: the recording was interrupted or the file is cut off; the last messages may be missing";
         recording.intake.lost(0, what);
     }
     Ok(())
 }
 
-struct Recording<'i, 'a> {
+struct McapRecording<'i, 'a> {
     intake: &'i mut Intake<'a>,
-    /// Names of message types by the number of the schema.
+    /// Names of message types by id of the schema.
     types: HashMap<u16, String>,
-    /// Subscriptions by the number of the channel; `None` for channels that are not wanted.
+    /// Subscriptions by id of the channel; `None` for channels that are not wanted.
     subscriptions: HashMap<u16, Option<Subscription>>,
     without_channel: u64,
-    /// Whether the footer was met.
+    /// True after the closing magic.
     ended: bool,
-    /// Used again and again.
+    /// Buffer, reused.
     bytes: Vec<u8>,
 }
 
-impl<'a> Holder<'a> for Recording<'_, 'a> {
+impl<'a> Holder<'a> for McapRecording<'_, 'a> {
     fn intake(&mut self) -> &mut Intake<'a> {
         self.intake
     }
@@ -94,8 +93,8 @@ impl From<Malformed> for Stop {
     }
 }
 
-impl Recording<'_, '_> {
-    /// Schemas and channels of the summary, where there is one. Its damage is met again by the walk.
+impl McapRecording<'_, '_> {
+    /// Reads the schemas and channels of the summary, if there is one. Reading the records reports any damage again.
     fn read_summary(&mut self, file: &mut Positioned) {
         let tail = file.length().saturating_sub(TAIL_BYTES);
         if file.seek_to(tail).is_err() {
@@ -121,7 +120,7 @@ impl Recording<'_, '_> {
         }
     }
 
-    /// Record after record of the file from where it is.
+    /// Reads one record after the other from the current position.
     fn walk(&mut self, file: &mut Positioned, budget: &Budget) -> Result<(), At<Stop>> {
         loop {
             let start = file.at();
@@ -162,7 +161,7 @@ impl Recording<'_, '_> {
         if records_at.checked_add(head.compressed_bytes) != Some(end) {
             return Err(Stop::Damaged("a chunk whose lengths contradict each other".to_owned()));
         }
-        // A chunk that is cut off gives what is left of it, its checksum unknown.
+        // A chunk that is cut off is read up to its end; its checksum cannot be tested.
         if whole && head.checksum != 0 {
             file.seek_to(records_at)?;
             if checksum(head.records(file, budget)?)? != head.checksum {
@@ -178,7 +177,7 @@ impl Recording<'_, '_> {
                 self.intake
                     .lost(0, format!("cut off: {missing} bytes of its last chunk are missing"));
             }
-            // Its records follow.
+            // The records of an uncompressed chunk follow.
             return Ok(());
         }
         let mut records = head.records(file, budget)?;
@@ -195,7 +194,7 @@ impl Recording<'_, '_> {
         Ok(file.seek_to(end)?)
     }
 
-    /// Kind and length of the next record; `None` at the end.
+    /// Reads kind and length of the next record; `None` at the end.
     fn head<R: Bytes>(&mut self, from: &mut R) -> Result<Option<(u8, u64)>, Stop> {
         if !read_up_to(from, 9, &mut self.bytes)? {
             return if self.bytes.is_empty() { Ok(None) } else { Err(Stop::cut()) };
@@ -204,7 +203,7 @@ impl Recording<'_, '_> {
         Ok(Some((wire.u8()?, wire.u64()?)))
     }
 
-    /// Any record but a chunk. Unknown kinds are passed over, as the specification asks.
+    /// Reads any record but a chunk. Unknown kinds are skipped, as the specification requires.
     fn record<R: Bytes>(&mut self, kind: u8, length: u64, from: &mut R) -> Result<(), Stop> {
         match kind {
             op::SCHEMA | op::CHANNEL if length <= LARGEST_RECORD_BYTES => {
@@ -266,12 +265,12 @@ impl Recording<'_, '_> {
     }
 }
 
-/// What a chunk says of itself.
+/// Header of a chunk.
 struct ChunkHead {
     checksum: u32,
     compression: String,
     compressed_bytes: u64,
-    /// Size of the head itself (bytes).
+    /// Size of the header (bytes).
     bytes: u64,
 }
 
@@ -286,7 +285,7 @@ impl ChunkHead {
         Ok(Self { checksum, compression, compressed_bytes, bytes })
     }
 
-    /// The chunk's records as they come out of the decoder; `file` is where they begin.
+    /// Returns a reader of the chunk's inflated records; `file` is at their beginning.
     fn records<'r>(
         &self,
         file: &'r mut Positioned,
@@ -318,7 +317,7 @@ fn checksum(mut bytes: Box<dyn Read + '_>) -> std::io::Result<u32> {
     }
 }
 
-/// Whether these bytes can be the start of a chunk: its lengths must agree with each other.
+/// Returns true if these bytes can begin a chunk: its lengths must be consistent.
 fn looks_like_chunk(bytes: &[u8]) -> bool {
     if bytes.first() != Some(&op::CHUNK) {
         return false;

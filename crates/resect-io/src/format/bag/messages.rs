@@ -1,23 +1,22 @@
-//! The messages that say where a prism was, or how a clock ran: their types, and which field stands where.
+//! Messages with positions of prisms, corrections of clocks, or poses: their types, and the order of their fields.
 //!
 //! - `theodolite_node_msgs/TheodoliteCoordsStamped` (norlab-ulaval, theodolite_node_msgs): `Header header; time theodolite_time;
 //!   uint8 theodolite_id; uint8 status; float64 azimuth, elevation, distance`; `elevation` is a zenith angle, status 0 a reading.
-//!   The master node sets `header.stamp` to `theodolite_time` minus what it found the station's clock to be off by.
+//!   The master node sets `header.stamp` to `theodolite_time` minus the station's estimated clock offset.
 //! - `theodolite_node_msgs/TheodoliteTimeCorrection`: `Header header; uint8 theodolite_id; duration estimated_time_offset`.
 //! - `geometry_msgs/PointStamped`: `Header header; float64 x, y, z`.
-//! - `leica_streaming_msgs/LeicaPoint`, in ROS 1 `leica_streaming_app/LeicaPoint` (cedricpradalier/leica_streaming_app): `Header header;
-//!   string point_id; float64 x, y, z; string date, sensor_time`. The node stamps the header with its computer's clock when
-//!   the point arrives; `date` and `sensor_time` are the instrument's own, as text in a form that depends on its settings and
-//!   without a zone. The header is the one that stations share, so it is the time that is read.
-//!
+//! - `leica_streaming_msgs/LeicaPoint`, in ROS 1 `leica_streaming_app/LeicaPoint` (cedricpradalier/leica_streaming_app): `Header
+//!   header; string point_id; float64 x, y, z; string date, sensor_time`. The node stamps the header with its computer's clock when
+//!   the point arrives. `date` and `sensor_time` are the instrument's own, as text in a form that depends on its settings, without a
+//!   time zone. The header's stamp is used, since all stations share its clock.
 //! - `nav_msgs/Odometry`: `Header header; string child_frame_id`, then as `geometry_msgs/PoseStamped`: `Header header; float64 x, y, z;
-//!   float64 qx, qy, qz, qw`, and `PoseWithCovarianceStamped` begins so too. They are trajectories of other systems, and no readings.
+//!   float64 qx, qy, qz, qw`; `PoseWithCovarianceStamped` begins likewise. They are trajectories of other systems, not readings.
 //!
-//! Time corrections and Leica points could not be tried on a real recording, only on messages written to these definitions.
+//! Time corrections and Leica points are tested only on messages written to these definitions, not on a real recording.
 
 use super::wire::{Encoding, Malformed, Wire, stamp};
 
-/// What a message is, by the name of its type.
+/// Kind of a message, by the name of its type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     TheodoliteCoords,
@@ -28,12 +27,11 @@ pub enum Kind {
     Odometry,
 }
 
-/// The type of the authors' readings, as ROS 1 calls it.
+/// Type of the authors' readings, with its ROS 1 name.
 pub const THEODOLITE_TYPE: &str = "theodolite_node_msgs/TheodoliteCoordsStamped";
 
 impl Kind {
-    /// The kind of a type named as in ROS 1 (`package/Name`) or ROS 2 (`package/msg/Name`); `None` for what is not
-    /// read.
+    /// Returns the kind of a type named as in ROS 1 (`package/Name`) or ROS 2 (`package/msg/Name`); `None` for types that are not read.
     pub fn of_type(name: &str) -> Option<Self> {
         match short_type(name).as_str() {
             THEODOLITE_TYPE => Some(Self::TheodoliteCoords),
@@ -50,23 +48,23 @@ impl Kind {
         }
     }
 
-    /// Whether its messages are positions that do not name their station.
+    /// Returns true if its messages are positions that do not name their station.
     pub fn is_position(self) -> bool {
         matches!(self, Self::Point | Self::LeicaPoint)
     }
 
-    /// Whether its messages are poses that another system estimated.
+    /// Returns true if its messages are poses estimated by another system.
     pub fn is_pose(self) -> bool {
         matches!(self, Self::PoseStamped | Self::Odometry)
     }
 }
 
-/// The name of a type without ROS 2's `msg/`.
+/// Returns the name of a type without the `msg/` of ROS 2.
 pub fn short_type(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
 }
 
-/// What a message says.
+/// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
     Coords(Coords),
@@ -84,12 +82,12 @@ pub struct StampedPose {
     pub orientation: [f64; 4],
 }
 
-/// A reading of a station, or its word that there is none.
+/// A reading of a station, or its report of none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coords {
-    /// Synchronised time (s), `None` where nobody set it.
+    /// Synchronised time (s); `None` if unset.
     pub stamp_s: Option<f64>,
-    /// What the station's own clock said (s), `None` where nobody set it.
+    /// Time of the station's own clock (s); `None` if unset.
     pub own_clock_s: Option<f64>,
     pub station: u8,
     pub status: u8,
@@ -99,7 +97,7 @@ pub struct Coords {
     pub range_m: f64,
 }
 
-/// How far a station's own clock was found to be ahead.
+/// Estimated offset of a station's clock, positive if it is ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correction {
     pub stamp_s: Option<f64>,
@@ -107,14 +105,14 @@ pub struct Correction {
     pub offset_s: f64,
 }
 
-/// A prism in the frame of the instrument that saw it.
+/// Position of a prism in the frame of the instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     pub stamp_s: Option<f64>,
     pub position_m: [f64; 3],
 }
 
-/// The message that these bytes are; the encoding of a recording and of a live stream alike.
+/// Decodes a message of a recording or of a live stream.
 pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message, Malformed> {
     let mut wire = Wire::new(encoding, message)?;
     let stamp_s = wire.header_s()?;
@@ -149,7 +147,7 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
     })
 }
 
-/// The definition of the authors' readings as ROS 2 writes it, with those of the messages in it.
+/// Definition of the authors' readings in ROS 2 format, with those of the nested messages.
 pub const THEODOLITE_DEFINITION: &str = "std_msgs/Header header\nbuiltin_interfaces/Time theodolite_time\nuint8 theodolite_id\nuint8 status\n\
     float64 azimuth\nfloat64 elevation\nfloat64 distance\n\
     ================================================================================\n\
@@ -157,14 +155,14 @@ pub const THEODOLITE_DEFINITION: &str = "std_msgs/Header header\nbuiltin_interfa
     ================================================================================\n\
     MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
 
-/// A reading as little-endian CDR, which [`decode`] reads again; times are rounded to nanoseconds.
+/// Encodes a reading as little-endian CDR, which [`decode`] reads; times are rounded to nanoseconds.
 pub fn encode_coords(coords: &Coords) -> Vec<u8> {
     let mut bytes = vec![0, 1, 0, 0];
     let times = |bytes: &mut Vec<u8>, time_s: Option<f64>| {
         stamp(time_s.unwrap_or(0.0)).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
     };
     times(&mut bytes, coords.stamp_s);
-    // An empty name of a frame with its closing zero, and room up to the next number.
+    // An empty frame name with its terminating zero, and padding.
     bytes.extend([1, 0, 0, 0, 0, 0, 0, 0]);
     times(&mut bytes, coords.own_clock_s);
     bytes.extend([coords.station, coords.status, 0, 0, 0, 0, 0, 0]);
@@ -182,7 +180,7 @@ fn position_m(wire: &mut Wire<'_>) -> Result<[f64; 3], Malformed> {
 mod tests {
     use super::*;
 
-    /// Writes fields in any of the three ways; the other side of [`Wire`], for tests only.
+    /// Writes fields in any of the three encodings; the inverse of [`Wire`], for tests only.
     struct Writer(Vec<u8>, Encoding, bool);
 
     impl Writer {

@@ -1,19 +1,19 @@
-//! Recordings of ROS 1 and ROS 2: bags, one file a container, and what their messages say.
+//! Recordings of ROS 1 and ROS 2: one file for each container, and the messages in them.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | [`ros1`] | the container of ROS 1 |
-//! | [`sqlite`], [`mcap`] | those of ROS 2 |
-//! | [`container`] | bytes with a position, and how a walk goes on after damage |
-//! | [`inflate`] | bz2, lz4, zstd, under a cap |
-//! | [`messages`], [`wire`] | which fields the messages have, and how they are written |
-//! | [`stream`] | what message after message says, in a recording or live |
-//! | [`intake`], [`outcome`] | messages into the recording; what is said of them in the end |
+//! | [`sqlite`], [`mcap`] | the containers of ROS 2 |
+//! | [`container`] | bytes with a position, and continuation after damage |
+//! | [`inflate`] | bz2, lz4, zstd, with a limit |
+//! | [`messages`], [`wire`] | fields of the messages, and their encoding |
+//! | [`stream`] | conversion of messages into readings, from a recording or live |
+//! | [`intake`], [`outcome`] | adding messages to the recording; the final findings |
 //!
-//! A container is told by its first bytes, and so is what zstd compressed by file (`.db3.zstd`, `.mcap.zstd`) or by message: what
-//! `metadata.yaml` says of that is not needed. Memory goes with the readings that are kept: no chunk and no file is held
-//! in it, and no length that a header claims is allocated before as many bytes are there. Recovery of recordings that were killed
-//! was tried on whole recordings that were cut and damaged, not on those of a real crash.
+//! A container is recognised by its first bytes, as is compression with zstd by file (`.db3.zstd`, `.mcap.zstd`) or by message;
+//! `metadata.yaml` is not needed. Memory grows with the readings alone: no chunk and no file is loaded whole. No claimed length is
+//! allocated before the bytes are read. Recovery of interrupted recordings is tested on complete recordings that were cut and
+//! damaged, not on those of a real crash.
 
 mod bag;
 mod container;

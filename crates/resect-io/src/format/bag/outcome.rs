@@ -1,11 +1,11 @@
-//! What is said of the messages of a bag when all are in: by which clock, from which topics, or why there is nothing.
+//! Final findings about the messages of a bag: clock and topics, or the error if nothing was read.
 
 use super::intake::{Intake, natural_key};
 use super::messages::{Kind, THEODOLITE_TYPE};
 use crate::error::{OpenError, Question, Topic};
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
-/// True if a finding is about damage of one of these files.
+/// Returns true if a finding is about damage of one of these files.
 fn is_about_bag(finding: &Finding, files: &[impl AsRef<str>]) -> bool {
     let is_damage = matches!(
         finding.kind,
@@ -16,7 +16,7 @@ fn is_about_bag(finding: &Finding, files: &[impl AsRef<str>]) -> bool {
 }
 
 impl Intake<'_> {
-    /// What holds for all files together: whether there was anything to read, and by which clock.
+    /// Adds the findings about all files together; an error if there was no reading.
     pub fn finish(self) -> Result<(), OpenError> {
         if self.stream.readings == 0 {
             return Err(self.nothing());
@@ -25,7 +25,7 @@ impl Intake<'_> {
         Ok(())
     }
 
-    /// The question or the error where no message was a reading.
+    /// Returns the question or the error for a bag without readings.
     fn nothing(self) -> OpenError {
         let file = self.files.join(", ");
         let topics = &self.stream.topics;
@@ -45,7 +45,7 @@ impl Intake<'_> {
             return OpenError::file(
                 &file,
                 format!("no position on the topics {}", named.join(", ")),
-                format!("correct `topics`; the topics with positions: {there}"),
+                format!("correct `topics`; topics with positions: {there}"),
             );
         }
         if !positions.is_empty() {
@@ -57,8 +57,8 @@ impl Intake<'_> {
             let what = damage.message();
             return OpenError::file(
                 &file,
-                format!("nothing of the stations can be read: {what}"),
-                "copy it again from where it was recorded, or record it again",
+                format!("no station readings can be read: {what}"),
+                "copy it again from the recording computer, or record it again",
             );
         }
         let poses: Vec<&str> = topics
@@ -69,8 +69,8 @@ impl Intake<'_> {
         if !poses.is_empty() {
             return OpenError::file(
                 &file,
-                format!("no readings of stations in it, but poses ({})", poses.join(", ")),
-                "judge it as a trajectory: `resect evaluate`, in the window File > Judge a trajectory…",
+                format!("no station readings, only poses ({})", poses.join(", ")),
+                "judge it as a trajectory: `resect evaluate`, in the window File > Evaluate a trajectory…",
             );
         }
         let mut others: Vec<_> =
@@ -80,10 +80,10 @@ impl Intake<'_> {
         if more > 0 {
             others.push(format!("{more} more"));
         }
-        let others = if others.is_empty() { "no topic".to_owned() } else { others.join(", ") };
+        let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
         OpenError::file(
             &file,
-            format!("no message of type {} in it; it has {others}", THEODOLITE_TYPE),
+            format!("no message of type {}; its topics: {others}", THEODOLITE_TYPE),
             "open the bag that the theodolite node recorded",
         )
     }

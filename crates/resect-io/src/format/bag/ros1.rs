@@ -1,13 +1,13 @@
 //! ROS 1 bags, version 2.0 (wiki.ros.org/Bags/Format/2.0): plain, bz2 and lz4, with an index, without one, cut off or damaged.
 //!
-//! A record is a header of `name=value` fields and a block of data, each after its length. The index is not needed: the
-//! records are walked from the first to the last, those of an uncompressed chunk as if they lay in the file itself, those of
-//! a compressed one as they come out of its decoder. Where a record makes no sense, the next place that looks like one is
-//! searched, so recordings that were killed (`.active`, no index) or cut short give what is in them. Only the connections are
-//! read from the index beforehand, for chunks whose own were lost.
+//! A record is a header of `name=value` fields and a block of data, each after its length. The index is not needed: records are read
+//! from the first to the last. Records of an uncompressed chunk are read as if they were in the file itself, records of a compressed
+//! chunk from its decoder. After a malformed record, the next plausible one is searched. Recordings that were interrupted (`.active`,
+//! no index) or cut short are thus read as far as possible. The index is read first, but only for connections of chunks that have
+//! lost their own.
 //!
-//! The crate `rosbag` (0.6) does not do: it needs a whole index, indexes past the end of a damaged header, and inflates a
-//! chunk to whatever size it claims.
+//! The crate `rosbag` (0.6) is unsuitable: it needs a complete index, indexes past the end of a damaged header, and inflates a
+//! chunk to any size that it claims.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -19,9 +19,9 @@ use super::wire::Encoding;
 use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-/// A header names a topic and little else.
+/// Limit for headers, which contain a topic and little else.
 const LARGEST_HEADER_BYTES: u32 = 1 << 16;
-/// The definition of a message is text.
+/// Limit for connections; the definition of a message is text.
 const LARGEST_CONNECTION_BYTES: u32 = 1 << 20;
 
 mod op {
@@ -33,7 +33,7 @@ mod op {
     pub const CONNECTION: u8 = 7;
 }
 
-/// Every message of the bag.
+/// Reads all messages of the bag.
 pub fn read(
     mut file: Positioned,
     budget: &Budget,
@@ -44,7 +44,7 @@ pub fn read(
         return Err(OpenError::file(
             intake.file(),
             "a ROS 1 bag of another version than 2.0, or cut off within its first line",
-            "bring it to version 2.0 with `rosbag fix`",
+            "convert it to version 2.0 with `rosbag fix`",
         ));
     }
     let first = file.at();
@@ -57,20 +57,20 @@ pub fn read(
         None => {}
     }
     if bag.unconnected > 0 {
-        let lost = format!("{} messages of connections that it does not describe", bag.unconnected);
+        let lost = format!("{} messages of undescribed connections", bag.unconnected);
         bag.intake.lost(0, lost);
     }
     Ok(())
 }
 
-/// What is known while a bag is read.
+/// State of reading a bag.
 struct Bag<'i, 'a> {
     intake: &'i mut Intake<'a>,
-    /// Subscriptions by the number of the connection; `None` for connections that are not wanted.
+    /// Subscriptions by id of the connection; `None` for connections that are not wanted.
     subscriptions: HashMap<u32, Option<Subscription>>,
-    /// Messages whose connection is not known.
+    /// Number of messages with an unknown connection.
     unconnected: u64,
-    /// Used again and again.
+    /// Buffer, reused.
     bytes: Vec<u8>,
 }
 
@@ -80,7 +80,7 @@ impl<'a> Holder<'a> for Bag<'_, 'a> {
     }
 }
 
-/// The fields of a record's header that matter.
+/// Fields of a record's header that are needed.
 #[derive(Debug, Default)]
 struct Header {
     op: u8,
@@ -92,9 +92,9 @@ struct Header {
 }
 
 impl Bag<'_, '_> {
-    /// Learns the connections that the index describes; gives what is wrong with it, and whether that means a loss.
+    /// Reads the connections of the index; returns the fault of a bad index, and true if it means a loss.
     fn read_index(&mut self, file: &mut Positioned) -> Option<(String, bool)> {
-        // Its damage is met again by the walk.
+        // Reading the records reports this damage again.
         let Ok(Some((Header { op: op::BAG_HEADER, index_at: Some(index_at), .. }, _))) =
             self.header(file)
         else {
@@ -102,16 +102,15 @@ impl Bag<'_, '_> {
         };
         let length = file.length();
         if index_at == 0 {
-            let what =
-                "it has no index, its recording was interrupted; what came last may be missing";
+            let what = "no index: the recording was interrupted; the last messages may be missing";
             Some((what.to_owned(), true))
         } else if index_at > length {
             Some((
-                format!("cut off: its index was at byte {index_at}, and it ends at {length}"),
+                format!("cut off: the index was at byte {index_at}, but the file ends at {length}"),
                 true,
             ))
         } else if file.seek_to(index_at).is_err() || self.walk_index(file).is_err() {
-            Some(("its index is damaged; every record was read without it".to_owned(), false))
+            Some(("the index is damaged; every record was read without it".to_owned(), false))
         } else {
             None
         }
@@ -130,7 +129,7 @@ impl Bag<'_, '_> {
         Ok(())
     }
 
-    /// Record after record of the file from where it is.
+    /// Reads one record after the other from the current position.
     fn walk(&mut self, file: &mut Positioned, budget: &Budget) -> Result<(), At<Stop>> {
         loop {
             let start = file.at();
@@ -172,7 +171,7 @@ impl Bag<'_, '_> {
         Ok(file.seek_to(end)?)
     }
 
-    /// Any record but a chunk.
+    /// Reads any record but a chunk.
     fn record<R: Bytes>(&mut self, header: &Header, from: &mut R, length: u32) -> Result<(), Stop> {
         match header.op {
             op::MESSAGE => self.message(header, from, length),
@@ -234,7 +233,7 @@ impl Bag<'_, '_> {
         Ok(())
     }
 
-    /// The next record's header, and how many bytes of data follow; `None` at the end.
+    /// Reads the next record's header, and the length of its data; `None` at the end.
     fn header<R: Bytes>(&mut self, from: &mut R) -> Result<Option<(Header, u32)>, Stop> {
         if !read_up_to(from, 4, &mut self.bytes)? {
             return if self.bytes.is_empty() { Ok(None) } else { Err(Stop::cut()) };
@@ -262,7 +261,7 @@ fn u32_of(bytes: &[u8]) -> Option<u32> {
     bytes.first_chunk().map(|four| u32::from_le_bytes(*four))
 }
 
-/// Names and values; `None` in the place of one that makes no sense, which is the last.
+/// Iterates over names and values; a malformed field is `None`, and the last.
 fn fields(mut bytes: &[u8]) -> impl Iterator<Item = Option<(&[u8], &[u8])>> {
     std::iter::from_fn(move || {
         if bytes.is_empty() {
@@ -282,7 +281,7 @@ fn fields(mut bytes: &[u8]) -> impl Iterator<Item = Option<(&[u8], &[u8])>> {
     })
 }
 
-/// A header from its bytes; `None` where they are none.
+/// Parses a header; `None` if it is malformed.
 fn parse(bytes: &[u8]) -> Option<Header> {
     let mut header = Header::default();
     for field in fields(bytes) {
@@ -305,11 +304,11 @@ fn parse(bytes: &[u8]) -> Option<Header> {
     (header.op != 0).then_some(header)
 }
 
-/// Whether these bytes can be the start of a record.
+/// Returns true if these bytes can begin a record.
 fn looks_like_record(bytes: &[u8]) -> bool {
     let Some(length) = u32_of(bytes).map(|length| length as usize) else { return false };
     let Some(first_field) = bytes.get(4..).and_then(u32_of) else { return false };
-    // Cheap, because every place is asked.
+    // A cheap test first, because every position is tested.
     if !(8..JUDGED_BYTES - 8).contains(&length) || first_field as usize + 4 > length {
         return false;
     }

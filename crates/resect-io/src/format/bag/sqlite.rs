@@ -1,8 +1,8 @@
-//! ROS 2 bags in SQLite (rosbag2_storage_sqlite3): tables `topics` and `messages`, one file or a piece of several.
+//! ROS 2 bags in SQLite (rosbag2_storage_sqlite3): tables `topics` and `messages`, in one file or one of several.
 //!
-//! Opened without locking or writing anything. Where a write-ahead log or a journal lies beside the file, because the
-//! recorder was killed, both are copied to a temporary folder and put together there. A file that is cut off or malformed
-//! gives the rows that can still be reached: from the first on, and, behind the first damage, from the last on backwards.
+//! A file is opened without locking or writing. A write-ahead log or a journal beside the file is left by a killed recorder; both are
+//! then copied to a temporary folder and merged there. From a file that is cut off or malformed, all reachable rows are read: from
+//! the first on and, behind the first damage, those reachable backwards from the last.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,27 +15,28 @@ use super::wire::Encoding;
 use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"SQLite format 3\0";
-/// What a killed recorder leaves beside a file.
+/// Endings of the files that a killed recorder leaves beside the database.
 const LEFT_BESIDE: [&str; 2] = ["-wal", "-journal"];
 /// Rows between two reports of progress.
 const ROWS_BETWEEN_REPORTS: u64 = 1000;
-const RECOVER: &str = "repair it with `sqlite3 OLD .recover | sqlite3 NEW`, or copy it again from where it was recorded";
+const RECOVER: &str = "repair it with `sqlite3 OLD .recover | sqlite3 NEW`, or copy it again from the recording \
+                       computer";
 
-/// Whether these first bytes of a database can be those of a bag: its tables are named on its first page, where that fits.
+/// Returns true if these first bytes of a database can be a bag's: the first page contains the names of the tables, if they fit.
 pub fn may_be_a_bag(head: &[u8]) -> bool {
-    // Of the first page: 13 is a leaf, whose cells are the schema itself.
+    // Type of the first page: 13 is a leaf, with the schema itself in its cells.
     let schema_is_here = head.get(100) == Some(&13) && head.len() >= page_bytes(head) as usize;
     !schema_is_here || head.windows(8).any(|window| window == b"messages")
 }
 
-/// Whether these are the first bytes of a write-ahead log or of a journal (sqlite.org/fileformat2.html, 4.1 and 3).
+/// Returns true for the first bytes of a write-ahead log or of a journal (sqlite.org/fileformat2.html, 4.1 and 3).
 pub fn is_log(head: &[u8]) -> bool {
     [&b"\x37\x7f\x06\x82"[..], b"\x37\x7f\x06\x83", b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"]
         .iter()
         .any(|magic| head.starts_with(magic))
 }
 
-/// Page size by a database's first bytes (sqlite.org/fileformat2.html, 1.3); 0 where they do not say.
+/// Returns the page size from a database's first bytes (sqlite.org/fileformat2.html, 1.3); 0 if it is missing.
 fn page_bytes(head: &[u8]) -> u64 {
     match head.get(16..18) {
         Some([0, 1]) => 65_536,
@@ -44,13 +45,13 @@ fn page_bytes(head: &[u8]) -> u64 {
     }
 }
 
-/// Every message, in the order in which they were recorded.
+/// Reads all messages in the order of their recording.
 pub fn read(path: &Path, intake: &mut Intake<'_>) -> Result<(), OpenError> {
     let file = intake.file().to_owned();
     let refused = |error: &rusqlite::Error| {
         OpenError::file(&file, format!("not a readable ROS 2 bag ({})", one_line(error)), RECOVER)
     };
-    // Kept to the end, because the database lies in it.
+    // The folder is removed when dropped, so it is kept to the end.
     let (own_copy, folder) = copy_with_log(path, intake)?;
     let connection = open(&own_copy, folder.is_some()).map_err(|error| refused(&error))?;
     let missing = missing_bytes(path);
@@ -73,7 +74,7 @@ pub fn read(path: &Path, intake: &mut Intake<'_>) -> Result<(), OpenError> {
     rows.read(intake)
 }
 
-/// The file to read, and the folder that it lies in where it had to be copied.
+/// Returns the file to read and, if it had to be copied, its temporary folder.
 fn copy_with_log(
     path: &Path,
     intake: &mut Intake<'_>,
@@ -93,9 +94,8 @@ fn copy_with_log(
     std::fs::copy(path, &own_copy).map_err(io)?;
     for (ending, log) in beside {
         std::fs::copy(log, folder.path().join(format!("bag.db3{ending}"))).map_err(io)?;
-        intake.note(&format!(
-            "read with {name}{ending} beside it, which an interrupted recording left"
-        ));
+        intake
+            .note(&format!("read with {name}{ending} beside it, left by an interrupted recording"));
     }
     Ok((own_copy, Some(folder)))
 }
@@ -107,18 +107,18 @@ fn open(path: &Path, is_own_copy: bool) -> rusqlite::Result<Connection> {
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
         Connection::open_with_flags(uri(path), flags)?
     };
-    // No value is larger than its file; an expression that a hostile schema brings along may be.
+    // No value is larger than its file, but an expression in a hostile schema may be.
     let bytes = path.metadata().map_or(0, |metadata| metadata.len());
     let largest = i32::try_from(bytes.max(1 << 20)).unwrap_or(i32::MAX);
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, largest)?;
     connection.pragma_update(None, "trusted_schema", false)?;
-    // Otherwise a file that is shorter than its header says is refused as a whole.
+    // Without this, a file shorter than its header states is refused as a whole.
     connection.pragma_update(None, "writable_schema", true)?;
     connection.pragma_update(None, "cell_size_check", true)?;
     Ok(connection)
 }
 
-/// `immutable` keeps SQLite from writing anything beside the file.
+/// `immutable` keeps SQLite from writing files beside the database.
 fn uri(path: &Path) -> String {
     let mut uri = "file:".to_owned();
     for byte in path.to_string_lossy().bytes() {
@@ -132,7 +132,7 @@ fn uri(path: &Path) -> String {
     uri + "?immutable=1"
 }
 
-/// How much shorter the file is than its header says (sqlite.org/fileformat2.html, 1.3): 0 where it is whole.
+/// Returns the number of bytes missing from the size in the file's header (sqlite.org/fileformat2.html, 1.3); 0 if complete.
 fn missing_bytes(path: &Path) -> u64 {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| {
@@ -142,7 +142,7 @@ fn missing_bytes(path: &Path) -> u64 {
         return 0;
     }
     let pages = u64::from(u32::from_be_bytes([head[28], head[29], head[30], head[31]]));
-    // The count is valid only where both counters of changes agree.
+    // The page count is valid only if both change counters agree.
     if head[24..28] != head[92..96] {
         return 0;
     }
@@ -171,7 +171,7 @@ fn subscriptions(
     Ok(found)
 }
 
-/// The largest number of a row, for progress; 0 where it cannot be had.
+/// Returns the largest row id, for progress; 0 if it cannot be read.
 fn rows_up_to(connection: &Connection) -> i64 {
     connection.query_row("SELECT max(id) FROM messages", [], |row| row.get(0)).unwrap_or(0)
 }
@@ -182,7 +182,7 @@ struct Rows<'c> {
     last_id: i64,
 }
 
-/// How a walk over rows ended.
+/// End of reading rows.
 enum Walk {
     End,
     Damaged(String),
@@ -194,14 +194,14 @@ impl Rows<'_> {
         let Walk::Damaged(why) = self.from(i64::MIN, &mut reached, intake)? else { return Ok(()) };
         let after =
             reached.map_or_else(|| "at its first row".to_owned(), |id| format!("after row {id}"));
-        // What lies behind the damage, as far as it can be reached from the end.
+        // Rows behind the damage that can be reached from the end.
         let behind = self.first_from_the_end(reached).filter(|first| Some(*first) > reached);
         let rest = match behind {
             Some(first) => {
                 let lost = first.saturating_sub(reached.unwrap_or(0)).saturating_sub(1);
                 format!("{lost} rows up to row {first} are lost")
             }
-            None => "the rows behind it are lost".to_owned(),
+            None => "the rows after it are lost".to_owned(),
         };
         intake.lost(0, format!("damaged {after} ({why}); {rest}"));
         if let Some(first) = behind {
@@ -218,14 +218,14 @@ impl Rows<'_> {
         ids.join(", ")
     }
 
-    /// Rows from a number on, in their order; `reached` becomes the last that was read.
+    /// Reads rows from an id on, in order; `reached` becomes the last id read.
     fn from(
         &self,
         first: i64,
         reached: &mut Option<i64>,
         intake: &mut Intake<'_>,
     ) -> Result<Walk, OpenError> {
-        // A row without an alias for its number has no `id`; rosbag2 declares it as the number of the row.
+        // rosbag2 declares `id` as an alias of the row id; a table without this alias has no `id`.
         let sql = format!(
             "SELECT id, topic_id, timestamp, CASE WHEN length(data) <= {LARGEST_MESSAGE_BYTES} THEN data END, length(data) \
              FROM messages NOT INDEXED WHERE id >= ?1 AND topic_id IN ({}) ORDER BY id",
@@ -250,7 +250,7 @@ impl Rows<'_> {
                 Ok(id) => id,
                 Err(error) => return damaged(&error),
             };
-            // Pages that point at each other in a circle would go on for ever.
+            // Pages that refer to each other in a cycle would never end.
             if reached.is_some_and(|reached| id <= reached) {
                 return Ok(Walk::Damaged(format!("row {id} a second time")));
             }
@@ -279,7 +279,7 @@ impl Rows<'_> {
         }
     }
 
-    /// The smallest number of a row that can be reached from the last one backwards, behind `reached`.
+    /// Returns the smallest row id behind `reached` that can be reached backwards from the last.
     fn first_from_the_end(&self, reached: Option<i64>) -> Option<i64> {
         let sql = "SELECT id FROM messages NOT INDEXED WHERE id > ?1 ORDER BY id DESC";
         let mut statement = self.connection.prepare(sql).ok()?;

@@ -1,5 +1,4 @@
-//! What the messages of the stations say, one after the other, in a recording or live: readings for the tracks, and what is to
-//! be said of the rest.
+//! Conversion of messages, from a recording or live, into readings of the tracks, and findings about the others.
 
 use crate::findings::bags::{
     positions_in_instrument_frames, positions_not_read, readings_without_stamp,
@@ -15,12 +14,12 @@ use resect_core::deployment::station_clocks::Arrivals;
 use resect_core::deployment::{Finding, Measurement, RawRecord, TimeCorrection};
 use resect_core::geometry::Polar;
 
-/// No message that is read comes near this; a longer one is left out as malformed.
+/// Limit for messages, far above the size of those that are read; longer ones are left out as malformed.
 pub const LARGEST_MESSAGE_BYTES: usize = 1 << 16;
-/// Most topics that are read, more than any robot has; those beyond are not.
+/// Limit for topics, above that of any robot; further ones are not read.
 const MOST_TOPICS: usize = 1000;
 
-/// A topic whose messages are wanted.
+/// A topic with messages that are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subscription {
     kind: Kind,
@@ -29,23 +28,23 @@ pub struct Subscription {
     topic: usize,
 }
 
-/// A topic of any type, over all pieces.
+/// A topic of any type, over all files of a recording.
 #[derive(Clone, Debug)]
 pub struct SeenTopic {
     pub name: String,
     pub message_type: String,
     pub kind: Option<Kind>,
     pub messages: u64,
-    /// The station that the user says it is, 0 to 2.
+    /// The station (0 to 2) that the user assigned.
     pub station: Option<usize>,
 }
 
-/// What one message was.
+/// Content of one message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heard {
-    /// A reading, or a station's word that it has none; the recording has it, or counted why not.
+    /// A reading, or a station's report of none; the recording has stored it, or counted the reason why not.
     Record(RawRecord),
-    /// What the clock of a station (0 to 2) was corrected by.
+    /// Correction of the clock of a station (0 to 2).
     Correction {
         station: Option<usize>,
         correction: TimeCorrection,
@@ -54,19 +53,19 @@ pub enum Heard {
         topic: usize,
         pose: StampedPose,
     },
-    /// A position that nobody says the station of, or a reading that other topics stand in for.
+    /// A position of an unknown station, or a reading replaced by those of the topics that the user names.
     NotTaken,
 }
 
-/// The topics of a recording or of a live stream, and what was heard on them.
+/// Topics of a recording or of a live stream, and counts of their messages.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// Topics of stations 1, 2, 3, where the user names them.
+    /// Topics of stations 1, 2, 3, if the user names them.
     pub named: Option<[String; 3]>,
     wants_poses: bool,
     pub topics: Vec<SeenTopic>,
     pub readings: u64,
-    /// Theodolite messages that the topics which the user names stand for.
+    /// Number of theodolite messages replaced by the topics that the user names.
     stood_in_for: u64,
     without_stamp: [u64; 3],
     without_any_time: [u64; 3],
@@ -75,7 +74,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Listens to readings; `named` are the topics of stations 1, 2, 3 whose messages do not say it.
+    /// Converts readings; `named` are the topics of stations 1, 2, 3, if their messages do not name the station.
     pub fn of_readings(named: Option<[String; 3]>) -> Self {
         Self {
             named,
@@ -90,12 +89,12 @@ impl Stream {
         }
     }
 
-    /// Listens to poses of other systems, and to no readings.
+    /// Converts poses of other systems, and no readings.
     pub fn of_poses() -> Self {
         Self { wants_poses: true, ..Self::of_readings(None) }
     }
 
-    /// Says of a topic what it is; `None` where its messages are not wanted.
+    /// Registers a topic; returns `None` if its messages are not wanted.
     pub fn topic(
         &mut self,
         name: &str,
@@ -123,15 +122,15 @@ impl Stream {
         kind.map(|kind| Subscription { kind, encoding, topic })
     }
 
-    /// The name of a topic.
+    /// Name of a topic.
     pub fn name(&self, subscription: Subscription) -> &str {
         &self.topics[subscription.topic].name
     }
 
-    /// Takes in a message, recorded at `recorded_s`, the `place`-th of all.
+    /// Converts a message, recorded at `recorded_s` (s), the `place`-th of all.
     ///
     /// # Errors
-    /// What is wrong with the message, in words that follow its name.
+    /// The fault of a malformed message, in words that follow the topic's name.
     pub fn message(
         &mut self,
         subscription: Subscription,
@@ -146,7 +145,7 @@ impl Stream {
         let message = if data.starts_with(&ZSTD_MAGIC) {
             match inflate::message(data, LARGEST_MESSAGE_BYTES, &mut inflated) {
                 Ok(()) => Ok(inflated.as_slice()),
-                Err(error) => Err(format!("cannot be inflated ({error})")),
+                Err(error) => Err(format!("cannot be decompressed ({error})")),
             }
         } else {
             Ok(data)
@@ -248,7 +247,7 @@ impl Stream {
         }
     }
 
-    /// By which clock readings are taken, from which topics, and what is left.
+    /// Returns findings about the clock, the topics, and unread messages.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         for (station, count) in self.without_stamp.into_iter().enumerate().filter(|(_, n)| *n > 0) {
@@ -282,7 +281,7 @@ impl Stream {
         self.topics.iter().filter(|t| t.kind.is_some_and(Kind::is_position))
     }
 
-    /// Topics with positions that nobody says the station of.
+    /// Returns the topics with positions of an unknown station.
     pub fn positions_of_no_station(&self) -> Vec<&SeenTopic> {
         self.positions().filter(|t| t.station.is_none() && t.messages > 0).collect()
     }

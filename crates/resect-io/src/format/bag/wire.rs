@@ -1,18 +1,18 @@
-//! The two ways in which ROS writes the fields of a message, behind one small reader.
+//! Decoding of the fields of a message in the two encodings of ROS.
 //!
-//! ROS 1 packs them little-endian without gaps (wiki.ros.org/msg). ROS 2 writes XCDR version 1 (OMG DDS-XTypes 1.3, 7.4.1): four
-//! bytes of encapsulation, the second of which tells the byte order, then every number aligned to its own size counted from
-//! after those four bytes; strings count and carry a closing zero. Tried on little-endian recordings; big-endian ones only
-//! on messages written for the tests, because no ROS 2 of today's machines writes them.
+//! ROS 1 packs fields little-endian without gaps (wiki.ros.org/msg). ROS 2 uses XCDR version 1 (OMG DDS-XTypes 1.3, 7.4.1): four
+//! bytes of encapsulation, the second of which gives the byte order, then every number aligned to its own size, counted from after
+//! these four bytes. The length of a string includes its terminating zero. Tested on little-endian recordings; big-endian ones only
+//! on messages written for the tests, because ROS 2 on today's machines does not write them.
 
-/// How the bytes of a message are to be read.
+/// Encoding of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     Ros1,
     Cdr,
 }
 
-/// Why bytes are not the message that they should be.
+/// Reason why bytes are not the expected message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Malformed {
     #[error("it ends too early")]
@@ -21,7 +21,7 @@ pub enum Malformed {
     Encapsulation(u16),
 }
 
-/// Reads field after field.
+/// Decodes one field after the other.
 pub struct Wire<'a> {
     /// The message without the encapsulation.
     data: &'a [u8],
@@ -46,7 +46,7 @@ impl<'a> Wire<'a> {
         Ok(Self { data, at: 0, encoding, big_endian })
     }
 
-    /// The bytes of one number, least significant first.
+    /// Returns the bytes of one number, least significant first.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
         let start = match self.encoding {
             Encoding::Ros1 => self.at,
@@ -85,7 +85,7 @@ impl<'a> Wire<'a> {
         Ok(f64::from_le_bytes(self.number()?))
     }
 
-    /// The bytes of a string, in CDR with its closing zero; a length that claims more than there is allocates nothing.
+    /// Returns the bytes of a string, in CDR with the terminating zero. A claimed length allocates nothing.
     pub fn string(&mut self) -> Result<&'a [u8], Malformed> {
         let length = self.u32()? as usize;
         let end = self.at.checked_add(length).ok_or(Malformed::Short)?;
@@ -94,12 +94,12 @@ impl<'a> Wire<'a> {
         Ok(text)
     }
 
-    /// What was not read yet.
+    /// Bytes not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.data.get(self.at..).unwrap_or_default()
     }
 
-    /// A point in time (s since 1970); `None` where it is zero, which means that nobody set it.
+    /// Reads a time (s since 1970); `None` if it is zero, which means unset.
     pub fn time_s(&mut self) -> Result<Option<f64>, Malformed> {
         let seconds = match self.encoding {
             Encoding::Ros1 => f64::from(self.u32()?),
@@ -109,12 +109,12 @@ impl<'a> Wire<'a> {
         Ok((time_s != 0.0).then_some(time_s))
     }
 
-    /// A length of time (s), which may be negative.
+    /// Reads a duration (s), which may be negative.
     pub fn duration_s(&mut self) -> Result<f64, Malformed> {
         Ok(f64::from(self.i32()?) + f64::from(self.i32()?) * 1e-9)
     }
 
-    /// A `std_msgs/Header`: its stamp (s), `None` where it is zero. ROS 1 has a running number before it.
+    /// Reads a `std_msgs/Header` and returns its stamp (s), `None` if zero. In ROS 1, a sequence number precedes it.
     pub fn header_s(&mut self) -> Result<Option<f64>, Malformed> {
         if self.encoding == Encoding::Ros1 {
             self.u32()?;
@@ -125,9 +125,9 @@ impl<'a> Wire<'a> {
     }
 }
 
-/// A time as ROS writes it: whole seconds, and nanoseconds beyond.
+/// Splits a time into whole seconds and nanoseconds, as ROS writes it.
 pub fn stamp(time_s: f64) -> [u32; 2] {
-    // Nanoseconds of today have more digits than a number in double precision.
+    // Unix times in nanoseconds have more digits than a double.
     let seconds = time_s.max(0.0).floor();
     match ((time_s - seconds) * 1e9).round() as u32 {
         1_000_000_000 => [seconds as u32 + 1, 0],

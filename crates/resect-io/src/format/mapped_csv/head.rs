@@ -5,17 +5,17 @@ use std::borrow::Cow;
 use crate::format::table;
 use crate::format::text_chunks::BYTE_ORDER_MARK;
 
-/// Rows that a preview shows.
+/// Number of rows in a preview.
 pub const PREVIEWED: usize = 20;
 const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
 
-/// A row by its number of line: its fields, or why it has none.
+/// A line number with the fields of the row, or the reason why it has none.
 pub type NumberedRow<'a> = (usize, Result<Vec<Cow<'a, str>>, String>);
 
-/// The header of a text, and its first whole rows.
+/// Returns the header of a text, and its first complete rows.
 pub fn first_rows(head: &str) -> (String, Vec<NumberedRow<'_>>) {
     let head = head.trim_start_matches(BYTE_ORDER_MARK);
-    // A short file may end without a line end; one that was cut off ends anywhere.
+    // A short file may end without a line end; a longer head may be cut off anywhere.
     let whole = if head.len() < 1024 { head } else { &head[..head.rfind('\n').unwrap_or(0)] };
     let mut lines =
         whole.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(PREVIEWED + 1);
@@ -32,9 +32,9 @@ pub fn first_rows(head: &str) -> (String, Vec<NumberedRow<'_>>) {
     (header, rows.collect())
 }
 
-/// What separates the columns: whatever does most often in the header.
+/// Returns the separator of the columns: the most frequent one in the header.
 pub fn separator(header: &str) -> char {
     let count = |separator: &char| header.matches(*separator).count();
-    // The first of equals: a comma.
+    // If equally frequent, the first: a comma.
     SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(',')
 }

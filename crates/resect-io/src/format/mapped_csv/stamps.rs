@@ -1,4 +1,4 @@
-//! Stamps of foreign tables, in seconds.
+//! Stamps of other programs' tables, in seconds.
 
 use jiff::civil::{Date, DateTime, Time};
 use jiff::tz::{Offset, TimeZone};
@@ -9,16 +9,16 @@ use resect_core::deployment::TimeFormat;
 
 const DAY_S: f64 = 86_400.0;
 
-/// Reads stamps one after the other, and remembers per station when midnight passed.
+/// Converts stamps one after the other, and counts midnights by station.
 #[derive(Debug, Default)]
 pub struct Stamps {
-    /// Station, its last time of day with the days before it, and those days (s).
+    /// Station, its last time of day with the days added, and the added days (s).
     days: Vec<(i64, f64, f64)>,
 }
 
 impl Stamps {
-    /// The stamp in seconds: of Unix for a calendar, from the first midnight for a time of day, else as counted.
-    /// An error ends a sentence that begins with the field.
+    /// Returns the stamp in seconds: Unix time for a calendar, since the first midnight for a time of day, otherwise as counted. The
+    /// error completes a sentence that begins with the field.
     pub fn seconds(
         &mut self,
         field: &str,
@@ -43,7 +43,7 @@ impl Stamps {
         }
     }
 
-    /// A time of day that is half a day and more before the last one is of the next day.
+    /// Adds a day if a time of day is more than half a day before the last one.
     fn after_midnight(&mut self, time_s: f64, station: i64) -> f64 {
         let known = self.days.iter().position(|(own, _, _)| *own == station);
         let index = known.unwrap_or_else(|| {
@@ -59,10 +59,10 @@ impl Stamps {
     }
 }
 
-/// Unix seconds of a date and a time of day, as ISO 8601 writes them, with a space or slashes, or the day first and points.
+/// Returns Unix seconds of a date and a time of day: ISO 8601, also with a space or slashes, or with the day first and points.
 fn calendar_s(field: &str, mapping: &ColumnMapping) -> Result<f64, String> {
     let field = field.trim();
-    let what = || "is no date and time".to_owned();
+    let what = || "is not a date and time".to_owned();
     if let Ok(stamp) = field.parse::<jiff::Timestamp>() {
         return Ok(seconds_of(stamp));
     }
@@ -70,17 +70,17 @@ fn calendar_s(field: &str, mapping: &ColumnMapping) -> Result<f64, String> {
     let date = date_of(date).ok_or_else(what)?;
     let time: Time = time.trim().parse().map_err(|_| what())?;
     let offset = Offset::from_seconds((mapping.utc_offset_hours * 3600.0).round() as i32)
-        .map_err(|_| "cannot be put in time: utc_offset_hours is no time zone's".to_owned())?;
+        .map_err(|_| "cannot be converted: utc_offset_hours is not a valid time zone".to_owned())?;
     let zoned = DateTime::from_parts(date, time).to_zoned(TimeZone::fixed(offset));
     zoned.map(|zoned| seconds_of(zoned.timestamp())).map_err(|_| what())
 }
 
-/// `2022-07-11`, `2022/07/11` or `11.07.2022`.
+/// Parses `2022-07-11`, `2022/07/11` or `11.07.2022`.
 fn date_of(text: &str) -> Option<Date> {
     let parts: Vec<i16> =
         text.split(['-', '/', '.']).map(str::parse).collect::<Result<_, _>>().ok()?;
     let [first, month, last] = parts[..] else { return None };
-    // The month first is written with slashes only, and then cannot be told from the day.
+    // Dates with slashes and the year last are refused: the month cannot be distinguished from the day.
     let (year, day) = match text.split(['-', '/', '.']).next()?.len() {
         4 => (first, last),
         _ if text.contains('.') => (last, first),
@@ -93,9 +93,9 @@ fn seconds_of(stamp: jiff::Timestamp) -> f64 {
     stamp.as_second() as f64 + f64::from(stamp.subsec_nanosecond()) * 1e-9
 }
 
-/// Seconds since midnight of `19:50:01.135`.
+/// Returns seconds since midnight of `19:50:01.135`.
 fn time_of_day_s(field: &str) -> Result<f64, String> {
-    let time: Time = field.trim().parse().map_err(|_| "is no time of day".to_owned())?;
+    let time: Time = field.trim().parse().map_err(|_| "is not a time of day".to_owned())?;
     let since = f64::from(time.hour()) * 3600.0 + f64::from(time.minute()) * 60.0;
     Ok(since + f64::from(time.second()) + f64::from(time.subsec_nanosecond()) * 1e-9)
 }

@@ -1,4 +1,4 @@
-//! The best guess at what the columns of an unknown table are, from their names and their first numbers.
+//! Suggestion of the columns of an unknown table, from their names and their first numbers.
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -10,8 +10,7 @@ use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 use resect_core::statistics::median;
 
-/// Names of a column without its unit and what is not a letter or digit: whole ones, and parts of longer ones. In
-/// English, German and French.
+/// Names of a column in English, German and French, without unit, with letters and digits only: complete names, and substrings.
 struct Names(&'static [&'static str], &'static [&'static str]);
 
 const TIME: Names = Names(
@@ -37,13 +36,13 @@ const Y: Names = Names(&["y", "ym", "ymm", "n", "north", "posy"], &["northing"])
 const Z: Names = Names(&["z", "zm", "zmm", "u", "up", "posz"], &["height"]);
 const STATUS: Names = Names(&[], &["status", "returncode", "errorcode"]);
 
-/// Units as the names of columns have them at their end.
+/// Units at the end of column names.
 const UNITS: [&str; 18] = [
     "m", "mm", "ft", "feet", "ftus", "usft", "rad", "deg", "degree", "degrees", "gon", "grad",
     "gons", "dms", "s", "ms", "us", "ns",
 ];
 
-/// The first rows of a table, to guess from.
+/// The first rows of a table.
 struct Head<'a> {
     names: Vec<String>,
     rows: Vec<Vec<Cow<'a, str>>>,
@@ -51,7 +50,7 @@ struct Head<'a> {
 }
 
 impl<'a> Head<'a> {
-    /// Empty where the header cannot be taken apart.
+    /// Parses the first rows; empty if the header cannot be split.
     fn of(head: &'a str) -> Self {
         let (header, rows) = first_rows(head);
         let separator = separator(&header);
@@ -61,7 +60,7 @@ impl<'a> Head<'a> {
         Self { names, rows, decimal_comma: separator != ',' }
     }
 
-    /// What stands in a column, with a decimal point; nothing of a column that is not there.
+    /// Returns the texts of a column with a decimal point; empty if the column does not exist.
     fn texts(&self, column: Option<&str>) -> Vec<String> {
         let at = column.and_then(|column| self.names.iter().position(|name| name == column));
         let Some(at) = at else { return Vec::new() };
@@ -69,8 +68,7 @@ impl<'a> Head<'a> {
     }
 }
 
-/// The mapping that a user would most likely choose for a table that begins with `head`. Columns that are not recognised
-/// are left unnamed.
+/// Suggests the most probable mapping for a table that begins with `head`. Columns that are not recognised are left unnamed.
 pub fn suggest(head: &str) -> ColumnMapping {
     let read = Head::of(head);
     let names: Vec<&str> = read.names.iter().map(String::as_str).collect();
@@ -80,7 +78,7 @@ pub fn suggest(head: &str) -> ColumnMapping {
         free[found] = false;
         Some(names[found].to_owned())
     };
-    // What is a time by its name may be several columns; what has more letters is the surer one.
+    // Each column is chosen only once, so the order of these searches matters.
     let time = take(&TIME);
     let [status, range, azimuth, vertical] = [&STATUS, &RANGE, &AZIMUTH, &VERTICAL].map(&mut take);
     let station = take(&STATION);
@@ -105,7 +103,7 @@ pub fn suggest(head: &str) -> ColumnMapping {
     mapping
 }
 
-/// Sets units, senses and the format of times to what those columns seem to have that `before` did not name.
+/// Suggests units, senses and the format of times for those columns that `before` did not name.
 pub fn suggest_meanings(head: &str, before: &ColumnMapping, mapping: &mut ColumnMapping) {
     let head = Head::of(head);
     let lengths = |mapping: &ColumnMapping| mapping.range.clone().or_else(|| mapping.x.clone());
@@ -127,17 +125,17 @@ pub fn suggest_meanings(head: &str, before: &ColumnMapping, mapping: &mut Column
     }
 }
 
-/// The free column with such a name.
+/// Returns the first free column with one of the names.
 fn find(names: &[&str], free: &[bool], Names(whole, parts): &Names) -> Option<usize> {
     let plain: Vec<String> = names.iter().map(|name| without_unit(name)).collect();
     let first =
         |is: &dyn Fn(&str) -> bool| (0..names.len()).find(|at| free[*at] && is(&plain[*at]));
-    // Parts in their order: the first is the most telling.
+    // Substrings are in order of significance.
     let by_part = || parts.iter().find_map(|part| first(&|name| name.contains(part)));
     first(&|name| whole.contains(&name)).or_else(by_part)
 }
 
-/// A column's name in small letters and digits, without what stands in brackets and without a unit at its end.
+/// Returns a column's name in lower-case letters and digits, without brackets and their content, and without a unit at its end.
 fn without_unit(name: &str) -> String {
     let name = name.to_lowercase();
     let name = name.split(['(', '[', '<']).next().unwrap_or_default();
@@ -186,7 +184,7 @@ fn angle_unit(names: &[String; 2], azimuths: &[String], verticals: &[String]) ->
     if verticals.first().is_some_and(is_sexagesimal) {
         return TableAngle::DegreesMinutesSeconds;
     }
-    // "Grad" is degrees to a German and gon to others: the numbers tell.
+    // "Grad" means degrees in German and gon elsewhere, so only the numbers decide.
     let named = names.join(" ").to_lowercase();
     for (unit, own) in [
         (TableAngle::Gon, &["gon", "gons"][..]),
@@ -210,14 +208,14 @@ fn angle_unit(names: &[String; 2], azimuths: &[String], verticals: &[String]) ->
     }
 }
 
-/// Prisms are near the horizon: angles about 0 are of elevation.
+/// Suggests the vertical angle: prisms are near the horizon, so angles near 0 are elevations.
 fn vertical_angle(texts: &[String], unit: TableAngle) -> VerticalAngle {
     let right_angle = match unit {
         TableAngle::Radians => PI / 2.0,
         TableAngle::Degrees | TableAngle::DegreesMinutesSeconds => 90.0,
         TableAngle::Gon => 100.0,
     };
-    // Degrees are the first number of degrees, minutes and seconds.
+    // The first number of degrees, minutes and seconds is the degrees.
     let leading = |text: &String| {
         let end = text.find(|c: char| !c.is_ascii_digit() && !"+-.e".contains(c));
         text[..end.unwrap_or(text.len())].parse::<f64>().ok()

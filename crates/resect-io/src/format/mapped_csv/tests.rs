@@ -1,7 +1,7 @@
 use super::*;
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat};
 
-/// One reading, 12.5 m away at azimuth 1 rad and zenith angle 1.6 rad, as foreign tables may write it.
+/// One reading, 12.5 m away at azimuth 1 rad and zenith angle 1.6 rad, in formats of other programs.
 const TABLES: [&str; 8] = [
     "time_s,station,slope_distance,azimuth,zenith\n1657569001.5,2,12.5,1.0,1.6\n",
     "Stamp;RTS;Range [mm];Hz;V\n1657569001500;2;12500,0;63,661977236758;101,859163578813\n",
@@ -50,7 +50,7 @@ fn what_is_suggested_says_the_units() {
         (TableAngle::DegreesMinutesSeconds, TableLength::Feet)
     );
     assert_eq!((german.angle_unit, german.length_unit), (TableAngle::Gon, TableLength::Metres));
-    // Steeply down, which by the numbers alone could be gon.
+    // A steep downward sight; the numbers alone could be gon.
     let down = suggest("t,id,sd,hz_deg,v_deg\n1,2,12.5,57.0,96.5\n");
     assert_eq!(down.angle_unit, TableAngle::Degrees);
     assert_eq!((xyz.status.as_deref(), xyz.range), (Some("status"), None));
@@ -118,9 +118,9 @@ fn errors_name_file_line_and_remedy() {
         ),
         (&mapping, "1,1,2,3\n", "x.csv:2: 4 fields where the header has 5"),
         (&mapping, ",1,2,3,4\n", "x.csv:2: `` in column `time_s` is not a time"),
-        (&cartesian, "1,1,2,3,4\n", "x.csv:1: either range, azimuth and vertical"),
-        (&no_station, "1,1,2,3,4\n", "x.csv:2: no column of stations"),
-        (&ColumnMapping::default(), "1,1,2,3,4\n", "x.csv:1: no column of time"),
+        (&cartesian, "1,1,2,3,4\n", "x.csv:1: give the columns of range, azimuth and vertical"),
+        (&no_station, "1,1,2,3,4\n", "x.csv:2: no station column"),
+        (&ColumnMapping::default(), "1,1,2,3,4\n", "x.csv:1: no time column"),
     ] {
         let text = header.to_owned() + rows;
         let progress = Progress::default();

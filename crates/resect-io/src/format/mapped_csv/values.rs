@@ -1,6 +1,6 @@
-//! Numbers, lengths, angles and station numbers, as the fields of foreign tables write them.
+//! Numbers, lengths, angles and station numbers in the fields of other programs' tables.
 //!
-//! An error is the end of a sentence that begins with the field: "is not a number".
+//! An error completes a sentence that begins with the field: "is not a number".
 
 use resect_core::geometry::{FOOT_M, US_SURVEY_FOOT_M};
 use std::borrow::Cow;
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use resect_core::deployment::{TableAngle, TableLength};
 
-/// A number; NaN of an empty field.
+/// Parses a number; NaN for an empty field.
 pub fn number(field: &str, decimal_comma: bool) -> Result<f64, String> {
     let field = with_point(field.trim(), decimal_comma);
     if field.is_empty() {
@@ -17,7 +17,7 @@ pub fn number(field: &str, decimal_comma: bool) -> Result<f64, String> {
     field.parse().map_err(|_| "is not a number".to_owned())
 }
 
-/// The field with a decimal point, if a comma can be one.
+/// Returns the field with a decimal point instead of a decimal comma, if the table may have one.
 pub fn with_point(field: &str, decimal_comma: bool) -> Cow<'_, str> {
     if decimal_comma && field.contains(',') && !field.contains('.') {
         Cow::Owned(field.replacen(',', ".", 1))
@@ -26,7 +26,7 @@ pub fn with_point(field: &str, decimal_comma: bool) -> Cow<'_, str> {
     }
 }
 
-/// A length in metres.
+/// Parses a length (m).
 pub fn metres(field: &str, unit: TableLength, decimal_comma: bool) -> Result<f64, String> {
     let value = number(field, decimal_comma)?;
     Ok(match unit {
@@ -37,7 +37,7 @@ pub fn metres(field: &str, unit: TableLength, decimal_comma: bool) -> Result<f64
     })
 }
 
-/// An angle in radians.
+/// Parses an angle (rad).
 pub fn angle_rad(field: &str, unit: TableAngle, decimal_comma: bool) -> Result<f64, String> {
     Ok(match unit {
         TableAngle::Radians => number(field, decimal_comma)?,
@@ -49,7 +49,7 @@ pub fn angle_rad(field: &str, unit: TableAngle, decimal_comma: bool) -> Result<f
     })
 }
 
-/// Degrees of `272°23'19.4"`, `272 23 19.4`, `-2-23-19.4`; minutes and seconds may be missing.
+/// Returns the degrees of `272°23'19.4"`, `272 23 19.4`, `-2-23-19.4`; minutes and seconds may be missing.
 fn sexagesimal_degrees(field: &str, decimal_comma: bool) -> Result<f64, String> {
     let field = with_point(field.trim(), decimal_comma);
     if field.is_empty() {
@@ -59,14 +59,14 @@ fn sexagesimal_degrees(field: &str, decimal_comma: bool) -> Result<f64, String> 
         Some(digits) => (-1.0, digits),
         None => (1.0, field.strip_prefix('+').unwrap_or(&field)),
     };
-    let what = || "is no angle in degrees, minutes and seconds".to_owned();
+    let what = || "is not an angle in degrees, minutes and seconds".to_owned();
     let parts: Vec<_> = digits
         .split(|c: char| !c.is_ascii_digit() && c != '.')
         .filter(|part| !part.is_empty())
         .map(str::parse::<f64>)
         .collect::<Result<_, _>>()
         .map_err(|_| what())?;
-    // A letter between them would be something else: a hemisphere, an exponent.
+    // A letter in between has another meaning, such as a hemisphere or an exponent.
     if parts.is_empty() || parts.len() > 3 || field.chars().any(|c| c.is_alphabetic() && c != 'º')
     {
         return Err(what());
@@ -78,7 +78,7 @@ fn sexagesimal_degrees(field: &str, decimal_comma: bool) -> Result<f64, String> 
     Ok(sign * units.map(|(part, per_degree)| part / per_degree).sum::<f64>())
 }
 
-/// A station's number: the field itself, or the digits that a name ends with.
+/// Returns a station's number: the field itself, or the digits at the end of a name.
 pub fn station_number(field: &str) -> Option<i64> {
     let field = field.trim();
     if let Ok(value) = field.parse::<f64>() {

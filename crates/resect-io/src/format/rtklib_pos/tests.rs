@@ -25,7 +25,7 @@ fn position_m() -> Vector3<f64> {
     .to_ecef()
 }
 
-/// A file of one line under the header with these columns.
+/// Reads a file of one line, below a header with these columns.
 fn one(columns: &str, line: &str) -> Result<GnssFix, OpenError> {
     let text = format!("% program   : RTKLIB ver.2.4.2\r\n%  {columns}   Q  ns\r\n{line}\r\n");
     assert!(looks_like(&text), "{columns}");
@@ -76,7 +76,7 @@ fn coordinates_scales_and_separators_are_the_user_s_choice() {
     for (columns, line) in &cases {
         for separator in [" ", ",", "\t", ";", " , "] {
             let columns = columns.split_whitespace().collect::<Vec<_>>().join(separator);
-            // A date and a time of day stay one column with a space in it.
+            // A date and a time of day remain one column with a space in it.
             let line = line.split_whitespace().collect::<Vec<_>>().join(separator);
             let line = if line.contains('/') { line.replacen(separator, " ", 1) } else { line };
             let fix = one(&columns, &line).expect("well-formed");
@@ -99,7 +99,7 @@ fn leap_seconds_come_at_midnight_of_utc() {
     assert_eq!(unix_from_gpst_s(midnight_s + 18.0), midnight_s);
     assert_eq!(gpst_from_unix_s(midnight_s - 1.0), midnight_s + 16.0);
     assert_eq!(gpst_from_unix_s(midnight_s), midnight_s + 18.0);
-    // The number since 2006, and none when GPS began.
+    // The number of leap seconds in 2006, and none when GPS began.
     assert_eq!(gpst_from_unix_s(1_136_073_600.0) - 1_136_073_600.0, 14.0);
     assert_eq!(clock_s("0", "0").map(unix_from_gpst_s), Some(315_964_800.0));
 }
@@ -178,7 +178,7 @@ fn other_files_do_not_look_like_it() {
 proptest! {
     #[test]
     fn what_is_written_is_read(
-        // From before GPS began to 2099.
+        // From before the start of GPS to 2099.
         stamps_ms in proptest::collection::btree_set(-1_000_000_000..4_100_000_000_000_i64, 1..20),
         latitude_rad in -1.57..1.57f64,
         longitude_rad in -3.1..3.1f64,

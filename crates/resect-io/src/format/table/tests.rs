@@ -69,7 +69,7 @@ fn reading_stops_when_it_is_cancelled_and_counts_every_byte() {
     assert_eq!(progress.done(), text.len() as u64);
 }
 
-/// Numbers as they may be written, and near misses.
+/// Numbers in various formats, and near misses.
 fn number() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<f64>().prop_map(|value| value.to_string()),
@@ -81,7 +81,7 @@ fn number() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// The quick way and the careful one are the same reader.
+    /// The fast path and the general one agree with the standard library.
     #[test]
     fn numbers_are_those_of_the_standard_library(a in number(), b in number()) {
         let text = format!("a,b\n{a},{b}\n");
@@ -96,7 +96,7 @@ proptest! {
         let bits = |row: &[f64; 2]| row.map(f64::to_bits);
         match (rows(&text), parsed) {
             (Ok(rows), Some((a, b))) => {
-                // Every NaN is as good as another.
+                // All NaN are equal here.
                 let same = rows[0].1.iter().zip([b, a]).all(|(x, y)| x.is_nan() && y.is_nan() || x.to_bits() == y.to_bits());
                 prop_assert!(same, "{text}: {:?}", bits(&rows[0].1));
             }

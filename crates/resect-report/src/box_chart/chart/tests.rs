@@ -6,7 +6,7 @@ use resect_core::experiment::{Level, Quantiles};
 const SIZES: [[f32; 2]; 5] =
     [[420.0, 260.0], [480.0, 300.0], [1000.0, 600.0], [1600.0, 1000.0], [420.0, 900.0]];
 
-/// What varies between the charts that are laid out below.
+/// Parameters of the test charts.
 #[derive(Clone, Copy, Debug)]
 struct Shape {
     groups: usize,
@@ -92,7 +92,7 @@ fn chart(shape: Shape) -> Study {
     }
 }
 
-/// Two opposite corners of a mark.
+/// Returns two opposite corners of a mark.
 fn extent(mark: &Mark) -> [[f32; 2]; 2] {
     match mark {
         Mark::Line { points, .. } => {
@@ -180,7 +180,7 @@ fn median_and_range_are_written_and_the_axis_tells_its_scale() {
 fn a_chart_without_boxes_says_so() {
     let shape =
         Shape { groups: 0, series: 2, label: "", values: |_| quantiles(1.0, 0.1), level: 2.0 };
-    assert!(texts(&draw(&chart(shape), [480.0, 300.0])).contains(&"nothing to show"));
+    assert!(texts(&draw(&chart(shape), [480.0, 300.0])).contains(&"no data"));
 }
 
 #[test]

@@ -1,16 +1,16 @@
 //! The clock check of method D: one Gauss–Newton step from the answer.
 //!
-//! Distances, jumps and the prism constant have priors. Residuals are correlated in time, so each prior is multiplied by
-//! λ = tr(H⁻¹B)/8, the ratio of the sandwich's middle to the Hessian of the transforms: with independent residuals of
-//! unit variance it is 1. H = Σ ψ'(r) J Jᵀ, B the sum over blocks of time of the outer products of their gradients (Huber
-//! 1981, "Robust Statistics", section 6.3).
+//! Distances, jumps and the prism constant have priors. Residuals are correlated in time, so each prior is multiplied by λ =
+//! tr(H⁻¹B)/8. This is the ratio of the sandwich's middle to the Hessian of the transforms: 1 for independent residuals of unit
+//! variance. H is Σ ψ'(r) J Jᵀ, and B is the sum over blocks of time of the outer products of their gradients (Huber 1981, "Robust
+//! Statistics", section 6.3).
 
 use super::covariance::covariance;
 use super::model::{
     CLOCKS, CONSTANT, DISTANCES, JUMPS, Linearised, State, TILTS, UNKNOWNS, transforms,
 };
-use super::noise::{Noise, huber_bend};
-use super::sums::{Sums, prior_weight, step};
+use super::noise::{SeparationCovariances, huber_bend};
+use super::sums::{ClockCheckSums, prior_weight, step};
 use crate::calibration::clocks_in_words::SUSPICIOUS_OFFSET_S;
 use crate::calibration::instrument::PRISM_CONSTANT_SIGMA_M;
 use crate::calibration::{Estimate, MovingTriplets, time_blocks};
@@ -19,21 +19,21 @@ use crate::pipeline::Triplets;
 
 /// Triplets that the check uses, spread evenly.
 const CHECKED_TRIPLETS: usize = 400;
-/// Clock jumps are of milliseconds (s, 1 σ).
+/// σ of the prior of a clock jump (s).
 const JUMP_SIGMA_S: f64 = 0.01;
 /// The smallest σ of a distance (m): a prior of zero width has no precision.
 const LEAST_DISTANCE_SIGMA_M: f64 = 1e-6;
 
-/// Clocks of stations 2 and 3 that method D does not estimate.
+/// Clock offsets of stations 2 and 3, which method D does not estimate.
 pub struct SuspectedClocks {
     pub offsets_s: [Estimate; 2],
-    /// Difference between the second half of the drive and the first (s).
+    /// Offset in the second half of the drive minus that in the first (s).
     pub jumps_s: [Estimate; 2],
 }
 
 /// Estimates the clocks of stations 2 and 3 by one least-squares step from the answer `plain`, on some of the triplets.
 ///
-/// `None` where the data does not determine them, and where every offset and jump is too small to matter.
+/// `None` if the data does not determine them, or if all offsets and jumps are negligible.
 pub fn suspected_clocks(
     triplets: &Triplets,
     plain: &[LevelTransform; 3],
@@ -47,14 +47,14 @@ pub fn suspected_clocks(
     let precision = precisions(distance_sigma_m);
     // Tilts are constrained: their σ only widens the covariance.
     let places: Vec<usize> = (0..TILTS).chain(JUMPS..UNKNOWNS).collect();
-    let noise =
-        Noise::new(some, &plain.map(RigidTransform::from)).no_larger_than_residuals(&data, &state);
+    let noise = SeparationCovariances::new(some, &plain.map(RigidTransform::from))
+        .no_larger_than_residuals(&data, &state);
     let blocks = time_blocks::of(&some.time_s, &some.interval);
     let placed = transforms(&state);
     let mut each: Vec<Linearised> = (0..some.len())
         .map(|i| Linearised::at(&data, i, &state, &placed, &noise.covariance_m2[i]))
         .collect();
-    let sums = |each: &[Linearised]| Sums::over(&blocks, each, huber_bend(each));
+    let sums = |each: &[Linearised]| ClockCheckSums::over(&blocks, each, huber_bend(each));
     let first = sums(&each);
     let lambda = prior_weight(&first)?;
     let step = -step(&first.normal, &precision, lambda, &first.gradient, &places)?;
@@ -63,7 +63,7 @@ pub fn suspected_clocks(
     if clocks.iter().all(|place| state[*place].abs() <= SUSPICIOUS_OFFSET_S) {
         return None;
     }
-    // The residuals after the step, without the part that the clocks explain.
+    // Residuals after the step, without the effect of the clocks.
     each.iter_mut().for_each(|triplet| triplet.step(&step));
     let covariance = covariance(&sums(&each), &precision, lambda, &places)?;
     let estimate = |place: usize| Estimate {

@@ -3,19 +3,24 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::model::{JUMPS, Matrix, State, TILTS, reduced, reduced_vector};
-use super::sums::Sums;
+use super::sums::ClockCheckSums;
 use crate::calibration::instrument::TILT_SIGMA_RAD;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::{Block, Prior};
 
-/// Relative standard deviation of the noise model; the bias that the noise causes is as uncertain.
+/// Relative standard deviation of the noise model, and of the bias that the noise causes.
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 
 /// Returns the covariance of the estimated unknowns: the sandwich with their priors.
 ///
-/// Tilts are not estimated. An error of theirs acts on every triplet alike and no residual shows it, so their σ is
+/// Tilts are not estimated. An error of a tilt affects every triplet alike and no residual shows it, so σ of the tilts is
 /// propagated.
-pub fn covariance(sums: &Sums, precision: &State, lambda: f64, places: &[usize]) -> Option<Matrix> {
+pub fn covariance(
+    sums: &ClockCheckSums,
+    precision: &State,
+    lambda: f64,
+    places: &[usize],
+) -> Option<Matrix> {
     let each: Vec<Block> = sums
         .blocks
         .iter()

@@ -6,7 +6,7 @@ use crate::calibration::{Clock, MovingTriplets};
 use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 
-/// The state vector: (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their
+/// Size of the state vector: (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their
 /// own x and y; the jumps of their clocks; the error of the prism constant, which lengthens all ranges.
 pub const UNKNOWNS: usize = 20;
 pub const CLOCKS: usize = 8;
@@ -18,7 +18,7 @@ pub const CONSTANT: usize = 19;
 pub type State = SVector<f64, UNKNOWNS>;
 pub type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// The rows and columns of some of the unknowns, in increasing order, of a symmetric matrix. Its lower triangle is read.
+/// Returns the rows and columns of some of the unknowns, in increasing order, of a symmetric matrix with a valid lower triangle.
 pub fn reduced(matrix: &Matrix, places: &[usize]) -> DMatrix<f64> {
     let mut small = DMatrix::zeros(places.len(), places.len());
     for (j, column) in places.iter().enumerate() {
@@ -34,12 +34,12 @@ pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
     DVector::from_fn(places.len(), |i, _| vector[places[i]])
 }
 
-/// The clock of station 2 (slot 0) or 3.
+/// Returns the clock of station 2 (slot 0) or 3.
 pub fn clock(state: &State, slot: usize) -> Clock {
     Clock { offset_s: state[CLOCKS + slot], drift: state[JUMPS + slot] }
 }
 
-/// Frames of stations 1, 2, 3 into station 1's: the yaw turns what the tilt has put upright.
+/// Returns the transforms from the frames of stations 1, 2, 3 to station 1's, with the tilt applied before the yaw.
 pub fn transforms(state: &State) -> [RigidTransform; 3] {
     let one = |slot: usize| {
         let at = 4 * slot;
@@ -57,23 +57,23 @@ pub fn transforms(state: &State) -> [RigidTransform; 3] {
 /// Apparent minus estimated distance of each pair at one instant (m).
 pub struct Residuals {
     pub residual_m: [f64; 3],
-    /// Unit vectors from the second prism of each pair to the first (station 1's frame), and how far they are apart.
+    /// Unit vectors from the second prism of each pair to the first (station 1's frame), and their distance (m).
     direction: [Vector3<f64>; 3],
     length_m: [f64; 3],
 }
 
-/// The distances of one triplet about a state, to first order.
+/// Distance residuals of one triplet, linearised about a state.
 pub struct Linearised {
     /// Apparent minus estimated distance of each pair (m).
     pub residual_m: [f64; 3],
-    /// How it moves with the unknowns.
+    /// Jacobian of the residual of each pair with respect to the state.
     pub derivative: [State; 3],
-    /// What noise alone makes of derivative × residual, on average.
+    /// Expectation of derivative × residual from noise alone.
     pub noise_pull: [State; 3],
 }
 
 impl Linearised {
-    /// A triplet at a state, with the covariance of the noise of its separations (m², station 1's frame).
+    /// Linearises a triplet at a state, with the covariance of the noise of its separations (m², station 1's frame).
     pub fn at(
         data: &MovingTriplets<'_>,
         index: usize,
@@ -95,7 +95,7 @@ impl Linearised {
         linearised
     }
 
-    /// The same triplet once the state has moved by a small step.
+    /// Updates the residuals for a small step of the state.
     pub fn step(&mut self, step: &State) {
         for (residual_m, derivative) in self.residual_m.iter_mut().zip(&self.derivative) {
             *residual_m += derivative.dot(step);
@@ -103,22 +103,22 @@ impl Linearised {
     }
 }
 
-/// The distances, and what moves the placed points.
+/// Distance residuals, and the Jacobians of the transformed points.
 struct Distances {
     residuals: Residuals,
-    /// How each station's placed point moves with the unknowns of [`places`].
+    /// Jacobian of each station's transformed point with respect to the unknowns of [`places`].
     moves: [[Vector3<f64>; 8]; 3],
-    /// Where each station looks (station 1's frame).
+    /// Line of sight of each station (station 1's frame).
     sights: [Vector3<f64>; 3],
 }
 
-/// The unknowns that move the points of station 2 (slot 0) or 3.
+/// Returns the indices of the unknowns that move the points of station 2 (slot 0) or 3.
 fn places(slot: usize) -> [usize; 8] {
     let (at, tilt) = (4 * slot, TILTS + 2 * slot);
     [at, at + 1, at + 2, at + 3, CLOCKS + slot, JUMPS + slot, tilt, tilt + 1]
 }
 
-/// Where each station sees its prism in its own frame, and the direction it looks in.
+/// Returns the position of each station's prism (m), and its line of sight, both in the station's own frame.
 fn seen(
     data: &MovingTriplets<'_>,
     index: usize,
@@ -184,7 +184,7 @@ fn distances(
 }
 
 impl Residuals {
-    /// Errors of the distances of prisms that are placed there (m, station 1's frame).
+    /// Returns the distance residuals of prisms at given positions (m, station 1's frame).
     fn between(placed: &[Vector3<f64>; 3], state: &State) -> Self {
         let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
         let length_m = between.map(|between| between.norm().max(1e-9));
@@ -195,14 +195,14 @@ impl Residuals {
         }
     }
 
-    /// Variance of a pair's distance out of the covariance of its separation (m²).
+    /// Returns the variance of a pair's distance from the covariance of its separation (m²).
     pub fn variance_along_m2(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> f64 {
         self.direction[pair].dot(&(covariance_m2 * self.direction[pair]))
     }
 }
 
 impl Distances {
-    /// How far a pair's separation moves along a vector with each unknown that moves points.
+    /// Sets the derivatives of a pair's separation along a vector with respect to each unknown that moves points.
     fn set_moved_along(&self, pair: usize, vector: &Vector3<f64>, moved: &mut State) {
         let (a, b) = PAIRS[pair];
         moved[CONSTANT] = vector.dot(&(self.sights[b] - self.sights[a]));
@@ -218,10 +218,11 @@ impl Distances {
         derivative[DISTANCES + pair] = -1.0;
     }
 
-    /// What noise alone makes of derivative × residual, on average: with noise n of covariance Σ on a
-    /// separation of length d along u, the residual is u·n + nᵀ(I − uuᵀ)n/2d and u itself turns by (I − uuᵀ)n/d, so that
-    /// E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. Where the data holds a direction weakly, as height against distance on
-    /// level ground, a sum that is off by this moves the answer by centimetres.
+    /// Sets the expectation of derivative × residual from noise alone.
+    ///
+    /// Let the noise n of a separation of length d along u have covariance Σ. The residual is u·n + nᵀ(I − uuᵀ)n/2d, and u itself
+    /// rotates by (I − uuᵀ)n/d, so that E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. In weakly observable directions, such as
+    /// height and distance on level ground, this bias of a sum moves the answer by centimetres.
     fn set_noise_pull(&self, pair: usize, covariance_m2: &Matrix3<f64>, pull: &mut State) {
         let (unit, length_m) = (&self.residuals.direction[pair], self.residuals.length_m[pair]);
         let pulled = covariance_m2 * unit;
@@ -233,7 +234,7 @@ impl Distances {
     }
 }
 
-/// Nominal noise of a total station: range (m, and parts of the range), and both angles (rad).
+/// Nominal noise of a total station: range (m, and share of the range), and both angles (rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolarNoise {
     pub range_m: f64,
@@ -242,7 +243,7 @@ pub struct PolarNoise {
 }
 
 impl PolarNoise {
-    /// Covariance (m²) of a point that the station sees there, in the station's frame.
+    /// Returns the covariance of a measured point (m², the station's frame).
     pub fn covariance_m2(&self, point_m: &Vector3<f64>) -> Matrix3<f64> {
         let range_m = point_m.norm().max(1e-9);
         let sight = point_m / range_m;

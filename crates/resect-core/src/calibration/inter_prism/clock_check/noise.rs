@@ -15,23 +15,23 @@ const INSTRUMENT: PolarNoise =
     PolarNoise { range_m: 0.002, range_share: 2e-6, angle_rad: ARCSECOND_RAD };
 /// Interpolation error of straight lines between readings on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
-/// Weight of a distance residual (1/m²). Its size does not matter: λ and the loss scale with the residuals.
+/// Weight of a distance residual (1/m²). The value does not matter: λ and the loss scale with the residuals.
 pub const WEIGHT_PER_M2: f64 = 1.0 / (CHORD_SIGMA_M * CHORD_SIGMA_M);
-/// Mean share of two readings' noise in a point between them: ∫(1−s)² + s² ds.
+/// Mean share of two readings' noise variance in a point between them: ∫(1−s)² + s² ds.
 const CHORD_NOISE: f64 = 2.0 / 3.0;
-/// Residuals of a simulation without noise are this at least, in units of the stated noise.
+/// Smallest σ of the residuals, in units of the stated noise; a simulation without noise reaches zero.
 const LEAST_SIGMA: f64 = 1e-12;
 
 /// Covariances of the separations of each triplet's pairs, in station 1's frame (m²).
-pub struct Noise {
+pub struct SeparationCovariances {
     pub covariance_m2: Vec<[Matrix3<f64>; 3]>,
 }
 
-impl Noise {
-    /// Scales the noise down to the residuals where the stated noise is larger than they are.
+impl SeparationCovariances {
+    /// Scales the noise down if the stated noise is larger than the residuals.
     ///
-    /// Stated noise may be too large for a good day, and for a Gaussian process. Residuals contain more than noise, so it
-    /// is never scaled up.
+    /// Stated noise may be too large for a good day, and for a Gaussian process. Residuals contain more than noise, so it is never
+    /// scaled up.
     pub fn no_larger_than_residuals(mut self, data: &MovingTriplets<'_>, state: &State) -> Self {
         let placed = transforms(state);
         let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
@@ -47,7 +47,7 @@ impl Noise {
         self
     }
 
-    /// Noise of the instruments and the interpolation.
+    /// Computes the noise of the instruments and of the interpolation.
     pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
         let point = |station: usize, index: usize| {
             let to_station1 = &station1_from_station[station];
@@ -74,7 +74,7 @@ impl Noise {
     }
 }
 
-/// Bend of Huber's loss in units of the stated noise, from the σ of the residuals; infinite without any.
+/// Returns the bend of Huber's loss in units of the stated noise, from the σ of the residuals; infinite without residuals.
 pub fn huber_bend(each: &[Linearised]) -> f64 {
     let weight = WEIGHT_PER_M2.sqrt();
     let errors = each.iter().flat_map(|triplet| triplet.residual_m.map(|m| m * weight));

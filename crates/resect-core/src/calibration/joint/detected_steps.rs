@@ -1,0 +1,101 @@
+//! Steps of stations and clocks: their detection between Gauss–Newton steps, and their size in the final solution.
+
+use super::chain::ChainEquations;
+use super::chain_factor::ChainFactor;
+use super::drive::Drive;
+use super::priors::Priors;
+use super::random_walks::{SlowPrecisions, SlowPriors};
+use super::state_vector::{Slow, StateVector};
+use super::step_search::{StationStep, StepSearch, StepSize};
+use crate::calibration::ErrorSizes;
+use crate::progress::{Cancelled, Progress};
+
+/// Largest number of steps that are detected.
+const MOST_STEPS: usize = 4;
+/// A step of more prior standard deviations, or a larger jump of a clock (s), is unusual.
+const UNUSUAL_SIGMAS: f64 = 4.0;
+const UNUSUAL_JUMP_S: f64 = 0.002;
+
+/// Returns true for a step of the size that instruments in the field are expected to make.
+pub fn is_usual(step: &StationStep, sizes: &ErrorSizes) -> bool {
+    match &step.size {
+        StepSize::Clock(by_s) => by_s.value.abs() < UNUSUAL_JUMP_S,
+        StepSize::Station { turned_rad, .. } => {
+            let moved_m = step.moved_m().map_or(0.0, |moved| moved.value);
+            turned_rad.value.abs() < UNUSUAL_SIGMAS * sizes.settling_rad
+                && moved_m < UNUSUAL_SIGMAS * sizes.settling_m
+        }
+    }
+}
+
+/// Adds significant steps, the most significant first, and raises the variance of their increments in the priors.
+pub fn add_steps(
+    steps: &mut Vec<StationStep>,
+    normal: &ChainEquations,
+    priors: &mut Priors,
+    state: &StateVector,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    while steps.len() < MOST_STEPS {
+        progress.check()?;
+        let Some(step) = most_significant_step(normal, priors, state) else { break };
+        match step.size {
+            StepSize::Station { .. } => priors.slow.station_steps.push(step.block),
+            StepSize::Clock(_) => priors.slow.clock_steps.push(step.block),
+        }
+        steps.push(step);
+    }
+    progress.check()
+}
+
+fn most_significant_step(
+    normal: &ChainEquations,
+    priors: &Priors,
+    state: &StateVector,
+) -> Option<StationStep> {
+    let drive = normal.drive();
+    let precisions = SlowPrecisions::new(&priors.slow, &drive.block_times_s)?;
+    let right = normal.gradient_with_priors(priors, &precisions, state);
+    let (factor, step) = ChainFactor::new(&normal.matrix, &priors.precision, &precisions, right)?;
+    let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
+    let slow: Vec<Slow> = solved.collect();
+    step_search(&factor, &precisions, &slow, priors, drive, state).most_significant_step()
+}
+
+/// Returns the steps with their size in the final solution; without a step, a significant drift of one station over the whole drive.
+pub fn measured_steps(
+    steps: &[StationStep],
+    factor: &ChainFactor,
+    priors: &Priors,
+    drive: &Drive,
+    state: &StateVector,
+) -> Vec<StationStep> {
+    let (station_steps, clock_steps) = (Vec::new(), Vec::new());
+    let without_steps = SlowPriors { station_steps, clock_steps, ..priors.slow.clone() };
+    let Some(precisions) = SlowPrecisions::new(&without_steps, &drive.block_times_s) else {
+        return steps.to_vec();
+    };
+    let search = step_search(factor, &precisions, &state.slow, priors, drive, state);
+    if steps.is_empty() {
+        return search.most_significant_drift().into_iter().collect();
+    }
+    steps.iter().map(|step| search.measure(step).unwrap_or_else(|| step.clone())).collect()
+}
+
+fn step_search<'a>(
+    factor: &'a ChainFactor,
+    precisions: &'a SlowPrecisions,
+    slow: &'a [Slow],
+    priors: &'a Priors,
+    drive: &'a Drive,
+    state: &StateVector,
+) -> StepSearch<'a> {
+    StepSearch {
+        factor,
+        precisions,
+        slow,
+        block_times_s: &drive.block_times_s,
+        known_blocks: [&priors.slow.station_steps, &priors.slow.clock_steps],
+        positions_m: [0, 1].map(|slot| state.constants.fixed_rows::<3>(4 * slot).into()),
+    }
+}

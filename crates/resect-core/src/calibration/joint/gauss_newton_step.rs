@@ -1,0 +1,278 @@
+//! One Gauss–Newton step: linearisation of all segments, elimination of the motion, solution of the chain, back substitution.
+
+use std::mem::take;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::block_jacobians::BlockJacobians;
+use super::chain::{ChainEquations, ChainMatrix, ChainVectors};
+use super::chain_factor::ChainFactor;
+use super::drive::Drive;
+use super::equations::{ResidualSquares, SegmentEquations, SegmentWeighting};
+use super::gradients::gradients;
+use super::linearisation::{Linearisation, Weighting, eliminate_motion};
+use super::motion_band::{BlockEquations, MotionBand, Rows};
+use super::priors::Priors;
+use super::random_walks::SlowPrecisions;
+use super::residuals::NoiseLevels;
+use super::state_vector::{BlockVector, Slow, StateVector};
+use crate::progress::{Cancelled, Progress};
+
+/// Memory for the rows of each segment, reused by the next step: allocating it takes as long as filling it.
+pub type RowBuffers<const LOCAL: usize, const ROW: usize> = Vec<Rows<LOCAL, ROW>>;
+
+/// The normal equations at a state, and their solution.
+pub struct GaussNewtonStep<const LOCAL: usize, const ROW: usize> {
+    pub segments: Vec<SegmentEquations<LOCAL, ROW>>,
+    /// Noise levels of the linearisation, with which rows that are not stored are recomputed.
+    levels: NoiseLevels,
+    pub normal: ChainEquations,
+    pub slow_precisions: SlowPrecisions,
+    pub factor: ChainFactor,
+    /// The step of constants and slow states, to be subtracted.
+    pub step: ChainVectors<1>,
+    /// Squared length of the step in units of the data's information (σ²), by which convergence is judged.
+    pub squared_length: f64,
+}
+
+impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+    /// Linearises at a state and solves; `None` if a normal matrix is not positive definite.
+    pub fn new(
+        drive: &Arc<Drive>,
+        state: &StateVector,
+        weighting: &Weighting,
+        priors: &Priors,
+        buffers: &mut RowBuffers<LOCAL, ROW>,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let jacobians = BlockJacobians::new(drive, &state.constants);
+        let linearisation = Linearisation::new(state, &jacobians);
+        let stored = drive.stored_segments();
+        buffers.resize_with(drive.segments.len(), Rows::default);
+        let eliminate = |shared: &mut Rows<LOCAL, ROW>, (index, own): (usize, &mut Rows<_, _>)| {
+            progress.check()?;
+            let rows = if index < stored { own } else { shared };
+            let (segment, point) = linearisation.segment::<LOCAL>(index);
+            let mut eliminated =
+                eliminate_motion(segment, &point, &weighting.of_segment(index), take(rows));
+            if let Some(eliminated) = eliminated.as_mut().filter(|_| index >= stored) {
+                *rows = eliminated.band.take_rows();
+            }
+            Ok(eliminated)
+        };
+        let segments = buffers.par_iter_mut().enumerate().map_init(Rows::default, eliminate);
+        let segments: Vec<_> = segments.collect::<Result<_, Cancelled>>()?;
+        let Some(mut segments) = segments.into_iter().collect::<Option<Vec<_>>>() else {
+            return Ok(None);
+        };
+        let mut blocks: Vec<BlockEquations> = Vec::with_capacity(drive.block_times_s.len());
+        segments.iter_mut().for_each(|segment| blocks.extend(take(&mut segment.band.blocks)));
+        let matrix = ChainMatrix::new(blocks, jacobians);
+        let gradient = matrix.gradient(matrix.block_gradients());
+        let normal = ChainEquations { matrix: Arc::new(matrix), gradient };
+        progress.check()?;
+        let solution = solve_chain(&normal, state, priors);
+        Ok(solution.map(|ChainSolution { slow_precisions, factor, step, squared_length }| Self {
+            segments,
+            levels: weighting.levels,
+            normal,
+            slow_precisions,
+            factor,
+            step,
+            squared_length,
+        }))
+    }
+
+    /// Sums of squared residuals over all segments.
+    pub fn squares(&self) -> ResidualSquares {
+        let mut squares = ResidualSquares::default();
+        self.segments.iter().for_each(|segment| squares.add(&segment.squares));
+        squares
+    }
+
+    /// Robust weights by segment.
+    pub fn weights(&self) -> Vec<Vec<f64>> {
+        self.segments.iter().map(|segment| segment.weights.clone()).collect()
+    }
+
+    /// Returns the memory of the rows.
+    pub fn into_buffers(self) -> RowBuffers<LOCAL, ROW> {
+        self.segments.into_iter().map(|segment| segment.band.into_rows()).collect()
+    }
+
+    /// Solves the same equations with other priors; `false` if the normal matrix is not positive definite.
+    pub fn solve_again(&mut self, state: &StateVector, priors: &Priors) -> bool {
+        let solution = solve_chain(&self.normal, state, priors);
+        let is_definite = solution.is_some();
+        if let Some(ChainSolution { slow_precisions, factor, step, squared_length }) = solution {
+            (self.slow_precisions, self.factor) = (slow_precisions, factor);
+            (self.step, self.squared_length) = (step, squared_length);
+        }
+        is_definite
+    }
+
+    /// The weighting with which a segment was eliminated; nothing else depends on the redundancy then.
+    fn weighting_of<'a>(&self, segment: &'a SegmentEquations<LOCAL, ROW>) -> SegmentWeighting<'a> {
+        SegmentWeighting { levels: self.levels, redundancy: 1.0, fixed: Some(&segment.weights) }
+    }
+
+    /// Computes the step from a state nearby, by the gradient there and the same normal matrix.
+    pub fn update_gradient(
+        &mut self,
+        state: &StateVector,
+        priors: &Priors,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
+        let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
+        let levels = &self.levels;
+        let segments = self.segments.par_iter_mut().enumerate();
+        let block_gradients = segments.map(|(index, eliminated)| {
+            progress.check()?;
+            let (segment, point) = linearisation.segment::<LOCAL>(index);
+            let sums = gradients::<LOCAL>(segment, &point, levels, &eliminated.weights);
+            Ok(eliminated.band.replace_gradient(sums.knots, sums.blocks))
+        });
+        let block_gradients: Vec<Vec<BlockVector>> =
+            block_gradients.collect::<Result<_, Cancelled>>()?;
+        self.normal.gradient = self.normal.matrix.gradient(block_gradients.into_iter().flatten());
+        let right = self.normal.gradient_with_priors(priors, &self.slow_precisions, state);
+        self.step = self.factor.solve(right.clone());
+        self.squared_length = squared_length(&self.factor, &self.step, &right, priors);
+        Ok(())
+    }
+
+    /// Largest step of a constant (σ).
+    pub fn largest_step_sigmas(&self) -> f64 {
+        let variance = self.factor.constants_covariance().diagonal();
+        self.step
+            .constants
+            .zip_map(&variance, |step, variance| step.powi(2) / variance)
+            .max()
+            .sqrt()
+    }
+
+    /// Maps the eliminated motion of each segment, recomputing rows that are not stored; `None` where that fails.
+    pub fn map_segments<T: Send>(
+        &self,
+        state: &StateVector,
+        map: impl Fn(usize, &MotionBand<LOCAL, ROW>) -> T + Sync,
+    ) -> Vec<Option<T>> {
+        let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
+        let map_one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+            let eliminated = &self.segments[index];
+            if eliminated.band.has_rows() {
+                return Some(map(index, &eliminated.band));
+            }
+            let (segment, point) = linearisation.segment::<LOCAL>(index);
+            let weighting = self.weighting_of(eliminated);
+            let again = eliminate_motion(segment, &point, &weighting, take(rows))?;
+            let mapped = map(index, &again.band);
+            *rows = again.band.into_rows();
+            Some(mapped)
+        };
+        (0..self.segments.len()).into_par_iter().map_init(Rows::default, map_one).collect()
+    }
+
+    /// Subtracts the step from a state, with back substitution of the motion. Recomputes rows that are not stored.
+    pub fn apply(&self, state: &mut StateVector) {
+        let step = &self.step;
+        let block_step = |block: usize| -> BlockVector {
+            let (by_constants, by_slow) = self.normal.matrix.jacobians.of_block(block);
+            by_constants * step.constants + by_slow * step.slow[block]
+        };
+        let mut all_m = take(&mut state.coefficients_m);
+        let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
+        let apply = |rows: &mut Rows<LOCAL, ROW>, (index, own_m): (usize, &mut Vec<f64>)| {
+            let eliminated = &self.segments[index];
+            let block_steps: Vec<BlockVector> =
+                linearisation.blocks(index).map(block_step).collect();
+            let motion_step = if eliminated.band.has_rows() {
+                eliminated.band.motion_step(&block_steps)
+            } else {
+                let (segment, point) = linearisation.segment_with::<LOCAL>(index, own_m);
+                let weighting = self.weighting_of(eliminated);
+                let again = eliminate_motion(segment, &point, &weighting, take(rows));
+                // The same matrix was positive definite before.
+                let Some(again) = again else { return };
+                let motion_step = again.band.motion_step(&block_steps);
+                *rows = again.band.into_rows();
+                motion_step
+            };
+            own_m.iter_mut().zip(&motion_step).for_each(|(value, step)| *value -= step);
+        };
+        all_m.par_iter_mut().enumerate().for_each_init(Rows::default, apply);
+        state.coefficients_m = all_m;
+        state.constants -= step.constants;
+        state.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
+    }
+}
+
+struct ChainSolution {
+    slow_precisions: SlowPrecisions,
+    factor: ChainFactor,
+    step: ChainVectors<1>,
+    squared_length: f64,
+}
+
+/// Solves the normal equations with the priors; `None` if the matrix is not positive definite.
+fn solve_chain(
+    normal: &ChainEquations,
+    state: &StateVector,
+    priors: &Priors,
+) -> Option<ChainSolution> {
+    let slow_precisions = SlowPrecisions::new(&priors.slow, &normal.drive().block_times_s)?;
+    let right = normal.gradient_with_priors(priors, &slow_precisions, state);
+    let solve = |precisions: &SlowPrecisions| {
+        ChainFactor::new(&normal.matrix, &priors.precision, precisions, right.clone())
+    };
+    // Far from the solution the slow states may be unobservable, and are constrained.
+    let (factor, step) = solve(&slow_precisions).or_else(|| solve(&slow_precisions.stiffer()))?;
+    let squared_length = squared_length(&factor, &step, &right, priors);
+    Some(ChainSolution { slow_precisions, factor, step, squared_length })
+}
+
+/// Returns `xᵀHx` of a step x by the data's normal matrix H, from the right-hand side `(H + P)x` less the priors' `Px`.
+fn squared_length(
+    factor: &ChainFactor,
+    step: &ChainVectors<1>,
+    right: &ChainVectors<1>,
+    priors: &Priors,
+) -> f64 {
+    let by_data = right.constants - priors.precision.component_mul(&step.constants);
+    let of_block = |(block, slow): (usize, &Slow)| {
+        slow.dot(&(right.slow[block] - factor.priors.multiply(&step.slow, block)))
+    };
+    step.constants.dot(&by_data) + step.slow.iter().enumerate().map(of_block).sum::<f64>()
+}
+
+/// Takes one step of the motion alone, and returns the squared residuals before it; `None` if a normal matrix is not positive definite.
+pub fn step_motion<const LOCAL: usize, const ROW: usize>(
+    drive: &Arc<Drive>,
+    state: &mut StateVector,
+    weighting: &Weighting,
+    progress: &Progress,
+) -> Result<Option<ResidualSquares>, Cancelled> {
+    let jacobians = BlockJacobians::new(drive, &state.constants);
+    let linearisation = Linearisation::new(state, &jacobians);
+    let step = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+        progress.check()?;
+        let (segment, point) = linearisation.segment::<LOCAL>(index);
+        let weighting = weighting.of_segment(index);
+        let Some(eliminated) = eliminate_motion(segment, &point, &weighting, take(rows)) else {
+            return Ok(None);
+        };
+        let step = eliminated.band.motion_step(&[]);
+        *rows = eliminated.band.into_rows();
+        Ok(Some((step, eliminated.squares)))
+    };
+    let indices = (0..drive.segments.len()).into_par_iter();
+    let steps: Vec<_> = indices.map_init(Rows::default, step).collect::<Result<_, Cancelled>>()?;
+    let Some(steps) = steps.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let mut squares = ResidualSquares::default();
+    for (coefficients_m, (step, own)) in state.coefficients_m.iter_mut().zip(&steps) {
+        coefficients_m.iter_mut().zip(step).for_each(|(value, step)| *value -= step);
+        squares.add(own);
+    }
+    Ok(Some(squares))
+}

@@ -1,0 +1,107 @@
+//! Linearisation and elimination of single segments at a state.
+
+use std::ops::Range;
+
+use super::block_jacobians::BlockJacobians;
+use super::drive::{Drive, Segment};
+use super::equations::{SegmentEquations, SegmentWeighting, equations};
+use super::motion_band::Rows;
+use super::residuals::{LinearisationPoint, NoiseLevels};
+use super::state_vector::{BlockVector, DISTANCES, StateVector};
+use super::station_model::StationModel;
+
+/// Noise levels and robust weights of all equations.
+#[derive(Clone, Debug)]
+pub struct Weighting {
+    pub levels: NoiseLevels,
+    /// Mean redundancy number of a reading.
+    pub redundancy: f64,
+    /// Fixed robust weights by segment; `None` while they are re-estimated.
+    pub fixed: Option<Vec<Vec<f64>>>,
+}
+
+impl Weighting {
+    /// The weighting of one segment of the drive.
+    pub fn of_segment(&self, index: usize) -> SegmentWeighting<'_> {
+        self.with_fixed(self.fixed.as_ref().map(|fixed| &fixed[index][..]))
+    }
+
+    /// The weighting of any segment, with these robust weights.
+    pub fn with_fixed<'a>(&self, fixed: Option<&'a [f64]>) -> SegmentWeighting<'a> {
+        SegmentWeighting { levels: self.levels, redundancy: self.redundancy, fixed }
+    }
+}
+
+/// Linearises a segment and eliminates its motion; `None` if its normal matrix is not positive definite. Reuses the memory of `rows`.
+pub fn eliminate_motion<const LOCAL: usize, const ROW: usize>(
+    segment: &Segment,
+    point: &LinearisationPoint<'_>,
+    weighting: &SegmentWeighting<'_>,
+    rows: Rows<LOCAL, ROW>,
+) -> Option<SegmentEquations<LOCAL, ROW>> {
+    let mut eliminated = equations(segment, point, weighting, rows);
+    let is_definite = eliminated.band.eliminate();
+    eliminated.squares.absorbed = eliminated.band.absorbed;
+    is_definite.then_some(eliminated)
+}
+
+/// The state of a whole drive, from which each segment takes its linearisation point.
+pub struct Linearisation<'a> {
+    pub drive: &'a Drive,
+    pub state: &'a StateVector,
+    stations: [StationModel; 3],
+    slow: Vec<BlockVector>,
+    pub first_blocks: Vec<usize>,
+}
+
+impl<'a> Linearisation<'a> {
+    pub fn new(state: &'a StateVector, jacobians: &'a BlockJacobians) -> Self {
+        let drive = jacobians.drive();
+        let blocks = state.slow.iter().enumerate();
+        Self {
+            drive,
+            state,
+            stations: [0, 1, 2].map(|station| StationModel::new(&state.constants, station)),
+            slow: blocks.map(|(block, slow)| jacobians.of_block(block).1 * slow).collect(),
+            first_blocks: drive.first_blocks(),
+        }
+    }
+
+    /// A segment with its linearisation point.
+    pub fn segment<const LOCAL: usize>(&self, index: usize) -> (&Segment, LinearisationPoint<'_>) {
+        self.segment_with::<LOCAL>(index, &self.state.coefficients_m[index])
+    }
+
+    /// A segment with its linearisation point at other coefficients (m).
+    pub fn segment_with<'b, const LOCAL: usize>(
+        &'b self,
+        index: usize,
+        coefficients_m: &'b [f64],
+    ) -> (&'b Segment, LinearisationPoint<'b>) {
+        let segment = &self.drive.segments[index];
+        let point = self.point::<LOCAL>(segment, self.blocks(index), coefficients_m);
+        (segment, point)
+    }
+
+    /// The blocks of a segment.
+    pub fn blocks(&self, index: usize) -> Range<usize> {
+        self.first_blocks[index]..self.first_blocks[index + 1]
+    }
+
+    /// The linearisation point of any segment, whose blocks are these of the drive.
+    pub fn point<'b, const LOCAL: usize>(
+        &'b self,
+        segment: &Segment,
+        blocks: Range<usize>,
+        coefficients_m: &'b [f64],
+    ) -> LinearisationPoint<'b> {
+        let distances_m = self.state.constants.fixed_rows::<3>(DISTANCES);
+        LinearisationPoint {
+            stations: &self.stations,
+            distances_m: (LOCAL == 9).then(|| [distances_m[0], distances_m[1], distances_m[2]]),
+            middle_s: segment.middle_s,
+            slow: &self.slow[blocks],
+            coefficients_m,
+        }
+    }
+}

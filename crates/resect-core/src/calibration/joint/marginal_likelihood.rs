@@ -1,0 +1,165 @@
+//! Marginal likelihood of the data by the variances of slow states, with which those of ranges and clocks are estimated.
+//!
+//! With the gradient g and the normal matrix H of data and priors P at the states s, minus twice its logarithm is
+//! `ln|H| − ln|P| + sᵀPs − gᵀH⁻¹g` plus a constant. The chain is eliminated for several priors in parallel, some blocks at a time, and
+//! no more than one row of each factor is in memory.
+
+use rayon::prelude::*;
+
+use super::chain::{ChainEquations, ChainRow, ChainVectors};
+use super::chain_factor::ChainElimination;
+use super::priors::Priors;
+use super::random_walks::{
+    RangeWander, SlowPrecisions, SlowPriors, WANDER_SIGMAS_M, WANDER_TIMES_S,
+};
+use super::state_vector::{CONSTANTS, Constants, SLOW, Slow, StateVector};
+use crate::linear_algebra::block_tridiagonal::forward_substitute;
+use crate::progress::{Cancelled, Progress};
+
+/// Multiples of the prior variance of the clocks' random walks that are tried: up to 6 ms in a drive, as of clocks that a time server
+/// steers.
+const CLOCK_MULTIPLES: [f64; 3] = [10.0, 100.0, 1000.0];
+/// Twice the logarithm of the likelihood gains no more than this by chance.
+const LEAST_GAIN: f64 = 4.0;
+
+/// Returns the process of range errors with the largest marginal likelihood.
+pub fn likeliest_wander(
+    normal: &ChainEquations,
+    priors: &Priors,
+    state: &StateVector,
+    progress: &Progress,
+) -> Result<RangeWander, Cancelled> {
+    let likeliest = |tried: &[RangeWander], otherwise: RangeWander| {
+        let slow = |wander: &RangeWander| SlowPriors { wander: *wander, ..priors.slow.clone() };
+        let slow: Vec<SlowPriors> = tried.iter().map(slow).collect();
+        let costs = minus_two_ln_likelihoods(&slow, normal, priors, state, progress)?;
+        let costs = costs.iter().zip(tried).filter_map(|(cost, wander)| Some(((*cost)?, *wander)));
+        let least = costs.min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(least.map_or(otherwise, |(_, wander)| wander))
+    };
+    let now = priors.slow.wander;
+    let first = likeliest(&WANDER_SIGMAS_M.map(|sigma_m| RangeWander { sigma_m, ..now }), now)?;
+    // The correlation time of the smallest standard deviation is not observable.
+    if first.sigma_m == WANDER_SIGMAS_M[0] {
+        return Ok(first);
+    }
+    likeliest(&WANDER_TIMES_S.map(|correlation_s| RangeWander { correlation_s, ..first }), first)
+}
+
+/// Returns the variance of the clocks' random walks with the largest marginal likelihood (s²), or that of the prior unless the gain is
+/// significant.
+pub fn likeliest_clocks_s2(
+    normal: &ChainEquations,
+    priors: &Priors,
+    state: &StateVector,
+    progress: &Progress,
+) -> Result<f64, Cancelled> {
+    let prior_s2 = priors.slow.clocks_s2;
+    let mut tried_s2 = vec![prior_s2];
+    tried_s2.extend(CLOCK_MULTIPLES.map(|multiple| multiple * prior_s2));
+    let slow = |clocks_s2: &f64| SlowPriors { clocks_s2: *clocks_s2, ..priors.slow.clone() };
+    let slow: Vec<SlowPriors> = tried_s2.iter().map(slow).collect();
+    let costs = minus_two_ln_likelihoods(&slow, normal, priors, state, progress)?;
+    let Some(by_prior) = costs[0] else { return Ok(prior_s2) };
+    let (mut least, mut likeliest_s2) = (by_prior - LEAST_GAIN, prior_s2);
+    for (cost, tried_s2) in costs.into_iter().zip(tried_s2).skip(1) {
+        if let Some(cost) = cost.filter(|cost| *cost < least) {
+            (least, likeliest_s2) = (cost, tried_s2);
+        }
+    }
+    Ok(likeliest_s2)
+}
+
+/// Returns minus twice the logarithm of the marginal likelihood by each of some priors, less a constant; `None` where the normal
+/// matrix is not positive definite.
+fn minus_two_ln_likelihoods(
+    tried: &[SlowPriors],
+    normal: &ChainEquations,
+    priors: &Priors,
+    state: &StateVector,
+    progress: &Progress,
+) -> Result<Vec<Option<f64>>, Cancelled> {
+    let precisions: Vec<Option<SlowPrecisions>> =
+        tried.iter().map(|slow| SlowPrecisions::new(slow, &normal.drive().block_times_s)).collect();
+    let gradient = &normal.gradient;
+    let mut likelihoods: Vec<Option<MarginalLikelihood<'_>>> = precisions
+        .par_iter()
+        .map(|slow| Some(MarginalLikelihood::new(slow.as_ref()?, gradient, priors, state)))
+        .collect();
+    for chunk in normal.matrix.chunks() {
+        progress.check()?;
+        let rows = normal.matrix.rows(chunk.clone());
+        likelihoods.par_iter_mut().for_each(|slot| {
+            let Some(mut likelihood) = slot.take() else { return };
+            let mut rows = chunk.clone().zip(rows.iter());
+            let is_definite = rows.all(|(block, row)| likelihood.eliminate(row, block).is_some());
+            *slot = is_definite.then_some(likelihood);
+        });
+    }
+    Ok(likelihoods.into_iter().map(|likelihood| likelihood?.cost(normal, priors)).collect())
+}
+
+/// The marginal likelihood, as far as the chain has been eliminated.
+struct MarginalLikelihood<'a> {
+    slow_precisions: &'a SlowPrecisions,
+    data_gradient: &'a ChainVectors<1>,
+    slow: &'a [Slow],
+    elimination: ChainElimination<'a>,
+    /// Gradient of the next block and of the constants, after elimination of the blocks before.
+    own: [[f64; 1]; SLOW],
+    constants: [[f64; 1]; CONSTANTS],
+    /// `gᵀH⁻¹g`.
+    explained: f64,
+    /// `sᵀPs`.
+    prior_square: f64,
+}
+
+impl<'a> MarginalLikelihood<'a> {
+    fn new(
+        slow_precisions: &'a SlowPrecisions,
+        data_gradient: &'a ChainVectors<1>,
+        priors: &Priors,
+        state: &'a StateVector,
+    ) -> Self {
+        let constants = data_gradient.constants + priors.gradient(&state.constants);
+        let mut likelihood = Self {
+            slow_precisions,
+            data_gradient,
+            slow: &state.slow,
+            elimination: ChainElimination::new(slow_precisions),
+            own: [[0.0]; SLOW],
+            constants: constants.transpose().data.0,
+            explained: 0.0,
+            prior_square: 0.0,
+        };
+        likelihood.own = likelihood.gradient(0).unwrap_or([[0.0]; SLOW]);
+        likelihood
+    }
+
+    /// Gradient of a block's slow states; adds their prior square.
+    fn gradient(&mut self, block: usize) -> Option<[[f64; 1]; SLOW]> {
+        let slow = self.slow.get(block)?;
+        let prior_gradient = self.slow_precisions.multiply(self.slow, block);
+        self.prior_square += slow.dot(&prior_gradient);
+        Some((self.data_gradient.slow[block] + prior_gradient).transpose().data.0)
+    }
+
+    /// Eliminates the next block; `None` if it is not positive definite.
+    fn eliminate(&mut self, row: &ChainRow, block: usize) -> Option<()> {
+        let mut next = self.gradient(block + 1);
+        let rows = self.elimination.eliminate(row, block)?;
+        forward_substitute(rows, &mut self.own, next.as_mut(), &mut self.constants);
+        self.explained += self.own.iter().map(|[value]| value * value).sum::<f64>();
+        self.own = next.unwrap_or(self.own);
+        Some(())
+    }
+
+    /// Minus twice the logarithm of the likelihood, less a constant, once all blocks are eliminated.
+    fn cost(self, normal: &ChainEquations, priors: &Priors) -> Option<f64> {
+        let corner = &normal.matrix.constants;
+        let (factor, ln_determinant) = self.elimination.constants(corner, &priors.precision)?;
+        let gradient = Constants::from_column_slice(self.constants.as_flattened());
+        let explained = self.explained + gradient.dot(&factor.solve(&gradient));
+        Some(ln_determinant + self.prior_square - explained)
+    }
+}

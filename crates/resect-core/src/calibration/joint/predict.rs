@@ -1,0 +1,96 @@
+//! Prediction of the covariance before a drive: the motion is fitted to the readings, then one Gauss–Newton step at the true
+//! constants gives it.
+
+use std::sync::Arc;
+
+use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
+use super::joint_estimate::JointEstimate;
+use super::linearisation::Weighting;
+use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
+use super::noise_levels::FIRST_LEVELS;
+use super::priors::{Priors, prior_mean};
+use super::prism_motion::Solution;
+use super::random_walks::RangeWander;
+use super::residuals::NoiseLevels;
+use super::state_vector::Constants;
+use crate::calibration::ErrorSizes;
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+use crate::progress::{Cancelled, Progress};
+
+/// Gauss–Newton steps that fit the motion to the readings.
+const MOTION_STEPS: usize = 2;
+/// Redundancy number of a reading, on drives of all kinds.
+const REDUNDANCY: f64 = 0.6;
+
+/// Noise that an estimate would learn from the readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExpectedNoise {
+    pub levels: NoiseLevels,
+    /// Process of range errors, if [`ErrorSizes::ranges_wander`] is set.
+    pub wander: RangeWander,
+}
+
+impl Default for ExpectedNoise {
+    fn default() -> Self {
+        let wander = RangeWander { sigma_m: 1e-3, correlation_s: 12.0 };
+        Self { levels: FIRST_LEVELS, wander }
+    }
+}
+
+/// Predicts the joint estimate of readings: its covariance and variance budget, which do not depend on their errors.
+///
+/// `station1_from_station` are the true poses of the stations, or planned ones; the readings may be noisy or exact. No noise level is
+/// estimated and no step is detected. Returns `None` without readings, or if the normal matrix is not positive definite.
+pub fn predict(
+    triplets: &Triplets,
+    station1_from_station: &[LevelTransform; 3],
+    inter_prism_m: Option<&[f64; 3]>,
+    sizes: &ErrorSizes,
+    expected: &ExpectedNoise,
+    progress: &Progress,
+) -> Result<Option<JointEstimate>, Cancelled> {
+    let mean = prior_mean(station1_from_station, inter_prism_m);
+    for block_s in BLOCK_LENGTHS_S {
+        let Some(drive) = Drive::new(triplets, block_s) else { return Ok(None) };
+        let drive = Arc::new(drive);
+        let predict = match inter_prism_m {
+            Some(_) => predict_step::<RIG, RIG_ROW, RIG_MOTION_ROW>,
+            None => predict_step::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
+        };
+        let estimate = predict(drive, triplets, &mean, sizes, expected, progress)?;
+        if estimate.is_some() {
+            return Ok(estimate);
+        }
+    }
+    Ok(None)
+}
+
+fn predict_step<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+    drive: Arc<Drive>,
+    triplets: &Triplets,
+    mean: &Constants,
+    sizes: &ErrorSizes,
+    expected: &ExpectedNoise,
+    progress: &Progress,
+) -> Result<Option<JointEstimate>, Cancelled> {
+    let mut priors = Priors::new(sizes, mean, &triplets.restarts_s);
+    if sizes.ranges_wander {
+        priors.slow.wander = expected.wander;
+    }
+    let weighting = Weighting { levels: expected.levels, redundancy: REDUNDANCY, fixed: None };
+    let mut state = drive.initial_state(triplets, mean, LOCAL / 3);
+    for _ in 0..MOTION_STEPS {
+        if step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?.is_none() {
+            return Ok(None);
+        }
+    }
+    let mut buffers = RowBuffers::<LOCAL, ROW>::default();
+    let step = GaussNewtonStep::new(&drive, &state, &weighting, &priors, &mut buffers, progress)?;
+    Ok(step.map(|step| {
+        let prisms = LOCAL / 3;
+        let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
+        JointEstimate { converged: true, ..step.summary(solution) }
+    }))
+}

@@ -1,0 +1,113 @@
+//! Conflict of the data with the priors of the constants.
+//!
+//! If the priors are right, an estimate x with prior variance P and posterior variance C is normal about its prior mean with the
+//! variance P − C. It must not be compared with P, which an estimate that the data hardly determines never reaches, nor with C. The
+//! same holds for several constants together (Evans & Moshonov 2006, "Checking for prior-data conflict").
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use super::state_vector::{
+    COLLIMATIONS, CONSTANTS, Constants, DISTANCES, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
+};
+
+/// Directions whose prior variance the data reduces by less than this share are not tested.
+pub const LEAST_INFORMATION: f64 = 0.05;
+
+/// Distances of the constants from their priors, in standard deviations √(P − C).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PriorConflict {
+    /// Change from the prior means, in the constants' own units.
+    pub change: Constants,
+    /// By constant (σ); zero without a prior, or without information.
+    pub sigmas: Constants,
+    /// Distances of each station's instrument as a whole, and of all instruments and distances together (σ).
+    pub station_sigmas: [f64; 3],
+    pub all_sigmas: f64,
+    /// Distance of the three inter-prism distances as a whole (σ).
+    pub distances_sigmas: f64,
+}
+
+impl PriorConflict {
+    /// `change` is from the prior means, `precision` theirs, `covariance` the posterior one.
+    pub fn new(
+        change: &Constants,
+        precision: &Constants,
+        covariance: &SMatrix<f64, CONSTANTS, CONSTANTS>,
+    ) -> Self {
+        let root = precision.map(f64::sqrt);
+        // In units of the priors: the covariance P − C of `scaled`, if they are right.
+        let scaled = change.component_mul(&root);
+        let expected = SMatrix::<f64, CONSTANTS, CONSTANTS>::from_fn(|i, j| {
+            f64::from(u8::from(i == j)) - covariance[(i, j)] * root[i] * root[j]
+        });
+        let sigmas = SVector::from_fn(|k, _| {
+            let is_tested = precision[k] > 0.0 && expected[(k, k)] > LEAST_INFORMATION;
+            if is_tested { scaled[k] / expected[(k, k)].sqrt() } else { 0.0 }
+        });
+        let joint = |indices: &[usize]| {
+            let size = indices.len();
+            let expected = DMatrix::from_fn(size, size, |i, j| expected[(indices[i], indices[j])]);
+            joint_sigmas(expected, &DVector::from_fn(size, |i, _| scaled[indices[i]]))
+        };
+        let station_sigmas = |station: usize| {
+            let lean = LEANS + 2 * station;
+            let single = [LATENCIES, OFFSETS, SCALES, INDICES, COLLIMATIONS];
+            let mut indices = vec![lean, lean + 1];
+            indices.extend(single.map(|first| first + station));
+            joint(&indices)
+        };
+        let all: Vec<usize> = (DISTANCES..CONSTANTS).collect();
+        Self {
+            change: *change,
+            sigmas,
+            station_sigmas: [0, 1, 2].map(station_sigmas),
+            all_sigmas: joint(&all),
+            distances_sigmas: joint(&all[..3]),
+        }
+    }
+}
+
+/// Returns the quantile of a normal distribution with the probability of the χ² of several numbers (Wilson & Hilferty 1931).
+fn joint_sigmas(covariance: DMatrix<f64>, numbers: &DVector<f64>) -> f64 {
+    let eigen = covariance.symmetric_eigen();
+    let (mut chi_square, mut freedom) = (0.0, 0.0);
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > LEAST_INFORMATION {
+            chi_square += vector.dot(numbers).powi(2) / value;
+            freedom += 1.0;
+        }
+    }
+    if freedom == 0.0 {
+        return 0.0;
+    }
+    let spread: f64 = 2.0 / (9.0 * freedom);
+    ((chi_square / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A prior of variance 4 and a reading of variance 4 that is off by 10: the estimate moves half way.
+    #[test]
+    fn a_conflict_is_measured_by_what_the_data_can_change() {
+        let mut precision = Constants::zeros();
+        precision[INDICES] = 0.25;
+        let mut covariance = SMatrix::zeros();
+        covariance[(INDICES, INDICES)] = 2.0;
+        let mut change = Constants::zeros();
+        change[INDICES] = 5.0;
+        let conflict = PriorConflict::new(&change, &precision, &covariance);
+        // The variances of reading and prior are 8 together.
+        assert!((conflict.sigmas[INDICES] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(conflict.sigmas[OFFSETS], 0.0);
+    }
+
+    #[test]
+    fn a_chi_square_has_the_sigmas_of_a_normal_number() {
+        // The 99.865 % quantile of χ² with 9 degrees of freedom is 27.1: 3 σ.
+        let numbers = DVector::from_element(9, (27.093_f64 / 9.0).sqrt());
+        let sigmas = joint_sigmas(DMatrix::identity(9, 9), &numbers);
+        assert!((sigmas - 3.0).abs() < 0.03, "{sigmas}");
+    }
+}

@@ -1,0 +1,196 @@
+//! The residuals at a linearisation point: of readings, of the rig's distances, and of the motion's smoothness.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::drive::Reading;
+use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
+use super::state_vector::{BLOCK_CLOCKS, BLOCK_LATENCIES, BlockVector};
+use super::station_model::StationModel;
+use crate::geometry::ARCSECOND_RAD;
+
+/// Standard deviation of the rig's distances from knot to knot (m): masts flex, and a prism is not seen exactly in its centre.
+pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
+/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
+const RANGE_M: f64 = 0.002;
+const RANGE_SHARE: f64 = 2e-6;
+pub const ANGLE_RAD: f64 = ARCSECOND_RAD;
+
+/// Noise of the readings and process noise of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseLevels {
+    /// Factor of a range's stated standard deviation ([`stated_range_m`]).
+    pub range: f64,
+    /// Standard deviation of an angle (rad).
+    pub angle_rad: f64,
+    /// Standard deviation of a stamp (s).
+    pub jitter_s: f64,
+    /// Standard deviation of the third derivative of the prisms' positions (m/s³).
+    pub jerk_m_per_s3: f64,
+}
+
+impl NoiseLevels {
+    /// Standard deviation of a range of length zero (m).
+    pub fn range_m(&self) -> f64 {
+        self.range * RANGE_M
+    }
+}
+
+/// Standard deviation that the instrument states for a range of this length (m).
+pub fn stated_range_m(range_m: f64) -> f64 {
+    RANGE_M + RANGE_SHARE * range_m
+}
+
+/// The state that a segment's residuals depend on.
+pub struct LinearisationPoint<'a> {
+    pub stations: &'a [StationModel; 3],
+    /// Inter-prism distances (m); `None` where all stations follow one prism.
+    pub distances_m: Option<[f64; 3]>,
+    /// Middle of the drive (s), from which clock drifts count.
+    pub middle_s: f64,
+    /// `J_s s` of each block of the segment.
+    pub slow: &'a [BlockVector],
+    /// Spline coefficients: x, y, z of each prism, knot by knot (m).
+    pub coefficients_m: &'a [f64],
+}
+
+/// Residual of a reading: the spline less the corrected reading, in the axes of its sight.
+pub struct ReadingResidual {
+    pub weights: SplineWeights,
+    pub block: usize,
+    pub prism: usize,
+    /// Velocity of the prism, and its part across the sight (m/s).
+    pub velocity: Vector3<f64>,
+    pub velocity_across: Vector3<f64>,
+    /// Unit vectors along the sight, to its right and up, as columns (station 1's axes).
+    pub axes: Matrix3<f64>,
+    /// Residual along these axes (m).
+    pub residual_m: Vector3<f64>,
+    /// Inverse covariance of the residual (1/m²).
+    pub information: Matrix3<f64>,
+    /// Standard deviations along and across the sight (m), and displacement by one standard deviation of the stamp (m).
+    pub range_sigma_m: f64,
+    pub across_sigma_m: f64,
+    pub jitter_m: Vector3<f64>,
+}
+
+impl ReadingResidual {
+    pub fn new<const LOCAL: usize>(
+        grid: &KnotGrid,
+        point: &LinearisationPoint<'_>,
+        levels: &NoiseLevels,
+        station: usize,
+        reading: &Reading,
+    ) -> Self {
+        let model = &point.stations[station];
+        let sight = &reading.sight();
+        let mut offset_s =
+            model.clock_offset_s + model.clock_drift * (reading.time_s - point.middle_s);
+        let block = grid.block_at(reading.time_s - offset_s);
+        let slow = &point.slow[block];
+        let mut prism_m = model.rotation * model.corrected(sight) + model.position_m;
+        if station > 0 {
+            offset_s += slow[BLOCK_CLOCKS + station - 1];
+            prism_m += slow.fixed_rows::<3>(3 * (station - 1));
+        }
+        let prism = if LOCAL == 3 { 0 } else { station };
+        let weights = grid.weights(reading.time_s - offset_s);
+        let velocity = spline_value::<LOCAL>(point, &weights, &weights.velocity, prism);
+        let axes = model.rotation * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
+        let along = axes.column(0).into_owned();
+        let velocity_across = velocity - along * along.dot(&velocity);
+        let difference_m = spline_value::<LOCAL>(point, &weights, &weights.position, prism)
+            - velocity_across * model.latency_s
+            - prism_m;
+
+        let range_sigma_m = levels.range * stated_range_m(sight.range_m);
+        let across_sigma_m = levels.angle_rad * sight.range_m;
+        let precision =
+            Vector3::new(range_sigma_m.powi(-2), across_sigma_m.powi(-2), across_sigma_m.powi(-2));
+        // A stamp error displaces the reading along its velocity: inverse of diagonal + rank one (Sherman & Morrison 1950).
+        let jitter_m = axes.tr_mul(&velocity) * levels.jitter_s;
+        let weighted = precision.component_mul(&jitter_m);
+        let information = Matrix3::from_diagonal(&precision)
+            - weighted * weighted.transpose() / (1.0 + weighted.dot(&jitter_m));
+        Self {
+            residual_m: axes.tr_mul(&difference_m),
+            weights,
+            block,
+            prism,
+            velocity,
+            velocity_across,
+            axes,
+            information,
+            range_sigma_m,
+            across_sigma_m,
+            jitter_m,
+        }
+    }
+
+    /// Jacobian of the residual by the block's unknowns: index and column (station 1's axes).
+    pub fn block_jacobian(&self, station: usize) -> [Option<(usize, Vector3<f64>)>; 5] {
+        let latency = Some((BLOCK_LATENCIES + station, -self.velocity_across));
+        let Some(slot) = station.checked_sub(1) else { return [latency, None, None, None, None] };
+        [
+            latency,
+            Some((3 * slot, -Vector3::x())),
+            Some((3 * slot + 1, -Vector3::y())),
+            Some((3 * slot + 2, -Vector3::z())),
+            Some((BLOCK_CLOCKS + slot, -self.velocity)),
+        ]
+    }
+}
+
+/// Position (m) or velocity (m/s) of a prism, by the factors of four knots.
+fn spline_value<const LOCAL: usize>(
+    point: &LinearisationPoint<'_>,
+    weights: &SplineWeights,
+    factors: &[f64; ORDER],
+    prism: usize,
+) -> Vector3<f64> {
+    let mut sum = Vector3::zeros();
+    for (k, factor) in factors.iter().enumerate() {
+        let first = LOCAL * (weights.first + k) + 3 * prism;
+        sum += *factor * Vector3::from_column_slice(&point.coefficients_m[first..first + 3]);
+    }
+    sum
+}
+
+/// Times at which the rig's distances are observed: once a knot (s).
+pub fn distance_times_s(grid: &KnotGrid) -> impl Iterator<Item = f64> + use<> {
+    let (start_s, end_s, knot_s) = (grid.start_s, grid.end_s, grid.knot_s);
+    let steps = ((end_s - start_s) / knot_s).ceil() as usize;
+    (0..=steps).map(move |step| (start_s + knot_s * step as f64).min(end_s))
+}
+
+/// The unit vector from prism b to prism a, which is the Jacobian of their distance by a, and the residual of the distance (m).
+pub fn distance_residual<const LOCAL: usize>(
+    point: &LinearisationPoint<'_>,
+    weights: &SplineWeights,
+    (a, b): (usize, usize),
+    distance_m: f64,
+) -> (Vector3<f64>, f64) {
+    let prism_m = |prism: usize| spline_value::<LOCAL>(point, weights, &weights.position, prism);
+    let between = prism_m(a) - prism_m(b);
+    let length_m = between.norm().max(1e-9);
+    (between / length_m, length_m - distance_m)
+}
+
+/// Jacobian of a jerk by four knots, in σ.
+pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels) -> [f64; ORDER] {
+    let scale = 1.0 / (levels.jerk_m_per_s3 * grid.knot_s.powi(3));
+    [-scale, 3.0 * scale, -3.0 * scale, scale]
+}
+
+/// Jerk of four knots from `first` on, by coordinate, in σ.
+pub fn jerk_residuals<const LOCAL: usize>(
+    point: &LinearisationPoint<'_>,
+    first: usize,
+    factors: &[f64; ORDER],
+) -> [f64; LOCAL] {
+    let mut residuals = [0.0; LOCAL];
+    for (k, factor) in factors.iter().enumerate() {
+        let knot = &point.coefficients_m[LOCAL * (first + k)..][..LOCAL];
+        residuals.iter_mut().zip(knot).for_each(|(residual, value)| *residual += factor * value);
+    }
+    residuals
+}

@@ -1,0 +1,92 @@
+//! Tests of error sizes that the user reduced below those of instruments in the field.
+//!
+//! A size of zero states that there is no such error. The estimate cannot find it then, and [`super::prior_conflict`] cannot see it,
+//! because the prior does not let it move. So the equations are solved once more with the usual sizes, and the result is compared
+//! with what was stated (a score test: Rao 1948).
+
+use nalgebra::SMatrix;
+
+use super::chain_factor::ChainFactor;
+use super::gauss_newton_step::GaussNewtonStep;
+use super::prior_conflict::LEAST_INFORMATION;
+use super::priors::{Priors, precisions};
+use super::state_vector::{CLOCKS, CONSTANTS, Constants, StateVector};
+use crate::calibration::{ErrorSizes, Estimate};
+
+/// An error that the data shows to be larger than stated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedSizeConflict {
+    /// Index of the error among the constants.
+    pub index: usize,
+    /// The error by the data alone.
+    pub estimate: Estimate,
+    /// Distance of the error from zero, in σ of the data and the stated size.
+    pub sigmas: f64,
+}
+
+impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+    /// Tests all sizes below the usual ones, as far as the data determines the error.
+    pub fn stated_size_conflicts(
+        &self,
+        priors: &Priors,
+        state: &StateVector,
+    ) -> Vec<StatedSizeConflict> {
+        let usual = precisions(&ErrorSizes::default());
+        let looser = priors.precision.zip_map(&usual, f64::min);
+        if looser == priors.precision {
+            return Vec::new();
+        }
+        let loose = Priors { mean: priors.mean, precision: looser, slow: priors.slow.clone() };
+        let right = self.normal.gradient_with_priors(&loose, &self.slow_precisions, state);
+        let solution = ChainFactor::new(&self.normal.matrix, &looser, &self.slow_precisions, right);
+        let Some((factor, step)) = solution else { return Vec::new() };
+        let change = state.constants - step.constants - priors.mean;
+        let covariance = factor.constants_covariance();
+        let stated = &priors.precision;
+        (CLOCKS..CONSTANTS)
+            .filter(|index| looser[*index] < stated[*index])
+            .filter_map(|index| conflict(index, &change, &covariance, &looser, stated))
+            .collect()
+    }
+}
+
+/// Compares one constant with its stated size; `change` from the prior mean and `covariance` are by the looser prior.
+fn conflict(
+    index: usize,
+    change: &Constants,
+    covariance: &SMatrix<f64, CONSTANTS, CONSTANTS>,
+    looser: &Constants,
+    stated: &Constants,
+) -> Option<StatedSizeConflict> {
+    let by_data = 1.0 - covariance[(index, index)] * looser[index];
+    if by_data < LEAST_INFORMATION {
+        return None;
+    }
+    // Without that prior.
+    let value = change[index] / by_data;
+    let variance = covariance[(index, index)] / by_data;
+    let sigmas = value / (variance + stated[index].recip()).sqrt();
+    let estimate = Estimate { value, sigma: variance.sqrt() };
+    Some(StatedSizeConflict { index, estimate, sigmas })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::state_vector::INDICES;
+    use super::*;
+
+    /// A usual prior of variance 4 and a reading of 10 with variance 4, with a stated variance of 5.
+    #[test]
+    fn a_stated_size_is_compared_with_the_data_alone() {
+        let (mut looser, mut stated) = (Constants::zeros(), Constants::zeros());
+        (looser[INDICES], stated[INDICES]) = (0.25, 0.2);
+        let mut covariance = SMatrix::zeros();
+        covariance[(INDICES, INDICES)] = 2.0;
+        let mut change = Constants::zeros();
+        change[INDICES] = 5.0;
+        let found = conflict(INDICES, &change, &covariance, &looser, &stated).expect("observed");
+        assert!((found.estimate.value - 10.0).abs() < 1e-12);
+        assert!((found.estimate.sigma - 2.0).abs() < 1e-12);
+        assert!((found.sigmas - 10.0 / 3.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,228 @@
+//! Search for steps of stations and clocks, at any time of the drive.
+//!
+//! Slow states are random walks from block to block. How far the data pulls an increment beyond its prior follows from its smoothed
+//! value and covariance (de Jong & Penzer 1998, "Diagnosing shocks in time series"), so one factorisation tests all times. A step
+//! of a station has four parameters, one of station 1 acting through the other two; a step of a clock has one. The step with the
+//! largest χ² is detected.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+use rayon::prelude::*;
+
+use super::chain::ChainVectors;
+use super::chain_factor::ChainFactor;
+use super::random_walks::{SlowPrecisions, WalkMatrix};
+use super::state_vector::{SLOW_CLOCKS, SLOW_RANGES, Slow};
+use crate::calibration::Estimate;
+
+/// States that may step: poses of stations 2 and 3, and their clocks.
+const STEPPING: usize = SLOW_RANGES;
+/// Critical χ² of a step at any time of a drive, of a station (4 degrees of freedom) and of a clock (1).
+const STATION_CHI_SQUARE: f64 = 28.0;
+const CLOCK_CHI_SQUARE: f64 = 25.0;
+/// Critical χ² of a drift of one of three stations over the whole drive (4 degrees of freedom).
+const DRIFT_CHI_SQUARE: f64 = 20.0;
+
+/// A step of a station, or of its clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StationStep {
+    /// The station, 0 to 2.
+    pub station: usize,
+    /// The first block after the step.
+    pub block: usize,
+    /// Time of the step, after the middle of the first block (s).
+    pub after_s: f64,
+    /// True for a drift from the first block to the last.
+    pub slowly: bool,
+    pub size: StepSize,
+}
+
+/// Size of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepSize {
+    /// Rotation about z (rad) and displacement (m, station 1's frame).
+    Station { turned_rad: Estimate, moved_m: [Estimate; 3] },
+    /// Increase of the clock offset (s).
+    Clock(Estimate),
+}
+
+impl StationStep {
+    /// Length of a station's displacement (m).
+    pub fn moved_m(&self) -> Option<Estimate> {
+        let StepSize::Station { moved_m, .. } = &self.size else { return None };
+        let vector = Vector3::from(moved_m.each_ref().map(|axis| axis.value));
+        let value = vector.norm();
+        let along = vector / value.max(1e-12);
+        let sigma = (0..3).map(|k| (along[k] * moved_m[k].sigma).powi(2)).sum::<f64>().sqrt();
+        Some(Estimate { value, sigma })
+    }
+}
+
+/// Input of the search.
+pub struct StepSearch<'a> {
+    pub factor: &'a ChainFactor,
+    pub precisions: &'a SlowPrecisions,
+    /// Slow states of each block at the solution.
+    pub slow: &'a [Slow],
+    pub block_times_s: &'a [f64],
+    /// First blocks after the known steps of stations, and of clocks.
+    pub known_blocks: [&'a [usize]; 2],
+    /// Vectors from station 1 to stations 2 and 3 (m).
+    pub positions_m: [Vector3<f64>; 2],
+}
+
+impl StepSearch<'_> {
+    /// Returns the most significant step that is not known yet.
+    pub fn most_significant_step(&self) -> Option<StationStep> {
+        let covariances = self.factor.increment_covariances();
+        let steps = covariances.par_iter().enumerate();
+        let steps = steps.filter_map(|(index, covariance)| self.best_step(index + 1, covariance));
+        let (significance, step) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (significance > 1.0).then_some(step)
+    }
+
+    /// Returns the best step before a block with its χ² over the critical one; `covariance` is that of the increment.
+    fn best_step(&self, block: usize, covariance: &WalkMatrix) -> Option<(f64, StationStep)> {
+        let [is_moved, is_late] = self.known_blocks.map(|known| known.contains(&block));
+        let precision = self.precisions.increment_precision(block);
+        let (normal, right) = self.without_prior(block - 1, block, &precision, covariance);
+        let [before_s, after_s] = [self.block_times_s[block - 1], self.block_times_s[block]];
+        let after_s = 0.5 * (before_s + after_s) - self.block_times_s[0];
+        let mut best: Option<(f64, StationStep)> = None;
+        let mut offer = |significance: f64, station: usize, size: StepSize| {
+            if best.as_ref().is_none_or(|(other, _)| significance > *other) {
+                let step = StationStep { station, block, after_s, slowly: false, size };
+                best = Some((significance, step));
+            }
+        };
+        for station in 0..3 {
+            let (by_pose, by_clock) = step_jacobians(station, &self.positions_m);
+            if !is_moved && let Some((chi_square, size)) = fit(&by_pose, &normal, &right) {
+                offer(chi_square / STATION_CHI_SQUARE, station, station_size(size));
+            }
+            if !is_late && let Some((chi_square, [by_s])) = fit(&by_clock, &normal, &right) {
+                offer(chi_square / CLOCK_CHI_SQUARE, station, StepSize::Clock(by_s));
+            }
+        }
+        best
+    }
+
+    /// Returns the most significant drift of a station from the first block of the drive to the last.
+    pub fn most_significant_drift(&self) -> Option<StationStep> {
+        let last = self.block_times_s.len() - 1;
+        let precision = self.precisions.whole_drive_precision()?;
+        let covariance = self.increment_covariance(0, last);
+        let (normal, right) = self.without_prior(0, last, &precision, &covariance);
+        let drift = |station: usize| {
+            let by_pose = step_jacobians(station, &self.positions_m).0;
+            let (chi_square, size) = fit(&by_pose, &normal, &right)?;
+            let size = station_size(size);
+            Some((
+                chi_square,
+                StationStep { station, block: last, after_s: 0.0, slowly: true, size },
+            ))
+        };
+        let largest = (0..3).filter_map(drift).max_by(|a, b| a.0.total_cmp(&b.0));
+        largest.filter(|(chi_square, _)| *chi_square > DRIFT_CHI_SQUARE).map(|(_, drift)| drift)
+    }
+
+    /// Normal matrix and right-hand side of an increment from a block to a later one, without its prior.
+    ///
+    /// With the prior precision Q⁻¹ of the increment w, and its covariance C by data and prior, they are Q⁻¹ − Q⁻¹CQ⁻¹ and Q⁻¹w.
+    fn without_prior(
+        &self,
+        from: usize,
+        to: usize,
+        precision: &WalkMatrix,
+        covariance: &WalkMatrix,
+    ) -> (WalkMatrix, SVector<f64, STEPPING>) {
+        let increment = self.slow[to] - self.slow[from];
+        let right = precision * increment.fixed_rows::<STEPPING>(0);
+        (precision - precision * covariance * precision, right)
+    }
+
+    /// Returns a step with its size by a solution whose priors allow it; the search's own priors do not.
+    pub fn measure(&self, step: &StationStep) -> Option<StationStep> {
+        // Covariance of the increment, and of the random walk that it contains.
+        let covariance = self.increment_covariance(step.block - 1, step.block)
+            + self.precisions.increment_precision(step.block).cholesky()?.inverse();
+        let precision = covariance.cholesky()?.inverse();
+        let increment = self.slow[step.block] - self.slow[step.block - 1];
+        let right = precision * increment.fixed_rows::<STEPPING>(0);
+        let (by_pose, by_clock) = step_jacobians(step.station, &self.positions_m);
+        let size = match step.size {
+            StepSize::Station { .. } => station_size(fit(&by_pose, &precision, &right)?.1),
+            StepSize::Clock(_) => StepSize::Clock(fit(&by_clock, &precision, &right)?.1[0]),
+        };
+        Some(StationStep { size, ..step.clone() })
+    }
+
+    /// Covariance of the increment from a block to a later one, with priors and data.
+    fn increment_covariance(&self, from: usize, to: usize) -> WalkMatrix {
+        let mut differences = ChainVectors::<STEPPING>::zeros(self.block_times_s.len());
+        for k in 0..STEPPING {
+            differences.slow[to][(k, k)] = 1.0;
+            differences.slow[from][(k, k)] = -1.0;
+        }
+        let solution = self.factor.solve(differences);
+        (solution.slow[to] - solution.slow[from]).fixed_rows::<STEPPING>(0).into_owned()
+    }
+}
+
+fn station_size([x_m, y_m, z_m, turned_rad]: [Estimate; 4]) -> StepSize {
+    StepSize::Station { turned_rad, moved_m: [x_m, y_m, z_m] }
+}
+
+/// Jacobians of the slow states by a station's displacement and rotation (x, y, z, yaw), and by its clock offset.
+fn step_jacobians(
+    station: usize,
+    positions_m: &[Vector3<f64>; 2],
+) -> (SMatrix<f64, STEPPING, 4>, SMatrix<f64, STEPPING, 1>) {
+    let mut by_pose = SMatrix::<f64, STEPPING, 4>::zeros();
+    let mut by_clock = SMatrix::<f64, STEPPING, 1>::zeros();
+    match station.checked_sub(1) {
+        Some(slot) => {
+            (0..4).for_each(|k| by_pose[(4 * slot + k, k)] = 1.0);
+            by_clock[SLOW_CLOCKS + slot] = 1.0;
+        }
+        None => {
+            for slot in 0..2 {
+                (0..4).for_each(|k| by_pose[(4 * slot + k, k)] = -1.0);
+                let by_yaw_m = Vector3::z().cross(&positions_m[slot]);
+                by_pose.fixed_view_mut::<3, 1>(4 * slot, 3).copy_from(&-by_yaw_m);
+                by_clock[SLOW_CLOCKS + slot] = -1.0;
+            }
+        }
+    }
+    (by_pose, by_clock)
+}
+
+/// Least-squares fit of a step's size: its χ² and its parameters; `None` where the normal matrix is not positive definite.
+fn fit<const N: usize>(
+    jacobian: &SMatrix<f64, STEPPING, N>,
+    normal: &WalkMatrix,
+    right: &SVector<f64, STEPPING>,
+) -> Option<(f64, [Estimate; N])> {
+    let covariance = jacobian.tr_mul(&(normal * jacobian)).cholesky()?.inverse();
+    let right = jacobian.tr_mul(right);
+    let size = covariance * right;
+    let estimate =
+        |k: usize| Estimate { value: size[k], sigma: covariance[(k, k)].max(0.0).sqrt() };
+    Some((right.dot(&size), std::array::from_fn(estimate)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector4;
+
+    #[test]
+    fn a_rotation_of_station_1_is_the_opposite_one_of_the_others() {
+        let positions_m = [Vector3::new(10.0, 0.0, 0.0), Vector3::new(0.0, 20.0, 0.0)];
+        let (by_pose, by_clock) = step_jacobians(0, &positions_m);
+        let slow = by_pose * Vector4::new(0.0, 0.0, 0.0, 1e-3);
+        assert!((slow.fixed_rows::<3>(0) - Vector3::new(0.0, -0.01, 0.0)).norm() < 1e-12, "{slow}");
+        assert!((slow.fixed_rows::<3>(4) - Vector3::new(0.02, 0.0, 0.0)).norm() < 1e-12, "{slow}");
+        assert_eq!((slow[3], slow[7]), (-1e-3, -1e-3));
+        assert_eq!((by_clock[8], by_clock[9]), (-1.0, -1.0));
+    }
+}
