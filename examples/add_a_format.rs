@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Deployment { name: file, tracks, findings, control_points: Vec::new(), ..sample };
     let analysis = Analyst::new(deployment.into()).run(&Settings::default());
     let calibration = &analysis.answer?.calibration;
-    println!("{}: {}", calibration.method.label(), calibration.verdict_in_words());
+    println!("{}: {}", calibration.answered_by().label(), calibration.verdict_in_words());
     for (station, transform) in calibration.station1_from_station.iter().enumerate().skip(1) {
         let [x, y, z] = transform.translation_m.into();
         println!("  station {}: {x:.4} {y:.4} {z:.4} m", station + 1);

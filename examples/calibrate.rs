@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         settings.calibration.method = Some(method);
         let answer = analyst.run(&settings).answer?;
         let calibration = &answer.calibration;
-        println!("{}: {}", calibration.method.label(), calibration.verdict_in_words());
+        println!("{}: {}", calibration.answered_by().label(), calibration.verdict_in_words());
         for (station, transform) in calibration.station1_from_station.iter().enumerate().skip(1) {
             let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
             let sigma_mm = sigma.map_or(f64::NAN, |sigma| 1e3 * sigma.translation_m.max());

@@ -9,7 +9,7 @@ use super::Failure;
 use super::choice::{ALIGNMENTS, INTERPOLATIONS, METHODS, PRIORS, choice};
 use super::number_flags::NumberFlags;
 use resect_core::analysis::Settings;
-use resect_core::calibration::{Alignment, Method, PriorMethod};
+use resect_core::calibration::{Alignment, Evidence, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;
 use resect_io::error::OpenError;
 use resect_io::source::Extras;
@@ -79,6 +79,9 @@ pub struct SettingsArguments {
     /// Initial value of method D and of the joint estimate [default: closed-form]
     #[arg(long, value_parser = choice(PRIORS))]
     prior: Option<PriorMethod>,
+    /// Measurements that the joint estimate uses, separated by commas [default: drive,control-points,rig]
+    #[arg(long, value_name = "GROUPS")]
+    evidence: Option<Evidence>,
     /// Rotations that methods B and C estimate: yaw, or roll and pitch as well [default: level]
     #[arg(long, value_parser = choice(ALIGNMENTS))]
     alignment: Option<Alignment>,
@@ -117,6 +120,7 @@ impl SettingsArguments {
         settings.pipeline.interpolation =
             self.interpolation.unwrap_or(settings.pipeline.interpolation);
         calibration.prior = self.prior.unwrap_or(calibration.prior);
+        calibration.evidence = self.evidence.unwrap_or(calibration.evidence);
         calibration.alignment = self.alignment.unwrap_or(calibration.alignment);
         settings.check().map_err(Failure::Usage)?;
         Ok(settings)
@@ -146,6 +150,8 @@ pub fn metres(text: &str) -> Result<Vector3<f64>, String> {
 
 #[cfg(test)]
 mod tests {
+    use clap::FromArgMatches;
+
     use super::*;
 
     #[test]
@@ -155,6 +161,7 @@ mod tests {
         let defaults = [
             ("interpolation", word(INTERPOLATIONS, pipeline.interpolation)),
             ("prior", word(PRIORS, calibration.prior)),
+            ("evidence", calibration.evidence.to_string()),
             ("alignment", word(ALIGNMENTS, calibration.alignment)),
         ];
         let command = SettingsArguments::augment_args(clap::Command::new("resect"));
@@ -162,6 +169,27 @@ mod tests {
             let argument = command.get_arguments().find(|argument| argument.get_id() == flag);
             let help = argument.and_then(|argument| argument.get_help()).expect("help").to_string();
             assert!(help.ends_with(&format!("[default: {default}]")), "--{flag}: {help}");
+        }
+    }
+
+    #[test]
+    fn evidence_is_given_by_the_names_of_its_groups() {
+        let parse = |flags: &[&str]| {
+            let command = SettingsArguments::augment_args(clap::Command::new("resect"));
+            command
+                .try_get_matches_from(["resect"].iter().chain(flags))
+                .and_then(|matches| SettingsArguments::from_arg_matches(&matches))
+        };
+        let evidence = |flags: &[&str]| {
+            let arguments = parse(flags).expect("valid flags");
+            arguments.settings().expect("valid settings").calibration.evidence
+        };
+        assert_eq!(evidence(&[]), Evidence::ALL);
+        let given = evidence(&["--evidence", "rig,drive"]);
+        assert_eq!(given, Evidence { control_points: false, ..Evidence::ALL });
+        for wrong in ["drives", "drive rig", ",", ""] {
+            let error = parse(&["--evidence", wrong]).err().expect("a wrong name").to_string();
+            assert!(error.contains("name some of drive, control-points, rig"), "{error}");
         }
     }
 

@@ -156,7 +156,7 @@ impl FramedTrajectory<'_> {
         let header = format!(
             "{}: {frame}, by {}, verdict {}; vehicle: {}",
             deployment.name,
-            calibration.method.in_words(),
+            calibration.method_in_words(),
             calibration.verdict_in_words(),
             vehicle,
         );
@@ -176,7 +176,7 @@ impl FramedTrajectory<'_> {
             trajectory.dropped,
             arguments.max_error,
             vehicle,
-            calibration.method.in_words(),
+            calibration.method_in_words(),
             calibration.verdict_in_words(),
             without,
         ))?;
@@ -218,7 +218,7 @@ fn one_prism(
         return Err(Failure::Input(anyhow::Error::msg(why)));
     }
     let by =
-        format!("by {}, verdict {}", calibration.method.in_words(), calibration.verdict_in_words());
+        format!("by {}, verdict {}", calibration.method_in_words(), calibration.verdict_in_words());
     let header = format!("{}: {frame}, {by}", deployment.name);
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
@@ -269,7 +269,7 @@ fn site_frame(
     // Control points have no position in a calibration of another frame.
     let placing = calibration.placing_control_points(deployment);
     let placing = placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
-    Ok(Some(SiteFrame::of(deployment, placing).map_err(|why| anyhow::anyhow!("{why}"))?))
+    Ok(Some(SiteFrame::of(deployment, &placing).map_err(|why| anyhow::anyhow!("{why}"))?))
 }
 
 /// Returns the distinct times of all readings in station 1's clock, as far as the other clocks' offsets are estimated (s).

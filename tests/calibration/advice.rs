@@ -119,9 +119,13 @@ impl Site {
         let stations = calibration
             .station1_from_station
             .map(|at| LevelTransform::new(at.translation_m, at.yaw_rad()));
-        let expected = calibration.joint().map_or_else(ExpectedNoise::default, |joint| {
-            ExpectedNoise { levels: joint.levels, wander: joint.wander }
-        });
+        let expected =
+            calibration.joint().map_or_else(ExpectedNoise::default, |joint| ExpectedNoise {
+                levels: joint.levels,
+                ranges: joint.slow_ranges,
+                across: joint.slow_across,
+                upward: joint.slow_upward,
+            });
         Some(ask(&SoFar {
             triplets: &analysis.pipeline.triplets,
             station1_from_station: &stations,
@@ -241,7 +245,8 @@ fn advice_makes_a_drive_of_one_that_holds_too_little() {
         assert!(off_m < 3.0 * far.sigma_m, "{}: {off_m}", preset.name());
         let [_, foreseen_m, found_m] = steps[steps.len() - 1];
         let ratio = found_m.expect("held") / foreseen_m.expect("held");
-        assert!((0.75..1.25).contains(&ratio), "{}: {steps:?}", preset.name());
+        // The analysis uses control points, which predictions do not know.
+        assert!((0.5..1.25).contains(&ratio), "{}: {steps:?}", preset.name());
     });
 }
 

@@ -2,8 +2,8 @@
 
 use crate::common::{analyse, answer, by, field_data, published};
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::calibration::{Calibration, Method};
-use resect_core::deployment::Deployment;
+use resect_core::calibration::{Calibration, JointFailure, Method};
+use resect_core::deployment::{Deployment, Finding, Remedy};
 use resect_core::progress::Progress;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
@@ -49,6 +49,22 @@ fn the_papers_answer_stands_beside_it_to_the_last_bit() {
         assert!(alone.published.is_none(), "only a joint estimate carries another answer");
         assert_ne!(joint.station1_from_station, alone.station1_from_station);
     }
+}
+
+#[test]
+fn the_papers_method_answers_where_the_joint_estimate_is_not_determined() {
+    let mut line =
+        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
+    line.control_points.clear();
+    let found = calibration(&line, &Settings::default());
+    assert_eq!(found.joint_failure(), Some(JointFailure::Undetermined));
+    assert_eq!((found.method, found.answered_by()), (Method::Joint, Method::InterPrism));
+    let alone = calibration(&line, &published());
+    assert_eq!(found.station1_from_station, alone.station1_from_station);
+    assert_eq!(found.covariance, alone.covariance);
+    // No advice leads in a circle.
+    let advises_joint = |finding: &Finding| finding.remedies.contains(&Remedy::JointEstimate);
+    assert!(!found.findings.iter().any(advises_joint), "{:?}", found.findings);
 }
 
 #[test]

@@ -9,6 +9,7 @@
 mod beyond;
 mod cramer_rao;
 mod poses;
+mod surveys;
 
 use crate::common::{analyse, by};
 use cramer_rao::Drawn;
@@ -21,7 +22,7 @@ use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::ErrorSizes;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::geometry::wrap_to_pi;
+use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_8;
 
@@ -40,8 +41,13 @@ const PRESETS: [Preset; 10] = [
 /// Number of presets whose drives constrain all eight parameters well; they come first.
 const WELL_POSED: usize = 6;
 /// Standard deviations of the drawn errors of well-adjusted instruments, which the estimate has as priors.
-const DRAWN: Drawn =
-    Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.001, prism_constant_m: 0.0003, drift: 5e-6 };
+const DRAWN: Drawn = Drawn {
+    tilt_rad: ARCSECOND_RAD,
+    distance_m: 0.001,
+    rig_constant_m: 0.01,
+    prism_constant_m: 0.0003,
+    drift: 5e-6,
+};
 const CLOCK_OFFSET_SIGMA_S: f64 = 0.004;
 
 /// Noise, outliers and lost locks of the usual size in the field.
@@ -77,12 +83,15 @@ fn scenario_in_order(preset: Preset, seed: u64) -> Scenario {
     errors.tilt_rad = std::array::from_fn(|_| [normal(DRAWN.tilt_rad), normal(DRAWN.tilt_rad)]);
     errors.inter_prism_m = std::array::from_fn(|_| normal(DRAWN.distance_m));
     errors.prism_constant_m = normal(DRAWN.prism_constant_m);
+    errors.rig_constant_m = normal(DRAWN.rig_constant_m);
     scenario
 }
 
-/// Returns the joint estimate's settings with priors for well-adjusted instruments.
+/// Returns the joint estimate's settings with priors for well-adjusted instruments, by the drive and the rig as the bound.
 fn told_in_order() -> Settings {
     let mut settings = by(Method::Joint);
+    settings.calibration.evidence.control_points = false;
+    settings.calibration.inter_prism_sigma_m = DRAWN.distance_m;
     settings.calibration.errors = ErrorSizes {
         clock_wander_s: 1e-6,
         latency_s: 0.0,
@@ -105,17 +114,22 @@ fn not_told(kind: ErrorKind) -> Option<Settings> {
     let mut settings = by(Method::Joint);
     let errors = &mut settings.calibration.errors;
     match kind {
-        ErrorKind::Settling => (errors.settling_rad, errors.settling_m) = (0.0, 0.0),
+        ErrorKind::Settling | ErrorKind::SetUpChange => {
+            (errors.settling_rad, errors.settling_m) = (0.0, 0.0);
+        }
         ErrorKind::RangeOffset | ErrorKind::PrismConstant => errors.range_offset_m = 0.0,
         ErrorKind::RangeScale => errors.range_scale = 0.0,
-        ErrorKind::RangeWander => errors.ranges_wander = false,
+        ErrorKind::RangeWander | ErrorKind::Facets => errors.ranges_wander = false,
         ErrorKind::Latency => errors.latency_s = 0.0,
         ErrorKind::ClockOffset => (errors.clock_offset_s, errors.clock_drift) = (0.0, 0.0),
         ErrorKind::Index => errors.index_rad = 0.0,
         ErrorKind::Collimation => errors.collimation_rad = 0.0,
         ErrorKind::Tilt => errors.lean_rad = 0.0,
         ErrorKind::Distances => settings.calibration.inter_prism_sigma_m = 0.0,
-        ErrorKind::StampJitter | ErrorKind::ClockJumps | ErrorKind::Curvature => return None,
+        ErrorKind::StampJitter
+        | ErrorKind::ClockJumps
+        | ErrorKind::Curvature
+        | ErrorKind::Centring => return None,
     }
     Some(settings)
 }
@@ -138,14 +152,8 @@ impl Outcome {
             return Self { verdict: None, error: nothing, covariance: None, jumps };
         };
         let calibration = &answer.calibration;
-        let error = SVector::<f64, 8>::from_fn(|k, _| {
-            let found = &calibration.station1_from_station[k / 4 + 1];
-            let truth = &simulated.truth.station1_from_station[k / 4 + 1];
-            match k % 4 {
-                3 => wrap_to_pi(found.yaw_rad() - truth.yaw_rad),
-                axis => found.translation_m[axis] - truth.translation_m[axis],
-            }
-        });
+        let truth = &simulated.truth.station1_from_station;
+        let error = pose_errors(&calibration.station1_from_station, truth);
         let covariance = calibration.covariance;
         Self { verdict: Some(calibration.verdict), error, covariance, jumps }
     }
@@ -178,6 +186,17 @@ impl Outcome {
         self.verdict == Some(Verdict::Good)
             && (self.largest_sigmas() > 5.0 || self.largest_m() > 0.05)
     }
+}
+
+/// Returns the errors of (x, y, z, yaw) of stations 2 and 3: estimate minus truth.
+fn pose_errors(found: &[RigidTransform; 3], truth: &[LevelTransform; 3]) -> SVector<f64, 8> {
+    SVector::from_fn(|k, _| {
+        let (found, truth) = (&found[k / 4 + 1], &truth[k / 4 + 1]);
+        match k % 4 {
+            3 => wrap_to_pi(found.yaw_rad() - truth.yaw_rad),
+            axis => found.translation_m[axis] - truth.translation_m[axis],
+        }
+    })
 }
 
 /// Returns the outcomes of several settings, by preset.

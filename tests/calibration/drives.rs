@@ -32,8 +32,11 @@ fn together(drives: &[Simulated; 2]) -> Deployment {
     first
 }
 
+/// Calibrates by the drives and the rig: with control points, each drive is as sure as both.
 fn jointly(deployment: &Deployment) -> Analysis {
-    analyse(deployment, &by(Method::Joint))
+    let mut settings = by(Method::Joint);
+    settings.calibration.evidence.control_points = false;
+    analyse(deployment, &settings)
 }
 
 fn joint(calibration: &Calibration) -> &JointEstimate {

@@ -18,6 +18,7 @@ mod paper;
 mod planning;
 mod properties;
 mod published;
+mod real_drives;
 mod refinement;
 mod samples;
 mod sense;

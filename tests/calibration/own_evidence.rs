@@ -3,8 +3,10 @@
 
 use crate::common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
-use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict};
+use resect_core::analysis::Analysis;
+use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict, Witness};
 use resect_core::deployment::{Deployment, FindingKind};
+use resect_core::evaluation::answer_rows::{RowGroup, estimate_rows};
 use resect_core::geometry::FOOT_M;
 use resect_core::geometry::Polar;
 use resect_core::simulation::{Preset, Scenario, Settling, simulate_scenario};
@@ -44,6 +46,69 @@ fn an_estimate_that_did_not_converge_is_not_good() {
     }
     let calibration = solved(&feet, Method::Joint);
     assert_doubted(&calibration, "did not converge");
+    // The answer is that of method D, with its σ.
+    assert!(calibration.joint().is_none());
+    let words = "method D (the joint estimate did not converge)";
+    assert_eq!(calibration.method_in_words(), words);
+    let by_d = solved(&feet, Method::InterPrism);
+    assert_eq!(calibration.station1_from_station, by_d.station1_from_station);
+    assert_eq!(calibration.covariance, by_d.covariance);
+}
+
+/// The sample with station 2 turned by 2 mrad between its control points and its drive.
+fn turned_after_the_survey() -> Deployment {
+    let mut turned = sample();
+    for point in turned.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        point.readings[1].iter_mut().for_each(|polar| polar.azimuth_rad += 2e-3);
+    }
+    turned
+}
+
+#[test]
+fn a_set_up_that_changed_after_the_survey_is_named_and_contradicts_nothing() {
+    let calibration = solved(&turned_after_the_survey(), Method::Joint);
+    let findings = &calibration.findings;
+    let changed = findings.iter().find(|finding| finding.kind == FindingKind::SetUpChanged);
+    let changed = changed.unwrap_or_else(|| panic!("no change in {findings:#?}"));
+    assert!(changed.is_about_station(1), "{changed}");
+    let turned_rad = changed.value("turned").expect("a turn");
+    assert!((turned_rad.abs() - 2e-3).abs() < 3e-4, "{changed}");
+    let contradictions = [FindingKind::MethodsDisagree, FindingKind::ControlPointsContradict];
+    let has_none = !findings.iter().any(|finding| contradictions.contains(&finding.kind));
+    assert!(has_none, "{findings:#?}");
+    assert!(!calibration.checked_by.contains(&Witness::ControlPoints));
+    // Without a change, survey and drive confirm each other.
+    let unchanged = solved(&sample(), Method::Joint);
+    assert!(unchanged.survey().is_some_and(|survey| survey.change.is_none()));
+    assert!(unchanged.checked_by.contains(&Witness::ControlPoints));
+}
+
+#[test]
+fn a_changed_set_up_is_in_the_rows_and_in_the_json() {
+    let turned = turned_after_the_survey();
+    let analysis = analyse(&turned, &by(Method::Joint));
+    let rows = estimate_rows(&turned, &answer(&analysis).calibration);
+    let survey = || rows.iter().filter(|row| row.group == RowGroup::Survey);
+    assert_eq!(survey().count(), 8);
+    let yaw = survey().find(|row| row.subject == "T12" && row.name == "yaw survey − drive");
+    let yaw = yaw.expect("the yaw of station 2");
+    assert!((yaw.value.abs() - 2e-3).abs() < 3e-4 && yaw.is_significant, "{yaw:?}");
+
+    let json = |analysis: &Analysis, deployment: &Deployment| {
+        resect_report::json::calibration(deployment, analysis, answer(analysis), 0.0)
+    };
+    let changed = json(&analysis, &turned);
+    assert_eq!(changed["set_up_change"]["station"], 2);
+    let survey_yaw_rad = changed["survey_transforms"][0]["yaw_rad"].as_f64().expect("a yaw");
+    let drive_yaw_rad = changed["transforms"][0]["yaw_rad"].as_f64().expect("a yaw");
+    assert!((survey_yaw_rad - drive_yaw_rad - yaw.value).abs() < 1e-12);
+    assert!(changed["survey_transforms"][1]["sigma"]["yaw_rad"].is_f64());
+
+    let unchanged = json(&analyse(&sample(), &by(Method::Joint)), &sample());
+    assert!(unchanged.get("survey_transforms").is_some());
+    assert!(unchanged.get("set_up_change").is_none());
+    let by_d = json(&analyse(&sample(), &by(Method::InterPrism)), &sample());
+    assert!(by_d.get("survey_transforms").is_none());
 }
 
 #[test]
@@ -71,7 +136,7 @@ fn a_lean_that_no_compensator_leaves_is_a_doubt() {
         let leaning = Polar::from_cartesian(lean * polar.to_cartesian());
         (m.azimuth_rad, m.zenith_rad) = (leaning.azimuth_rad, leaning.zenith_rad);
     }
-    assert_doubted(&solved(&wrong, Method::Joint), " σ: it was knocked");
+    assert_doubted(&solved(&wrong, Method::Joint), "implausible at");
 }
 
 /// The same drive, the same distances, and two methods from control points, neither of which fits the rig.
@@ -217,7 +282,7 @@ fn distances_that_are_off_together_are_a_doubt() {
     let mut wrong = sample();
     let inter_prism_m = &mut wrong.rig.as_mut().expect("a rig").inter_prism_m;
     for distance_m in &mut inter_prism_m[1..] {
-        *distance_m += 0.004;
+        *distance_m += 0.012;
     }
     wrong.rig.as_mut().expect("a rig").prisms_m = None;
     assert_doubted(&solved(&wrong, Method::Joint), " σ: a station followed another prism");

@@ -46,9 +46,9 @@ fn as_drawn(preset: Preset) -> Plan {
         settling_m: 0.0005 * SETTLED,
         ..plan.errors
     };
-    // The drawn error, and the noise of the rig's measurement that gives the written distances.
+    // The drawn error, with that of the prism constant, and the noise of the rig's measurement that gives the written distances.
     let read_m = 1e-3 * plan.instrument.range_mm / 10.0_f64.sqrt();
-    plan.rig.inter_prism_sigma_m = 0.001_f64.hypot(read_m * 0.9);
+    plan.rig.inter_prism_sigma_m = 0.0022_f64.hypot(read_m * 0.9);
     // Simulations have no occlusion.
     plan.rig.clearance_m = 0.0;
     plan
@@ -65,8 +65,9 @@ struct Realised {
 }
 
 fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised> {
-    let drawn_errors =
-        ErrorKind::ALL.into_iter().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
+    // A prediction has no clock jumps.
+    let left_out = [ErrorKind::ClockJumps];
+    let drawn_errors = ErrorKind::ALL.into_iter().filter(|kind| !left_out.contains(kind)).collect();
     let scenario = Scenario { drawn_errors, ..plan.scenario().expect("a plan") };
     let simulated = simulate_scenario(&scenario, seed);
     let mut settings = by(Method::Joint);
@@ -148,7 +149,8 @@ fn campaign(drives: u64) -> Vec<Ratios> {
 }
 
 fn near_one(ratio: f64, what: &str) {
-    assert!((0.8..=1.2).contains(&ratio), "{what}: {ratio:.2} times what was predicted");
+    // A prediction has the smallest slow errors on all axes; drives show them on some.
+    assert!((0.65..=1.35).contains(&ratio), "{what}: {ratio:.2} times what was predicted");
 }
 
 #[test]

@@ -90,7 +90,8 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
     let rms = rms_by_component(&runs);
-    assert!(rms.iter().all(|rms| (0.6..1.4).contains(rms)), "{rms:.2?}");
+    // The smallest slow errors of the estimate are as large as those of real prisms, and larger than those drawn here.
+    assert!(rms.iter().all(|rms| (0.5..1.4).contains(rms)), "{rms:.2?}");
 }
 
 #[test]

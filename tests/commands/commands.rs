@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::common::{knock, of_field, sample_folder, two_runs};
+use crate::common::{field_data, knock, of_field, sample_folder, two_runs};
 use resect_core::simulation::Preset;
 use resect_io::simulation_files::write_folder;
 use serde_json::Value;
@@ -98,6 +98,43 @@ fn without_a_method_the_joint_estimate_answers_and_has_the_papers_beside_it() {
     let line = format!("  T12 {millimetres:.2} mm (");
     assert!(said.contains("difference from the paper's D (method inter-prism, verdict "), "{said}");
     assert!(said.contains(&line), "{line} is not in {said}");
+}
+
+#[test]
+fn the_result_begins_with_the_answer_to_use() {
+    let path = sample_folder("warthog");
+    let said = stdout(&["calibrate", text(&path)]);
+    let place =
+        |words: &str| said.find(words).unwrap_or_else(|| panic!("{words} is not in {said}"));
+    let [conclusion, reason, next_step] = [
+        "\nUse the joint estimate for this drive.\n",
+        "\nσ of a position is at most ",
+        "\nFor a smaller σ, reduce its largest source, ",
+    ]
+    .map(place);
+    let in_order = conclusion < reason && reason < next_step && next_step < place("pipeline");
+    assert!(in_order, "{said}");
+    let value = json(&["calibrate", text(&path), "--json"]);
+    let recommendation = &value["recommendation"];
+    assert_eq!(
+        (&recommendation["answer"], &recommendation["reason"]),
+        (&"joint".into(), &"good".into())
+    );
+    let words = recommendation["text"].as_str().expect("text");
+    assert!(words.starts_with("Use the joint estimate for this drive. σ of a position"), "{words}");
+    let published = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
+    assert_eq!(published["recommendation"]["answer"], "inter-prism");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    stdout(&["simulate", "--preset", "straight-line", "--out", text(folder.path())]);
+    let value = json(&["calibrate", text(folder.path()), "--json"]);
+    let recommendation = &value["recommendation"];
+    assert_eq!(
+        (&recommendation["answer"], &recommendation["reason"]),
+        (&Value::Null, &"degenerate".into())
+    );
+    let words = recommendation["text"].as_str().expect("text");
+    assert!(words.contains(" of 8 directions are not determined: "), "{words}");
 }
 
 #[test]
@@ -260,6 +297,9 @@ fn bad_usage_is_2_and_bad_input_is_1() {
     ] {
         complaint(arguments, 2);
     }
+    let line = complaint(&["calibrate", text(&path), "--evidence", "gnss"], 2);
+    let remedy = "unknown evidence \"gnss\"; name some of drive, control-points, rig";
+    assert!(line.contains(remedy), "{line}");
     let line = complaint(&["calibrate", "/nowhere/at/all"], 1);
     assert!(line.contains("/nowhere/at/all"), "{line}");
 }
@@ -478,10 +518,19 @@ fn control_points_and_rig_can_come_from_elsewhere() {
     let line = complaint(&["calibrate", text(&tracks)], 1);
     assert!(line.contains("--rig"), "{line}");
     let gcp = source.join("GCP_raw_2.txt");
-    let value =
-        json(&["calibrate", text(&tracks), "--rig", text(&source), "--json", "--gcp", text(&gcp)]);
+    let value = json(&[
+        "calibrate",
+        text(&tracks),
+        "--rig",
+        text(&source),
+        "--json",
+        "--gcp",
+        text(&gcp),
+        "--evidence",
+        "drive,rig",
+    ]);
     assert_eq!(value["metrics"]["gcp_mm"].as_array().map(Vec::len), Some(1));
-    let whole = json(&["calibrate", text(&source), "--json"]);
+    let whole = json(&["calibrate", text(&source), "--json", "--evidence", "drive,rig"]);
     assert_eq!(value["transforms"], whole["transforms"]);
 }
 
@@ -629,6 +678,37 @@ fn a_recording_is_read_by_its_peer_rerun_sdk() {
     }
     for path in ["/verdict", "/viewport", "/world/pillars/Two_points_txt/station_3"] {
         entity(path);
+    }
+}
+
+/// Compares the estimate by control points alone with a least-squares adjustment of the same readings by scipy.
+#[test]
+#[ignore = "needs the PyPI package scipy: tests/run --peers"]
+fn control_points_are_adjusted_as_by_the_peer_scipy() {
+    const TOLERANCE_M: f64 = 1e-5;
+    // Distance at which a rotation displaces the points (m).
+    const REACH_M: f64 = 50.0;
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/adjust_control_points.py");
+    let real = ["real/20221129-1", "real/20221205-1", "2022-07-11-2"];
+    let real = real.iter().filter_map(|name| field_data(name));
+    for folder in std::iter::once(sample_folder("warthog")).chain(real) {
+        let path = text(&folder);
+        let output = Command::new("python").args([script, path]).output();
+        let output = output.expect("tests/run --peers has it on the path");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let peer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let own = json(&["calibrate", path, "--evidence", "control-points", "--json"]);
+        for slot in 0..2 {
+            let [peer, own] = [&peer, &own].map(|answer| &answer["transforms"][slot]);
+            let number = |value: &Value| value.as_f64().expect("a number");
+            for axis in 0..3 {
+                let [a, b] = [peer, own].map(|from| number(&from["translation_m"][axis]));
+                assert!((a - b).abs() < TOLERANCE_M, "{path}, station {}: {a} {b}", slot + 2);
+            }
+            let [a, b] = [peer, own].map(|from| number(&from["yaw_rad"]));
+            let turned_rad = (a - b).sin().abs();
+            assert!(turned_rad * REACH_M < TOLERANCE_M, "{path}, station {}: {a} {b}", slot + 2);
+        }
     }
 }
 
@@ -991,6 +1071,8 @@ fn a_past_deployment_is_a_plan() {
     let path = sample_folder("warthog");
     let value = json(&["plan", text(&path), "--json"]);
     let calibrated = json(&["calibrate", text(&path), "--json"]);
+    // A plan has no control points.
+    let by_drive = json(&["calibrate", text(&path), "--json", "--evidence", "drive,rig"]);
     for slot in 0..2 {
         let (station, transform) =
             (&value["plan"]["stations_m"][slot + 1], &calibrated["transforms"][slot]);
@@ -1005,7 +1087,7 @@ fn a_past_deployment_is_a_plan() {
         // The predicted σ agrees with the σ that the estimate states.
         for axis in 0..3 {
             let foreseen = value["held"]["sigma"][slot]["translation_m"][axis].as_f64();
-            let stated = transform["sigma"]["translation_m"][axis].as_f64();
+            let stated = by_drive["transforms"][slot]["sigma"]["translation_m"][axis].as_f64();
             let ratio = foreseen.expect("held") / stated.expect("held");
             assert!((0.7..1.4).contains(&ratio), "T1{} axis {axis}: {ratio:.2}", slot + 2);
         }

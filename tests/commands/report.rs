@@ -135,6 +135,56 @@ fn it_holds_what_calibrate_says() {
 }
 
 #[test]
+fn the_reliability_is_that_of_calibrate() {
+    let path = sample_folder("warthog");
+    let html = report(&[text(&path)]);
+    let body = body(&html);
+    let document = Document::parse(&body).expect("well-formed");
+    let output = resect(&["calibrate", text(&path), "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let groups = json["details"]["joint"]["reliability"].as_array().expect("groups");
+    // Four groups a station in the drive, two at control points, and three distances of the rig.
+    assert_eq!(groups.len(), 21);
+    for (code, heading, bias) in [
+        ("station-2-ranges", "station 2, ranges", "minimal_detectable_bias_m"),
+        ("station-3-vertical-angles", "station 3, vertical angles", "minimal_detectable_bias_rad"),
+        (
+            "station-3-control-point-ranges",
+            "station 3, control points, ranges",
+            "minimal_detectable_bias_m",
+        ),
+        ("rig-23-distance", "rig, prisms 2 and 3, distance", "minimal_detectable_bias_m"),
+    ] {
+        let group = groups.iter().find(|group| group["group"] == code).expect(code);
+        let cells = row(&document, heading);
+        let redundancy = group["redundancy"].as_f64().expect("a number");
+        assert!((0.0..=1.0).contains(&redundancy), "{code}: {redundancy}");
+        assert_eq!(cells[0], format!("{redundancy:.2}"), "{code}");
+        let Some(size) = group[bias].as_f64() else {
+            assert_eq!((&*cells[2], &*cells[3]), ("not determined", "–"), "{code}");
+            continue;
+        };
+        assert!(size > 0.0 && !cells[2].starts_with("not"), "{code}: {size}");
+        let position_m = group["effect"][0]["position_m"].as_f64().expect("a number");
+        assert_eq!(cells[3], format!("{:.2}", position_m * 1e3), "{code}");
+    }
+    let of_points = groups.iter().find(|group| group["group"] == "station-1-control-point-angles");
+    let of_points = of_points.expect("station 1 measured them");
+    let readings = of_points["readings"].as_array().expect("readings");
+    assert!(readings.len() > 10, "two angles a reading: {}", readings.len());
+    let largest = &of_points["largest_normalised_residual"];
+    let is_it = |reading: &&serde_json::Value| {
+        ["file", "marker"].iter().all(|key| reading[key] == largest[key])
+            && reading["normalised_residual"] == largest["value"]
+    };
+    assert!(readings.iter().any(|reading| is_it(&reading)), "{largest}");
+    let rms = groups.iter().filter_map(|group| group["normalised_residual_rms"].as_f64());
+    let rms: Vec<f64> = rms.collect();
+    assert_eq!(rms.len(), 9);
+    assert!(rms.iter().all(|rms| (0.2..3.0).contains(rms)), "{rms:?}");
+}
+
+#[test]
 fn nothing_is_fetched_or_run_and_the_same_input_gives_the_same_bytes() {
     let path = sample_folder("hd2-tunnel");
     let html = report(&[text(&path)]);
@@ -319,13 +369,14 @@ fn a_file_that_cannot_be_written_is_one_line_and_leaves_nothing() {
 
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
-fn the_field_data_are_weak_because_of_the_control_points() {
+fn the_report_of_the_field_data_names_the_station_that_turned() {
     let path = of_field("2022-07-11-2");
     let html = report(&[text(&path)]);
     let body = body(&html);
     let document = Document::parse(&body).expect("well-formed");
     let all = words(document.root_element());
-    assert!(all.contains("WEAK") && all.contains("control points contradict"), "{all}");
+    assert!(all.contains("Station 2 turned by") && all.contains("yaw survey − drive"), "{all}");
+    assert!(!all.contains("control points contradict"), "{all}");
     assert_eq!(row(&document, "raw")[..3], ["1040", "1041", "1041"]);
     assert_eq!(row(&document, "rejected: azimuth rate")[0], "342");
     assert!(all.contains("11 of them kept; 2032 triplets"));

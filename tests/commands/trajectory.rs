@@ -332,7 +332,7 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     off_sigmas.sort_by(f64::total_cmp);
     let share = |percent: usize| off_sigmas[(off_sigmas.len() - 1) * percent / 100];
     let told = [50, 95, 100].map(share);
-    assert!(told[0] < 0.1 && told[1] < 0.5 && told[2] < 2.0, "{told:?} σ");
+    assert!(told[0] < 0.25 && told[1] < 0.5 && told[2] < 2.0, "{told:?} σ");
     for gap in trajectory.poses.windows(2).filter(|two| two[1].time_s - two[0].time_s > 0.5) {
         let middle_s = 0.5 * (gap[0].time_s + gap[1].time_s);
         assert_eq!(vehicle_at(&deployment, calibration, middle_s), None, "in a gap");

@@ -16,6 +16,8 @@ use crate::harness::{
 
 /// Clicks an entry of the Copy menu and returns the clipboard's text.
 fn copy(harness: &mut Window, entry: &str) -> String {
+    harness.get_by_label("Copy…").scroll_to_me();
+    harness.run_steps(60);
     harness.get_by_label("Copy…").click();
     harness.run_steps(3);
     harness.get_by_label(entry).click();
@@ -79,6 +81,8 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
         snapshot_of(&mut harness, Part::Pane(Pane::Result), name);
 
+        harness.get_by_label("Unpin E").scroll_to_me();
+        harness.run_steps(3);
         click(&mut harness, "Unpin E");
         assert!(harness.state().state.results.pins.is_empty());
         assert!(harness.query_by_label("Compared with pinned result E").is_none());
@@ -101,6 +105,19 @@ fn the_papers_answer_is_one_click_away_and_the_joint_estimate_one_back() {
 
     click(&mut harness, "Reset to the defaults");
     assert_eq!(method(&harness), Method::Joint);
+}
+
+#[test]
+fn the_result_begins_with_the_answer_to_use() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let conclusion = harness.get_by_label("Use the joint estimate for this drive.").rect();
+    let table = harness.get_by_label("Transforms into station 1").rect();
+    assert!(conclusion.bottom() < table.top());
+    let deployment =
+        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
+    open(&mut harness, deployment);
+    assert!(harness.query_by_label_contains("Use no answer from this drive: ").is_some());
+    assert!(harness.query_by_label_contains(" of 8 directions are not determined: ").is_some());
 }
 
 /// The paper's calibration is visible first, marked as preliminary.

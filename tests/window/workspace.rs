@@ -2,11 +2,12 @@
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{
     DeploymentCommand, DialogCommand, Overlay, Pane, ResultsCommand, Ruler, RulerEnd, SceneCommand,
     StudyResult, TimeCommand, Units, WorkspaceCommand,
 };
+use resect_core::calibration::Evidence;
 use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{
@@ -40,6 +41,36 @@ fn every_setting_can_be_taken_back_and_done_again() {
         press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     }
     assert_eq!(settings(&harness), changed);
+}
+
+#[test]
+fn evidence_is_switched_by_group_and_one_group_stays() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let toggle = |harness: &mut Window, name: &str| {
+        // At any scroll position.
+        harness.get_by_role_and_label(Role::CheckBox, name).click_accesskit();
+        settle(harness);
+    };
+    let is_locked = |harness: &Window, name: &str| {
+        harness.get_by_role_and_label(Role::CheckBox, name).accesskit_node().is_disabled()
+    };
+    toggle(&mut harness, "evidence: control points");
+    let without_points = Evidence { control_points: false, ..Evidence::ALL };
+    assert_eq!(settings(&harness).calibration.evidence, without_points);
+    assert!(!is_locked(&harness, "evidence: drive"));
+
+    toggle(&mut harness, "evidence: rig distances");
+    let drive_alone = Evidence { drive: true, ..Evidence::NONE };
+    assert_eq!(settings(&harness).calibration.evidence, drive_alone);
+    assert!(is_locked(&harness, "evidence: drive"));
+    assert!(!is_locked(&harness, "evidence: rig distances"));
+
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(settings(&harness).calibration.evidence, without_points);
+    // This sample has a rig, and no control points.
+    send(&mut harness, DeploymentCommand::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
+    assert!(is_locked(&harness, "evidence: control points"));
+    assert!(!is_locked(&harness, "evidence: rig distances"));
 }
 
 #[test]

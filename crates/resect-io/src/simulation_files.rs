@@ -10,7 +10,7 @@ use crate::error::OpenError;
 use crate::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::open::open_files;
 use resect_core::deployment::{Deployment, pairwise_distances};
-use resect_core::geometry::Polar;
+use resect_core::geometry::{LevelTransform, Polar};
 use resect_core::simulation::{Simulated, SystematicErrors};
 
 /// Ground truth of a simulation. A folder that contains this file may be overwritten.
@@ -63,9 +63,7 @@ fn spare_what_is_there(folder: &Path, files: &[(String, String)]) -> Result<(), 
 /// Returns name and text of every file.
 pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     let prism_constant_m = simulated.scenario.prism_constant_m;
-    let measured = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
-    let wrong_by = simulated.scenario.errors.inter_prism_m;
-    let measured: [f64; 3] = std::array::from_fn(|pair| measured[pair] + wrong_by[pair]);
+    let measured = written_distances_m(simulated);
     let mut files = vec![
         ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
         (
@@ -101,6 +99,16 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     files
 }
 
+/// Returns the inter-prism distances by the reading of the rig, with their errors (m).
+fn written_distances_m(simulated: &Simulated) -> [f64; 3] {
+    let SystematicErrors { inter_prism_m, rig_constant_m, .. } = &simulated.scenario.errors;
+    let prisms_m = simulated.rig_reading.map(|reading| {
+        Polar { range_m: reading.range_m + rig_constant_m, ..reading }.to_cartesian()
+    });
+    let measured_m = pairwise_distances(&prisms_m);
+    std::array::from_fn(|pair| measured_m[pair] + inter_prism_m[pair])
+}
+
 #[derive(Serialize)]
 struct TruthFile<'a> {
     preset: &'static str,
@@ -114,6 +122,9 @@ struct TruthFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     errors: Option<&'a SystematicErrors>,
     transforms: Vec<TransformEntry>,
+    /// Transforms at the survey of the control points; left out if they are those of the drive.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    survey_transforms: Vec<TransformEntry>,
 }
 
 #[derive(Serialize)]
@@ -127,17 +138,6 @@ struct TransformEntry {
 fn truth_text(simulated: &Simulated) -> String {
     let truth = &simulated.truth;
     let errors = &simulated.scenario.errors;
-    let transforms = (1..3)
-        .map(|station| {
-            let transform = &truth.station1_from_station[station];
-            TransformEntry {
-                from: station + 1,
-                to: 1,
-                translation_m: transform.translation_m.into(),
-                yaw_rad: transform.yaw_rad,
-            }
-        })
-        .collect();
     let file = TruthFile {
         preset: simulated.scenario.name,
         seed: simulated.seed,
@@ -146,9 +146,24 @@ fn truth_text(simulated: &Simulated) -> String {
         inter_prism_m: truth.inter_prism_m,
         pauses_s: &simulated.scenario.pauses_s,
         errors: (*errors != SystematicErrors::default()).then_some(errors),
-        transforms,
+        transforms: transform_entries(&truth.station1_from_station),
+        survey_transforms: if errors.set_up_changes.is_empty() {
+            Vec::new()
+        } else {
+            transform_entries(&truth.station1_from_station_at_survey)
+        },
     };
     toml::to_string(&file).expect("plain data")
+}
+
+fn transform_entries(station1_from_station: &[LevelTransform; 3]) -> Vec<TransformEntry> {
+    let entry = |station: usize| TransformEntry {
+        from: station + 1,
+        to: 1,
+        translation_m: station1_from_station[station].translation_m.into(),
+        yaw_rad: station1_from_station[station].yaw_rad,
+    };
+    [1, 2].map(entry).into()
 }
 
 /// Opens the files of a simulated deployment from memory, with the same readers as from disk.
@@ -161,7 +176,10 @@ pub fn open(simulated: &Simulated) -> Result<Deployment, OpenError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::simulation::{ClockStep, Preset, Scenario, simulate_scenario};
+    use nalgebra::Vector3;
+    use resect_core::simulation::{
+        ChangedSetUp, ClockStep, ErrorKind, Preset, Scenario, draw, simulate_scenario,
+    };
 
     /// Scenario of one minute without a prism constant.
     fn short() -> Scenario {
@@ -192,13 +210,54 @@ mod tests {
     }
 
     #[test]
+    fn distances_without_the_prism_constant_are_computed_from_shorter_ranges() {
+        let errors = SystematicErrors { rig_constant_m: -0.010, ..SystematicErrors::default() };
+        let simulated = drive(errors);
+        let written_m = written_distances_m(&simulated);
+        let shorter = simulated.rig_reading.map(|p| p.to_cartesian() * (1.0 - 0.010 / p.range_m));
+        for (written_m, expected_m) in written_m.iter().zip(pairwise_distances(&shorter)) {
+            assert!((written_m - expected_m).abs() < 1e-12, "{written_m} {expected_m}");
+        }
+        let off_m = |pair: usize| (written_m[pair] - simulated.truth.inter_prism_m[pair]).abs();
+        let largest_m = [0, 1, 2].map(off_m).into_iter().fold(0.0, f64::max);
+        assert!((5e-4..5e-3).contains(&largest_m), "{largest_m}");
+    }
+
+    fn truth_of(simulated: &Simulated) -> toml::Table {
+        let mut files = files(simulated).into_iter();
+        let (_, text) = files.find(|(name, _)| name == "truth.toml").expect("written");
+        text.parse().expect("TOML")
+    }
+
+    #[test]
+    fn the_truth_of_the_survey_is_written_if_a_set_up_changed() {
+        let unchanged = truth_of(&drive(SystematicErrors::default()));
+        assert!(!unchanged.contains_key("survey_transforms"), "{unchanged}");
+        let move_m = Vector3::new(0.5, 0.0, 0.0);
+        let set_up_changes =
+            vec![ChangedSetUp { station: 2, turn_rad: 0.0, move_m, lean_rad: [0.0; 2] }];
+        let truth =
+            truth_of(&drive(SystematicErrors { set_up_changes, ..SystematicErrors::default() }));
+        let x_m = |key: &str| truth[key][1]["translation_m"][0].as_float().expect("a number");
+        assert!((x_m("transforms") - x_m("survey_transforms") - 0.5).abs() < 1e-12, "{truth}");
+        assert_eq!(truth["errors"]["set_up_changes"][0]["station"].as_integer(), Some(3));
+    }
+
+    #[test]
+    fn errors_of_all_kinds_are_written() {
+        let mut scenario = short();
+        for kind in ErrorKind::ALL {
+            draw(kind, &mut scenario, &mut kind.rng(1));
+        }
+        let truth = truth_of(&simulate_scenario(&scenario, 1));
+        for key in ["facets", "centring", "set_up_changes", "inter_prism_m", "settling"] {
+            assert!(truth["errors"].get(key).is_some(), "{key} is not in {truth}");
+        }
+    }
+
+    #[test]
     fn the_truth_lists_what_is_wrong_and_nothing_else() {
-        let text = |simulated: &Simulated| {
-            let mut files = files(simulated).into_iter();
-            let (_, text) = files.find(|(name, _)| name == "truth.toml").expect("written");
-            text.parse::<toml::Table>().expect("TOML")
-        };
-        let right = text(&drive(SystematicErrors::default()));
+        let right = truth_of(&drive(SystematicErrors::default()));
         assert!(!right.contains_key("errors") && !right.contains_key("pauses_s"), "{right}");
         let errors = SystematicErrors {
             latency_s: [0.0, 0.010, 0.0],
@@ -206,7 +265,7 @@ mod tests {
             ..SystematicErrors::default()
         };
         let pauses_s = vec![[10.0, 20.0]];
-        let wrong = text(&simulate_scenario(&Scenario { errors, pauses_s, ..short() }, 5));
+        let wrong = truth_of(&simulate_scenario(&Scenario { errors, pauses_s, ..short() }, 5));
         let expected =
             "latency_s = [0.0, 0.01, 0.0]\n[[clock_steps]]\nstation = 1\nat_s = 7.0\nby_s = 0.02\n";
         assert_eq!(wrong["errors"], toml::Value::Table(expected.parse().expect("TOML")));

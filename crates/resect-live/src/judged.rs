@@ -149,7 +149,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         told.collect()
     });
     Judged {
-        method: calibration.method,
+        method: calibration.answered_by(),
         up_to_s: deployment.end_s().unwrap_or(f64::NAN),
         readings: deployment.tracks.iter().map(|track| track.measurements.len()).sum(),
         took_ms: analysis.total_ms(),

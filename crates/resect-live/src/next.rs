@@ -81,7 +81,9 @@ fn moves(
     let joint = calibration.joint();
     let expected = joint.map_or_else(ExpectedNoise::default, |joint| ExpectedNoise {
         levels: joint.levels,
-        wander: joint.wander,
+        ranges: joint.slow_ranges,
+        across: joint.slow_across,
+        upward: joint.slow_upward,
     });
     let so_far = SoFar {
         triplets: analysis.triplets(),

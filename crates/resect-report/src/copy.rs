@@ -180,11 +180,11 @@ fn commented(
 
 /// Returns comments with the origin of the numbers and the doubts about them.
 fn origin(summary: &ResultSummary) -> String {
-    let ResultSummary { deployment, method, verdict, doubts, .. } = summary;
+    let ResultSummary { deployment, verdict, doubts, .. } = summary;
     let mut text = format!(
         "# {}: {}, verdict {}\n",
         one_line(deployment),
-        method.in_words(),
+        summary.answered_by().in_words(),
         summary.verdict_in_words()
     );
     if *verdict != Verdict::Good {
@@ -230,7 +230,7 @@ fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {
     let value = json!({
         "schema": SCHEMA,
         "deployment": summary.deployment,
-        "method": summary.method.name(),
+        "method": summary.answered_by().name(),
         "transforms": transforms,
         "diagnosis": {
             "verdict": summary.verdict,
@@ -270,7 +270,7 @@ struct TomlSigma {
 fn toml(summary: &ResultSummary, stations: &[StationSummary]) -> String {
     let copy = TomlCopy {
         deployment: &summary.deployment,
-        method: summary.method.name(),
+        method: summary.answered_by().name(),
         verdict: summary.verdict,
         independently_checked: summary.independently_checked,
         transforms: stations

@@ -95,7 +95,7 @@ impl ResultDifference {
             same_data,
             stations: std::array::from_fn(|k| station_difference(pinned, now, k, same_data)),
             verdict: Compared { pinned: pinned.verdict, now: now.verdict },
-            method: Compared { pinned: pinned.method, now: now.method },
+            method: Compared { pinned: pinned.answered_by(), now: now.answered_by() },
             triplets: Compared { pinned: pinned.triplets, now: now.triplets },
             inter_prism_mm: Compared { pinned: pinned.inter_prism_mm, now: now.inter_prism_mm },
             control_points_mm: control_points(pinned, now),
@@ -172,9 +172,9 @@ fn station_difference(
 }
 
 /// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of the joint estimate, because both
-/// use the same readings. `None` for an answer without another beside it.
+/// use the same readings. `None` for an answer without another beside it, and if the joint estimate failed.
 pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
-    let published = joint.published.as_deref()?;
+    let published = joint.published.as_deref().filter(|_| joint.joint_failure().is_none())?;
     Some(std::array::from_fn(|k| {
         let [before, after] = [published, joint].map(|answer| {
             let sigma = answer.sigma.map(|sigma| sigma[k]);
@@ -256,6 +256,7 @@ mod tests {
             deployment: "field".to_owned(),
             readings: [100, 100, 100],
             method: Method::InterPrism,
+            fallback: None,
             verdict: Verdict::Good,
             independently_checked: true,
             doubts: Vec::new(),

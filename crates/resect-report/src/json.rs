@@ -3,10 +3,13 @@
 mod earlier;
 mod finding;
 mod observability;
+mod recommendation;
+mod reliability;
 mod schema;
 
 pub use earlier::{EarlierError, read_earlier};
 pub use finding::{finding, findings};
+pub use recommendation::recommendation;
 pub use schema::SCHEMA;
 
 use nalgebra::SMatrix;
@@ -18,9 +21,13 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
 use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
 use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch};
-use resect_core::calibration::joint::{DriveClocks, JointEstimate, StepSize};
+use resect_core::calibration::joint::{
+    DriveClocks, JointEstimate, SetUpChange, StepSize, SurveyPoses,
+};
 use resect_core::calibration::two_point::PairResection;
-use resect_core::calibration::{Basin, Calibration, Details, JointTargets, TransformSigma};
+use resect_core::calibration::{
+    Basin, Calibration, Details, JointTargets, TransformSigma, recommend,
+};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
@@ -36,10 +43,11 @@ pub fn calibration(
     // Doubts about the data are also among the answer's own findings.
     let of_data = deployment.findings.iter().filter(|finding| !finding.kind.is_doubt());
     let doubts = calibration.findings.iter().filter(|finding| finding.severity > Severity::Note);
-    json!({
+    let mut object = json!({
         "schema": SCHEMA,
         "deployment": deployment.name,
-        "method": calibration.method.name(),
+        // The published method if the joint estimate failed.
+        "method": calibration.answered_by().name(),
         // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
         // Distances of prisms 12, 13, 23 as measured on the vehicle.
@@ -81,7 +89,7 @@ pub fn calibration(
         },
         // All numbers of the answer with their descriptions, in SI units.
         "rows": analysis.rows(deployment).iter().map(row).collect::<Vec<_>>(),
-        "details": details(calibration),
+        "details": details(deployment, calibration),
         // The paper's answer to the same data, beside a joint estimate.
         "published": published(calibration),
         // Null if outputs are compared.
@@ -92,6 +100,29 @@ pub fn calibration(
             "solve": calibration.solve_ms,
             "total": load_ms + analysis.total_ms(),
         })),
+    });
+    object["recommendation"] = recommendation(&recommend(calibration, deployment));
+    if let Some(survey) = calibration.survey() {
+        object["survey_transforms"] = survey_transforms(survey);
+        if let Some(change) = &survey.change {
+            object["set_up_change"] = set_up_change(change);
+        }
+    }
+    object
+}
+
+/// Returns the transforms when the control points were measured, in the form of `transforms`.
+fn survey_transforms(survey: &SurveyPoses) -> Value {
+    let (transforms, sigma) = (survey.transforms(), survey.sigma());
+    [1, 2].map(|k| transform_of(k + 1, &transforms[k], Some(sigma[k - 1]))).to_vec().into()
+}
+
+/// Returns the change of a set-up from the survey to the drive; its station is null if the data does not decide which one changed.
+fn set_up_change(change: &SetUpChange) -> Value {
+    json!({
+        "station": change.station.map(|station| station + 1),
+        "turned_rad": estimate(&change.turned_rad),
+        "moved_m": estimates(&change.moved_m),
     })
 }
 
@@ -117,15 +148,17 @@ fn row(row: &AnswerRow) -> Value {
 /// Returns the paper's answer beside a joint estimate, with the difference of the two; `None` without it.
 fn published(joint: &Calibration) -> Option<Value> {
     let published = joint.published.as_deref()?;
-    let moved = moved_from_published(joint)?.map(|station| {
-        json!({
-            "station": station.station,
-            "translation_m": station.translation_m.map(|along| along.value),
-            "translation_sigmas": station.translation_m.map(|along| along.sigmas),
-            "distance_m": station.distance_m.value,
-            "distance_sigmas": station.distance_m.sigmas,
-            "yaw_rad": station.yaw_rad.value,
-            "yaw_sigmas": station.yaw_rad.sigmas,
+    let moved = moved_from_published(joint).map(|stations| {
+        stations.map(|station| {
+            json!({
+                "station": station.station,
+                "translation_m": station.translation_m.map(|along| along.value),
+                "translation_sigmas": station.translation_m.map(|along| along.sigmas),
+                "distance_m": station.distance_m.value,
+                "distance_sigmas": station.distance_m.sigmas,
+                "yaw_rad": station.yaw_rad.value,
+                "yaw_sigmas": station.yaw_rad.sigmas,
+            })
         })
     });
     Some(json!({
@@ -135,7 +168,7 @@ fn published(joint: &Calibration) -> Option<Value> {
         "findings": findings(&published.findings),
         "transforms": [transform(published, 1), transform(published, 2)],
         "covariance": published.covariance.map(|covariance| rows(&covariance)),
-        // Joint estimate minus the paper's answer, in m, rad and σ of the joint estimate.
+        // Joint estimate minus the paper's answer, in m, rad and σ of the joint estimate; null if the latter failed.
         "moved": moved,
     }))
 }
@@ -200,7 +233,7 @@ pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
 }
 
 /// Returns the details of the answer's method.
-fn details(calibration: &Calibration) -> Value {
+fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
     let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
     match &calibration.details {
         Details::TwoPoint(details) => {
@@ -239,7 +272,8 @@ fn details(calibration: &Calibration) -> Value {
                 JointTargets::ThreePrisms(details) => inter_prism(details),
                 JointTargets::OnePrism(details) => dynamic_gcp(details),
             };
-            value["joint"] = json!(details.estimate.as_ref().map(joint));
+            let joint = |found: &JointEstimate| joint(deployment, found);
+            value["joint"] = json!(details.estimate.as_ref().ok().map(joint));
             value
         }
     }
@@ -253,10 +287,16 @@ fn inter_prism(details: &InterPrismDetails) -> Value {
     json!({ "prior_search": details.prior_search.as_ref().map(prior_search) })
 }
 
+fn estimate(estimate: &Estimate) -> Value {
+    json!({ "value": estimate.value, "sigma": estimate.sigma })
+}
+
+fn estimates(all: &[Estimate]) -> Vec<Value> {
+    all.iter().map(estimate).collect()
+}
+
 /// Returns the details of a joint estimate: instruments of stations 1 to 3, clocks of stations 2 and 3.
-fn joint(found: &JointEstimate) -> Value {
-    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
-    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
+fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
     let sigma_by_source: serde_json::Map<String, Value> = found
         .budget
         .iter()
@@ -303,12 +343,17 @@ fn joint(found: &JointEstimate) -> Value {
             "angle_rad": found.levels.angle_rad,
             "stamp_s": found.levels.jitter_s,
             "jerk_m_per_s3": found.levels.jerk_m_per_s3,
-            "range_wander_m": found.wander.sigma_m,
-            "range_wander_correlation_s": found.wander.correlation_s,
+            "range_wander_m": found.slow_ranges.sigma_m,
+            "range_wander_correlation_s": found.slow_ranges.correlation_s,
+            "slow_across_m": found.slow_across.sigma_m,
+            "slow_across_correlation_s": found.slow_across.correlation_s,
+            "slow_upward_m": found.slow_upward.sigma_m,
+            "slow_upward_correlation_s": found.slow_upward.correlation_s,
         },
         "steps": steps,
         // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3.
         "sigma_by_source": sigma_by_source,
+        "reliability": reliability::reliability(deployment, found),
         "converged": found.converged,
     })
 }

@@ -1,7 +1,10 @@
 //! Rows of an answer as the cells of a table.
 
 use resect_core::calibration::Quantity;
+use resect_core::calibration::joint::reliability::GroupReliability;
+use resect_core::deployment::ControlPointSet;
 use resect_core::evaluation::answer_rows::AnswerRow;
+pub use resect_core::statistics::estimate::decimals_of;
 
 /// Rows as a table: a line for each name, a column for each subject.
 pub struct Pivot<'a> {
@@ -60,19 +63,15 @@ pub fn prior(row: &AnswerRow) -> String {
         .map_or("–".to_owned(), |prior| format!("{prior:.*}", decimals_of(prior).unwrap_or(1)))
 }
 
+/// Returns the control point with the largest normalised residual of a group: "point 7 of GCP.txt".
+pub fn largest_residual(sets: &[ControlPointSet], group: &GroupReliability) -> Option<String> {
+    let (set, point) = group.largest_at()?;
+    let set = sets.get(set)?;
+    Some(format!("point {} of {}", set.points.get(point)?.marker, set.file))
+}
+
 /// Formats a number with its sign; zero has none.
 pub fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:+.decimals$}");
     if text.bytes().all(|byte| !matches!(byte, b'1'..=b'9')) { text[1..].to_owned() } else { text }
-}
-
-/// Returns the number of decimals that show two significant digits of a σ; `None` if it is zero or not finite.
-pub fn decimals_of(sigma: f64) -> Option<usize> {
-    if !(sigma.is_finite() && sigma > 0.0) {
-        return None;
-    }
-    let decimals = 1 - sigma.log10().floor() as i32;
-    // 0.0996 is written 0.10.
-    let rounds_up = (sigma * 10_f64.powi(decimals)).round() >= 100.0;
-    Some((decimals - i32::from(rounds_up)).clamp(0, 9) as usize)
 }

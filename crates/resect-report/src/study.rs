@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::box_chart;
-use super::json::{SCHEMA, findings};
+use super::json::{SCHEMA, findings, recommendation};
 use super::svg::{Colours, PictureError, to_png, to_svg};
 use super::text::{FindingLine, sigma_text};
 use resect_core::deployment::Severity;
@@ -79,6 +79,9 @@ pub fn transforms_table(comparison: &Comparison, finding_line: FindingLine) -> S
     let mut text = String::new();
     for compared in &comparison.deployments {
         _ = writeln!(text, "\n{}", compared.deployment);
+        if let Some(recommendation) = &compared.recommendation {
+            _ = writeln!(text, "{recommendation}");
+        }
         _ = writeln!(
             text,
             "       station      x (m) ± mm         y (m) ± mm         z (m) ± mm         yaw (rad) ± mrad    verdict"
@@ -163,6 +166,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                 .map(|(method, answer)| match answer {
                     Ok(answer) => json!({
                         "method": method.name(),
+                        "answered_by": answer.calibration.answered_by().name(),
                         "verdict": answer.calibration.verdict,
                         "independently_checked": answer.calibration.is_independently_checked(),
                         "transforms": [
@@ -193,7 +197,12 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                     })
                 })
                 .collect();
-            json!({ "deployment": compared.deployment, "methods": methods, "disagreements": disagreements })
+            json!({
+                "deployment": compared.deployment,
+                "recommendation": compared.recommendation.as_ref().map(recommendation),
+                "methods": methods,
+                "disagreements": disagreements,
+            })
         })
         .collect();
     let mut object = json(&comparison.study);

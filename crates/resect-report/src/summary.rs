@@ -16,7 +16,11 @@ pub struct ResultSummary {
     pub deployment: String,
     /// Numbers of raw readings of stations 1, 2, 3; with the name they identify the data.
     pub readings: [usize; 3],
+    /// The requested method.
     pub method: Method,
+    /// The published method that answers instead of a joint estimate that failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<Method>,
     pub verdict: Verdict,
     /// True if data that the answer does not use confirms it; missing in sessions of older versions.
     #[serde(default)]
@@ -60,6 +64,7 @@ impl ResultSummary {
             deployment: deployment.name.clone(),
             readings: deployment.tracks.each_ref().map(|track| track.measurements.len()),
             method: calibration.method,
+            fallback: calibration.joint_failure().map(|_| calibration.answered_by()),
             verdict: calibration.verdict,
             independently_checked: calibration.is_independently_checked(),
             doubts: doubts.map(ToString::to_string).collect(),
@@ -78,6 +83,11 @@ impl ResultSummary {
             estimates: estimate_rows(deployment, calibration),
             settings: analysis.settings,
         }
+    }
+
+    /// Returns the method of the answer: the published one if the joint estimate failed.
+    pub fn answered_by(&self) -> Method {
+        self.fallback.unwrap_or(self.method)
     }
 
     /// Returns "good", "good, not independently checked", "weak" …

@@ -7,15 +7,15 @@ use crate::of_run;
 use crate::rows::{Pivot, deviation, pivot, prior};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::PriorSearch;
-use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, Targets};
-use resect_core::deployment::{Deployment, Finding};
+use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, Targets, recommend};
+use resect_core::deployment::{Deployment, Finding, MessageAngle};
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
 
 /// Formats a finding as one line: its message, on the command line with the flags of its remedies.
 pub type FindingLine = fn(&Finding) -> String;
 
-/// Formats verdict, transforms with their σ, metrics and findings.
+/// Formats recommendation, verdict, transforms with their σ, metrics and findings.
 pub fn calibration(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -28,10 +28,14 @@ pub fn calibration(
     let mut text = format!(
         "{} · {} · verdict: {}{}\n\n",
         deployment.name,
-        calibration.method.in_words(),
+        calibration.method_in_words(),
         calibration.verdict.name().to_uppercase(),
         calibration.verdict.caveat(calibration.is_independently_checked())
     );
+    for sentence in recommend(calibration, deployment).sentences(MessageAngle::to_string) {
+        _ = writeln!(text, "{sentence}");
+    }
+    text.push('\n');
     let kept = out.kept();
     _ = writeln!(
         text,
@@ -105,7 +109,7 @@ pub fn durations(analysis: &Analysis, answer: &Answer) -> String {
     )
 }
 
-/// Formats the difference of a joint estimate and the paper's answer; empty for any other method.
+/// Formats the difference of a joint estimate and the paper's answer; empty for any other answer.
 fn published(joint: &Calibration) -> String {
     let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
         return String::new();
@@ -230,7 +234,9 @@ fn estimates(rows: &[AnswerRow]) -> String {
     let of = |groups: &[RowGroup]| {
         pivot(rows.iter().filter(|row| groups.contains(&row.group)).collect::<Vec<_>>())
     };
-    for table in [of(&[RowGroup::Clocks, RowGroup::Instruments]), of(&[RowGroup::Distances])] {
+    let groups: [&[RowGroup]; 3] =
+        [&[RowGroup::Survey], &[RowGroup::Clocks, RowGroup::Instruments], &[RowGroup::Distances]];
+    for table in groups.map(of) {
         if table.lines.is_empty() {
             continue;
         }
@@ -245,8 +251,9 @@ fn estimates(rows: &[AnswerRow]) -> String {
                 });
                 _ = write!(text, "{cell:>22}");
             }
-            let known = line.cells.iter().flatten().next().map_or(String::new(), |row| prior(row));
-            _ = writeln!(text, "{:>17}", format!("± {known}"));
+            let known = line.cells.iter().flatten().find(|row| row.prior.is_some());
+            let known = known.map_or("–".to_owned(), |row| format!("± {}", prior(row)));
+            _ = writeln!(text, "{known:>17}");
         }
         text.push('\n');
     }

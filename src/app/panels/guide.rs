@@ -82,7 +82,7 @@ impl<'a> Guide<'a> {
                 .iter()
                 .filter(|advice| {
                     step.parts.iter().any(|part| matches!(part, Part::Doubts))
-                        && has(&[advice.title, advice.text])
+                        && has(&[advice.title, advice.meaning, advice.step])
                 })
                 .collect();
             if parts.is_empty() && advice.is_empty() {
@@ -211,7 +211,7 @@ impl<'a> Guide<'a> {
         ui.strong("Causes and remedies");
         now.into_iter().for_each(|advice| show_advice(ui, advice, true));
         for advice in others {
-            ui.collapsing(advice.title, |ui| ui.add(egui::Label::new(advice.text).wrap()));
+            ui.collapsing(advice.title, |ui| ui.add(egui::Label::new(advice.in_words()).wrap()));
         }
     }
 
@@ -278,7 +278,7 @@ fn show_advice(ui: &mut egui::Ui, advice: &Advice, present: bool) {
     } else {
         ui.label(title.italics());
     }
-    ui.indent(advice.title, |ui| ui.add(egui::Label::new(advice.text).wrap()));
+    ui.indent(advice.title, |ui| ui.add(egui::Label::new(advice.in_words()).wrap()));
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::{
-    Alignment, CalibrationSettings, Method, Offer, PriorMethod, SIGMA_DISTANCES, Targets,
+    Alignment, CalibrationSettings, Evidence, Method, Offer, PriorMethod, SIGMA_DISTANCES, Targets,
 };
 use resect_core::deployment::Deployment;
 use resect_core::number_setting::NumberSetting;
@@ -37,7 +37,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         }
         modules(ui, &mut settings, counts.as_ref(), state.workspace.units.angle);
         let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
-        calibration(ui, &mut settings.calibration, offer);
+        let missing = missing_evidence(state.active().map(|open| &*open.deployment), offer);
+        calibration(ui, &mut settings.calibration, offer, missing);
         if settings != *state.settings() {
             commands.push(DeploymentCommand::Set(settings).into());
         }
@@ -153,7 +154,12 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
 }
 
 /// Shows the methods, enabling those that the data allow, and the options of the chosen one.
-fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Option<&Offer>) {
+fn calibration(
+    ui: &mut egui::Ui,
+    settings: &mut CalibrationSettings,
+    offer: Option<&Offer>,
+    missing: MissingEvidence,
+) {
     module(ui, None, "Calibration", |ui, _| {
         let default = Method::default();
         let mut method = settings.method.unwrap_or_default();
@@ -196,6 +202,48 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                     "σ of the given inter-prism distances; it increases every σ of the result",
                 );
             }
+        }
+        if method == Method::Joint {
+            evidence(ui, &mut settings.evidence, missing);
+        }
+    });
+}
+
+/// Reason why the data lacks each group of measurements, in the order of [`Evidence::NAMES`]; `None` if the data has it.
+type MissingEvidence = [Option<&'static str>; Evidence::NAMES.len()];
+
+fn missing_evidence(deployment: Option<&Deployment>, offer: Option<&Offer>) -> MissingEvidence {
+    let Some(deployment) = deployment else { return MissingEvidence::default() };
+    let control_points =
+        deployment.control_points.is_empty().then_some("The deployment has no control points");
+    let rig = if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) {
+        Some("One prism has no inter-prism distances")
+    } else {
+        deployment.rig.is_none().then_some("The inter-prism distances are unknown")
+    };
+    [None, control_points, rig]
+}
+
+/// Shows a switch for each group of measurements. The last group in use cannot be switched off.
+fn evidence(ui: &mut egui::Ui, evidence: &mut Evidence, missing: MissingEvidence) {
+    const GROUPS: [(&str, &str); Evidence::NAMES.len()] = [
+        ("drive", "Readings of the prisms while the vehicle drives"),
+        ("control points", "Readings of static points by all stations"),
+        ("rig distances", "Inter-prism distances as measured on the vehicle"),
+    ];
+    let switches = evidence.switches().map(|on| *on).into_iter().zip(missing);
+    let is_single = switches.filter(|(on, missing)| *on && missing.is_none()).count() == 1;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("evidence").on_hover_text("Measurements that the joint estimate uses");
+        let groups = GROUPS.into_iter().zip(evidence.switches()).zip(missing);
+        for (((name, meaning), on), missing) in groups {
+            let is_last = *on && is_single;
+            let lock = missing.or(is_last.then_some("At least one group stays on"));
+            let is_enabled = lock.is_none();
+            let switch = ui.add_enabled(is_enabled, egui::Checkbox::new(on, name));
+            let (role, label) = (egui::Role::CheckBox, format!("evidence: {name}"));
+            switch.widget_info(|| egui::WidgetInfo::selected(role, is_enabled, *on, &label));
+            switch.on_hover_text(meaning).on_disabled_hover_text(lock.unwrap_or_default());
         }
     });
 }

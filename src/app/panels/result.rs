@@ -1,4 +1,5 @@
-//! The result: verdict first, then the transforms with their σ, changes against a pinned result, the mirror twin, and the metrics.
+//! The result: recommendation and verdict first, then the transforms with their σ, changes against a pinned result, the mirror
+//! twin, and the metrics.
 
 mod against_pinned;
 mod copy_menu;
@@ -7,6 +8,8 @@ mod extras;
 mod methods;
 mod metrics;
 mod published;
+mod recommendation;
+mod reliability;
 mod transforms;
 
 use egui::RichText;
@@ -38,7 +41,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
-            head(ui, state, (open, answer, analysis.offer.targets), commands);
+            head(ui, state, (open, answer, analysis.offer.targets));
             ui.separator();
         });
     }
@@ -102,6 +105,9 @@ fn show(
     });
     transforms::matrices(ui, calibration);
     extras::ui(ui, &rows, calibration, units);
+    if let Some(joint) = calibration.joint() {
+        reliability::ui(ui, joint, open.deployment.comparable_control_points(), units);
+    }
     published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
     methods::ui(ui, calibration, units);
@@ -132,21 +138,19 @@ fn pin(
     }
 }
 
-/// Shows the fixed header of the pane: the verdict, the most important doubt, and the goodness of fit.
+/// Shows the fixed header of the pane: the recommendation, the verdict, and the goodness of fit.
 fn head(
     ui: &mut egui::Ui,
     state: &State,
     (open, answer, targets): (&OpenDeployment, &Answer, Targets),
-    commands: &mut Commands,
 ) {
     let calibration = &answer.calibration;
-    verdict(ui, calibration);
     if open.joint_follows() {
         ui.weak("the joint estimate follows…");
+    } else {
+        recommendation::ui(ui, calibration, &open.deployment, state.workspace.units);
     }
-    if let Some(first) = doubts(&calibration.findings).first() {
-        finding(ui, state, first, commands);
-    }
+    verdict(ui, calibration);
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
         let what = metrics::name(targets);
         let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
@@ -154,11 +158,11 @@ fn head(
     }
 }
 
-/// Shows the doubts after the first, which the header shows, and the first notes. Other notes are folded, so that the numbers stay visible.
+/// Shows the doubts and the first notes. Other notes are folded, so that the numbers stay visible.
 fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mut Commands) {
     const NOTES_IN_SIGHT: usize = 4;
     let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
-    doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
+    doubts(findings).into_iter().for_each(|one| finding(ui, one));
     let notes: Vec<&Finding> = findings
         .iter()
         .filter(|one| one.severity == Severity::Note && !one.kind.is_tabled())
@@ -179,7 +183,7 @@ fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.horizontal(|ui| {
         let badge = badge(ui, calibration.verdict, 15.0);
         words::explain(badge, &glossary::VERDICT);
-        let method = calibration.method;
+        let method = calibration.answered_by();
         words::explain(ui.label(method.label()), words::of_method(method));
     });
     let caveat = calibration.verdict.caveat(calibration.is_independently_checked());

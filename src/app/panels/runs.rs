@@ -185,7 +185,8 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     if !caveat.is_empty() {
         ui.small("*").on_hover_text(summary.verdict_in_words());
     }
-    ui.label(summary.method.short_name()).on_hover_text(summary.method.title());
+    let method = summary.answered_by();
+    ui.label(method.short_name()).on_hover_text(method.title());
     let spread = |spread: Option<(f64, f64)>| {
         spread.map_or("–".to_owned(), |(median, iqr)| format!("{median:.2} / {iqr:.2}"))
     };

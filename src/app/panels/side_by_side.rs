@@ -100,7 +100,8 @@ impl ComparisonTable<'_> {
             });
         });
         self.of_results(ui, "method", |ui, summary| {
-            ui.label(summary.method.short_name()).on_hover_text(summary.method.title());
+            let method = summary.answered_by();
+            ui.label(method.short_name()).on_hover_text(method.title());
         });
         let transforms = columns::transforms(&self.columns, self.reference, state.workspace.units);
         for (index, transform) in ["T12", "T13"].into_iter().enumerate() {

@@ -67,7 +67,8 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResid
     all
 }
 
-/// Returns true if a calibration is estimated from this point: A from two of them, B from all but pillars, the others from the drive.
+/// Returns true if a calibration is estimated from this point: A from two of them, B from all but pillars, C and D from none. The joint
+/// estimate uses all or none.
 fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoint) -> bool {
     match (&calibration.details, calibration.method) {
         (Details::TwoPoint(details), _) => {
@@ -75,7 +76,7 @@ fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoi
             pair.file == set.file && pair.markers.contains(&point.marker)
         }
         (_, Method::StaticGcp) => !set.pillars,
-        _ => false,
+        _ => calibration.survey().is_some(),
     }
 }
 
@@ -122,7 +123,9 @@ mod tests {
     fn points_are_named_by_their_set_and_it_is_said_which_the_answer_rests_on() {
         let (deployment, found, _) = with(None);
         assert!(deployment.control_points.len() > 1);
-        assert!(found.iter().all(|point| !point.used), "the drive alone decides");
+        assert!(found.iter().all(|point| point.used), "the joint estimate uses all");
+        let (_, by_drive, _) = with(Some(Method::InterPrism));
+        assert!(by_drive.iter().all(|point| !point.used), "the drive alone decides");
         let mut names: Vec<&str> = found.iter().map(|point| point.name.as_str()).collect();
         let count = names.len();
         names.sort_unstable();

@@ -161,7 +161,7 @@ fn trajectory_file(
     let header = format!(
         "{}: frame of station 1, by {}, verdict {}",
         deployment.name,
-        calibration.method.in_words(),
+        calibration.method_in_words(),
         calibration.verdict_in_words()
     );
     let (triplets, targets, wanted) =

@@ -8,7 +8,10 @@ use nalgebra::Vector3;
 use super::super::Failure;
 use super::limits::{Limits, List, replace, replace_row, station};
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
+use resect_core::simulation::{
+    Centring, ChangedSetUp, ClockStep, Curvature, ErrorKind, Scenario, Settling, Wander,
+    draw_facets,
+};
 
 #[derive(Args)]
 #[command(next_help_heading = "Errors of instruments")]
@@ -72,6 +75,23 @@ pub struct ErrorArguments {
     /// Errors of the written inter-prism distances 12, 13, 23 (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     distance_error: Vec<f64>,
+    /// Error of the prism constant in these distances (mm)
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    rig_constant_error: Option<f64>,
+    /// Errors of prisms that repeat with the incidence, drawn from the seed: root mean square along the sight, across it and upward (mm)
+    #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
+    facets: Vec<f64>,
+    /// Position of targets at control points, 1 σ on each axis: beside the marker, and after turning to a station (mm)
+    #[arg(long, value_name = "MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
+    centring: Vec<f64>,
+    /// Change of a station between the control points and the drive: rotation, displacement and optional tilt about x and y;
+    /// may be repeated
+    #[arg(
+        long,
+        value_name = "STATION,TURN_MRAD,MOVE_X_MM,MOVE_Y_MM,MOVE_Z_MM[,ARCSEC,ARCSEC]",
+        allow_hyphen_values = true
+    )]
+    set_up_change: Vec<List>,
 }
 
 const MILLI: f64 = 1e-3;
@@ -80,6 +100,7 @@ const MILLISECONDS: Limits = Limits::either_way(1000.0, MILLI);
 /// Unsynchronised clocks may have any offset.
 const CLOCK_MILLISECONDS: Limits = Limits::either_way(1e7, MILLI);
 const MILLIMETRES: Limits = Limits::either_way(1000.0, MILLI);
+const NO_NEGATIVE_MILLIMETRES: Limits = Limits::up_to(1000.0, MILLI);
 const PARTS_PER_MILLION: Limits = Limits::either_way(1000.0, 1e-6);
 const MILLIRADIANS: Limits = Limits::either_way(100.0, MILLI);
 const ARCSECONDS: Limits = Limits::either_way(3600.0, ARCSECOND_RAD);
@@ -94,6 +115,8 @@ impl ErrorArguments {
             scenario.draw_errors(seed)
         };
         self.replace_constant(&mut scenario)?;
+        self.replace_facets(&mut scenario, seed)?;
+        self.replace_survey(&mut scenario)?;
         self.replace_at_times(&mut scenario)?;
         Ok(scenario)
     }
@@ -126,6 +149,12 @@ impl ErrorArguments {
             ("collimation", &self.collimation, ARCSECONDS, &mut errors.collimation_rad),
             ("tilt", &self.tilt, ARCSECONDS, errors.tilt_rad.as_flattened_mut()),
             ("distance-error", &self.distance_error, MILLIMETRES, &mut errors.inter_prism_m),
+            (
+                "rig-constant-error",
+                self.rig_constant_error.as_slice(),
+                Limits::either_way(100.0, MILLI),
+                from_mut(&mut errors.rig_constant_m),
+            ),
         ] {
             replace(name, given, limits, to)?;
         }
@@ -143,6 +172,49 @@ impl ErrorArguments {
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
         }
         Ok(())
+    }
+
+    /// Draws the errors of prisms that repeat with the incidence.
+    fn replace_facets(&self, scenario: &mut Scenario, seed: u64) -> Result<(), Failure> {
+        let mut rms_m = [0.0; 3];
+        replace("facets", &self.facets, NO_NEGATIVE_MILLIMETRES, &mut rms_m)?;
+        if !self.facets.is_empty() {
+            draw_facets(rms_m, scenario, &mut ErrorKind::Facets.rng(seed));
+        }
+        Ok(())
+    }
+
+    /// Replaces errors of the survey of the control points.
+    fn replace_survey(&self, scenario: &mut Scenario) -> Result<(), Failure> {
+        let errors = &mut scenario.errors;
+        if !self.centring.is_empty() {
+            let mut sigmas_m = [0.0; 2];
+            replace("centring", &self.centring, NO_NEGATIVE_MILLIMETRES, &mut sigmas_m)?;
+            let [marker_m, turned_m] = sigmas_m;
+            errors.centring = Some(Centring { marker_m, turned_m });
+        }
+        let changes = self.set_up_change.iter().map(|given| {
+            let station = station("set-up-change", given)?;
+            let limits = [
+                STATION,
+                MILLIRADIANS,
+                MILLIMETRES,
+                MILLIMETRES,
+                MILLIMETRES,
+                ARCSECONDS,
+                ARCSECONDS,
+            ];
+            let mut row = [0.0; 7];
+            replace_row("set-up-change", &given.0, 5, &limits, &mut row)?;
+            let [_, turn_rad, x_m, y_m, z_m, lean_x_rad, lean_y_rad] = row;
+            Ok(ChangedSetUp {
+                station,
+                turn_rad,
+                move_m: Vector3::new(x_m, y_m, z_m),
+                lean_rad: [lean_x_rad, lean_y_rad],
+            })
+        });
+        replace_all(changes, &mut errors.set_up_changes)
     }
 
     /// Replaces errors that begin at some time, any number of them.
@@ -253,7 +325,8 @@ mod tests {
              --clock-offset -4,0,8 --clock-drift 0,-5,5 --index 3600,0,0 --collimation 0,-3600,0 \
              --tilt 3600,0,0,0,0,-3600 --curvature 0.2 --distance-error 1,-2,3 \
              --settle 1,100,0,0.2,5,0,-5 --settle 3,50,60,0,0,0,0,-3600,3600 \
-             --clock-step 3,20 --clock-step 1,-5,17.5",
+             --clock-step 3,20 --clock-step 1,-5,17.5 --rig-constant-error -10 --facets 1,0.5,2 \
+             --centring 1,0.3 --set-up-change 2,-1.5,3,0,-2 --set-up-change 1,0,0,0,0,3600,0",
         );
         let degree = 1.0_f64.to_radians();
         let rounded = |value: f64| (value * 1e12).round() / 1e12;
@@ -288,6 +361,17 @@ mod tests {
         let [half_way, given] = errors.clock_steps[..] else { panic!("{:?}", errors.clock_steps) };
         assert_eq!(half_way, ClockStep { station: 2, at_s: 210.0, by_s: 0.020 });
         assert_eq!(given, ClockStep { station: 0, at_s: 17.5, by_s: -0.005 });
+        close(&[errors.rig_constant_m], &[-0.010]);
+        let mut drawn = Preset::Warthog.scenario();
+        draw_facets([0.001, 0.0005, 0.002], &mut drawn, &mut ErrorKind::Facets.rng(1));
+        assert_eq!(errors.facets, drawn.errors.facets);
+        let centring = errors.centring.expect("given");
+        close(&[centring.marker_m, centring.turned_m], &[0.001, 0.0003]);
+        let [first, second] = errors.set_up_changes[..] else { panic!("two are given") };
+        assert_eq!((first.station, second.station), (1, 0));
+        close(&[first.turn_rad], &[-0.0015]);
+        close(first.move_m.as_slice(), &[0.003, 0.0, -0.002]);
+        close(&second.lean_rad, &[degree, 0.0]);
     }
 
     #[test]
@@ -325,6 +409,9 @@ mod tests {
             ("--settle 0,0,0,0,0,0,0", "--settle names station 0; stations are 1, 2, 3"),
             ("--settle 1,0,0,0", "--settle has 4 numbers; give 7 or 9, separated by commas"),
             ("--settle 1,0,0,101,0,0,0", "--settle is 101; it must be from -100 to 100"),
+            ("--facets 1,2", "--facets has 2 numbers; give 3, separated by commas"),
+            ("--centring 1,-1", "--centring is -1; it must be from 0 to 1000"),
+            ("--set-up-change 4,0,0,0,0", "--set-up-change names station 4; stations are 1, 2, 3"),
             ("--pause 20,10", "--pause is from 20 to 10 s; give the earlier time first"),
         ] {
             assert_eq!(complaint(words), line);

@@ -134,7 +134,7 @@ fn size(from: f64, to: f64, rng: &mut ChaCha8Rng) -> f64 {
     rng.random_range(from.ln()..to.ln()).exp()
 }
 
-fn sign(rng: &mut ChaCha8Rng) -> f64 {
+pub fn sign(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random_bool(0.5) { 1.0 } else { -1.0 }
 }
 
@@ -143,7 +143,7 @@ fn any(rng: &mut ChaCha8Rng) -> usize {
 }
 
 /// Draws a unit vector, mostly level.
-fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+pub fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     let towards_rad = rng.random_range(0.0..2.0 * PI);
     Vector3::new(towards_rad.cos(), towards_rad.sin(), rng.random_range(-0.5..0.5)).normalize()
 }

@@ -25,6 +25,8 @@ type Unknowns = SVector<f64, UNKNOWNS>;
 pub struct Drawn {
     pub tilt_rad: f64,
     pub distance_m: f64,
+    /// Of the constant with which the distances were computed from the reading of the rig.
+    pub rig_constant_m: f64,
     pub prism_constant_m: f64,
     pub drift: f64,
 }
@@ -41,9 +43,8 @@ pub fn bound(
     for place in TILTS..DISTANCES {
         information[(place, place)] += prior(drawn.tilt_rad);
     }
-    for place in DISTANCES..CONSTANT {
-        information[(place, place)] += prior(drawn.distance_m);
-    }
+    let mut of_distances = information.fixed_view_mut::<3, 3>(DISTANCES, DISTANCES);
+    of_distances += written_distances_covariance_m2(simulated, drawn).try_inverse()?;
     information[(CONSTANT, CONSTANT)] += prior(drawn.prism_constant_m);
     for place in DRIFTS..UNKNOWNS {
         information[(place, place)] += prior(drawn.drift);
@@ -57,6 +58,17 @@ pub fn bound(
     }
     let covariance = information.cholesky()?.inverse();
     Some(covariance.fixed_view::<8, 8>(0, 0).into_owned())
+}
+
+/// Returns the covariance of the written distances, which share the error of the prism constant.
+fn written_distances_covariance_m2(simulated: &Simulated, drawn: &Drawn) -> Matrix3<f64> {
+    let sights_m = simulated.rig_reading.map(Polar::to_cartesian);
+    let by_constant = Vector3::from(PAIRS.map(|(a, b)| {
+        let along = (sights_m[a] - sights_m[b]).normalize();
+        (sights_m[a].normalize() - sights_m[b].normalize()).dot(&along)
+    }));
+    Matrix3::from_diagonal_element(drawn.distance_m.powi(2))
+        + drawn.rig_constant_m.powi(2) * by_constant * by_constant.transpose()
 }
 
 /// Returns the information of one instant.

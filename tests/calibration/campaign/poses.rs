@@ -183,7 +183,8 @@ fn poses_are_as_certain_as_they_say_in_a_short_campaign() {
         assert!(found.covers_position > 0.90, "{place:?}: {:.3}", found.covers_position);
         assert!(found.covers_rotation > 0.90, "{place:?}: {:.3}", found.covers_rotation);
     }
-    assert!(all.over_lines.iter().all(|over| *over < 0.7), "{:?}", all.over_lines);
+    // Facets of the prisms are errors of every method.
+    assert!(all.over_lines.iter().all(|over| *over < 0.75), "{:?}", all.over_lines);
 }
 
 #[test]

@@ -69,9 +69,10 @@ fn named_values(settings: &Settings) -> Vec<NamedValue> {
         NamedValue { name: "method", value: method, unit: "" },
         word("alignment", alignment_name(calibration.alignment)),
         word("prior", prior_name(calibration.prior)),
+        word("evidence", &calibration.evidence.to_string()),
     ]);
     values.extend(CALIBRATION_NUMBERS.map(|setting| number(setting, calibration)));
-    values.push(switch("wandering ranges", calibration.errors.ranges_wander));
+    values.push(switch("slow errors", calibration.errors.ranges_wander));
     values
 }
 
@@ -120,8 +121,10 @@ mod tests {
         assert_eq!(words(|s| s.pipeline.outlier_filter = false), "outlier filter on → off");
         let search = words(|s| s.calibration.prior = PriorMethod::Search);
         assert_eq!(search, "prior closed form → search");
+        let evidence = words(|s| s.calibration.evidence.control_points = false);
+        assert_eq!(evidence, "evidence drive,control-points,rig → drive,rig");
         // 0.0041 m in mm is 4.1000000000000005 in floating point.
-        assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 0.0041), "σ distances 1 → 4.1 mm");
+        assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 0.0041), "σ distances 3 → 4.1 mm");
         assert_eq!(
             words(|s| s.calibration.method = Some(Method::StaticGcp)),
             "method joint estimate → B (static control points)"
@@ -138,7 +141,8 @@ mod tests {
         assert_eq!(text, "rate 10 → 5 Hz, prior closed form → search");
     }
 
-    /// Changes every leaf of the serialised settings, one by one: each change must be reported, and no other.
+    /// Changes every leaf of the serialised settings, one by one: each change must be reported, and no other. The groups of
+    /// evidence share one name.
     #[test]
     fn every_setting_is_seen_and_under_its_own_name() {
         let default = serde_json::to_value(Settings::default()).expect("plain data");
@@ -154,7 +158,10 @@ mod tests {
             let changed: Settings = serde_json::from_value(changed).expect("valid settings");
             let changes = setting_changes(&Settings::default(), &changed);
             assert_eq!(changes.len(), 1, "{pointer}: {changes:?}");
-            assert!(names.insert(changes[0].name), "{pointer}: {} twice", changes[0].name);
+            let name = changes[0].name;
+            let is_evidence = pointer.starts_with("/calibration/evidence/");
+            assert_eq!(name == "evidence", is_evidence, "{pointer}: {name}");
+            assert!(names.insert(name) || is_evidence, "{pointer}: {name} twice");
         }
         assert_eq!(names.len(), named_values(&Settings::default()).len());
     }

@@ -6,7 +6,8 @@ use nalgebra::SMatrix;
 
 use super::details::{Details, JointTargets};
 use super::inter_prism::InterPrismDetails;
-use super::joint::JointEstimate;
+use super::joint::{JointEstimate, SurveyPoses};
+use super::joint_failure::JointFailure;
 use super::method_answer::MethodAnswer;
 use super::{Clock, Estimate, Method, TransformSigma, Verdict, Witness};
 use crate::deployment::{Deployment, Finding, TrackFrame};
@@ -16,6 +17,7 @@ use crate::pipeline::Triplets;
 /// A calibration by one method, with its uncertainty, verdict and checks.
 #[derive(Clone, Debug)]
 pub struct Calibration {
+    /// The requested method; see [`Self::answered_by`].
     pub method: Method,
     /// Transforms from the frames of stations 1 (identity), 2 and 3 to station 1's; level unless a rigid alignment was requested.
     pub station1_from_station: [RigidTransform; 3],
@@ -57,6 +59,34 @@ impl<D: Into<Details>> From<MethodAnswer<D>> for Calibration {
 }
 
 impl Calibration {
+    /// Returns the method of the answer: the published one if the joint estimate failed.
+    pub fn answered_by(&self) -> Method {
+        match &self.details {
+            Details::Joint(details) if details.estimate.is_err() => match details.targets {
+                JointTargets::ThreePrisms(_) => Method::InterPrism,
+                JointTargets::OnePrism(_) => Method::DynamicGcp,
+            },
+            _ => self.method,
+        }
+    }
+
+    /// Returns the reason why the published method answers; `None` unless the joint estimate failed.
+    pub fn joint_failure(&self) -> Option<JointFailure> {
+        match &self.details {
+            Details::Joint(details) => details.estimate.as_ref().err().copied(),
+            _ => None,
+        }
+    }
+
+    /// Returns the method of the answer for sentences: "the joint estimate", or "method D (the joint estimate did not converge)".
+    pub fn method_in_words(&self) -> String {
+        let method = self.answered_by();
+        self.joint_failure().map_or_else(
+            || method.in_words(),
+            |failure| format!("{method} ({})", failure.in_words()),
+        )
+    }
+
     /// Returns true if independent data that would expose a bias agrees with the answer.
     pub fn is_independently_checked(&self) -> bool {
         self.checked_by.iter().any(|witness| witness.is_independent())
@@ -71,9 +101,25 @@ impl Calibration {
 
     /// Returns the transforms of the control points, which are in the stations' own frames; `None` if the answer is about the frame
     /// of the tracks.
-    pub fn placing_control_points(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+    pub fn placing_control_points(&self, deployment: &Deployment) -> Option<[RigidTransform; 3]> {
         let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
-        placed.then_some(&self.station1_from_station)
+        placed.then(|| self.survey_transforms())
+    }
+
+    /// Returns the transforms at the time of the survey, which differ from those of the drive if the joint estimate uses the control
+    /// points.
+    pub fn survey_transforms(&self) -> [RigidTransform; 3] {
+        self.survey().map_or(self.station1_from_station, SurveyPoses::transforms)
+    }
+
+    /// Returns the standard deviations of [`Self::survey_transforms`]; `None` when a direction is not determined.
+    pub fn survey_sigma(&self) -> Option<[TransformSigma; 2]> {
+        self.survey().map(SurveyPoses::sigma).or(self.sigma)
+    }
+
+    /// Returns the poses at the survey, if the answer uses the control points of a joint estimate.
+    pub fn survey(&self) -> Option<&SurveyPoses> {
+        self.joint()?.survey.as_ref()
     }
 
     /// Returns "good", "good, not independently checked", "weak" …
@@ -119,10 +165,10 @@ impl Calibration {
         Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
     }
 
-    /// Returns the joint estimate; `None` for other methods, and if the data does not determine it.
+    /// Returns the joint estimate; `None` for other methods, and if it failed.
     pub fn joint(&self) -> Option<&JointEstimate> {
         match &self.details {
-            Details::Joint(details) => details.estimate.as_ref(),
+            Details::Joint(details) => details.estimate.as_ref().ok(),
             _ => None,
         }
     }

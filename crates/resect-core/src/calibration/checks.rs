@@ -1,10 +1,11 @@
 //! Checks of an answer of any method: its σ, and the control points and inter-prism distances that it does not use.
 
+use super::joint::SurveyPoses;
 use super::method_answer::MethodAnswer;
 use super::{Method, TransformSigma, Verdict, Witness};
 use crate::calibration::distance_errors_m;
 use crate::calibration::misfits::control_points_apart_m;
-use crate::deployment::findings::answers::{estimate_not_converged, published_answer_far_apart};
+use crate::deployment::findings::answers::published_answer_far_apart;
 use crate::deployment::findings::checks::{
     drive_contradicts, drive_fits_poorly, points_leave_direction_free, points_weak,
 };
@@ -34,11 +35,6 @@ const DISTANCE_SIGMA_M: f64 = 0.003;
 /// Data that disagrees by this many times the expected difference contradicts the answer.
 const CONTRADICTION: f64 = 3.0;
 
-/// Returns the doubt about an estimate that did not converge.
-pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
-    (!converged).then(|| (Verdict::Weak, estimate_not_converged()))
-}
-
 /// Largest plausible shift of the published answer by instrument errors (m): in simulated drives with all of them, a few
 /// centimetres.
 const FAR_APART_M: f64 = 0.15;
@@ -57,14 +53,16 @@ pub fn far_apart(
     (apart_m > FAR_APART_M).then(|| (Verdict::Weak, published_answer_far_apart(station, apart_m)))
 }
 
-/// Checks an answer of method A, B or C by its σ, and by the control points and distances that it does not use.
+/// Checks an answer of method A, B or C, or of one prism, by its σ, and by the control points and distances that it does not use.
 ///
-/// `rms_m` is the root mean square of its point errors.
+/// `rms_m` is the root mean square of its point errors. `survey` are the poses when the control points were measured, for a joint
+/// estimate of drive and control points: two independent data sets that confirm each other unless a set-up changed.
 pub fn check_with_unused_data<D>(
     answer: &mut MethodAnswer<D>,
     rms_m: f64,
     deployment: &Deployment,
     triplets: &Triplets,
+    survey: Option<&SurveyPoses>,
 ) {
     let mut doubts = Vec::new();
     let sigma = answer.sigma();
@@ -80,14 +78,17 @@ pub fn check_with_unused_data<D>(
     }
     if let Some(sigma) = &sigma {
         let transforms = &answer.station1_from_station;
+        let at_survey =
+            survey.map_or((*transforms, *sigma), |survey| (survey.transforms(), survey.sigma()));
         // Method B uses the control points itself.
         if answer.method != Method::StaticGcp
             && let Some(apart_m) =
-                control_points_apart_m(deployment.comparable_control_points(), transforms)
+                control_points_apart_m(deployment.comparable_control_points(), &at_survey.0)
         {
-            match control_points_contradict(deployment, transforms, sigma) {
+            let is_unchanged = survey.is_none_or(|survey| survey.change.is_none());
+            match control_points_contradict(deployment, &at_survey.0, &at_survey.1) {
                 Some(finding) => doubts.push((Verdict::Weak, finding)),
-                None if apart_m < WEAK_SIGMA_M => {
+                None if is_unchanged && apart_m < WEAK_SIGMA_M => {
                     answer.checked_by.push(Witness::ControlPoints);
                 }
                 None => {}

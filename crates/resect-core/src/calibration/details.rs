@@ -2,15 +2,15 @@
 
 use super::dynamic_gcp::DynamicGcpDetails;
 use super::inter_prism::InterPrismDetails;
-use super::joint::JointEstimate;
+use super::joint_failure::JointResult;
 use super::static_gcp::StaticGcpDetails;
 use super::two_point::TwoPointDetails;
 
 /// Details of a joint estimate, for three prisms or for one.
 #[derive(Clone, Debug)]
 pub struct JointDetails {
-    /// `None` if the data does not determine all unknowns; the answer is then the published one.
-    pub estimate: Option<JointEstimate>,
+    /// The estimate, or the reason why the answer is the published one.
+    pub estimate: JointResult,
     pub targets: JointTargets,
 }
 
@@ -58,15 +58,15 @@ impl From<InterPrismDetails> for Details {
     }
 }
 
-impl From<(Option<JointEstimate>, InterPrismDetails)> for Details {
-    fn from((estimate, details): (Option<JointEstimate>, InterPrismDetails)) -> Self {
+impl From<(JointResult, InterPrismDetails)> for Details {
+    fn from((estimate, details): (JointResult, InterPrismDetails)) -> Self {
         let targets = JointTargets::ThreePrisms(details);
         Self::Joint(Box::new(JointDetails { estimate, targets }))
     }
 }
 
-impl From<(Option<JointEstimate>, DynamicGcpDetails)> for Details {
-    fn from((estimate, details): (Option<JointEstimate>, DynamicGcpDetails)) -> Self {
+impl From<(JointResult, DynamicGcpDetails)> for Details {
+    fn from((estimate, details): (JointResult, DynamicGcpDetails)) -> Self {
         let targets = JointTargets::OnePrism(details);
         Self::Joint(Box::new(JointDetails { estimate, targets }))
     }

@@ -49,7 +49,8 @@ impl Disagreement {
     }
 }
 
-/// Returns the significant differences of two answers; empty if they are about different frames.
+/// Returns the significant differences of two answers; empty if they are about different frames, or if one uses the control points of
+/// the other.
 pub fn disagreements(
     a: &Calibration,
     b: &Calibration,
@@ -57,6 +58,10 @@ pub fn disagreements(
 ) -> Vec<Disagreement> {
     let from_tracks = [a, b].map(|answer| answer.method.is_from_tracks());
     if deployment.track_frame == TrackFrame::Common && from_tracks[0] != from_tracks[1] {
+        return Vec::new();
+    }
+    // The joint estimate reports a change between its survey and the drive itself.
+    if (a.survey().is_some() && !from_tracks[1]) || (b.survey().is_some() && !from_tracks[0]) {
         return Vec::new();
     }
     let at = |station| difference(deployment, [a, b], station);
@@ -86,7 +91,7 @@ fn difference(
         let area_m = working_area_m(deployment, station);
         let count = area_m.len().max(1) as f64;
         Disagreement {
-            methods: answers.map(|answer| answer.method),
+            methods: answers.map(Calibration::answered_by),
             station: station + 1,
             translation_m: off.into(),
             yaw_rad,

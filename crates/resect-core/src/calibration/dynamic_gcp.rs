@@ -9,7 +9,8 @@ use nalgebra::SMatrix;
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint::JointEstimate;
+use super::joint::JointInput;
+use super::joint_failure::{JointResult, require_converged};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
@@ -21,7 +22,6 @@ use super::{
 };
 use super::{clocks_in_words, with_clocks};
 use crate::deployment::Deployment;
-use crate::deployment::findings::answers::joint_estimate_undetermined;
 use crate::deployment::findings::outliers::outliers_shift_answer;
 use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
@@ -57,51 +57,60 @@ pub fn solve(
     if let Some(clocks) = &tracks.clocks {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
     }
-    Ok(tracks.into_answer(settings.alignment, judgement, deployment, triplets))
+    let mut answer = tracks.into_answer(settings.alignment, judgement);
+    let rms_m = answer.details.rms_m;
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
+    Ok(answer)
 }
 
-/// Calibrates by the joint estimate of one prism, which starts from the aligned tracks.
+/// Calibrates by the joint estimate of one prism, which starts from the aligned tracks. If it fails, the answer is that of method C.
 pub fn solve_jointly(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
-) -> Result<MethodAnswer<(Option<JointEstimate>, DynamicGcpDetails)>, CalibrationError> {
+) -> Result<MethodAnswer<(JointResult, DynamicGcpDetails)>, CalibrationError> {
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let mut judgement = tracks.judge(offer);
     if let Some(clocks) = &tracks.clocks {
         judgement.doubt(clocks_in_words::implausible_drifts(&clocks.drifts, &[false; 2], false));
     }
-    let mut answer = tracks.into_answer(Alignment::Level, judgement, deployment, triplets);
+    let mut answer = tracks.into_answer(Alignment::Level, judgement);
     let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
-    let estimate =
-        joint::estimate(&|| Cow::Borrowed(triplets), &plain, None, &settings.errors, progress)?;
-    let judgement = &mut answer.judgement;
-    match &estimate {
-        Some(joint) => {
-            let doubts = checks::unconverged(joint.converged).into_iter();
-            let doubts: Vec<_> = doubts.chain(joint::findings::doubts(joint)).collect();
-            judgement.findings.extend(joint::findings::findings(joint));
-            judgement.put_first(doubts);
-            answer.station1_from_station = joint.station1_from_station.map(RigidTransform::from);
-            answer.covariance = Some(joint.covariance);
+    let input = JointInput {
+        published: &plain,
+        rig: None,
+        survey: joint::survey::of_deployment(deployment, settings),
+        sizes: &settings.errors,
+    };
+    let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;
+    let estimate = match require_converged(estimate) {
+        Ok(estimate) => estimate,
+        Err(failure) => {
+            let published = solve(deployment, triplets, settings, offer)?;
+            return Ok(published.in_place_of_joint(failure));
         }
-        None => judgement.put_first([(
-            Verdict::Weak,
-            joint_estimate_undetermined("these are the aligned tracks"),
-        )]),
-    }
+    };
+    answer.station1_from_station = estimate.station1_from_station.map(RigidTransform::from);
+    answer.covariance = Some(estimate.covariance);
+    let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
+    let judgement = &mut answer.judgement;
+    // The conclusion of the survey comes before other notes.
+    judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
+    judgement.findings.extend(joint::findings::findings(&estimate));
+    judgement.put_first(joint::findings::doubts(&estimate));
     Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station,
         covariance: answer.covariance,
         judgement: answer.judgement,
         checked_by: answer.checked_by,
-        details: (estimate, answer.details),
+        details: (Ok(estimate), answer.details),
         prior_ms: 0.0,
     })
 }
@@ -199,20 +208,18 @@ impl<'a> AlignedTracks<'a> {
         DynamicGcpDetails { rms_m: self.rms_m(), blocks }
     }
 
-    /// Returns the answer, checked with the data that it does not use.
+    /// Returns the answer of method C.
     fn into_answer(
         self,
         alignment: Alignment,
         judgement: Judgement,
-        deployment: &Deployment,
-        triplets: &Triplets,
     ) -> MethodAnswer<DynamicGcpDetails> {
         let common = common_errors::covariance(&self.used, |triplets| {
             let placed = point_to_point::transforms(&matches(triplets), alignment)?;
             Some([RigidTransform::IDENTITY, placed[0], placed[1]])
         });
         let details = self.details();
-        let mut answer = MethodAnswer {
+        MethodAnswer {
             method: Method::DynamicGcp,
             station1_from_station: transforms(&self.aligned),
             covariance: self.covariance.zip(common).map(|(own, common)| own + common),
@@ -220,9 +227,7 @@ impl<'a> AlignedTracks<'a> {
             checked_by: Vec::new(),
             details,
             prior_ms: 0.0,
-        };
-        checks::check_with_unused_data(&mut answer, details.rms_m, deployment, triplets);
-        answer
+        }
     }
 
     /// Judges the fit of the tracks.

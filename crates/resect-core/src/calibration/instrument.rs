@@ -14,7 +14,7 @@ pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0003;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ErrorSizes {
-    /// Offset of the clocks of stations 2 and 3 from station 1's (s): practically unknown.
+    /// Offset of the clocks of stations 2 and 3 from station 1's (s). A larger offset that is significant widens this prior.
     pub clock_offset_s: f64,
     pub clock_drift: f64,
     /// Random walk of a clock during a drive, beside offset and drift (s).
@@ -37,14 +37,14 @@ pub struct ErrorSizes {
     /// Rotation (rad) and displacement (m) of a tripod during a drive.
     pub settling_rad: f64,
     pub settling_m: f64,
-    /// True if range errors may vary over seconds to minutes, as with prisms that are seen from changing sides.
+    /// True if errors of ranges and sights may vary over seconds to minutes, as with prisms that are seen from changing sides.
     pub ranges_wander: bool,
 }
 
 impl Default for ErrorSizes {
     fn default() -> Self {
         Self {
-            clock_offset_s: 1.0,
+            clock_offset_s: 0.02,
             clock_drift: 5e-6,
             clock_wander_s: 2e-4,
             latency_s: 0.01,

@@ -2,8 +2,10 @@
 
 use nalgebra::SMatrix;
 
+use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
-use super::{Method, TransformSigma, Witness};
+use super::{Method, TransformSigma, Verdict, Witness};
+use crate::deployment::Remedy;
 use crate::geometry::RigidTransform;
 
 /// Answer of one method, with details of its own.
@@ -24,5 +26,28 @@ impl<D> MethodAnswer<D> {
     /// Returns the standard deviations of the transforms of stations 2 and 3.
     pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
         self.covariance.as_ref().map(TransformSigma::of_covariance)
+    }
+
+    /// Returns this answer of a published method in place of a joint estimate that failed, at most weak.
+    pub fn in_place_of_joint(self, failure: JointFailure) -> MethodAnswer<(JointResult, D)> {
+        let mut judgement = self.judgement;
+        for finding in &mut judgement.findings {
+            finding.remedies.retain(|remedy| *remedy != Remedy::JointEstimate);
+        }
+        let finding = failure.finding(self.method);
+        match failure {
+            JointFailure::NotConverged => judgement.put_first([(Verdict::Weak, finding)]),
+            // The directions that the data leaves open come first.
+            JointFailure::Undetermined => judgement.doubt([finding]),
+        }
+        MethodAnswer {
+            method: Method::Joint,
+            station1_from_station: self.station1_from_station,
+            covariance: self.covariance,
+            judgement,
+            checked_by: self.checked_by,
+            details: (Err(failure), self.details),
+            prior_ms: self.prior_ms,
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Bound;
 
-use super::CalibrationSettings;
+use super::{CalibrationSettings, Evidence};
 use crate::geometry::ARCSECOND_RAD;
 use crate::number_setting::{NumberSetting, check_all};
 
@@ -23,11 +23,15 @@ pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
 ];
 
 impl CalibrationSettings {
-    /// Checks all numbers.
+    /// Checks the evidence and all numbers.
     ///
     /// # Errors
-    /// The first number that is not accepted, as one line.
+    /// Missing evidence, or the first number that is not accepted, as one line.
     pub fn check(&self) -> Result<(), String> {
+        if self.evidence == Evidence::NONE {
+            let names = Evidence::NAMES.join(", ");
+            return Err(format!("evidence is empty; it must have at least one of {names}"));
+        }
         check_all(&CALIBRATION_NUMBERS, self)
     }
 }
@@ -75,7 +79,7 @@ static SIGMA_CLOCK_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     "σ clock offsets",
     "clock_offset_s",
     "Time offset of the clocks of stations 2 and 3",
-    ("s", 1.0),
+    ("ms", 1e3),
     |settings| &mut settings.errors.clock_offset_s,
 );
 
@@ -152,3 +156,18 @@ static SIGMA_SETTLING_PLACE: NumberSetting<CalibrationSettings> = prior(
     ("mm", 1e3),
     |settings| &mut settings.errors.settling_m,
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_without_evidence_are_refused() {
+        let none = CalibrationSettings { evidence: Evidence::NONE, ..Default::default() };
+        let message = none.check().expect_err("no evidence");
+        assert!(message.contains("drive, control-points, rig"), "{message}");
+        let drive = Evidence { drive: true, ..Evidence::NONE };
+        let alone = CalibrationSettings { evidence: drive, ..Default::default() };
+        assert_eq!(alone.check(), Ok(()));
+    }
+}

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
-use crate::calibration::ErrorSizes;
+use crate::calibration::{ErrorSizes, Evidence};
 
 /// The starting point of method D.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +27,9 @@ pub enum Alignment {
     Rigid,
 }
 
+/// Largest standard deviation of the distances in method D (m).
+const PUBLISHED_DISTANCE_SIGMA_M: f64 = 0.001;
+
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
@@ -36,8 +39,10 @@ pub struct CalibrationSettings {
     pub alignment: Alignment,
     /// The starting point of method D, and of the joint estimate.
     pub prior: PriorMethod,
-    /// Standard deviation of the known inter-prism distances (m); it increases every σ of the answer.
+    /// Standard deviation of the measured inter-prism distances (m); it increases every σ of the joint estimate.
     pub inter_prism_sigma_m: f64,
+    /// Measurements that the joint estimate uses.
+    pub evidence: Evidence,
     /// Priors of the instrument errors in the joint estimate.
     pub errors: ErrorSizes,
 }
@@ -48,13 +53,19 @@ impl Default for CalibrationSettings {
             method: None,
             alignment: Alignment::Level,
             prior: PriorMethod::ClosedForm,
-            inter_prism_sigma_m: 0.001,
+            inter_prism_sigma_m: 0.003,
+            evidence: Evidence::ALL,
             errors: ErrorSizes::default(),
         }
     }
 }
 
 impl CalibrationSettings {
+    /// Standard deviation of the distances in method D (m), which the paper takes as good to a millimetre.
+    pub fn published_distance_sigma_m(&self) -> f64 {
+        self.inter_prism_sigma_m.min(PUBLISHED_DISTANCE_SIGMA_M)
+    }
+
     /// Returns these settings with another method.
     pub fn with_method(&self, method: Method) -> Self {
         Self { method: Some(method), ..*self }

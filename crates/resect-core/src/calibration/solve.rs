@@ -4,7 +4,8 @@ use crate::deployment::findings::answers::{published_answer_missing, tracks_not_
 
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Method, Offer, Targets, Verdict, Witness,
-    checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
+    checks, control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
+    two_point,
 };
 use crate::deployment::{Deployment, TrackFrame};
 use crate::pipeline::Triplets;
@@ -132,6 +133,10 @@ impl Problem<'_> {
         settings: &CalibrationSettings,
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
+        if !settings.evidence.drive {
+            return control_points_alone::solve(deployment, triplets, settings, offer)
+                .map(Into::into);
+        }
         if offer.targets != Targets::OnePrism {
             let answer =
                 inter_prism::solve_jointly(deployment, triplets, settings, offer, progress)?;
@@ -178,13 +183,16 @@ impl Problem<'_> {
         }
         let by_points = static_gcp::solve(deployment, &Triplets::default(), settings, offer);
         let Ok(by_points) = by_points.map(Calibration::from) else { return };
+        // Empty for a joint estimate that uses the control points.
         let disagreements = disagreements(&by_points, calibration, deployment);
-        let agrees = calibration.sigma.is_some_and(|sigma| {
-            let transforms = &calibration.station1_from_station;
-            checks::control_points_contradict(deployment, transforms, &sigma).is_none()
+        let is_unchanged = calibration.survey().is_none_or(|survey| survey.change.is_none());
+        let agrees = calibration.survey_sigma().is_some_and(|sigma| {
+            let transforms = calibration.survey_transforms();
+            checks::control_points_contradict(deployment, &transforms, &sigma).is_none()
         });
         // Control points that do not determine an answer of their own agree with any answer.
-        if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
+        let is_determined = by_points.verdict == Verdict::Good;
+        if is_determined && is_unchanged && agrees && disagreements.is_empty() {
             calibration.checked_by.push(Witness::ControlPoints);
         }
         for disagreement in disagreements {

@@ -113,7 +113,7 @@ pub fn solve(
         details: StaticGcpDetails { points: counts, rms_m, world_from_station1 },
         prior_ms: 0.0,
     };
-    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets);
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
     Ok(answer)
 }
 

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use crate::deployment::{Deployment, PAIRS};
-use crate::geometry::{RigidTransform, align_level};
+use crate::geometry::{RigidTransform, align_level, wrap_to_pi};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -28,11 +28,16 @@ const ROUNDS: usize = 3;
 /// Most triplets that are used; more add no information.
 const MOST_TRIPLETS: usize = 2000;
 const FEWEST_TRIPLETS: usize = 10;
-/// Below this speed the direction of travel is noise (m/s).
-const MOVING_M_PER_S: f64 = 0.1;
-/// Largest length of the mean of doubled directions of travel, weighted by speed, of a drive that turns. It is 1 on a line driven
-/// in one or both directions.
-const STRAIGHT: f64 = 0.9;
+/// Length of the chords by which the direction of travel is measured (m): much longer than noise, shorter than bends.
+const CHORD_M: f64 = 1.0;
+/// Share of the chords that count.
+const KEPT_CHORDS: f64 = 0.85;
+/// Distance of two prisms on the smallest rig (m), and the multiple of the median distance by which its prisms would be apart.
+const SMALLEST_RIG_M: f64 = 0.2;
+const APART: f64 = 3.0;
+/// Limits of the spread of directions that is needed (rad): noise of chords, and a drive that turns in any case.
+const LEAST_SPREAD_RAD: f64 = 0.06;
+const MOST_SPREAD_RAD: f64 = 0.23;
 
 /// A track whose median distance from its centre is smaller stays at one place (m). Prisms are nearer to the middle of a vehicle.
 const AROUND_M: f64 = 3.0;
@@ -48,12 +53,10 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     if triplets.len() < FEWEST_TRIPLETS {
         return by_rig;
     }
-    if median_distance_m(triplets).is_none_or(|median_m| median_m > COINCIDE_M) {
-        Targets::ThreePrisms
-    } else if turns(triplets) {
-        Targets::OnePrism
-    } else {
-        by_rig
+    match median_distance_m(triplets).filter(|median_m| *median_m < COINCIDE_M) {
+        None => Targets::ThreePrisms,
+        Some(median_m) if turns(triplets, median_m) => Targets::OnePrism,
+        Some(_) => by_rig,
     }
 }
 
@@ -86,37 +89,67 @@ fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3
     Some(from_m.iter().map(|point_m| aligned.apply(point_m)).collect())
 }
 
-/// Returns true if the direction of travel varies along the track.
+/// Returns true if the direction of travel varies so much that the prisms of the smallest rig would be apart by several times the
+/// median distance of the aligned tracks (m).
 ///
-/// A line driven in both directions is not a turn. A rotation on the spot after a long line is not one either: prisms then move in
-/// all directions but hardly change place. Weights are limited, so that a reading with an error of metres weighs no more than
-/// others.
-fn turns(triplets: &Triplets) -> bool {
-    let points = &triplets.points_m[0];
-    let moves = (1..triplets.len()).filter(|i| {
-        triplets.interval[*i] == triplets.interval[i - 1]
-            && triplets.speed_m_per_s[*i] > MOVING_M_PER_S
-    });
-    let moves: Vec<usize> = moves.collect();
-    let speeds = moves.iter().map(|i| triplets.speed_m_per_s[*i]);
-    let Some(usual_m_per_s) = median(speeds) else { return false };
-    let (mut cos, mut sin, mut all) = (0.0, 0.0, 0.0);
-    for i in &moves {
-        let way = points[*i] - points[i - 1];
-        let doubled = 2.0 * way.y.atan2(way.x);
-        let weight = triplets.speed_m_per_s[*i].min(usual_m_per_s);
-        cos += weight * doubled.cos();
-        sin += weight * doubled.sin();
-        all += weight;
+/// A rotation on the spot after a long line is not a turn: prisms then move in all directions but hardly change place.
+fn turns(triplets: &Triplets, median_m: f64) -> bool {
+    let places_m = places_m(triplets);
+    let needed_rad = (APART * median_m / SMALLEST_RIG_M).clamp(LEAST_SPREAD_RAD, MOST_SPREAD_RAD);
+    let spread_rad = direction_spread_rad(&places_m);
+    spread_rad.is_some_and(|spread_rad| spread_rad > needed_rad) && !stays(&places_m)
+}
+
+/// Returns places along the track of station 1, each a chord from the one before, by interval (m).
+fn places_m(triplets: &Triplets) -> Vec<Vec<Vector3<f64>>> {
+    let points_m = &triplets.points_m[0];
+    let mut places_m: Vec<Vec<Vector3<f64>>> = Vec::new();
+    for i in 0..points_m.len() {
+        if i == 0 || triplets.interval[i] != triplets.interval[i - 1] {
+            places_m.push(Vec::new());
+        }
+        let Some(own) = places_m.last_mut() else { continue };
+        let point_m = smoothed_m(points_m, i);
+        if own.last().is_none_or(|last| (point_m - last).xy().norm() > CHORD_M) {
+            own.push(point_m);
+        }
     }
-    let places_m: Vec<&Vector3<f64>> = moves.iter().map(|i| &points[*i]).collect();
-    f64::hypot(cos, sin) < STRAIGHT * all && !stays(&places_m)
+    places_m
+}
+
+/// Returns the median of a point and its neighbours, by coordinate (m), which no single outlier moves.
+fn smoothed_m(points_m: &[Vector3<f64>], index: usize) -> Vector3<f64> {
+    let around = &points_m[index.saturating_sub(2)..(index + 3).min(points_m.len())];
+    Vector3::from_fn(|axis, _| median(around.iter().map(|point| point[axis])).unwrap_or(0.0))
+}
+
+/// Returns the root mean square deviation of the direction of travel from its mean (rad); `None` without chords.
+///
+/// Directions are doubled, so that a line driven in both directions has no spread. The most deviating chords are left out, because
+/// outliers turn them.
+fn direction_spread_rad(places_m: &[Vec<Vector3<f64>>]) -> Option<f64> {
+    let ways = places_m.iter().flat_map(|own| own.windows(2)).map(|chord| chord[1] - chord[0]);
+    // An outlier of metres makes two longer chords.
+    let ways = ways.filter(|way| way.xy().norm() < 2.0 * CHORD_M);
+    let doubled_rad: Vec<f64> = ways.map(|way| 2.0 * way.y.atan2(way.x)).collect();
+    let (sin, cos) = doubled_rad.iter().fold((0.0, 0.0), |(sin, cos), doubled_rad| {
+        (sin + doubled_rad.sin(), cos + doubled_rad.cos())
+    });
+    let mean_rad = f64::atan2(sin, cos);
+    let deviation_rad = |doubled_rad: &f64| 0.5 * wrap_to_pi(doubled_rad - mean_rad).abs();
+    let mut deviations_rad: Vec<f64> = doubled_rad.iter().map(deviation_rad).collect();
+    deviations_rad.sort_by(f64::total_cmp);
+    deviations_rad.truncate((KEPT_CHORDS * deviations_rad.len() as f64).floor() as usize);
+    let squares: f64 = deviations_rad.iter().map(|deviation_rad| deviation_rad.powi(2)).sum();
+    (!deviations_rad.is_empty()).then(|| (squares / deviations_rad.len() as f64).sqrt())
 }
 
 /// Returns true if a vehicle moves only at one place. Prisms that it turns around on the spot follow the same circle, so an
 /// alignment maps one onto the other.
-fn stays(places_m: &[&Vector3<f64>]) -> bool {
-    let middle = |axis: usize| median(places_m.iter().map(|at| at[axis])).unwrap_or(0.0);
+fn stays(places_m: &[Vec<Vector3<f64>>]) -> bool {
+    let all = || places_m.iter().flatten();
+    let middle = |axis: usize| median(all().map(|place_m| place_m[axis])).unwrap_or(0.0);
     let middle_m = Vector3::new(middle(0), middle(1), middle(2));
-    median(places_m.iter().map(|at| (*at - middle_m).norm())).is_none_or(|m| m < AROUND_M)
+    let distances_m = all().map(|place_m| (*place_m - middle_m).norm());
+    median(distances_m).is_none_or(|median_m| median_m < AROUND_M)
 }

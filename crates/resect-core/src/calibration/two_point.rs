@@ -146,7 +146,7 @@ pub fn solve(
         prior_ms: 0.0,
     };
     let rms_m = answer.details.rms_m();
-    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets);
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
     Ok(answer)
 }
 

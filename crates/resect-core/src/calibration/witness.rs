@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Data that an answer does not use, that could have contradicted it, and that agrees with it.
+/// Data that could have contradicted an answer, and that agrees with it. Control points that a joint estimate uses are independent of
+/// its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Witness {

@@ -7,9 +7,17 @@ use super::FindingKind as Kind;
 #[derive(Debug, PartialEq, Eq)]
 pub struct Advice {
     pub title: &'static str,
-    /// Meaning and next step.
-    pub text: &'static str,
+    pub meaning: &'static str,
+    /// The next step, as one sentence.
+    pub step: &'static str,
     pub kinds: &'static [FindingKind],
+}
+
+impl Advice {
+    /// Returns the meaning and the next step.
+    pub fn in_words(&self) -> String {
+        format!("{} {}", self.meaning, self.step)
+    }
 }
 
 impl FindingKind {
@@ -19,33 +27,42 @@ impl FindingKind {
     }
 }
 
-pub const ADVICE: [Advice; 14] = [
+pub const ADVICE: [Advice; 19] = [
     Advice {
         title: "A direction is unobservable or weakly observable",
-        text: "Stations can move without a change of the inter-prism distances. No setting helps. Drive a figure-eight with \
-               turns to both sides, 20 m or more across if the place allows. Then solve both drives together (File).",
+        meaning: "Stations can move without a change of the inter-prism distances. No setting helps. Control points that all stations \
+                  measure help wherever a vehicle cannot turn. Several drives can be solved together (File).",
+        step: "Drive a figure-eight with turns to both sides, as wide as the place allows.",
         kinds: &[
             Kind::DriveLeavesDirectionFree,
             Kind::DriveWeak,
-            Kind::StationsFarFromTrack,
             Kind::DriveStanding,
             Kind::DriveStraightLine,
             Kind::DriveCircle,
             Kind::DriveTwoLegs,
-            Kind::PointsLeaveDirectionFree,
-            Kind::PointsWeak,
             Kind::PlanLeavesDirectionFree,
             Kind::PlanWeak,
         ],
     },
     Advice {
+        title: "The stations stand too far from the track",
+        meaning: "An error of yaw grows with the distance from the track. Control points near the stations help as well.",
+        step: "Drive nearer to the stations or over a larger area, if the place allows.",
+        kinds: &[Kind::StationsFarFromTrack],
+    },
+    Advice {
+        title: "The points determine the stations weakly",
+        meaning: "Points in one place or near a line let a station turn or slide.",
+        step: "Spread three or more points, or the drive of one prism, over a larger area.",
+        kinds: &[Kind::PointsLeaveDirectionFree, Kind::PointsWeak, Kind::ResectionUnchecked],
+    },
+    Advice {
         title: "The mirror ambiguity is not resolved",
-        text: "Two solutions fit, with a station higher or lower. Add calibration_raw.csv (one station's reading of the \
-               prisms) or control points. Or drive over uneven ground, so that the rig pitches and rolls.",
+        meaning: "Two solutions fit, with a station higher or lower. A drive over uneven ground, on which the rig pitches and rolls, \
+                  decides as well.",
+        step: "Let one station read all three prisms (calibration_raw.csv), or let all stations measure three control points.",
         kinds: &[
             Kind::FlatGround,
-            Kind::RivalMinimum,
-            Kind::OtherMinimumFitsBetter,
             Kind::MirrorUnresolved,
             Kind::MirrorWitnessContradicted,
             Kind::MirrorNeedsWitness,
@@ -53,33 +70,51 @@ pub const ADVICE: [Advice; 14] = [
         ],
     },
     Advice {
+        title: "Two different solutions fit",
+        meaning: "With few turns, a solution with the rig turned fits nearly as well.",
+        step: "Drive again with turns to both sides, or let all stations measure three control points.",
+        kinds: &[Kind::RivalMinimum, Kind::OtherMinimumFitsBetter],
+    },
+    Advice {
         title: "Control points or the drive contradict the answer",
-        text: "Two sources that should agree do not. A station was knocked between them, a point was read with another prism, \
-               or a constant is wrong. Find the deviating file (Result, metrics), check its prism constant, and measure one \
-               point again.",
+        meaning: "Two sources that should agree do not. A station was knocked between them, a point was read with another prism, or a \
+                  constant is wrong. The metrics (Result) name the deviating file.",
+        step: "Check marker and prism constant of the deviating file, and measure one of its points again.",
         kinds: &[
             Kind::ControlPointsContradict,
             Kind::DriveContradicts,
             Kind::DriveFitsPoorly,
+            Kind::SetUpChangeUndecided,
+            Kind::MethodsDisagree,
+            Kind::ControlPointsFitPoorly,
+            Kind::ControlPointOutlier,
+            Kind::KnownPointMisplaced,
+            Kind::KnownDistanceOff,
+            Kind::ResectionInconsistent,
+        ],
+    },
+    Advice {
+        title: "The readings contradict the rig",
+        meaning: "Stations are exchanged, azimuths have the other sense, a range is in feet, or the reading of the rig is wrong.",
+        step: "Correct how the files are read, under Corrections or in deployment.toml.",
+        kinds: &[
             Kind::RigOrientationContradicts,
             Kind::RigHeightsContradict,
             Kind::MisreadingSuspected,
             Kind::MisreadingNotFound,
-            Kind::ControlPointsFitPoorly,
-            Kind::ControlPointOutlier,
-            Kind::KnownPointMisplaced,
         ],
     },
     Advice {
         title: "A station moved during the drive",
-        text: "No single calibration fits the whole drive. Select the times before the movement and use only those. Next time, \
-               use firm ground, weights on the tripods and shade.",
+        meaning: "No single calibration fits the whole drive. Firm ground, weights on the tripods and shade prevent it next time.",
+        step: "Select the times on one side of the movement, and use only those.",
         kinds: &[Kind::StationMoved, Kind::SpanLeftOut, Kind::LiveStepped],
     },
     Advice {
         title: "A clock jumps, drifts or is late",
-        text: "The joint estimate corrects offsets and drifts, and reports jumps. The methods of the paper do not: their answers \
-               are biased. Use only the times on one side of a jump.",
+        meaning: "A joint estimate that converged corrects offsets and drifts, and reports jumps. The methods of the paper do not: \
+                  their answers are biased.",
+        step: "Synchronise the stations before the next drive, and use only the times on one side of a jump.",
         kinds: &[
             Kind::ClockStepped,
             Kind::ClockOffsetSuspected,
@@ -92,21 +127,30 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "The distances fit poorly",
-        text: "The order of the prisms is wrong, the rig was measured wrongly or bent, a prism constant is added twice, or a \
-               station followed another prism. Check the data under Corrections. Then measure the rig again.",
+        meaning: "The order of the prisms is wrong, the rig was measured wrongly or bent, a prism constant is added twice, or a \
+                  station followed another prism.",
+        step: "Check the order of the prisms and their constants, then measure the rig again.",
         kinds: &[
             Kind::DistancesFitPoorly,
             Kind::DistanceOff,
             Kind::DistanceImplausible,
             Kind::DistancesImplausible,
             Kind::OutliersShiftAnswer,
+            Kind::ManyOutliersLeftOut,
+            Kind::PublishedAnswerFarApart,
             Kind::LiveWrongPrism,
         ],
     },
     Advice {
+        title: "The tracks do not fit one prism",
+        meaning: "The stations followed several prisms, or their clocks differ.",
+        step: "State the number of prisms under Corrections or in deployment.toml, and check the clocks.",
+        kinds: &[Kind::PrismCountUndecided, Kind::TracksApart, Kind::TracksFitPoorly],
+    },
+    Advice {
         title: "An instrument error is implausibly large",
-        text: "The estimated error is larger than those of sound instruments: probably another error biases the answer. Check \
-               temperature, pressure and prism constant, the levelling of the station, and its view of the prism.",
+        meaning: "The estimated error is larger than those of sound instruments: probably another error biases the answer.",
+        step: "Check temperature, pressure and prism constant, the levelling of the station, and its view of the prism.",
         kinds: &[
             Kind::InstrumentErrorImplausible,
             Kind::StationErrorsImplausible,
@@ -117,14 +161,19 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "The solver did not converge",
-        text: "The solver stopped before it reached a minimum, mostly because the data is short or contradictory. Read the other \
-               findings and leave out the wrong data.",
-        kinds: &[Kind::EstimateNotConverged, Kind::SolverNotConverged],
+        meaning: "The solver stopped before it reached a minimum, mostly because the data is short or contradictory.",
+        step: "Leave out the data that the other findings name, or record a longer drive.",
+        kinds: &[
+            Kind::EstimateNotConverged,
+            Kind::SolverNotConverged,
+            Kind::JointEstimateUndetermined,
+        ],
     },
     Advice {
         title: "The time stamps are not reliable",
-        text: "An error of the stamps moves a prism by its speed times the error. Synchronise the stations (PTP or radio) and \
-               record again. Until then, drive slowly and let the joint estimate determine the clock offsets.",
+        meaning: "An error of the stamps moves a prism by its speed times the error. Until the next recording, trust the slow parts \
+                  of the drive.",
+        step: "Synchronise the stations (PTP or radio), and record again.",
         kinds: &[
             Kind::ReadingsWithoutTime,
             Kind::StampsWholeSeconds,
@@ -135,8 +184,8 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "The files contradict each other",
-        text: "Some readings or file names are wrong. Check under Corrections that each file belongs to this day and is read \
-               with the right units. Then copy the data from the instruments again.",
+        meaning: "Some readings or file names are wrong. If no correction helps, copy the data from the instruments again.",
+        step: "Check under Corrections that each file belongs to this day and is read with the right units.",
         kinds: &[
             Kind::FolderDateContradictsStamps,
             Kind::ReadingsImplausible,
@@ -145,8 +194,9 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "The rig is not known well enough",
-        text: "Method D needs the distances between the prisms to a millimetre. Measure the three prisms from one station, or \
-               with a calliper. Then name the file of the rig (File), or set inter_prism_m in deployment.toml.",
+        meaning: "Method D needs the distances between the prisms to a millimetre. A file of the rig (File) or inter_prism_m in \
+                  deployment.toml gives them.",
+        step: "Measure the three prisms from one station, or with a calliper.",
         kinds: &[
             Kind::NoRig,
             Kind::RigUnknown,
@@ -157,24 +207,26 @@ pub const ADVICE: [Advice; 14] = [
     },
     Advice {
         title: "Readings are missing",
-        text: "A calibration needs readings of all three stations at the same times. Check that each station has its file. Then \
-               relax the filters, or record a longer drive.",
+        meaning: "A calibration needs readings of all three stations at the same times.",
+        step: "Check that each station has its file, then relax the filters or record a longer drive.",
         kinds: &[
             Kind::StationWithoutReadings,
             Kind::NoTriplets,
             Kind::TooFewTriplets,
+            Kind::FewTimeBlocks,
             Kind::MethodLacksData,
         ],
     },
     Advice {
         title: "The method gives no answer for this data",
-        text: "Choose another method (Settings), or add the data that the message names.",
+        meaning: "The data lacks something that the method needs, or the calibration was cancelled.",
+        step: "Choose another method (Settings), or add the data that the message names.",
         kinds: &[Kind::PointsOnALine, Kind::NoJointEstimate, Kind::NoAnswer, Kind::Cancelled],
     },
     Advice {
         title: "A trajectory cannot be evaluated",
-        text: "A trajectory needs a ground truth at the same times. Check that both are of one drive and that their clocks \
-               agree, or set the time offset by hand.",
+        meaning: "A trajectory needs a ground truth at the same times.",
+        step: "Check that both are of one drive and that their clocks agree, or set the time offset by hand.",
         kinds: &[Kind::EstimateNotJudged, Kind::EstimateClockFarOff, Kind::EstimateScaleOff],
     },
 ];
@@ -197,6 +249,15 @@ mod tests {
         for kind in FindingKind::ALL {
             let count = ADVICE.iter().filter(|advice| advice.kinds.contains(kind)).count();
             assert!(count <= 1, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn a_step_is_one_short_sentence() {
+        for Advice { step, .. } in &ADVICE {
+            let ends = step.matches(". ").count();
+            assert!(step.ends_with('.') && ends == 0, "{step}");
+            assert!(step.split_whitespace().count() <= 25, "{step}");
         }
     }
 

@@ -355,6 +355,10 @@ finding_kinds! {
     ClockStepped = "clock-stepped", Warning;
     /// A station turned and moved during the drive.
     StationMoved = "station-moved", Warning;
+    /// A station turned or moved between the survey of the control points and the drive.
+    SetUpChanged = "set-up-changed", Note;
+    /// A station turned or moved between survey and drive, and the data does not decide which one.
+    SetUpChangeUndecided = "set-up-change-undecided", Warning;
 
     /// The noise of the readings about the motion.
     NoiseLevels = "noise-levels", Tabled;

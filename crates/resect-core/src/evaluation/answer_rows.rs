@@ -7,9 +7,15 @@ use serde::{Deserialize, Serialize};
 use super::Evaluation;
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::joint::instrument_errors::instrument_errors;
-use crate::calibration::{Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets};
+use crate::calibration::{
+    Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets, TransformSigma,
+};
 use crate::deployment::{Deployment, PAIRS, pair_label};
-use crate::geometry::wrap_to_pi;
+use crate::geometry::{RigidTransform, wrap_to_pi};
+
+/// Names and symbols of the numbers of a transform.
+const TRANSFORM_NUMBERS: [(&str, &str); 6] =
+    [("x", "x"), ("y", "y"), ("z", "z"), ("yaw", "ψ"), ("roll", "φ"), ("pitch", "θ")];
 
 /// The kind of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -17,6 +23,8 @@ use crate::geometry::wrap_to_pi;
 pub enum RowGroup {
     /// Frames of stations 2 and 3 in station 1's.
     Transforms,
+    /// Differences of the same frames between survey and drive, if a set-up changed.
+    Survey,
     /// Distances between prisms.
     Distances,
     /// Clocks of stations 2 and 3 against station 1's.
@@ -33,6 +41,7 @@ impl RowGroup {
     pub fn name(self) -> &'static str {
         match self {
             Self::Transforms => "transforms",
+            Self::Survey => "survey",
             Self::Distances => "distances",
             Self::Clocks => "clocks",
             Self::Instruments => "instruments",
@@ -43,7 +52,7 @@ impl RowGroup {
 
     /// Returns true if the rows are estimates other than the transforms.
     pub fn is_beside_transforms(self) -> bool {
-        matches!(self, Self::Distances | Self::Clocks | Self::Instruments)
+        matches!(self, Self::Survey | Self::Distances | Self::Clocks | Self::Instruments)
     }
 }
 
@@ -112,25 +121,18 @@ pub fn answer_rows(
 /// A joint estimate is compared with the published method.
 pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     let is_tilted = (1..3).any(|k| calibration.station1_from_station[k].tilt_rad() > 0.0);
-    let published = calibration.published.as_deref();
+    // An answer of the published method does not differ from itself.
+    let has_failed = calibration.joint_failure().is_some();
+    let published = calibration.published.as_deref().filter(|_| !has_failed);
     let mut rows = Vec::new();
     for station in 1..3 {
         let number = station + 1;
-        let numbers = |calibration: &Calibration| {
-            let transform = &calibration.station1_from_station[station];
-            let (roll, pitch, _) = transform.rotation.euler_angles();
-            let t = transform.translation_m;
-            [t.x, t.y, t.z, transform.yaw_rad(), roll, pitch]
-        };
+        let numbers =
+            |calibration: &Calibration| numbers_of(&calibration.station1_from_station[station]);
         let values = numbers(calibration);
         let before = published.map(|published| (published.method.to_string(), numbers(published)));
-        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-        let sigmas = [0, 1, 2, 3].map(|place| {
-            sigma.map(|s| if place == 3 { s.yaw_rad } else { s.translation_m[place] })
-        });
-        let names =
-            [("x", "x"), ("y", "y"), ("z", "z"), ("yaw", "ψ"), ("roll", "φ"), ("pitch", "θ")];
-        for (place, (name, symbol)) in names.into_iter().enumerate() {
+        let sigmas = sigmas_of(calibration.sigma, station);
+        for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().enumerate() {
             if place > 3 && !is_tilted {
                 break;
             }
@@ -155,10 +157,57 @@ pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     rows
 }
 
-/// Returns the estimates other than the transforms of a joint estimate: clocks and instruments by station, then the distances.
+/// Returns x, y, z, yaw, roll and pitch of a transform.
+fn numbers_of(transform: &RigidTransform) -> [f64; 6] {
+    let (roll, pitch, _) = transform.rotation.euler_angles();
+    let t = transform.translation_m;
+    [t.x, t.y, t.z, transform.yaw_rad(), roll, pitch]
+}
+
+/// Returns σ of x, y, z and yaw of a station (1 or 2).
+fn sigmas_of(sigma: Option<[TransformSigma; 2]>, station: usize) -> [Option<f64>; 4] {
+    let sigma = sigma.map(|sigma| sigma[station - 1]);
+    [0, 1, 2, 3]
+        .map(|place| sigma.map(|s| if place == 3 { s.yaw_rad } else { s.translation_m[place] }))
+}
+
+/// Returns x, y, z and yaw of stations 2 and 3 at the survey less those of the drive; empty unless a set-up changed.
+fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
+    let changed = |joint: &&JointEstimate| joint.set_up_change().is_some();
+    let Some(survey) = calibration.joint().filter(changed).and_then(|joint| joint.survey.as_ref())
+    else {
+        return Vec::new();
+    };
+    let mut rows = Vec::new();
+    for station in 1..3 {
+        let [at_survey, of_drive] = [survey.transforms(), calibration.station1_from_station]
+            .map(|transforms| numbers_of(&transforms[station]));
+        let sigmas = [Some(survey.sigma()), calibration.sigma].map(|all| sigmas_of(all, station));
+        for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().take(4).enumerate() {
+            let off = at_survey[place] - of_drive[place];
+            let value = if place < 3 { off } else { wrap_to_pi(off) };
+            // Errors that both have in common cancel, so this is an upper limit.
+            let [survey_sigma, drive_sigma] = sigmas.map(|all| all[place].unwrap_or(0.0));
+            let estimate = Estimate { value, sigma: survey_sigma.hypot(drive_sigma) };
+            let subject = format!("T1{}", station + 1);
+            let mut row = AnswerRow {
+                name: format!("{name} survey − drive"),
+                symbol: format!("Δ{}", indexed(symbol, &[station + 1])),
+                quantity: if place < 3 { Quantity::Length } else { Quantity::Angle },
+                ..estimated(RowGroup::Survey, subject, estimate)
+            };
+            row.is_significant = is_far(&row);
+            rows.push(row);
+        }
+    }
+    rows
+}
+
+/// Returns the estimates other than the transforms of a joint estimate: a change since the survey, clocks and instruments by
+/// station, then the distances.
 pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<AnswerRow> {
     let Some(joint) = calibration.joint() else { return Vec::new() };
-    let mut rows = Vec::new();
+    let mut rows = survey_rows(calibration);
     for station in 0..3 {
         if station > 0 {
             rows.extend(clock_rows(joint, station));
@@ -231,7 +280,9 @@ pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
         ("range", "σ_r", Quantity::Length, levels.range_m()),
         ("angle", "σ_a", Quantity::Angle, levels.angle_rad),
         ("time", "σ_t", Quantity::Time, levels.jitter_s),
-        ("wander of ranges", "σ_w", Quantity::Length, joint.wander.sigma_m),
+        ("slow error of ranges", "σ_w", Quantity::Length, joint.slow_ranges.sigma_m),
+        ("slow error across the sights", "σ_c", Quantity::Length, joint.slow_across.sigma_m),
+        ("slow error upward", "σ_u", Quantity::Length, joint.slow_upward.sigma_m),
     ]
     .map(|(name, symbol, quantity, value)| AnswerRow {
         group: RowGroup::Noise,

@@ -70,6 +70,9 @@ pub fn evaluate_answer(
         distances_m,
         &calibration.station1_from_station,
     );
+    evaluation.control_points_mm = calibration
+        .placing_control_points(deployment)
+        .map_or_else(Vec::new, |transforms| control_points_mm(deployment, &transforms));
     let measured_m = known_distances_m(deployment, targets)
         .filter(|_| distances_m.is_some() && estimated_m.is_some());
     if let Some(measured_m) = measured_m {
@@ -77,9 +80,6 @@ pub fn evaluate_answer(
         let errors = distance_errors_m(triplets, &calibration.station1_from_station, &measured_m);
         evaluation.against_measured_mm =
             Spread::of(errors.iter().flatten().map(|error_m| error_m.abs() * 1e3));
-    }
-    if calibration.placing_control_points(deployment).is_none() {
-        evaluation.control_points_mm.clear();
     }
     (corrected, evaluation)
 }
@@ -96,7 +96,23 @@ pub fn evaluate(
             .map(|errors| errors.into_iter().map(|e| e * 1e3).collect()),
         None => Default::default(),
     };
-    let control_points_mm = deployment
+    Evaluation {
+        against_measured_mm: None,
+        inter_prism_mm: Spread::of(distance_errors_mm.iter().flatten().copied()),
+        inter_prism_by_pair_mm: distance_errors_mm
+            .each_ref()
+            .map(|errors| Spread::of(errors.iter().copied())),
+        distance_errors_mm,
+        control_points_mm: control_points_mm(deployment, station1_from_station),
+    }
+}
+
+/// The control-point metric of each file (mm), without pillars.
+fn control_points_mm(
+    deployment: &Deployment,
+    station1_from_station: &[RigidTransform; 3],
+) -> Vec<ControlPointMetric> {
+    deployment
         .control_points
         .iter()
         .filter(|set| !set.pillars)
@@ -105,14 +121,5 @@ pub fn evaluate(
             let spread = Spread::of(distances.into_iter().map(|d| d * 1e3))?;
             Some(ControlPointMetric { file: set.file.clone(), spread })
         })
-        .collect();
-    Evaluation {
-        against_measured_mm: None,
-        inter_prism_mm: Spread::of(distance_errors_mm.iter().flatten().copied()),
-        inter_prism_by_pair_mm: distance_errors_mm
-            .each_ref()
-            .map(|errors| Spread::of(errors.iter().copied())),
-        distance_errors_mm,
-        control_points_mm,
-    }
+        .collect()
 }

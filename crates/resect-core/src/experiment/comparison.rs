@@ -9,7 +9,9 @@ use super::study::{Group, Level, Quantiles, Series, Study};
 use super::{INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
 use crate::calibration;
-use crate::calibration::{CalibrationSettings, Disagreement, Method, Offer};
+use crate::calibration::{
+    CalibrationSettings, Disagreement, Method, Offer, Recommendation, recommend,
+};
 use crate::deployment::{ControlPointSet, Deployment};
 use crate::evaluation;
 use crate::evaluation::gnss;
@@ -25,6 +27,8 @@ pub struct Compared {
     /// The answers in the order of [`Method::ALL`], or the reason why there is none.
     pub answers: [Result<Arc<Answer>, String>; METHODS],
     pub disagreements: Vec<Disagreement>,
+    /// The recommendation by the joint estimate; `None` without its answer.
+    pub recommendation: Option<Recommendation>,
 }
 
 /// The study, and the answers behind it.
@@ -133,7 +137,10 @@ fn one(
         }
     });
     let disagreements = disagreements(&answers, deployment);
-    (Compared { deployment: deployment.name.clone(), answers, disagreements }, errors)
+    let joint = answers[Method::Joint as usize].as_ref().ok();
+    let recommendation = joint.map(|answer| recommend(&answer.calibration, deployment));
+    let deployment = deployment.name.clone();
+    (Compared { deployment, answers, disagreements, recommendation }, errors)
 }
 
 /// Errors of one method by both metrics.
@@ -155,7 +162,6 @@ fn judge(
             calibration::solve(&train.deployment, &train.triplets, settings, &analysis.offer);
         // A subset may have too few points for the method; the other splits judge it.
         let Ok(answer) = answer else { continue };
-        let transforms = &answer.station1_from_station;
         let (_, evaluation) =
             evaluation::evaluate_answer(&test.deployment, &test.triplets, targets, &answer);
         let points: &[ControlPointSet] = if answer.method.is_from_tracks() {
@@ -164,7 +170,8 @@ fn judge(
             &test.deployment.control_points
         };
         let points = points.iter().filter(|set| !set.pillars);
-        errors[0].extend(points.flat_map(|set| set.disagreements_m(transforms)).map(|m| m * 1e3));
+        let transforms = answer.survey_transforms();
+        errors[0].extend(points.flat_map(|set| set.disagreements_m(&transforms)).map(|m| m * 1e3));
         errors[1].extend(evaluation.distance_errors_mm.into_iter().flatten());
     }
     errors
@@ -181,15 +188,23 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
     };
     Group {
         label: method.label(),
-        note: match (solved, each.len()) {
+        note: match (solved, each) {
             // A missing box shows its reason instead.
-            (0, _) | (_, 1) => String::new(),
-            (solved, all) => format!("{solved} of {all} deployments"),
+            (0, _) => String::new(),
+            (_, [(compared, _)]) => failure_note(&compared.answers[index]),
+            (solved, all) => format!("{solved} of {} deployments", all.len()),
         },
         boxes: (0..2)
             .map(|metric| Quantiles::of(pooled(metric)).ok_or_else(|| why[metric].to_owned()))
             .collect(),
     }
+}
+
+/// Names the method that answers instead of a joint estimate that failed; empty otherwise.
+fn failure_note(answer: &Result<Arc<Answer>, String>) -> String {
+    let calibration = answer.as_ref().ok().map(|answer| &answer.calibration);
+    let failed = calibration.filter(|calibration| calibration.joint_failure().is_some());
+    failed.map_or_else(String::new, |failed| format!("answer of {}", failed.answered_by()))
 }
 
 /// Median error of the distances between RTK antennas, with which the stations are compared.
@@ -207,7 +222,7 @@ fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
     Some(Level { label: format!("RTK GNSS antennas {median:.1} mm"), value: median })
 }
 
-/// All pairs of answers that differ by more than their σ allow.
+/// All pairs of answers that differ by more than their σ allow. A joint estimate that failed is the answer of another method.
 fn disagreements(
     answers: &[Result<Arc<Answer>, String>; METHODS],
     deployment: &Deployment,
@@ -215,7 +230,9 @@ fn disagreements(
     let mut found = Vec::new();
     for first in 0..METHODS {
         for second in first + 1..METHODS {
-            if let (Ok(a), Ok(b)) = (&answers[first], &answers[second]) {
+            if let (Ok(a), Ok(b)) = (&answers[first], &answers[second])
+                && b.calibration.joint_failure().is_none()
+            {
                 found.extend(calibration::disagreements(
                     &a.calibration,
                     &b.calibration,

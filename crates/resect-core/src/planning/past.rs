@@ -158,7 +158,7 @@ impl PlannedInstrument {
             angle_arcsec: rounded(levels.angle_rad / ARCSECOND_RAD, 2),
             rate_hz: rounded(joint.solution.readings_hz(), 2),
             stamp_jitter_ms: rounded(1e3 * levels.jitter_s, 2),
-            range_wander_mm: rounded(1e3 * joint.wander.sigma_m, 3),
+            range_wander_mm: rounded(1e3 * joint.slow_ranges.sigma_m, 3),
             ..Self::default()
         }
     }

@@ -13,7 +13,8 @@ use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
 use crate::calibration::joint::prism_motion::PrismMotion;
 use crate::calibration::joint::{
-    ExpectedNoise, JointEstimate, NoiseLevels, RIG_FLEX_SIGMA_M, RangeWander, stated_range_m,
+    ExpectedNoise, GaussMarkov, JointEstimate, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
+    RIG_FLEX_SIGMA_M, stated_range_m,
 };
 use crate::calibration::{ErrorSizes, Verdict};
 use crate::deployment::PAIRS;
@@ -117,15 +118,18 @@ pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
     let read_m = 1e-3 * range_mm + 1e-6 * range_ppm * range_m;
     ExpectedNoise {
         levels: NoiseLevels {
+            distance_m: OBSERVED_DISTANCE_SIGMA_M,
             range: more * read_m / stated_range_m(range_m),
             angle_rad: more * angle_arcsec * ARCSECOND_RAD,
             jitter_s: more * 1e-3 * plan.instrument.stamp_jitter_ms,
             jerk_m_per_s3: jerk_m_per_s3(simulated),
         },
-        wander: RangeWander {
+        ranges: GaussMarkov {
             sigma_m: (1e-3 * plan.instrument.range_wander_mm).max(1e-4),
             correlation_s: WANDER_S,
         },
+        across: GaussMarkov::SMALLEST,
+        upward: GaussMarkov::SMALLEST,
     }
 }
 

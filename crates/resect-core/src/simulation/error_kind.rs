@@ -35,10 +35,16 @@ pub enum ErrorKind {
     Distances,
     /// Error of the prism constant, the same for all ranges.
     PrismConstant,
+    /// Errors of readings that repeat with the incidence on a prism.
+    Facets,
+    /// Positions of targets beside their markers.
+    Centring,
+    /// Changes of set-ups between the survey of the control points and the drive.
+    SetUpChange,
 }
 
 impl ErrorKind {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::Settling,
         Self::RangeOffset,
         Self::RangeScale,
@@ -53,6 +59,9 @@ impl ErrorKind {
         Self::Curvature,
         Self::Distances,
         Self::PrismConstant,
+        Self::Facets,
+        Self::Centring,
+        Self::SetUpChange,
     ];
 
     pub fn name(self) -> &'static str {
@@ -71,6 +80,9 @@ impl ErrorKind {
             Self::Curvature => "curvature and refraction",
             Self::Distances => "inter-prism distances",
             Self::PrismConstant => "prism constant",
+            Self::Facets => "facets of prisms",
+            Self::Centring => "centring of targets",
+            Self::SetUpChange => "set-up change",
         }
     }
 

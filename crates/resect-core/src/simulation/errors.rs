@@ -6,6 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use serde::{Serialize, Serializer};
 
+use super::facet_errors::FacetErrors;
 use super::random::{Stream, normal};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
@@ -52,18 +53,30 @@ pub struct SystematicErrors {
     /// Errors of the written distances 12, 13, 23 between the prisms (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub inter_prism_m: [f64; 3],
+    /// Error of the prism constant with which the written distances are computed from the reading of the rig (m).
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub rig_constant_m: f64,
     /// Time-correlated errors of every station's ranges.
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_wander: Option<Wander>,
     /// Curvature of the earth and refraction of light.
     #[serde(skip_serializing_if = "is_nothing")]
     pub curvature: Option<Curvature>,
+    /// Positions of targets beside their markers.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub centring: Option<Centring>,
     /// Steps of clocks.
     #[serde(skip_serializing_if = "is_nothing")]
     pub clock_steps: Vec<ClockStep>,
     /// Settling of stations; several entries of one station add up.
     #[serde(skip_serializing_if = "is_nothing")]
     pub settling: Vec<Settling>,
+    /// Changes of set-ups between the survey of the control points and the drive; several entries of one station add up.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub set_up_changes: Vec<ChangedSetUp>,
+    /// Errors of the readings of each of the vehicle's prisms that repeat with the incidence.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub facets: Option<[FacetErrors; 3]>,
 }
 
 /// A step of a clock: all stamps from `at_s` on are later by `by_s`.
@@ -102,6 +115,48 @@ impl Settling {
         } else {
             1.0
         }
+    }
+}
+
+/// Change of a station's set-up between the survey and the drive: drive less survey.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChangedSetUp {
+    #[serde(serialize_with = "number")]
+    pub station: usize,
+    /// Rotation about the station's own z (rad).
+    pub turn_rad: f64,
+    /// Displacement (m, station 1's set-up frame).
+    pub move_m: Vector3<f64>,
+    /// Tilt about the station's own x and y (rad).
+    pub lean_rad: [f64; 2],
+}
+
+/// Centring of the targets at control points: standard deviations on each axis (m).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Centring {
+    /// Displacement of a target from its marker, the same for all stations.
+    pub marker_m: f64,
+    /// Further displacement when the target is turned to a station.
+    pub turned_m: f64,
+}
+
+/// Generator of the positions of the targets of one set.
+pub struct CentredTargets {
+    centring: Centring,
+    rng: ChaCha8Rng,
+}
+
+impl CentredTargets {
+    pub fn new(centring: Centring, seed: u64, set: usize) -> Self {
+        Self { centring, rng: Stream::Centring(set).rng(seed) }
+    }
+
+    /// Returns the positions of the next target (m) when it is turned to stations 1, 2 and 3.
+    pub fn positions_m(&mut self, marker_m: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let Self { centring, rng } = self;
+        let mut displaced = |sigma_m: f64| sigma_m * Vector3::from_fn(|_, _| normal(rng));
+        let target_m = marker_m + displaced(centring.marker_m);
+        std::array::from_fn(|_| target_m + displaced(centring.turned_m))
     }
 }
 
@@ -185,6 +240,39 @@ impl SystematicErrors {
             rotation: set_up.rotation * Rotation3::new(turned_rad),
             translation_m: set_up.translation_m + moved_m,
         }
+    }
+
+    /// Returns the pose of a station's frame at the survey, in the frame of station 1's set-up for the drive.
+    pub fn at_survey(
+        &self,
+        station: usize,
+        station1_from_set_up: &LevelTransform,
+    ) -> RigidTransform {
+        let (mut turned_rad, mut moved_m) = (Vector3::zeros(), Vector3::zeros());
+        for change in self.set_up_changes.iter().filter(|change| change.station == station) {
+            let [x, y] = change.lean_rad;
+            turned_rad += Vector3::new(x, y, change.turn_rad);
+            moved_m += change.move_m;
+        }
+        let set_up = RigidTransform::from(*station1_from_set_up);
+        RigidTransform {
+            rotation: set_up.rotation * Rotation3::new(-turned_rad),
+            translation_m: set_up.translation_m - moved_m,
+        }
+    }
+
+    /// Returns the level poses of the stations at the survey, in station 1's frame of that time.
+    pub fn level_at_survey(
+        &self,
+        station1_from_station: &[LevelTransform; 3],
+    ) -> [LevelTransform; 3] {
+        let [first, second, third] = [0, 1, 2].map(|station| {
+            let pose = self.at_survey(station, &station1_from_station[station]);
+            LevelTransform::new(pose.translation_m, pose.yaw_rad())
+        });
+        let survey_from_drive = first.inverse();
+        let [second, third] = [second, third].map(|pose| survey_from_drive.then_from(&pose));
+        [LevelTransform::IDENTITY, second, third]
     }
 
     /// Returns the rotation from a station's axes to its frame: the tilt, and the difference between its plumb line and

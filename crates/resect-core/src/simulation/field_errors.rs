@@ -7,7 +7,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::error_kind::ErrorKind;
-use super::errors::{ClockStep, Curvature, Settling, Wander};
+use super::errors::{Centring, ChangedSetUp, ClockStep, Curvature, Settling, Wander};
+use super::facet_errors::FacetErrors;
 use super::random::normal;
 use super::scenario::Scenario;
 use crate::geometry::ARCSECOND_RAD;
@@ -67,39 +68,37 @@ const COLLIMATION_RAD: f64 = 3.0 * ARCSECOND_RAD;
 const TILT_RAD: f64 = 1.5 * ARCSECOND_RAD;
 /// Refraction coefficient k: 0.13 is the usual value in geodesy; it changes with time of day and ground.
 const REFRACTION: [f64; 2] = [0.05, 0.25];
-/// Error of the distance between two prisms (m), from the centring of two GPR1.
-const DISTANCE_M: f64 = 0.001;
+/// Error of a written distance between two prisms (m). With the facets of the prisms and the noise of the reading of the rig it is
+/// 2.5 mm: heights of the published drives contradict the written distances by 2 to 3 mm.
+const DISTANCE_M: f64 = 0.002;
+/// Share of rigs whose distances were computed without the prism constant (assumed), and this constant (m), as on the published
+/// drive of 2022-07-11.
+const WITHOUT_CONSTANT: f64 = 0.5;
+const RIG_CONSTANT_M: f64 = 0.010;
 /// Error of the prism constant (m), for a GPH1P, from Leica's manual of the iCR70.
 const PRISM_CONSTANT_M: f64 = 0.0003;
+/// Errors that repeat with the incidence, root mean square along the sight, across it and upward (m): 0.5 to 1 mm on the published
+/// drives, in no single order.
+const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
+/// Centring of targets: a millimetre over a marker, and a third of it when turned to another station (assumed).
+const CENTRING: Centring = Centring { marker_m: 0.001, turned_m: 0.0003 };
+/// Rotation and displacement along each axis of a tripod between the survey and the drive (rad, m), assumed as large as during a
+/// drive, and the tilt that its compensator leaves (rad).
+const CHANGED_TURN_RAD: f64 = 36e-6;
+const CHANGED_MOVE_M: f64 = 0.0007;
+const CHANGED_LEAN_RAD: f64 = 1.5 * ARCSECOND_RAD;
 
 /// Draws the errors of one kind as large as in the field, and replaces those of that kind in the scenario.
 pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let duration_s = scenario.duration_s;
     let errors = &mut scenario.errors;
     match kind {
-        ErrorKind::Settling => {
-            let at_once = rng.random_bool(AT_ONCE);
-            errors.settling = (0..3)
-                .map(|station| {
-                    let from_s = rng.random_range(0.0..duration_s);
-                    let slow_s = between(SLOW_SHARE, rng) * (duration_s - from_s);
-                    Settling {
-                        station,
-                        from_s,
-                        over_s: if at_once { 0.0 } else { slow_s },
-                        turn_rad: TURN_RAD * normal(rng),
-                        move_m: Vector3::from(normals(MOVE_M, rng)),
-                        lean_rad: normals(LEAN_RAD, rng),
-                    }
-                })
-                .collect();
-        }
+        ErrorKind::Settling => errors.settling = settling(duration_s, rng),
         ErrorKind::RangeOffset => {
             errors.range_offset_m = normals(RANGE_OFFSET_M, rng);
             errors.prism_offset_m = normals(PRISM_OFFSET_M, rng);
             // A prism that all stations track has one offset.
-            let [first, second, third] = scenario.prisms_m;
-            if first == second && first == third {
+            if is_one_prism(&scenario.prisms_m) {
                 errors.prism_offset_m = [errors.prism_offset_m[0]; 3];
             }
         }
@@ -146,9 +145,58 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
             let refraction = between(REFRACTION, rng);
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
         }
-        ErrorKind::Distances => errors.inter_prism_m = normals(DISTANCE_M, rng),
+        ErrorKind::Distances => {
+            errors.inter_prism_m = normals(DISTANCE_M, rng);
+            let is_without = rng.random_bool(WITHOUT_CONSTANT);
+            errors.rig_constant_m = if is_without { -RIG_CONSTANT_M } else { 0.0 };
+        }
         ErrorKind::PrismConstant => errors.prism_constant_m = PRISM_CONSTANT_M * normal(rng),
+        ErrorKind::Facets => draw_facets(FACETS_M, scenario, rng),
+        ErrorKind::Centring => errors.centring = Some(CENTRING),
+        ErrorKind::SetUpChange => errors.set_up_changes = changed_set_ups(rng),
     }
+}
+
+/// Draws the errors of the prisms that repeat with the incidence; `rms_m` are root mean squares along the sight, across it and
+/// upward (m).
+pub fn draw_facets(rms_m: [f64; 3], scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let facets: [FacetErrors; 3] = std::array::from_fn(|_| FacetErrors::draw(rms_m, rng));
+    let is_one = is_one_prism(&scenario.prisms_m);
+    scenario.errors.facets = Some(if is_one { [facets[0]; 3] } else { facets });
+}
+
+/// Returns true if all stations track one prism.
+fn is_one_prism([first, second, third]: &[Vector3<f64>; 3]) -> bool {
+    first == second && first == third
+}
+
+fn settling(duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settling> {
+    let at_once = rng.random_bool(AT_ONCE);
+    (0..3)
+        .map(|station| {
+            let from_s = rng.random_range(0.0..duration_s);
+            let slow_s = between(SLOW_SHARE, rng) * (duration_s - from_s);
+            Settling {
+                station,
+                from_s,
+                over_s: if at_once { 0.0 } else { slow_s },
+                turn_rad: TURN_RAD * normal(rng),
+                move_m: Vector3::from(normals(MOVE_M, rng)),
+                lean_rad: normals(LEAN_RAD, rng),
+            }
+        })
+        .collect()
+}
+
+fn changed_set_ups(rng: &mut ChaCha8Rng) -> Vec<ChangedSetUp> {
+    (0..3)
+        .map(|station| ChangedSetUp {
+            station,
+            turn_rad: CHANGED_TURN_RAD * normal(rng),
+            move_m: Vector3::from(normals(CHANGED_MOVE_M, rng)),
+            lean_rad: normals(CHANGED_LEAN_RAD, rng),
+        })
+        .collect()
 }
 
 impl Scenario {

@@ -6,7 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::errors::{SystematicErrors, WanderingRange};
+use super::errors::{CentredTargets, SystematicErrors, WanderingRange};
 use super::gnss;
 use super::motion::Motion;
 use super::random::{Stream, normal};
@@ -18,6 +18,8 @@ use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
 /// Number of readings of the rig that are averaged.
 const RIG_READINGS: f64 = 10.0;
+/// Number of control points of a set.
+const MARKERS: i32 = 10;
 
 /// Simulates a drive of a scenario and all its readings; the same seed gives the same bytes.
 pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
@@ -40,20 +42,28 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let Recording { mut records, outliers, lost_readings } = recording;
     records.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
 
-    let mut control_points: Vec<ControlPointSet> = (0..scenario.control_point_sets)
-        .map(|set| control_point_set(scenario, &station1_from_station, set, &mut rng))
-        .collect();
+    let survey = SimulatedSurvey { scenario, seed, station1_from_station: &station1_from_station };
+    let mut control_points: Vec<ControlPointSet> =
+        (0..scenario.control_point_sets).map(|set| survey.control_points(set, &mut rng)).collect();
     let rig_reading = read_rig(scenario, &mut rng);
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
     if scenario.pillars {
-        control_points.push(pillars(scenario, &station1_from_station, &mut rng));
+        control_points.push(survey.pillars(&mut rng));
     }
     let antennas = scenario
         .antennas_m
         .map(|antennas_m| gnss::measure(&antennas_m, &motion, scenario.duration_s, &mut rng));
-    let truth =
-        Truth { station1_from_station, inter_prism_m, prisms_m, motion, outliers, lost_readings };
+    let station1_from_station_at_survey = scenario.errors.level_at_survey(&station1_from_station);
+    let truth = Truth {
+        station1_from_station,
+        station1_from_station_at_survey,
+        inter_prism_m,
+        prisms_m,
+        motion,
+        outliers,
+        lost_readings,
+    };
     Simulated {
         scenario: scenario.clone(),
         seed,
@@ -139,7 +149,12 @@ impl SimulatedStation<'_> {
         // Range and angles may be measured at different times.
         let angles = see(t - errors.latency_s[self.station]);
         let sight = Polar { range_m: see(t).range_m, ..angles };
-        errors.misread(self.station, Some(prism), sight)
+        let reading = errors.misread(self.station, Some(prism), sight);
+        let Some(facets) = &errors.facets else { return reading };
+        let (origin_m, world_from_vehicle) = self.motion.pose(t);
+        let prism_m = origin_m + world_from_vehicle * self.scenario.prisms_m[prism];
+        let to_station = world_from_vehicle.tr_mul(&(self.set_up.translation_m - prism_m));
+        facets[prism].misread(&to_station, reading)
     }
 
     fn record(&self, polar: &Polar, stamp_s: f64) -> RawRecord {
@@ -158,10 +173,16 @@ impl SimulatedStation<'_> {
 fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> [Polar; 3] {
     let heading: f64 = rng.random_range(0.0..TAU);
     let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
+    let errors = &scenario.errors;
+    let set_up = LevelTransform::IDENTITY;
     std::array::from_fn(|prism| {
         let place = beside.apply(&scenario.prisms_m[prism]);
-        let seen = standing(&scenario.errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
-        noisy(seen, scenario, 1.0 / RIG_READINGS.sqrt(), rng)
+        let seen = sight(errors, 0, &set_up, &set_up.into(), &place);
+        let mut reading = errors.misread(0, Some(prism), seen);
+        if let Some(facets) = &errors.facets {
+            reading = facets[prism].misread(&beside.inverse().rotate(&-place), reading);
+        }
+        noisy(reading, scenario, 1.0 / RIG_READINGS.sqrt(), rng)
     })
 }
 
@@ -175,17 +196,6 @@ fn sight(
 ) -> Polar {
     let axes = errors.frame_from_axes(station, set_up);
     Polar::from_cartesian(axes.inverse() * frame.inverse().apply(point_m))
-}
-
-/// Returns the reading of a static target right after the station's set-up.
-fn standing(
-    errors: &SystematicErrors,
-    station: usize,
-    set_up: &LevelTransform,
-    prism: Option<usize>,
-    point_m: &Vector3<f64>,
-) -> Polar {
-    errors.misread(station, prism, sight(errors, station, set_up, &(*set_up).into(), point_m))
 }
 
 fn noisy(mut polar: Polar, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng) -> Polar {
@@ -226,65 +236,89 @@ fn spans(
     }
 }
 
-/// Simulates readings of four pillars on a line past the stations, with coordinates known to a millimetre.
-fn pillars(
-    scenario: &Scenario,
-    station1_from_station: &[LevelTransform; 3],
-    rng: &mut ChaCha8Rng,
-) -> ControlPointSet {
-    let station1_from_line = LevelTransform::new(Vector3::new(-80.0, -35.0, -0.4), 0.35);
-    let points = [0.0, 71.3, 168.9, 241.6]
-        .into_iter()
-        .zip([0.0, 0.41, 0.93, 1.58])
-        .enumerate()
-        .map(|(index, (along_m, height_m))| {
-            let known_m = Vector3::new(along_m, 0.0, height_m);
-            let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
-            let place = station1_from_line.apply(&surveyed_m);
-            let readings = std::array::from_fn(|station| {
-                let set_up = &station1_from_station[station];
-                let seen = standing(&scenario.errors, station, set_up, None, &place);
-                Some(noisy(seen, scenario, 1.0, rng))
-            });
-            ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
-        })
-        .collect();
-    ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
+/// The readings of static targets by stations that stand as they did at the survey.
+struct SimulatedSurvey<'a> {
+    scenario: &'a Scenario,
+    seed: u64,
+    /// Poses at the set-up for the drive.
+    station1_from_station: &'a [LevelTransform; 3],
 }
 
-/// Simulates one reading of ten targets on poles around the area from every station.
-fn control_point_set(
-    scenario: &Scenario,
-    station1_from_station: &[LevelTransform; 3],
-    set: usize,
-    rng: &mut ChaCha8Rng,
-) -> ControlPointSet {
-    let (centre, radius) = match &scenario.path {
-        Path::Wander { centre_m, radius_m } => (*centre_m, *radius_m),
-        Path::Tunnel { from_x_m, to_x_m, .. } => ([(from_x_m + to_x_m) / 2.0, 0.0], 3.0),
-        Path::Bends { start_m, .. } => (*start_m, 20.0),
-        Path::Waypoints { waypoints, .. } => {
-            let sum_m: Vector2<f64> = waypoints.iter().map(Waypoint::place_m).sum();
-            ((sum_m / waypoints.len().max(1) as f64).into(), 20.0)
-        }
-    };
-    let points = (0..10)
-        .map(|marker| {
-            let around = TAU * (f64::from(marker) + rng.random_range(0.0..0.8)) / 10.0;
-            let out = radius * rng.random_range(0.7..1.5);
-            let height = rng.random_range(-0.6..0.6);
-            let point = Vector3::new(
-                centre[0] + out * around.cos(),
-                centre[1] + out * around.sin(),
-                height,
-            );
-            let readings = std::array::from_fn(|station| {
-                let set_up = &station1_from_station[station];
-                let seen = standing(&scenario.errors, station, set_up, None, &point);
-                Some(noisy(seen, scenario, 1.0, rng))
-            });
-            ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
+impl SimulatedSurvey<'_> {
+    fn targets(&self, set: usize) -> CentredTargets {
+        CentredTargets::new(self.scenario.errors.centring.unwrap_or_default(), self.seed, set)
+    }
+
+    /// Returns one reading of the target at a marker (m) by each station.
+    fn read_target(
+        &self,
+        marker_m: &Vector3<f64>,
+        targets: &mut CentredTargets,
+        rng: &mut ChaCha8Rng,
+    ) -> [Option<Polar>; 3] {
+        let errors = &self.scenario.errors;
+        let positions_m = targets.positions_m(marker_m);
+        std::array::from_fn(|station| {
+            let set_up = &self.station1_from_station[station];
+            let frame = errors.at_survey(station, set_up);
+            let seen = sight(errors, station, set_up, &frame, &positions_m[station]);
+            Some(noisy(errors.misread(station, None, seen), self.scenario, 1.0, rng))
         })
-        .collect();
-    ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }
+    }
+
+    /// Simulates readings of four pillars on a line past the stations, with coordinates known to a millimetre.
+    fn pillars(&self, rng: &mut ChaCha8Rng) -> ControlPointSet {
+        let station1_from_line = LevelTransform::new(Vector3::new(-80.0, -35.0, -0.4), 0.35);
+        let mut targets = self.targets(self.scenario.control_point_sets);
+        let points = [0.0, 71.3, 168.9, 241.6]
+            .into_iter()
+            .zip([0.0, 0.41, 0.93, 1.58])
+            .enumerate()
+            .map(|(index, (along_m, height_m))| {
+                let known_m = Vector3::new(along_m, 0.0, height_m);
+                let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
+                let marker_m = station1_from_line.apply(&surveyed_m);
+                let readings = self.read_target(&marker_m, &mut targets, rng);
+                ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
+            })
+            .collect();
+        ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
+    }
+
+    /// Simulates one reading of each of ten targets from every station.
+    fn control_points(&self, set: usize, rng: &mut ChaCha8Rng) -> ControlPointSet {
+        let mut targets = self.targets(set);
+        let points = (0..MARKERS)
+            .map(|marker| {
+                let marker_m = self.draw_marker_m(marker, rng);
+                let readings = self.read_target(&marker_m, &mut targets, rng);
+                ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
+            })
+            .collect();
+        ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }
+    }
+
+    /// Draws the position of a marker (m): on poles around the area, or along the walls of a tunnel.
+    fn draw_marker_m(&self, marker: i32, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+        let index = f64::from(marker) + rng.random_range(0.0..0.8);
+        let out = rng.random_range(0.7..1.5);
+        let height_m = rng.random_range(-0.6..0.6);
+        let around = |[x_m, y_m]: [f64; 2], radius_m: f64| {
+            let (sin, cos) = (TAU * index / f64::from(MARKERS)).sin_cos();
+            Vector3::new(x_m + radius_m * out * cos, y_m + radius_m * out * sin, height_m)
+        };
+        match &self.scenario.path {
+            Path::Wander { centre_m, radius_m } => around(*centre_m, *radius_m),
+            Path::Tunnel { from_x_m, to_x_m, amplitude_m, .. } => {
+                let x_m = from_x_m + (to_x_m - from_x_m) * index / f64::from(MARKERS);
+                let side = if marker % 2 == 0 { 1.0 } else { -1.0 };
+                Vector3::new(x_m, side * (amplitude_m + out), height_m)
+            }
+            Path::Bends { start_m, .. } => around(*start_m, 20.0),
+            Path::Waypoints { waypoints, .. } => {
+                let sum_m: Vector2<f64> = waypoints.iter().map(Waypoint::place_m).sum();
+                around((sum_m / waypoints.len().max(1) as f64).into(), 20.0)
+            }
+        }
+    }
 }

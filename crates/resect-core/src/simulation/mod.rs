@@ -2,12 +2,13 @@
 //!
 //! [`scenario`] describes the drive and [`preset`] has ready-made ones. [`motion`] moves the vehicle over the ground.
 //! [`instrument`] simulates the readings of the stations and [`gnss`] those of the antennas. [`errors`] has the systematic
-//! errors of instruments, and [`field_errors`] their sizes in the field. `resect_io::simulation_files` writes the readings
+//! errors of instruments, [`facet_errors`] those of prisms, and [`field_errors`] their sizes in the field. `resect_io::simulation_files` writes the readings
 //! as the files of a real deployment.
 
 mod deployment;
 mod error_kind;
 mod errors;
+mod facet_errors;
 mod field_errors;
 mod follow;
 mod gnss;
@@ -25,8 +26,11 @@ mod tests;
 mod waypoint;
 
 pub use error_kind::ErrorKind;
-pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
-pub use field_errors::draw;
+pub use errors::{
+    Centring, ChangedSetUp, ClockStep, Curvature, Settling, SystematicErrors, Wander,
+};
+pub use facet_errors::FacetErrors;
+pub use field_errors::{draw, draw_facets};
 pub use ground::{Ground, Ramp};
 pub use motion::Motion;
 pub use preset::Preset;

@@ -17,6 +17,8 @@ pub enum Stream {
     StampJitter(usize),
     /// Sizes of the errors of one kind, by its index among the kinds.
     ErrorKind(usize),
+    /// Positions of the targets of one set of control points.
+    Centring(usize),
 }
 
 impl Stream {
@@ -25,6 +27,7 @@ impl Stream {
             Self::RangeWander(station) => 100 + station,
             Self::StampJitter(station) => 200 + station,
             Self::ErrorKind(kind) => 300 + kind,
+            Self::Centring(set) => 400 + set,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number as u64);

@@ -28,8 +28,10 @@ pub struct Simulated {
 /// Ground truth, not available to any calibration.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Poses of the stations at set-up, level by station 1's plumb line. Other deviations are among the errors.
+    /// Poses of the stations at set-up for the drive, level by station 1's plumb line. Other deviations are among the errors.
     pub station1_from_station: [LevelTransform; 3],
+    /// Level poses of the stations when they measured the control points, in station 1's frame of that time.
+    pub station1_from_station_at_survey: [LevelTransform; 3],
     pub inter_prism_m: [f64; 3],
     /// Prisms in the vehicle's frame: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],

@@ -31,7 +31,7 @@ impl Earlier {
         let calibration = &answer.calibration;
         Self {
             name: deployment.name.clone(),
-            method: calibration.method,
+            method: calibration.answered_by(),
             verdict: calibration.verdict,
             doubt: first_doubt(&calibration.findings),
             track_frame: Some(deployment.track_frame),

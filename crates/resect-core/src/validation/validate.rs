@@ -162,7 +162,9 @@ fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Fi
         let verdict = with_doubt("", earlier.verdict, earlier.doubt.as_deref());
         caveats.push(earlier_calibration_weak(verdict.trim_start()));
     }
-    let own_method = own.settings.calibration.method.unwrap_or_default();
+    let requested = own.settings.calibration.method.unwrap_or_default();
+    let own_method =
+        own.answer.as_ref().map_or(requested, |answer| answer.calibration.answered_by());
     for (which, method) in
         [("earlier calibration", earlier.method), ("run's own calibration", own_method)]
     {

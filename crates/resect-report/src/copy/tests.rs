@@ -31,6 +31,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
         deployment: "field\nrm -rf everything".to_owned(),
         readings: [1, 2, 3],
         method: Method::InterPrism,
+        fallback: None,
         verdict,
         independently_checked: true,
         doubts: vec!["station 2 can slide\nalong the track".to_owned()],

@@ -14,7 +14,7 @@ pub fn json(deployment: &str, calibration: &Calibration, judgement: &EstimatesJu
     json!({
         "schema": SCHEMA,
         "deployment": deployment,
-        "method": calibration.method,
+        "method": calibration.answered_by(),
         "verdict": calibration.verdict.name(),
         "estimates": judgement.judged.iter().map(estimate).collect::<Vec<_>>(),
         "comparisons": judgement.comparisons.iter().map(|two| json!({

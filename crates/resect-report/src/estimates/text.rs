@@ -18,7 +18,7 @@ pub fn text(
     let mut lines = vec![
         format!(
             "{deployment} · ground truth by {}, verdict {}",
-            calibration.method.in_words(),
+            calibration.method_in_words(),
             calibration.verdict_in_words()
         ),
         String::new(),

@@ -154,10 +154,16 @@ terms! {
     SANDWICH = "sandwich σ" / "sandwich":
         "A σ from the scatter between blocks of time. A σ from the fit alone would be several times too small, because ten triplets per \
          second come from 2.5 readings.";
+    REDUNDANCY = "redundancy number" / "redundancy":
+        "The share of a reading's error that remains in its residual, from 0 (no other reading checks it) to 1. The normalised residual \
+         is the residual over its own standard deviation.";
+    MINIMAL_DETECTABLE_BIAS = "minimal detectable bias" / "MDB" / "reliability":
+        "The smallest error of a group of readings that a test detects with a probability of 80 %, if it rejects one good group in a \
+         thousand. Its effect on the answer is the harm that undetected errors can do (Baarda 1968).";
     COVARIANCE = "covariance" / "covariance matrix":
         "The matrix of the variances of several quantities and of their common variation. The square roots of its diagonal are the σ.";
     SIGNIFICANCE = "significant" / "significance" / "not significant" / "p-value":
-        "A value is significant if it differs from zero, or from its reference, by more than a few σ. Noise alone seldom causes such a \
+        "A value is significant if it differs from zero, or from its reference, by more than 3 σ. Noise alone seldom causes such a \
          difference; its probability is p. A value that is not significant may be zero.";
     INCONCLUSIVE = "inconclusive" / "not determined":
         "The data does not suffice for a decision either way. This is neither a confirmation nor a contradiction.";
@@ -248,9 +254,12 @@ terms! {
     SETTLING = "settling":
         "Slow rotation and sinking of tripods during a drive: tens of microradians and about a millimetre, more in the sun and on soft \
          ground.";
-    WANDERING_RANGES = "wandering ranges" / "wander" / "correlated range error":
-        "Range errors of up to a few millimetres to a turning or tilted prism. They persist for seconds to minutes, so averaging does not \
-         reduce them.";
+    SLOW_ERRORS = "slow errors" / "slow error" / "slow range error" / "correlated range error":
+        "Errors of up to a few millimetres to a turning or tilted prism: in range, across the sight and upward. They persist for seconds to \
+         minutes, so averaging does not reduce them.";
+    SET_UP_CHANGE = "set-up change" / "survey transforms":
+        "A station that turns or moves between the survey, when all stations measure the control points, and the drive. The joint estimate \
+         has transforms of both.";
     CLOCK_OFFSET = "clock offset" / "offset of a clock":
         "The delay of a station's stamps relative to station 1. A moving vehicle makes it observable in the distances: a millisecond is a \
          millimetre at 1 m/s." ("section II");

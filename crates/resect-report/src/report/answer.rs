@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use maud::{Markup, html};
 
 use super::joint::joint;
+use super::reliability::reliability;
 use super::{charts, correlation};
 use crate::difference::moved_from_published;
 use crate::rows::{Pivot, pivot};
@@ -67,7 +68,10 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         @if let Some(details) = calibration.inter_prism() {
             (mirror(details, calibration.joint().is_some()))
         }
-        @if let Some(found) = calibration.joint() { (joint(found, &rows)) }
+        @if let Some(found) = calibration.joint() {
+            (joint(found, &rows))
+            (reliability(deployment, found))
+        }
         (metrics(evaluation, analysis.offer.targets))
         h3 { "Plan view" }
         (charts::plan(deployment, analysis, answer))

@@ -158,11 +158,13 @@ mod tests {
         let mut changed = Settings::default();
         changed.pipeline.thresholds.tau_s_seconds = 1.5;
         changed.calibration.inter_prism_sigma_m = 0.002;
+        changed.calibration.evidence.rig = false;
         let list = listed(&changed);
         assert!(list.contains(&("calibration.method".to_owned(), "joint".to_owned())));
         assert!(list.contains(&("pipeline.thresholds.tau_s_seconds".to_owned(), "1.5".to_owned())));
+        assert!(list.contains(&("calibration.evidence.rig".to_owned(), "no".to_owned())));
         let html = settings(&changed).into_string();
-        assert_eq!(html.matches("class=\"chosen\"").count(), 2, "{html}");
+        assert_eq!(html.matches("class=\"chosen\"").count(), 3, "{html}");
         assert_eq!(html.matches("<code>").count(), list.len());
     }
 }

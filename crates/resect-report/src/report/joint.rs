@@ -11,7 +11,6 @@ use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
     html! {
         h3 { "Other estimates" }
-        @if !found.converged { p { "The joint estimate did not converge: it stopped before it reached the minimum." } }
         table {
             thead { tr {
                 th { "error" }

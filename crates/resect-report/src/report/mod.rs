@@ -10,5 +10,6 @@ mod input;
 mod joint;
 mod judged;
 mod page;
+mod reliability;
 
 pub use page::{Chapter, page};

@@ -8,8 +8,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::findings::{badge, findings};
 use super::{answer, input, judged};
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::Calibration;
-use resect_core::deployment::{Deployment, Finding, FindingKind};
+use resect_core::calibration::{Calibration, recommend};
+use resect_core::deployment::{Deployment, Finding, FindingKind, MessageAngle};
 use resect_core::estimates::EstimatesJudgement;
 use resect_core::palette;
 use resect_io::file_mark::FileMark;
@@ -164,15 +164,18 @@ fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
     }
 }
 
-/// Returns a section: the verdict, the results, then the input.
+/// Returns a section: the recommendation, the verdict, the results, then the input.
 fn section(chapter: &Chapter) -> Markup {
     html! {
         h2 { (chapter.name()) }
         @match chapter.answer() {
             Ok(answer) => {
+                @if let Chapter::Analysed { deployment, .. } = chapter {
+                    (recommendation(&answer.calibration, deployment))
+                }
                 p.verdict {
                     (verdict(&answer.calibration))
-                    " · " (answer.calibration.method.in_words())
+                    " · " (answer.calibration.method_in_words())
                 }
                 (findings(&answer.calibration.findings))
             }
@@ -190,6 +193,14 @@ fn section(chapter: &Chapter) -> Markup {
             }
             (input::markup(deployment, analysis, files))
         }
+    }
+}
+
+fn recommendation(calibration: &Calibration, deployment: &Deployment) -> Markup {
+    let recommendation = recommend(calibration, deployment);
+    let [conclusion, reason, next_step] = recommendation.sentences(MessageAngle::to_string);
+    html! {
+        p.recommendation { strong { (conclusion) } " " (reason) " " (next_step) }
     }
 }
 

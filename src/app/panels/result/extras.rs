@@ -53,9 +53,10 @@ fn table(ui: &mut egui::Ui, rows: &[&AnswerRow], units: Units) {
             let mark = if row.is_significant { " →" } else { "" };
             ui.label(format!("  {}{mark}", row.name)).on_hover_text(&row.symbol);
             ui.label(RichText::new(cell).monospace().size(11.0));
-            let prior =
-                row.prior.map_or("–".to_owned(), |sigma| units.prior(row.quantity, sigma));
-            ui.small(format!("± {prior}"));
+            let prior = row.prior.map_or("–".to_owned(), |sigma| {
+                format!("± {}", units.prior(row.quantity, sigma))
+            });
+            ui.small(prior);
             ui.end_row();
         }
     });

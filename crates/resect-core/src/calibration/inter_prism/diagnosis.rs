@@ -9,6 +9,7 @@ use super::{CentredTriplets, Minimum, Parameters};
 use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
+use crate::calibration::joint::SurveyPoses;
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
 use crate::deployment::findings::answers::solver_not_converged;
 use crate::deployment::findings::drive::{
@@ -27,7 +28,7 @@ const CLOSE_RIVAL: f64 = 2.0;
 const FAR: f64 = 2.0;
 
 /// Input of the verdict.
-pub struct Evidence<'a> {
+pub struct DiagnosisInput<'a> {
     pub deployment: &'a Deployment,
     /// Triplets that are sufficient for the track and the size of the errors.
     pub thinned: &'a CentredTriplets,
@@ -39,11 +40,13 @@ pub struct Evidence<'a> {
     /// Answer and its σ.
     pub station1_from_station: &'a [RigidTransform; 3],
     pub sigma: Option<[TransformSigma; 2]>,
+    /// Poses when the control points were measured; `None` if they are those of the answer.
+    pub survey: Option<&'a SurveyPoses>,
 }
 
 /// Judges the answer. Reasons are added to the findings, those of the mirror twin first.
-pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
-    let Evidence { thinned, answer, uncertainty, observability, choice, .. } = *evidence;
+pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verdict {
+    let DiagnosisInput { thinned, answer, uncertainty, observability, choice, .. } = *evidence;
     findings.splice(0..0, choice.findings.iter().cloned());
     findings.extend(flat(evidence));
     let mut verdict = if choice.ambiguous { Verdict::Ambiguous } else { Verdict::Good };
@@ -59,8 +62,12 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     if let Some(finding) = rival(evidence) {
         lower(Verdict::Ambiguous, finding);
     }
-    let control_points = evidence.sigma.and_then(|sigma| {
-        control_points_contradict(evidence.deployment, evidence.station1_from_station, &sigma)
+    let at_survey = match evidence.survey {
+        Some(survey) => Some((survey.transforms(), survey.sigma())),
+        None => evidence.sigma.map(|sigma| (*evidence.station1_from_station, sigma)),
+    };
+    let control_points = at_survey.and_then(|(transforms, sigma)| {
+        control_points_contradict(evidence.deployment, &transforms, &sigma)
     });
     let doubts = [control_points, poor_fit(evidence)];
     for finding in doubts.into_iter().flatten() {
@@ -93,8 +100,8 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
 }
 
 /// Returns the finding that the shape of the drive leaves directions unobservable or weak.
-fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
-    let Evidence { observability, rival, .. } = *evidence;
+fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
+    let DiagnosisInput { observability, rival, .. } = *evidence;
     let open = OpenDirections {
         free: observability.count(Hold::Free),
         weak: observability.count(Hold::Weak),
@@ -114,7 +121,7 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
 }
 
 /// Returns the finding that on flat ground only the rig or control points exclude the mirror twin.
-fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
+fn flat(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     let drive = &evidence.observability.drive;
     let mirror = &evidence.choice.mirror;
     if !drive.is_flat() || mirror.twin.is_none() {
@@ -129,7 +136,7 @@ fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
 }
 
 /// Returns the finding that another minimum, not the mirror twin, fits almost as well as the answer.
-fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
+fn rival(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
     // The rival's heights may be mirrored too; that difference is not counted.
     let apart_m = [rival, evidence.thinned.mirrored_in_height(&rival, [true, true])]
@@ -143,7 +150,7 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
 }
 
 /// Returns the finding that errors are larger than noise, interpolation and the distances explain.
-fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
+fn poor_fit(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     let errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
     let median_m = median(errors_m.into_iter().map(f64::abs))?;
     (median_m > POOR_FIT_M).then(|| distances_fit_poorly(median_m))

@@ -23,7 +23,8 @@ pub struct JointAnswer {
 
 /// Solves the corrected readings by the published method, with the estimated distances.
 ///
-/// Adds a doubt if the solution and the joint estimate are different minima: the corrections then exchange answer and twin.
+/// The estimate has converged. Adds a doubt if the solution and the joint estimate are different minima: the corrections then exchange
+/// answer and twin.
 pub fn solve(
     estimate: &JointEstimate,
     rig: &Rig,
@@ -49,7 +50,6 @@ pub fn solve(
     let mut solution = published::solve(&rig, control_points, &data, None);
     let parameters = data.parameters(&level);
     let normal = NormalEquations::at(&data, &parameters);
-    // The convergence of the joint estimate is checked elsewhere.
     solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let answer = basin(&data, &solution.answer);
     let other = solution.choice.answer;
@@ -58,7 +58,7 @@ pub fn solve(
         *own = answer;
     }
     // Cost ratios are relative to the joint estimate's cost in all tables and sentences.
-    if same(&other) || !estimate.converged {
+    if same(&other) {
         solution.choice = solution.choice.with_answer(answer);
         return JointAnswer { solution, data, kept_s, doubt: None };
     }

@@ -267,7 +267,7 @@ fn at_the_stations(
 fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
     match (plan, weakest) {
         (PlanView::Standing, _) => {
-            "drive a figure-eight with turns to both sides, 20 m or more across if the place allows"
+            "drive a figure-eight with turns to both sides, as wide as the place allows"
         }
         (PlanView::StraightLine { .. }, _) => {
             "leave the line: drive a figure-eight with turns to both sides"

@@ -37,14 +37,14 @@ pub fn solve(
             (answer, pull)
         },
         || {
-            let sigma_m = settings.inter_prism_sigma_m;
+            let sigma_m = settings.published_distance_sigma_m();
             clock_check::suspected_clocks(triplets, &plain, &rig.inter_prism_m, sigma_m)
         },
     );
     drop(data);
     progress.check()?;
     let observability = answer.observability();
-    let mut judgement = answer.judge(deployment, &observability);
+    let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
     let covariance = answer.uncertainty.covariance;
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {

@@ -9,12 +9,12 @@ use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
 };
-use crate::calibration::joint::{self, JointEstimate};
+use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances};
+use crate::calibration::joint_failure::{JointResult, require_converged};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
-use crate::deployment::findings::answers::joint_estimate_undetermined;
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -23,14 +23,14 @@ use crate::progress::Progress;
 /// Most rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
 
-/// Calibrates by the joint estimate of three prisms.
+/// Calibrates by the joint estimate of three prisms. If it fails, the answer is that of method D.
 pub fn solve_jointly(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
-) -> Result<MethodAnswer<(Option<JointEstimate>, InterPrismDetails)>, CalibrationError> {
+) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
     let (published, data, used) = screened(deployment, rig, triplets, settings, progress)?;
     let prior_ms = published.prior_ms;
@@ -40,29 +40,32 @@ pub fn solve_jointly(
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
     let estimate = match answer.uncertainty.covariance {
         Some(_) => {
-            let distances_m = Some(&rig.inter_prism_m);
-            joint::estimate(&|| used.triplets(), &plain, distances_m, &sizes, progress)?
+            let input = JointInput {
+                published: &plain,
+                rig: Some(RigDistances::new(rig, settings.evidence.rig)),
+                survey: joint::survey::of_deployment(deployment, settings),
+                sizes: &sizes,
+            };
+            joint::estimate(&|| used.triplets(), &input, progress)?
         }
         // If a direction is unobservable for the published answer, it is for the joint estimate too.
         None => None,
     };
+    let estimate = match require_converged(estimate) {
+        Ok(estimate) => estimate,
+        Err(failure) => {
+            let published = super::solve::solve(deployment, triplets, settings, offer, progress)?;
+            return Ok(published.in_place_of_joint(failure));
+        }
+    };
     progress.check()?;
-    let mut kept_s = None;
-    let mut doubts = Vec::new();
-    if let Some(estimate) = &estimate {
-        (kept_s, doubts) = replace(&mut answer, estimate, (deployment, rig), &used);
-    }
+    let (kept_s, mut doubts) = replace(&mut answer, &estimate, (deployment, rig), &used);
     let observability = answer.observability();
-    let mut judgement = answer.judge(deployment, &observability);
-    match &estimate {
-        Some(estimate) => {
-            judgement.findings.extend(joint::findings::distances(estimate, &rig.inter_prism_m));
-            judgement.findings.extend(joint::findings::findings(estimate));
-        }
-        None => {
-            judgement.doubt([joint_estimate_undetermined("this is the answer of method D")]);
-        }
-    }
+    let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
+    // The conclusion of the survey comes before other notes.
+    judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
+    judgement.findings.extend(joint::findings::distances(&estimate, &rig.inter_prism_m));
+    judgement.findings.extend(joint::findings::findings(&estimate));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
     judgement.put_first(doubts);
@@ -72,7 +75,7 @@ pub fn solve_jointly(
         covariance: answer.uncertainty.covariance,
         judgement,
         checked_by: Vec::new(),
-        details: (estimate, answer.into_details(observability)),
+        details: (Ok(estimate), answer.into_details(observability)),
         prior_ms,
     })
 }
@@ -131,7 +134,6 @@ fn replace(
     let mut doubts = Vec::new();
     doubts.extend(checks::far_apart(&published, &placed));
     doubts.extend(doubt);
-    doubts.extend(checks::unconverged(estimate.converged));
     doubts.extend(joint::findings::doubts(estimate));
     (kept_s, doubts)
 }

@@ -88,7 +88,7 @@ pub fn estimate(
         inverse * variance * (data.len() as f64 / independent)
     };
     for pull in distance_pulls(data, &answer.parameters) {
-        let moved = inverse * pull * settings.inter_prism_sigma_m;
+        let moved = inverse * pull * settings.published_distance_sigma_m();
         centred += moved * moved.transpose();
     }
 

@@ -1,11 +1,12 @@
 //! An answer from inter-prism distances, of method D or of the joint estimate, before its verdict.
 
-use super::diagnosis::{self, Evidence};
+use super::diagnosis::{self, DiagnosisInput};
 use super::observability::{self, Observability};
 use super::published::Published;
 use super::uncertainty::{self, Uncertainty};
 use super::used::Used;
 use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch};
+use crate::calibration::joint::SurveyPoses;
 use crate::calibration::judgement::Judgement;
 use crate::calibration::method::why_no_triplets;
 use crate::calibration::{CalibrationError, CalibrationSettings, Method, Offer, Targets};
@@ -72,9 +73,16 @@ impl UnjudgedAnswer {
     }
 
     /// Judges the answer by its own data. Moves the findings of the solution to the judgement.
-    pub fn judge(&mut self, deployment: &Deployment, observability: &Observability) -> Judgement {
+    ///
+    /// `survey` are the poses when the control points were measured, if the answer has them.
+    pub fn judge(
+        &mut self,
+        deployment: &Deployment,
+        observability: &Observability,
+        survey: Option<&SurveyPoses>,
+    ) -> Judgement {
         let mut findings = std::mem::take(&mut self.published.findings);
-        let evidence = Evidence {
+        let evidence = DiagnosisInput {
             deployment,
             thinned: &self.published.thinned,
             answer: &self.published.answer,
@@ -84,6 +92,7 @@ impl UnjudgedAnswer {
             choice: &self.published.choice,
             station1_from_station: &self.station1_from_station,
             sigma: self.uncertainty.sigma(),
+            survey,
         };
         let verdict = diagnosis::judge(&evidence, &mut findings);
         Judgement { verdict, findings }

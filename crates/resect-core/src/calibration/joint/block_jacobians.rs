@@ -10,8 +10,8 @@ use nalgebra::{SMatrix, Vector3};
 use super::drive::Drive;
 use super::state_vector::{
     BLOCK, BLOCK_CLOCKS, BLOCK_DISTANCES, BLOCK_LATENCIES, CLOCKS, COLLIMATIONS, CONSTANTS,
-    Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES, SLOW, SLOW_CLOCKS,
-    SLOW_RANGES,
+    Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES, SLOW, SLOW_ACROSS,
+    SLOW_CLOCKS, SLOW_RANGES, Slow,
 };
 use super::station_model::{MeanSight, StationModel};
 
@@ -69,7 +69,7 @@ impl BlockJacobians {
 }
 
 /// Jacobians of the mean point of a station's readings (m, station 1's axes) by its instrument's constants and slow states.
-fn point_jacobian(
+pub fn point_jacobian(
     model: &StationModel,
     mean_sight: &MeanSight,
     station: usize,
@@ -90,7 +90,19 @@ fn point_jacobian(
     }
     let mut by_slow = SMatrix::<f64, 3, SLOW>::zeros();
     by_slow.fixed_view_mut::<3, 1>(0, SLOW_RANGES + station).copy_from(&along);
+    let [across, up] = [mean_sight.side, mean_sight.up].map(|axis| -rotated(axis));
+    by_slow.fixed_view_mut::<3, 1>(0, SLOW_ACROSS + 2 * station).copy_from(&across);
+    by_slow.fixed_view_mut::<3, 1>(0, SLOW_ACROSS + 2 * station + 1).copy_from(&up);
     (by_constants, by_slow)
+}
+
+/// Correction of station 1's slow errors in a position (m, station 1's level axes).
+pub fn station_1_shift_m(
+    constants: &Constants,
+    mean_sight: &MeanSight,
+    slow: &Slow,
+) -> Vector3<f64> {
+    point_jacobian(&StationModel::new(constants, 0), mean_sight, 0).1 * slow
 }
 
 /// The constants that rotate all readings of station 1 about it, with their axes in station 1's level axes.

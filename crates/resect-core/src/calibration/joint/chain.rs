@@ -17,11 +17,10 @@ use super::drive::Drive;
 use super::motion_band::BlockEquations;
 use super::priors::Priors;
 use super::random_walks::{SlowMatrix, SlowPrecisions};
-use super::state_vector::{BlockVector, CONSTANTS, SLOW, StateVector};
+use super::state_vector::{BlockVector, CONSTANTS, ConstantsMatrix, SLOW, StateVector};
 
-/// Matrices of slow states by constants, and of constants by constants.
+/// A matrix of slow states by constants.
 pub type SlowByConstants = SMatrix<f64, SLOW, CONSTANTS>;
-pub type ConstantsMatrix = SMatrix<f64, CONSTANTS, CONSTANTS>;
 
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
@@ -38,6 +37,12 @@ pub struct ChainVectors<const K: usize> {
 impl<const K: usize> ChainVectors<K> {
     pub fn zeros(blocks: usize) -> Self {
         Self { slow: vec![SMatrix::zeros(); blocks], constants: SMatrix::zeros() }
+    }
+
+    /// The same columns times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let slow = self.slow.iter().map(|slow| slow * factor).collect();
+        Self { slow, constants: self.constants * factor }
     }
 }
 

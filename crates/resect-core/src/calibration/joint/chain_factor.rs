@@ -10,11 +10,10 @@ use std::sync::Arc;
 use nalgebra::{ArrayStorage, Cholesky, Const, SMatrix};
 
 use super::chain::{
-    CHUNK, ChainMatrix, ChainRow, ChainVectors, ConstantsMatrix, MOST_STORED_BLOCKS,
-    SlowByConstants,
+    CHUNK, ChainMatrix, ChainRow, ChainVectors, MOST_STORED_BLOCKS, SlowByConstants,
 };
 use super::random_walks::{SlowMatrix, SlowPrecisions, WalkMatrix};
-use super::state_vector::{CONSTANTS, Constants, SLOW, SLOW_RANGES};
+use super::state_vector::{CONSTANTS, ConstantsMatrix, SLOW, SLOW_RANGES};
 use crate::linear_algebra::block_tridiagonal::{
     BlockRow, add_border_gram, back_substitute, eliminate_block, forward_substitute,
 };
@@ -48,7 +47,7 @@ impl ChainFactor {
     /// Factorises, and solves for a right-hand side; `None` if the matrix is not positive definite.
     pub fn new<const K: usize>(
         matrix: &Arc<ChainMatrix>,
-        precision: &Constants,
+        information: &ConstantsMatrix,
         priors: &SlowPrecisions,
         right: ChainVectors<K>,
     ) -> Option<(Self, ChainVectors<K>)> {
@@ -65,7 +64,7 @@ impl ChainFactor {
                 }
             }
         }
-        let (constants, _) = elimination.constants(&matrix.constants, precision)?;
+        let (constants, _) = elimination.constants(&matrix.constants, information)?;
         let (matrix, priors) = (Arc::clone(matrix), priors.clone());
         let factor = Self { matrix, priors, stored, before_chunks, constants };
         let solution = factor.backward(right);
@@ -180,10 +179,10 @@ impl<'a> ChainElimination<'a> {
     pub fn constants(
         self,
         corner: &ConstantsMatrix,
-        precision: &Constants,
+        information: &ConstantsMatrix,
     ) -> Option<(ConstantsFactor, f64)> {
         let gram = ConstantsMatrix::from_fn(|i, j| self.gram[i.min(j)][i.max(j)]);
-        let schur_complement = corner + ConstantsMatrix::from_diagonal(precision) - gram;
+        let schur_complement = corner + information - gram;
         let constants = schur_complement.cholesky()?;
         let ln_determinant = self.ln_determinant + constants.ln_determinant();
         ln_determinant.is_finite().then_some((constants, ln_determinant))
@@ -258,8 +257,8 @@ mod tests {
     use super::super::chain::tests::without_stored_rows;
     use super::super::drive::Drive;
     use super::super::motion_band::BlockEquations;
-    use super::super::random_walks::{RangeWander, SlowPriors};
-    use super::super::state_vector::BLOCK;
+    use super::super::random_walks::{GaussMarkov, SlowPriors};
+    use super::super::state_vector::{BLOCK, Constants};
     use super::super::station_model::MeanSight;
     use super::*;
 
@@ -269,7 +268,14 @@ mod tests {
         let mut random = || rng.random_range(-1.0..1.0);
         let mut mean_sight = || {
             let mut vector = || nalgebra::Vector3::from_fn(|_, _| random());
-            MeanSight { along: vector(), point_m: vector(), up_m: vector(), side_m: vector() }
+            MeanSight {
+                along: vector(),
+                side: vector(),
+                up: vector(),
+                point_m: vector(),
+                up_m: vector(),
+                side_m: vector(),
+            }
         };
         let drive = Drive {
             segments: Vec::new(),
@@ -288,7 +294,9 @@ mod tests {
         let priors = SlowPriors {
             settling: SMatrix::identity(),
             clocks_s2: 2.0,
-            wander: RangeWander { sigma_m: 0.5, correlation_s: 5.0 },
+            ranges: GaussMarkov { sigma_m: 0.5, correlation_s: 5.0 },
+            across: GaussMarkov { sigma_m: 0.3, correlation_s: 9.0 },
+            upward: GaussMarkov { sigma_m: 0.2, correlation_s: 7.0 },
             restarts_s: Vec::new(),
             restarted_s2: 1.0,
             station_steps: vec![2],
@@ -306,7 +314,7 @@ mod tests {
         let data = Arc::new(data);
         let any = ChainVectors::<1>::zeros(BLOCKS);
         let (factor, _) =
-            ChainFactor::new(&data, &Constants::repeat(1.0), &priors, any).expect("definite");
+            ChainFactor::new(&data, &ConstantsMatrix::identity(), &priors, any).expect("definite");
         let walks = factor.increment_covariances();
         assert_eq!(walks.len(), BLOCKS - 1);
         for (index, found) in walks.iter().enumerate() {
@@ -326,7 +334,7 @@ mod tests {
     fn a_solution_solves_the_normal_equations() {
         let (data, priors) = chain(7);
         let data = Arc::new(data);
-        let precision = Constants::repeat(2.0);
+        let precision = ConstantsMatrix::from_diagonal_element(2.0);
         let mut right = ChainVectors::<1>::zeros(7);
         right.slow.iter_mut().for_each(|slow| slow.fill(0.7));
         right.constants.fill(-0.3);
@@ -337,7 +345,7 @@ mod tests {
         let by_priors: f64 =
             (0..7).map(|block| found.slow[block].dot(&priors.multiply(&found.slow, block))).sum();
         let square = data.quadratic_form(&found)[0]
-            + found.constants.dot(&found.constants.component_mul(&precision))
+            + found.constants.dot(&(precision * found.constants))
             + by_priors;
         let pulled: f64 = found.slow.iter().zip(&right.slow).map(|(a, b)| a.dot(b)).sum();
         let pulled = pulled + found.constants.dot(&right.constants);
@@ -350,7 +358,7 @@ mod tests {
         let (data, priors) = chain(blocks);
         let kept = Arc::new(data);
         let again = Arc::new(without_stored_rows(&kept));
-        let precision = Constants::repeat(2.0);
+        let precision = ConstantsMatrix::from_diagonal_element(2.0);
         let mut right = ChainVectors::<2>::zeros(blocks);
         right.slow.iter_mut().enumerate().for_each(|(block, slow)| slow.fill(block as f64));
         let of =

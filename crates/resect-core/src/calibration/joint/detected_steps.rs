@@ -56,7 +56,8 @@ fn most_significant_step(
     let drive = normal.drive();
     let precisions = SlowPrecisions::new(&priors.slow, &drive.block_times_s)?;
     let right = normal.gradient_with_priors(priors, &precisions, state);
-    let (factor, step) = ChainFactor::new(&normal.matrix, &priors.precision, &precisions, right)?;
+    let (factor, step) =
+        ChainFactor::new(&normal.matrix, &priors.information(), &precisions, right)?;
     let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
     let slow: Vec<Slow> = solved.collect();
     step_search(&factor, &precisions, &slow, priors, drive, state).most_significant_step()
@@ -97,5 +98,6 @@ fn step_search<'a>(
         block_times_s: &drive.block_times_s,
         known_blocks: [&priors.slow.station_steps, &priors.slow.clock_steps],
         positions_m: [0, 1].map(|slot| state.constants.fixed_rows::<3>(4 * slot).into()),
+        settling: priors.own_settling,
     }
 }

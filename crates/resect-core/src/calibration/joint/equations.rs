@@ -4,11 +4,11 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::drive::{Reading, Segment};
 use super::knot_grid::{KnotGrid, ORDER};
-use super::loss::robust_weight;
+use super::loss::{robust_loss, robust_weight};
 use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows};
 use super::residuals::{
-    LinearisationPoint, NoiseLevels, RIG_FLEX_SIGMA_M, ReadingResidual, distance_residual,
-    distance_times_s, jerk_factors, jerk_residuals,
+    LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
+    jerk_factors, jerk_residuals,
 };
 use super::state_vector::BLOCK_DISTANCES;
 use crate::deployment::PAIRS;
@@ -30,6 +30,15 @@ pub struct ResidualSquares {
     pub expected: [f64; PROBES],
     /// Squares that the fitted motion absorbs, estimated by random probes (Girard 1989).
     pub absorbed: [f64; PROBES],
+    /// Observed and expected squares of ranges, horizontal and vertical angles, by station.
+    pub by_station: [[SquareSum; 3]; 3],
+}
+
+/// Sum of squared residuals, and its expectation before anything is fitted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SquareSum {
+    pub observed: f64,
+    pub expected: f64,
 }
 
 /// Indices of the kinds of noise.
@@ -45,6 +54,17 @@ impl ResidualSquares {
             self.expected[kind] += other.expected[kind];
             self.absorbed[kind] += other.absorbed[kind];
         }
+        let sums = self.by_station.iter_mut().flatten();
+        for (sum, other) in sums.zip(other.by_station.iter().flatten()) {
+            sum.observed += other.observed;
+            sum.expected += other.expected;
+        }
+    }
+
+    /// Mean redundancy number of a kind: the share of expected squares that the motion leaves; `None` without residuals.
+    pub fn redundancy(&self, kind: usize) -> Option<f64> {
+        let expected = self.expected[kind];
+        (expected > 0.0).then(|| ((expected - self.absorbed[kind]) / expected).clamp(0.0, 1.0))
     }
 }
 
@@ -52,6 +72,8 @@ impl ResidualSquares {
 pub struct SegmentEquations<const LOCAL: usize, const ROW: usize> {
     pub band: MotionBand<LOCAL, ROW>,
     pub squares: ResidualSquares,
+    /// Cost of the equations (σ²), with the robust loss unless the weights are fixed.
+    pub cost: f64,
     /// Robust weights of readings and then of jerks.
     pub weights: Vec<f64>,
 }
@@ -67,6 +89,7 @@ pub fn equations<const LOCAL: usize, const ROW: usize>(
     let mut builder = EquationsBuilder::<LOCAL, ROW> {
         band: MotionBand::new(rows, grid.knots, grid.first_knots()),
         squares: ResidualSquares::default(),
+        cost: 0.0,
         weights: Vec::new(),
         point,
         weighting,
@@ -81,12 +104,14 @@ pub fn equations<const LOCAL: usize, const ROW: usize>(
         builder.add_distances(grid, &distances_m);
     }
     builder.add_jerks(grid);
-    SegmentEquations { band: builder.band, squares: builder.squares, weights: builder.weights }
+    let EquationsBuilder { band, squares, cost, weights, .. } = builder;
+    SegmentEquations { band, squares, cost, weights }
 }
 
 struct EquationsBuilder<'a, const LOCAL: usize, const ROW: usize> {
     band: MotionBand<LOCAL, ROW>,
     squares: ResidualSquares,
+    cost: f64,
     weights: Vec<f64>,
     point: &'a LinearisationPoint<'a>,
     weighting: &'a SegmentWeighting<'a>,
@@ -94,12 +119,17 @@ struct EquationsBuilder<'a, const LOCAL: usize, const ROW: usize> {
 }
 
 impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
-    /// Returns the fixed weight, or the robust weight of a squared residual in σ².
-    fn weight(&mut self, square: f64) -> f64 {
-        let weight = match self.weighting.fixed {
-            Some(fixed) => fixed[self.weights.len()],
-            None => robust_weight(square),
+    /// Returns the fixed weight, or the robust weight of a squared residual in σ², which is the mean of `numbers` squares. Adds the
+    /// cost.
+    fn weight(&mut self, square: f64, numbers: f64) -> f64 {
+        let (weight, loss) = match self.weighting.fixed {
+            Some(fixed) => {
+                let weight = fixed[self.weights.len()];
+                (weight, weight * square)
+            }
+            None => (robust_weight(square), robust_loss(square)),
         };
+        self.cost += numbers * loss;
         self.weights.push(weight);
         weight
     }
@@ -113,7 +143,8 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
         let first = 3 * residual.prism;
         let weighted_m = information * residual_m;
         let square = residual_m.dot(&weighted_m);
-        let weight = self.weight(square / (3.0 * self.weighting.redundancy));
+        let numbers = 3.0 * self.weighting.redundancy;
+        let weight = self.weight(square / numbers, numbers);
 
         let sources = [
             (RANGES, Vector3::x() * residual.range_sigma_m),
@@ -121,14 +152,21 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             (ANGLES, Vector3::z() * residual.across_sigma_m),
             (STAMPS, residual.jitter_m),
         ];
-        for (kind, sigma_m) in sources {
+        for (source, (kind, sigma_m)) in sources.into_iter().enumerate() {
             if self.weighting.fixed.is_some() {
                 continue;
             }
             let gain = information * sigma_m;
             // The weight is squared: outliers must not raise the noise level.
-            self.squares.observed[kind] += (weight * gain.dot(residual_m)).powi(2);
-            self.squares.expected[kind] += weight * weight * gain.dot(&sigma_m);
+            let observed = (weight * gain.dot(residual_m)).powi(2);
+            let expected = weight * weight * gain.dot(&sigma_m);
+            self.squares.observed[kind] += observed;
+            self.squares.expected[kind] += expected;
+            // The stamp is no reading of its own.
+            if let Some(sum) = self.squares.by_station[station].get_mut(source) {
+                sum.observed += observed;
+                sum.expected += expected;
+            }
             let values = axes * gain * (weight * self.signs.next());
             self.band.add_probe(knots, first, kind, &values);
         }
@@ -158,7 +196,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
     /// Adds the distances of the rig as constraints on the splines, once a knot.
     fn add_distances(&mut self, grid: &KnotGrid, distances_m: &[f64; 3]) {
         const PRISMS: usize = 9;
-        let precision = RIG_FLEX_SIGMA_M.powi(-2);
+        let precision = self.weighting.levels.distance_m.powi(-2);
         for time_s in distance_times_s(grid) {
             let weights = grid.weights(time_s);
             let knots = KnotFactors { first: weights.first, factors: &weights.position };
@@ -168,6 +206,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
                 let (along, residual_m) =
                     distance_residual::<LOCAL>(self.point, &weights, (a, b), distances_m[pair]);
+                self.cost += precision * residual_m * residual_m;
                 let mut jacobian = SVector::<f64, PRISMS>::zeros();
                 jacobian.fixed_rows_mut::<3>(3 * a).copy_from(&along);
                 jacobian.fixed_rows_mut::<3>(3 * b).copy_from(&-along);
@@ -195,7 +234,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             let knots = KnotFactors { first, factors: &factors };
             // Vehicles start and stop: their jerks are weighted robustly.
             let square = residuals.iter().map(|residual| residual * residual).sum::<f64>();
-            let weight = self.weight(square / LOCAL as f64);
+            let weight = self.weight(square / LOCAL as f64, LOCAL as f64);
             // The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
             // like noise of stamps.
             self.squares.observed[JERKS] += square;

@@ -3,25 +3,30 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::constants_prior::prior_mean;
 use super::detected_steps::{add_steps, measured_steps};
 use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::equations::ResidualSquares;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
-use super::marginal_likelihood::{likeliest_clocks_s2, likeliest_wander};
+use super::marginal_likelihood::{choose_processes, likeliest_clocks_s2};
 use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
 use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
-use super::priors::{Priors, prior_mean};
+use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
+use super::residuals::NoiseLevels;
 use super::state_vector::{CLOCKS, Constants, StateVector};
 use super::step_search::StationStep;
+use super::survey::Survey;
+use super::survey_change::SurveyEvidence;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
 /// Largest number of Gauss–Newton steps.
-const MOST_ITERATIONS: usize = 20;
+const MOST_ITERATIONS: usize = 40;
 /// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
 /// The normal matrix is reused while the squared length of the steps shrinks at least by this factor.
@@ -35,6 +40,13 @@ const SAMPLE_STEPS: [bool; 5] = [true, true, false, true, false];
 const SEARCHES: usize = 2;
 /// Steps of the motion alone that bring a whole drive near its readings once a sample of it is solved.
 const MOTION_STEPS: usize = 2;
+/// A step that raises the cost by more than this share is taken again with a quarter of its length. The Jacobians are approximations,
+/// so the cost may rise a little although the steps converge.
+const COST_TOLERANCE: f64 = 0.01;
+const SHORTER: f64 = 0.25;
+const SHORTEST: f64 = 1e-3;
+/// Normal matrices are not reused after a longer step (σ²).
+const LONG_STEP: f64 = 10.0;
 /// Standard deviations of the published answer while noise is estimated: a sample may not determine all that the whole drive does.
 const SAMPLE_PRIOR_M: f64 = 0.1;
 const SAMPLE_PRIOR_RAD: f64 = 0.002;
@@ -43,28 +55,35 @@ const DIVERGED_M: f64 = 30.0;
 /// The iteration has converged once the squared length of a step is this small (σ²).
 const CONVERGED: f64 = 4e-3;
 
-/// Estimates all unknowns; `published` is the answer of a published method, from which the iteration starts.
+/// Input of the joint estimate beside the readings of the drive.
+pub struct JointInput<'a> {
+    /// The answer of a published method, from which the iteration starts.
+    pub published: &'a [LevelTransform; 3],
+    /// The distances of the rig; `None` where all stations follow one prism.
+    pub rig: Option<RigDistances>,
+    /// The control points, if they are evidence.
+    pub survey: Option<Arc<Survey>>,
+    pub sizes: &'a ErrorSizes,
+}
+
+/// Estimates all unknowns.
 ///
-/// `inter_prism_m` is `None` where all stations follow one prism. Returns `None` without readings, if the normal matrix is not positive
-/// definite, or if the iteration diverges. `triplets` is called where they are needed: a copy for the whole iteration would
-/// double its memory.
+/// Returns `None` without readings, if the normal matrix is not positive definite, or if the iteration diverges. `triplets` is
+/// called where they are needed: a copy for the whole iteration would double its memory.
 pub fn estimate<'a>(
     triplets: &dyn Fn() -> Cow<'a, Triplets>,
-    published: &[LevelTransform; 3],
-    inter_prism_m: Option<&[f64; 3]>,
-    sizes: &ErrorSizes,
+    input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let mean = prior_mean(published, inter_prism_m);
     for block_s in BLOCK_LENGTHS_S {
         let triplets = triplets();
         let Some(drive) = Drive::new(&triplets, block_s) else { return Ok(None) };
         let drive = Arc::new(drive);
-        let solve = match inter_prism_m {
+        let solve = match input.rig {
             Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
             None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
         };
-        let estimate = solve(drive, triplets, &mean, sizes, progress)?;
+        let estimate = solve(drive, triplets, input, progress)?;
         if estimate.is_some() {
             return Ok(estimate);
         }
@@ -76,11 +95,14 @@ pub fn estimate<'a>(
 fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     drive: Arc<Drive>,
     triplets: Cow<'_, Triplets>,
-    mean: &Constants,
-    sizes: &ErrorSizes,
+    input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let priors = Priors::new(sizes, mean, &triplets.restarts_s);
+    let JointInput { published, rig, survey, sizes } = input;
+    let mean = prior_mean(published, rig.as_ref().map(|rig| &rig.measured_m));
+    let priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
+    let survey = survey.as_ref();
+    let pending_survey = survey.and_then(|survey| SurveyEvidence::new(survey, sizes, &mean));
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
     let learned = learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, progress)?;
     let Some((weighting, mut state)) = learned else { return Ok(None) };
@@ -98,7 +120,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     }
     // The whole drive determines the constants better than its sample: the first step may be that much longer.
     let near_sigmas = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
-    let (steps, buffers, iterations) = (Vec::new(), RowBuffers::default(), 0);
+    let (steps, buffers, iterations, before) = (Vec::new(), RowBuffers::default(), 0, None);
     let mut iteration = Iteration::<LOCAL, ROW> {
         drive,
         sizes,
@@ -109,6 +131,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         steps,
         buffers,
         iterations,
+        before,
+        pending_survey,
     };
     let Some(step) = iteration.step_reweighted(near_sigmas)? else { return Ok(None) };
     let Some((step, converged)) = iteration.step_with_fixed_weights(step)? else {
@@ -129,6 +153,16 @@ struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
     steps: Vec<StationStep>,
     buffers: RowBuffers<LOCAL, ROW>,
     iterations: usize,
+    before: Option<StateBefore>,
+    /// The survey until the drive alone is nearly solved: a set-up that changed in between would look like outliers of the drive.
+    pending_survey: Option<SurveyEvidence>,
+}
+
+/// The state before a step, its cost (σ²), and the share of the step that was taken.
+struct StateBefore {
+    state: StateVector,
+    cost: f64,
+    share: f64,
 }
 
 impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
@@ -153,7 +187,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
             if !self.apply(&step) {
                 return Ok(None);
             }
-            if is_settled || self.iterations == MOST_ITERATIONS {
+            if is_settled || self.iterations >= MOST_ITERATIONS {
                 return Ok(Some(step));
             }
             self.buffers = step.into_buffers();
@@ -165,16 +199,20 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         &mut self,
         mut step: GaussNewtonStep<LOCAL, ROW>,
     ) -> Result<Option<(GaussNewtonStep<LOCAL, ROW>, bool)>, Cancelled> {
-        if self.iterations == MOST_ITERATIONS {
+        if self.iterations >= MOST_ITERATIONS {
             return Ok(Some((step, false)));
         }
         self.weighting.fixed = Some(step.weights());
+        self.weighting.squares = step.squares();
+        // The cost is another one now.
+        self.before = None;
         let is_stored = self.drive.stored_segments() == self.drive.segments.len();
-        let mut reuse_matrix = is_stored;
+        let mut reuse_matrix = is_stored && step.squared_length < LONG_STEP;
         loop {
             let before = step.squared_length;
             if reuse_matrix {
                 step.update_gradient(&self.state, &self.priors, self.progress)?;
+                self.before = None;
             } else {
                 self.buffers = step.into_buffers();
                 let Some(next) = self.linearise()? else { return Ok(None) };
@@ -184,23 +222,54 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
                 return Ok(None);
             }
             let converged = step.squared_length < CONVERGED;
-            if converged || self.iterations == MOST_ITERATIONS {
+            if converged || self.iterations >= MOST_ITERATIONS {
                 return Ok(Some((step, converged)));
             }
             reuse_matrix = is_stored && step.squared_length < FAST * before;
         }
     }
 
+    /// Linearises at the state; before that, goes back as long as the last step has raised the cost.
     fn linearise(&mut self) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+        loop {
+            let step = self.linearise_here()?;
+            let Some(before) = &self.before else { return Ok(step) };
+            let cost = step.as_ref().map_or(f64::NAN, |it| it.cost(&self.state, &self.priors));
+            // NaN has not decreased.
+            if cost < before.cost * (1.0 + COST_TOLERANCE) || before.share < SHORTEST {
+                return Ok(step);
+            }
+            if self.iterations >= MOST_ITERATIONS {
+                return Ok(step);
+            }
+            let share = SHORTER * before.share;
+            self.state = before.state.clone();
+            if let Some(step) = step {
+                self.buffers = step.into_buffers();
+            }
+            let Some(step) = self.linearise_here()? else { return Ok(None) };
+            self.take_share(&step, share);
+            self.buffers = step.into_buffers();
+        }
+    }
+
+    fn linearise_here(&mut self) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
         let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
 
     /// Applies a step; `false` if the estimate has diverged.
     fn apply(&mut self, step: &GaussNewtonStep<LOCAL, ROW>) -> bool {
-        step.apply(&mut self.state);
-        self.iterations += 1;
+        let last_share = self.before.as_ref().map_or(1.0, |before| before.share);
+        self.take_share(step, (2.0 * last_share).min(1.0));
         !has_diverged(&self.state.constants, &self.priors.mean)
+    }
+
+    fn take_share(&mut self, step: &GaussNewtonStep<LOCAL, ROW>, share: f64) {
+        let cost = step.cost(&self.state, &self.priors);
+        self.before = Some(StateBefore { state: self.state.clone(), cost, share });
+        step.apply(&mut self.state, share);
+        self.iterations += 1;
     }
 
     /// Estimates the variances of slow states and detects steps, then solves again; `false` if that fails.
@@ -210,8 +279,16 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         is_last: bool,
     ) -> Result<bool, Cancelled> {
         let Self { state, priors, progress, .. } = self;
+        // A smaller size is a statement of the user, which is tested elsewhere.
+        if self.sizes.clock_offset_s >= ErrorSizes::default().clock_offset_s {
+            let constants = state.constants - step.step.constants;
+            priors.widen_clock_offsets(&constants, &step.factor.constants_covariance());
+        }
+        if !add_survey(step, &mut self.pending_survey, state, priors) {
+            return Ok(false);
+        }
         if self.sizes.ranges_wander {
-            priors.slow.wander = likeliest_wander(&step.normal, priors, state, progress)?;
+            choose_processes(&step.normal, priors, state, progress)?;
         }
         // Steps have their own variance by now, so the random walk does not absorb them.
         if is_last {
@@ -228,6 +305,28 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
         JointEstimate { steps, converged, iterations, ..step.summary(solution) }
     }
+}
+
+/// Adds the survey to the priors and widens that of a changed set-up; `false` if the equations cannot be solved.
+fn add_survey<const LOCAL: usize, const ROW: usize>(
+    step: &mut GaussNewtonStep<LOCAL, ROW>,
+    pending: &mut Option<SurveyEvidence>,
+    state: &StateVector,
+    priors: &mut Priors,
+) -> bool {
+    if let Some(survey) = pending.take() {
+        priors.survey = Some(survey);
+        if !step.solve_again(state, priors) {
+            return false;
+        }
+    }
+    let constants = state.constants - step.step.constants;
+    let covariance = step.factor.constants_covariance();
+    let survey = priors.survey.as_ref();
+    let changed = survey.and_then(|survey| survey.with_detected_change(&constants, &covariance));
+    let Some(changed) = changed else { return true };
+    priors.survey = Some(changed);
+    step.solve_again(state, priors)
 }
 
 fn has_diverged(constants: &Constants, mean: &Constants) -> bool {
@@ -248,7 +347,9 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         let sigma = if index % 4 == 3 { SAMPLE_PRIOR_RAD } else { SAMPLE_PRIOR_M };
         priors.precision[index] = sigma.powi(-2);
     }
-    let mut weighting = Weighting { levels: FIRST_LEVELS, redundancy: 0.5, fixed: None };
+    let squares = ResidualSquares::default();
+    let levels = NoiseLevels { distance_m: priors.observed_distance_m, ..FIRST_LEVELS };
+    let mut weighting = Weighting { levels, redundancy: 0.5, fixed: None, squares };
     let mut state = sample.initial_state(triplets, &priors.mean, LOCAL / 3);
     let mut buffers = RowBuffers::<LOCAL, ROW>::default();
     for (index, is_whole_step) in SAMPLE_STEPS.into_iter().enumerate() {
@@ -256,7 +357,7 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             let step =
                 GaussNewtonStep::new(sample, &state, &weighting, &priors, &mut buffers, progress)?;
             let Some(step) = step else { return Ok(None) };
-            step.apply(&mut state);
+            step.apply(&mut state, 1.0);
             let squares = step.squares();
             buffers = step.into_buffers();
             squares

@@ -10,8 +10,9 @@ use crate::calibration::{Estimate, Quantity, clocks_in_words};
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, clock_stepped, distance_estimated,
     distance_implausible, distances_implausible, errors_implausible, instrument_error,
-    instrument_error_implausible, noise_levels, range_wander_implausible,
-    stated_error_contradicted, station_errors_implausible, station_moved, uncertainty_sources,
+    instrument_error_implausible, noise_levels, range_wander_implausible, set_up_change_undecided,
+    set_up_changed, stated_error_contradicted, station_errors_implausible, station_moved,
+    uncertainty_sources,
 };
 use crate::deployment::{Finding, pair_label};
 
@@ -53,6 +54,12 @@ pub fn findings(joint: &JointEstimate) -> Vec<Finding> {
     findings.extend(significant.map(|error| with_name(&error, instrument_error)));
     findings.extend([1, 2].map(|station| largest_sources(joint, station)));
     findings
+}
+
+/// Describes the change of one station's set-up between the survey and the drive, which the estimate models.
+pub fn set_up_change(joint: &JointEstimate) -> Option<Finding> {
+    let change = joint.set_up_change()?;
+    Some(set_up_changed(change.station?, &change.turned_rad, &change.moved_length_m()))
 }
 
 /// Lists evidence against the estimate, each with the best verdict that it allows.
@@ -99,8 +106,11 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     if !has_conflict && conflict.all_sigmas > CRITICAL_ALL_SIGMAS {
         doubt(errors_implausible(conflict.all_sigmas));
     }
-    if joint.wander.sigma_m > LARGEST_WANDER_M {
-        doubt(range_wander_implausible(joint.wander.sigma_m));
+    if joint.slow_ranges.sigma_m > LARGEST_WANDER_M {
+        doubt(range_wander_implausible(joint.slow_ranges.sigma_m));
+    }
+    if joint.set_up_change().is_some_and(|change| change.station.is_none()) {
+        doubt(set_up_change_undecided());
     }
     doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
     doubts.extend(
@@ -196,6 +206,8 @@ fn noise(joint: &JointEstimate) -> Finding {
         range_m: levels.range_m(),
         angle_rad: levels.angle_rad,
         stamp_s: levels.jitter_s,
-        range_wander_m: joint.wander.sigma_m,
+        slow_range_m: joint.slow_ranges.sigma_m,
+        slow_across_m: joint.slow_across.sigma_m,
+        slow_upward_m: joint.slow_upward.sigma_m,
     })
 }

@@ -174,9 +174,20 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         (0..self.segments.len()).into_par_iter().map_init(Rows::default, map_one).collect()
     }
 
-    /// Subtracts the step from a state, with back substitution of the motion. Recomputes rows that are not stored.
-    pub fn apply(&self, state: &mut StateVector) {
-        let step = &self.step;
+    /// Cost of data, priors and survey at the state of the linearisation (σ²).
+    pub fn cost(&self, state: &StateVector, priors: &Priors) -> f64 {
+        let of_block = |(block, slow): (usize, &Slow)| {
+            slow.dot(&self.slow_precisions.multiply(&state.slow, block))
+        };
+        let slow: f64 = state.slow.iter().enumerate().map(of_block).sum();
+        let data: f64 = self.segments.iter().map(|segment| segment.cost).sum();
+        data + slow + priors.cost(&state.constants)
+    }
+
+    /// Subtracts the step from a state, with back substitution of the motion. Constants and slow states take this share of their step,
+    /// to which the motion is fitted. Recomputes rows that are not stored.
+    pub fn apply(&self, state: &mut StateVector, share: f64) {
+        let step = &self.step.scaled(share);
         let block_step = |block: usize| -> BlockVector {
             let (by_constants, by_slow) = self.normal.matrix.jacobians.of_block(block);
             by_constants * step.constants + by_slow * step.slow[block]
@@ -224,7 +235,7 @@ fn solve_chain(
     let slow_precisions = SlowPrecisions::new(&priors.slow, &normal.drive().block_times_s)?;
     let right = normal.gradient_with_priors(priors, &slow_precisions, state);
     let solve = |precisions: &SlowPrecisions| {
-        ChainFactor::new(&normal.matrix, &priors.precision, precisions, right.clone())
+        ChainFactor::new(&normal.matrix, &priors.information(), precisions, right.clone())
     };
     // Far from the solution the slow states may be unobservable, and are constrained.
     let (factor, step) = solve(&slow_precisions).or_else(|| solve(&slow_precisions.stiffer()))?;
@@ -239,7 +250,7 @@ fn squared_length(
     right: &ChainVectors<1>,
     priors: &Priors,
 ) -> f64 {
-    let by_data = right.constants - priors.precision.component_mul(&step.constants);
+    let by_data = right.constants - priors.own_information() * step.constants;
     let of_block = |(block, slow): (usize, &Slow)| {
         slow.dot(&(right.slow[block] - factor.priors.multiply(&step.slow, block)))
     };

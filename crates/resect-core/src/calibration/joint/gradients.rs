@@ -3,8 +3,8 @@
 use super::drive::Segment;
 use super::knot_grid::ORDER;
 use super::residuals::{
-    LinearisationPoint, NoiseLevels, RIG_FLEX_SIGMA_M, ReadingResidual, distance_residual,
-    distance_times_s, jerk_factors, jerk_residuals,
+    LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
+    jerk_factors, jerk_residuals,
 };
 use super::state_vector::{BLOCK_DISTANCES, BlockVector};
 use crate::deployment::PAIRS;
@@ -54,7 +54,7 @@ pub fn gradients<const LOCAL: usize>(
             for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
                 let (along, residual_m) =
                     distance_residual::<LOCAL>(point, &weights, (a, b), distances_m[pair]);
-                let gradient = along * (residual_m * RIG_FLEX_SIGMA_M.powi(-2));
+                let gradient = along * (residual_m * levels.distance_m.powi(-2));
                 for (k, factor) in weights.position.iter().enumerate() {
                     let knot = &mut sums.knots[weights.first + k];
                     for axis in 0..3 {
@@ -62,7 +62,7 @@ pub fn gradients<const LOCAL: usize>(
                         knot[3 * b + axis] -= factor * gradient[axis];
                     }
                 }
-                block[BLOCK_DISTANCES + pair] -= residual_m * RIG_FLEX_SIGMA_M.powi(-2);
+                block[BLOCK_DISTANCES + pair] -= residual_m * levels.distance_m.powi(-2);
             }
         }
     }

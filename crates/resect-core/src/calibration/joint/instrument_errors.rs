@@ -2,10 +2,9 @@
 
 use super::joint_estimate::JointEstimate;
 use super::state_vector::{COLLIMATIONS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
-use crate::calibration::{Estimate, Quantity};
+use crate::calibration::{Estimate, Quantity, SUPPORTED_SIGMAS};
 
-/// An error is significant beyond this many σ, if the data reduced its prior σ to this share.
-const SIGNIFICANT_SIGMAS: f64 = 2.5;
+/// A significant error has a prior σ that the data reduced to this share.
 const SIGNIFICANT_REDUCTION: f64 = 0.8;
 
 /// Kind of an instrument's error.
@@ -85,7 +84,7 @@ pub struct InstrumentError {
 impl InstrumentError {
     /// Returns true if the data by itself shows that the error is not zero.
     pub fn is_significant(&self) -> bool {
-        self.estimate.sigmas_from(0.0).abs() > SIGNIFICANT_SIGMAS
+        self.estimate.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS
             && self.estimate.sigma < SIGNIFICANT_REDUCTION * self.prior_sigma
     }
 }

@@ -7,12 +7,15 @@ use nalgebra::{SMatrix, SVector};
 use super::detected_steps::is_usual;
 use super::prior_conflict::PriorConflict;
 use super::prism_motion::Solution;
-use super::random_walks::RangeWander;
+use super::random_walks::GaussMarkov;
+use super::reliability::GroupReliability;
 use super::residuals::NoiseLevels;
 use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::StationStep;
+use super::survey::Survey;
+use super::survey_change::{SetUpChange, SurveyEvidence};
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
-use crate::geometry::LevelTransform;
+use crate::geometry::{LevelTransform, RigidTransform};
 
 /// The result of the joint estimate.
 #[derive(Clone, Debug)]
@@ -23,6 +26,8 @@ pub struct JointEstimate {
     pub covariance: SMatrix<f64, 8, 8>,
     /// Contribution of each source to these variances.
     pub budget: Vec<(&'static str, SVector<f64, 8>)>,
+    /// Reliability of each group of readings: the drive's by station, those of control points by station, the rig's distances.
+    pub reliability: Vec<GroupReliability>,
     /// Time offsets of stations 2 and 3 from station 1 in the middle of the first drive (s).
     pub clock_offsets_s: [Estimate; 2],
     /// Clock offsets of each drive, where several were solved together.
@@ -39,15 +44,42 @@ pub struct JointEstimate {
     /// Tests of error sizes that the user reduced below those of instruments in the field.
     pub(super) stated_size_conflicts: Vec<StatedSizeConflict>,
     pub levels: NoiseLevels,
-    pub wander: RangeWander,
+    /// Slow errors of the ranges, of the sights across, and upward.
+    pub slow_ranges: GaussMarkov,
+    pub slow_across: GaussMarkov,
+    pub slow_upward: GaussMarkov,
     /// Standard deviations of the priors.
     pub sizes: ErrorSizes,
+    /// Poses at the survey, if control points are evidence.
+    pub survey: Option<SurveyPoses>,
     /// Significant steps of stations and clocks, the most significant first.
     pub steps: Vec<StationStep>,
     pub converged: bool,
     pub iterations: usize,
     /// The solution, from which the motion is evaluated.
     pub solution: Arc<Solution>,
+}
+
+/// Poses of the stations when they measured the control points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurveyPoses {
+    pub station1_from_station: [LevelTransform; 3],
+    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
+    pub covariance: SMatrix<f64, 8, 8>,
+    /// The significant change of a set-up until the drive.
+    pub change: Option<SetUpChange>,
+}
+
+impl SurveyPoses {
+    /// Returns the transforms at the survey.
+    pub fn transforms(&self) -> [RigidTransform; 3] {
+        self.station1_from_station.map(RigidTransform::from)
+    }
+
+    /// Returns the standard deviations of the transforms of stations 2 and 3.
+    pub fn sigma(&self) -> [TransformSigma; 2] {
+        TransformSigma::of_covariance(&self.covariance)
+    }
 }
 
 /// The clock offsets of one drive.
@@ -104,6 +136,16 @@ impl JointEstimate {
             }
             _ => format!("about {:.0} s into the drive", step.after_s),
         }
+    }
+
+    /// Returns the adjustment of the control points; `None` if they are no evidence.
+    pub fn control_points(&self) -> Option<&Survey> {
+        self.solution.priors.survey.as_ref().map(SurveyEvidence::survey)
+    }
+
+    /// Returns the significant change of a set-up between the survey and the drive.
+    pub fn set_up_change(&self) -> Option<&SetUpChange> {
+        self.survey.as_ref()?.change.as_ref()
     }
 
     /// Standard deviations of the transforms of stations 2 and 3.

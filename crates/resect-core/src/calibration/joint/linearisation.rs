@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::block_jacobians::BlockJacobians;
 use super::drive::{Drive, Segment};
-use super::equations::{SegmentEquations, SegmentWeighting, equations};
+use super::equations::{ResidualSquares, SegmentEquations, SegmentWeighting, equations};
 use super::motion_band::Rows;
 use super::residuals::{LinearisationPoint, NoiseLevels};
 use super::state_vector::{BlockVector, DISTANCES, StateVector};
@@ -18,6 +18,8 @@ pub struct Weighting {
     pub redundancy: f64,
     /// Fixed robust weights by segment; `None` while they are re-estimated.
     pub fixed: Option<Vec<Vec<f64>>>,
+    /// Squared residuals of the step that fixed the weights; zeros before.
+    pub squares: ResidualSquares,
 }
 
 impl Weighting {

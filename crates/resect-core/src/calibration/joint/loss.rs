@@ -10,6 +10,12 @@ pub const CONSISTENCY: f64 = 0.70;
 /// Information of normal errors that the weights retain.
 pub const EFFICIENCY: f64 = 0.95;
 
+/// Returns the loss of a squared error, both in σ².
+pub fn robust_loss(squared_error: f64) -> f64 {
+    let scale = LOSS_SCALE.powi(2);
+    scale * (squared_error / scale).ln_1p()
+}
+
 /// Returns the weight of a squared error in σ².
 pub fn robust_weight(squared_error: f64) -> f64 {
     cauchy(squared_error.sqrt(), LOSS_SCALE).weight

@@ -10,7 +10,7 @@ use super::chain::{ChainEquations, ChainRow, ChainVectors};
 use super::chain_factor::ChainElimination;
 use super::priors::Priors;
 use super::random_walks::{
-    RangeWander, SlowPrecisions, SlowPriors, WANDER_SIGMAS_M, WANDER_TIMES_S,
+    GaussMarkov, PROCESS_SIGMAS_M, PROCESS_TIMES_S, SlowPrecisions, SlowPriors,
 };
 use super::state_vector::{CONSTANTS, Constants, SLOW, Slow, StateVector};
 use crate::linear_algebra::block_tridiagonal::forward_substitute;
@@ -19,31 +19,46 @@ use crate::progress::{Cancelled, Progress};
 /// Multiples of the prior variance of the clocks' random walks that are tried: up to 6 ms in a drive, as of clocks that a time server
 /// steers.
 const CLOCK_MULTIPLES: [f64; 3] = [10.0, 100.0, 1000.0];
+/// Largest standard deviation of errors across the sights and upward (m): facets make 1 to 4 mm, and larger errors are leans.
+const MOST_ACROSS_M: f64 = 0.0045;
 /// Twice the logarithm of the likelihood gains no more than this by chance.
 const LEAST_GAIN: f64 = 4.0;
 
-/// Returns the process of range errors with the largest marginal likelihood.
-pub fn likeliest_wander(
+/// Access to one of the processes.
+type ProcessField = fn(&mut SlowPriors) -> &mut GaussMarkov;
+
+/// Replaces the processes of errors of ranges, across the sights, and upward, one after the other, by the one with the largest marginal likelihood.
+pub fn choose_processes(
     normal: &ChainEquations,
-    priors: &Priors,
+    priors: &mut Priors,
     state: &StateVector,
     progress: &Progress,
-) -> Result<RangeWander, Cancelled> {
-    let likeliest = |tried: &[RangeWander], otherwise: RangeWander| {
-        let slow = |wander: &RangeWander| SlowPriors { wander: *wander, ..priors.slow.clone() };
-        let slow: Vec<SlowPriors> = tried.iter().map(slow).collect();
-        let costs = minus_two_ln_likelihoods(&slow, normal, priors, state, progress)?;
-        let costs = costs.iter().zip(tried).filter_map(|(cost, wander)| Some(((*cost)?, *wander)));
-        let least = costs.min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(least.map_or(otherwise, |(_, wander)| wander))
-    };
-    let now = priors.slow.wander;
-    let first = likeliest(&WANDER_SIGMAS_M.map(|sigma_m| RangeWander { sigma_m, ..now }), now)?;
-    // The correlation time of the smallest standard deviation is not observable.
-    if first.sigma_m == WANDER_SIGMAS_M[0] {
-        return Ok(first);
+) -> Result<(), Cancelled> {
+    let fields: [(f64, ProcessField); 3] = [
+        (f64::INFINITY, |slow| &mut slow.ranges),
+        (MOST_ACROSS_M, |slow| &mut slow.across),
+        (MOST_ACROSS_M, |slow| &mut slow.upward),
+    ];
+    for (most_m, field) in fields {
+        let with = |process: GaussMarkov| {
+            let mut slow = priors.slow.clone();
+            *field(&mut slow) = process;
+            slow
+        };
+        let mut tried = Vec::new();
+        for sigma_m in PROCESS_SIGMAS_M.iter().filter(|sigma_m| **sigma_m <= most_m) {
+            let with_time = |correlation_s| with(GaussMarkov { sigma_m: *sigma_m, correlation_s });
+            tried.extend(PROCESS_TIMES_S.map(with_time));
+        }
+        let costs = minus_two_ln_likelihoods(&tried, normal, priors, state, progress)?;
+
+        let costs = costs.into_iter().zip(tried);
+        let costs = costs.filter_map(|(cost, slow)| Some((cost?, slow)));
+        if let Some((_, slow)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            priors.slow = slow;
+        }
     }
-    likeliest(&WANDER_TIMES_S.map(|correlation_s| RangeWander { correlation_s, ..first }), first)
+    Ok(())
 }
 
 /// Returns the variance of the clocks' random walks with the largest marginal likelihood (s²), or that of the prior unless the gain is
@@ -157,7 +172,7 @@ impl<'a> MarginalLikelihood<'a> {
     /// Minus twice the logarithm of the likelihood, less a constant, once all blocks are eliminated.
     fn cost(self, normal: &ChainEquations, priors: &Priors) -> Option<f64> {
         let corner = &normal.matrix.constants;
-        let (factor, ln_determinant) = self.elimination.constants(corner, &priors.precision)?;
+        let (factor, ln_determinant) = self.elimination.constants(corner, &priors.information())?;
         let gradient = Constants::from_column_slice(self.constants.as_flattened());
         let explained = self.explained + gradient.dot(&factor.solve(&gradient));
         Some(ln_determinant + self.prior_square - explained)

@@ -9,8 +9,9 @@
 //! | | | distances `d_ab` of the prisms (m) | N(measured, σ²) | |
 //! | | | leans `η_i`, `ξ_i` of the stations about their own x and y (rad) | N(earth's curvature, σ²); zero mean for station 1 | |
 //! | | | range offsets `a_i` (m) and scales `k_i`, vertical index errors `ι_i` and collimation errors `κ_i` (rad) | N(0, σ²) | |
-//! | s_b | 13 a block | changes of (x, y, z, yaw) of stations 2 and 3 and of their clocks | random walks from the set-up | [`random_walks`] |
-//! | | | range errors of stations 1 to 3 (m) | Ornstein–Uhlenbeck processes | |
+//! | s_b | 19 a block | changes of (x, y, z, yaw) of stations 2 and 3 and of their clocks | random walks from the set-up | [`random_walks`] |
+//! | | | errors of the sights of stations 1 to 3 along, across and upward (m) | Gauss–Markov processes | |
+//! | δ | 14 | changes of poses and leans between the survey and the drive | settling | [`survey_change`] |
 //! | c | 9 or 3 a knot | coefficients of uniform cubic B-splines of three prisms, or of the one that all stations follow (m) | jerk | [`knot_grid`] |
 //!
 //! The standard deviations σ of the priors are the [`ErrorSizes`](super::ErrorSizes). The reference is station 1's level frame: `t_1`, `ψ_1`, `τ_1` and
@@ -38,7 +39,10 @@
 //! ```
 //!
 //! with `σ_ρ = f (2 mm + 2 ppm ρ)` and the noise `σ_t` of the stamp. Two more equations tie the splines. Once a knot, `‖q_a − q_b‖ − d_ab` has the flexibility of
-//! the rig, `σ_rig = 0.35 mm`. From knot to knot of length h the jerk `(c_{k+3} − 3 c_{k+2} + 3 c_{k+1} − c_k) / h³` has the standard deviation σ_j.
+//! the rig, `σ_rig = 1.5 mm` with the facets of the prisms. From knot to knot of length h the jerk `(c_{k+3} − 3 c_{k+2} + 3 c_{k+1} − c_k) / h³` has the standard deviation σ_j.
+//!
+//! Control points are adjusted on their own ([`mod@survey`]). Their estimate and information are one more quadratic cost of θ, from which δ is
+//! eliminated. The drive is nearly solved before it is added, and the prior of δ is widened for a station that changed.
 //!
 //! # Cost
 //! ```text
@@ -50,7 +54,7 @@
 //! Cauchy's ([`loss`]): one for the three numbers of a reading, by `zᵀ (cov z)⁻¹ z / 3r` with the mean redundancy number r, and one for the jerks of a knot.
 //!
 //! The noise levels f, σ_α and σ_t are variance components, estimated as Helmert's with redundancy numbers from random probes (Girard 1989). σ_j is
-//! estimated by expectation maximisation ([`noise_levels`]). The variances in P_s of range errors and clocks are chosen from a few values by their
+//! estimated by expectation maximisation ([`noise_levels`]). The variances in P_s of slow errors and clocks are chosen from a few values by their
 //! [marginal likelihood](marginal_likelihood).
 //!
 //! # Elimination
@@ -71,13 +75,14 @@
 //! 1. It learns the noise levels on a sample of the drive, where the transforms have a prior of 0.1 m and 2 mrad.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: variances of P_s, and steps of stations and clocks
 //!    ([`detected_steps`], [`step_search`]). It searches twice, and again while a search detects a step.
-//! 3. It steps with fixed weights until a Gauss–Newton step is small (converged), or after 20 steps (not converged). While the steps shrink tenfold, it reuses the
+//! 3. It steps with fixed weights until a Gauss–Newton step is small (converged), or after 40 steps (not converged). While the steps shrink tenfold, it reuses the
 //!    normal matrix and computes [`gradients`] alone.
 //!
 //! # Results
 //! | file | content |
 //! |---|---|
 //! | [`joint_estimate`], [`summary`] | values, covariance and variance budget |
+//! | [`reliability`] | redundancy numbers, minimal detectable biases and their effect |
 //! | [`prior_conflict`], [`stated_size_conflict`] | tests of the priors |
 //! | [`findings`] | findings and doubts |
 //! | [`instrument_errors`] | errors of instruments with names and symbols |
@@ -95,6 +100,7 @@
 mod block_jacobians;
 mod chain;
 mod chain_factor;
+mod constants_prior;
 mod corrected_triplets;
 mod cut_motion;
 mod detected_steps;
@@ -118,17 +124,26 @@ mod prior_conflict;
 mod priors;
 pub mod prism_motion;
 mod random_walks;
+pub mod reliability;
 mod residuals;
 mod settling;
 mod state_vector;
 mod stated_size_conflict;
 mod station_model;
+mod step_fit;
 mod step_search;
 mod summary;
+pub mod survey;
+mod survey_change;
 
-pub use self::estimate::estimate;
-pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource};
+pub use self::estimate::{JointInput, estimate};
+pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
 pub use self::predict::{ExpectedNoise, predict};
-pub use self::random_walks::RangeWander;
-pub use self::residuals::{NoiseLevels, RIG_FLEX_SIGMA_M, stated_range_m};
+pub use self::priors::RigDistances;
+pub use self::random_walks::GaussMarkov;
+pub use self::residuals::{
+    NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
+};
 pub use self::step_search::{StationStep, StepSize};
+pub use self::survey::Survey;
+pub use self::survey_change::SetUpChange;

@@ -2,11 +2,16 @@
 
 use super::equations::{ANGLES, JERKS, RANGES, ResidualSquares, STAMPS};
 use super::loss::CONSISTENCY;
-use super::residuals::{ANGLE_RAD, NoiseLevels};
+use super::residuals::{ANGLE_RAD, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M};
 
 /// First linearisation: a vehicle on wheels, and angles twice as noisy as stated.
-pub const FIRST_LEVELS: NoiseLevels =
-    NoiseLevels { range: 1.0, angle_rad: 2.0 * ANGLE_RAD, jitter_s: 0.002, jerk_m_per_s3: 0.1 };
+pub const FIRST_LEVELS: NoiseLevels = NoiseLevels {
+    range: 1.0,
+    angle_rad: 2.0 * ANGLE_RAD,
+    jitter_s: 0.002,
+    distance_m: OBSERVED_DISTANCE_SIGMA_M,
+    jerk_m_per_s3: 0.1,
+};
 /// No vehicle is smoother than this (m/s³), and no instrument twice as good as stated while its prism moves.
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
 const LEAST_NOISE_FACTOR: f64 = 0.5;
@@ -44,6 +49,7 @@ pub fn estimate_noise_levels(
     let least_rad = LEAST_NOISE_FACTOR * ANGLE_RAD;
     let jitter_s = levels.jitter_s * limited(factor(STAMPS));
     let levels = NoiseLevels {
+        distance_m: levels.distance_m,
         range: (levels.range * limited(factor(RANGES))).max(LEAST_NOISE_FACTOR),
         angle_rad: (levels.angle_rad * limited(factor(ANGLES))).max(least_rad),
         jitter_s: jitter_s.clamp(LEAST_JITTER_S, MOST_JITTER_S),

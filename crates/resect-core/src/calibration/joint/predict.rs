@@ -3,15 +3,17 @@
 
 use std::sync::Arc;
 
+use super::constants_prior::prior_mean;
 use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::equations::ResidualSquares;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
 use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
 use super::noise_levels::FIRST_LEVELS;
-use super::priors::{Priors, prior_mean};
+use super::priors::Priors;
 use super::prism_motion::Solution;
-use super::random_walks::RangeWander;
+use super::random_walks::GaussMarkov;
 use super::residuals::NoiseLevels;
 use super::state_vector::Constants;
 use crate::calibration::ErrorSizes;
@@ -28,14 +30,17 @@ const REDUNDANCY: f64 = 0.6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedNoise {
     pub levels: NoiseLevels,
-    /// Process of range errors, if [`ErrorSizes::ranges_wander`] is set.
-    pub wander: RangeWander,
+    /// Slow errors of ranges, across the sights, and upward, if [`ErrorSizes::ranges_wander`] is set.
+    pub ranges: GaussMarkov,
+    pub across: GaussMarkov,
+    pub upward: GaussMarkov,
 }
 
 impl Default for ExpectedNoise {
     fn default() -> Self {
-        let wander = RangeWander { sigma_m: 1e-3, correlation_s: 12.0 };
-        Self { levels: FIRST_LEVELS, wander }
+        let ranges = GaussMarkov { sigma_m: 1e-3, correlation_s: 12.0 };
+        let [across, upward] = [GaussMarkov::SMALLEST; 2];
+        Self { levels: FIRST_LEVELS, ranges, across, upward }
     }
 }
 
@@ -75,11 +80,15 @@ fn predict_step<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     expected: &ExpectedNoise,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let mut priors = Priors::new(sizes, mean, &triplets.restarts_s);
+    let mut priors = Priors::new(sizes, mean, None, &triplets.restarts_s);
     if sizes.ranges_wander {
-        priors.slow.wander = expected.wander;
+        priors.slow.ranges = expected.ranges;
+        priors.slow.across = expected.across;
+        priors.slow.upward = expected.upward;
     }
-    let weighting = Weighting { levels: expected.levels, redundancy: REDUNDANCY, fixed: None };
+    // A prediction has no residuals.
+    let (levels, squares) = (expected.levels, ResidualSquares::default());
+    let weighting = Weighting { levels, redundancy: REDUNDANCY, fixed: None, squares };
     let mut state = drive.initial_state(triplets, mean, LOCAL / 3);
     for _ in 0..MOTION_STEPS {
         if step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?.is_none() {

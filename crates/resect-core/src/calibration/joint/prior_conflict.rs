@@ -4,10 +4,11 @@
 //! variance P − C. It must not be compared with P, which an estimate that the data hardly determines never reaches, nor with C. The
 //! same holds for several constants together (Evans & Moshonov 2006, "Checking for prior-data conflict").
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SVector};
 
 use super::state_vector::{
-    COLLIMATIONS, CONSTANTS, Constants, DISTANCES, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
+    COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, INDICES, LATENCIES, LEANS,
+    OFFSETS, SCALES,
 };
 
 /// Directions whose prior variance the data reduces by less than this share are not tested.
@@ -28,17 +29,15 @@ pub struct PriorConflict {
 }
 
 impl PriorConflict {
-    /// `change` is from the prior means, `precision` theirs, `covariance` the posterior one.
-    pub fn new(
-        change: &Constants,
-        precision: &Constants,
-        covariance: &SMatrix<f64, CONSTANTS, CONSTANTS>,
-    ) -> Self {
+    /// `change` is from the prior means, `prior` their covariance with zeros for constants without a prior, `covariance` the
+    /// posterior one.
+    pub fn new(change: &Constants, prior: &ConstantsMatrix, covariance: &ConstantsMatrix) -> Self {
+        let precision = prior.diagonal().map(|p| if p > 0.0 { p.recip() } else { 0.0 });
         let root = precision.map(f64::sqrt);
         // In units of the priors: the covariance P − C of `scaled`, if they are right.
         let scaled = change.component_mul(&root);
-        let expected = SMatrix::<f64, CONSTANTS, CONSTANTS>::from_fn(|i, j| {
-            f64::from(u8::from(i == j)) - covariance[(i, j)] * root[i] * root[j]
+        let expected = ConstantsMatrix::from_fn(|i, j| {
+            (prior[(i, j)] - covariance[(i, j)]) * root[i] * root[j]
         });
         let sigmas = SVector::from_fn(|k, _| {
             let is_tested = precision[k] > 0.0 && expected[(k, k)] > LEAST_INFORMATION;
@@ -91,13 +90,13 @@ mod tests {
     /// A prior of variance 4 and a reading of variance 4 that is off by 10: the estimate moves half way.
     #[test]
     fn a_conflict_is_measured_by_what_the_data_can_change() {
-        let mut precision = Constants::zeros();
-        precision[INDICES] = 0.25;
-        let mut covariance = SMatrix::zeros();
+        let mut prior = ConstantsMatrix::zeros();
+        prior[(INDICES, INDICES)] = 4.0;
+        let mut covariance = ConstantsMatrix::zeros();
         covariance[(INDICES, INDICES)] = 2.0;
         let mut change = Constants::zeros();
         change[INDICES] = 5.0;
-        let conflict = PriorConflict::new(&change, &precision, &covariance);
+        let conflict = PriorConflict::new(&change, &prior, &covariance);
         // The variances of reading and prior are 8 together.
         assert!((conflict.sigmas[INDICES] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(conflict.sigmas[OFFSETS], 0.0);

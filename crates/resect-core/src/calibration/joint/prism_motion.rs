@@ -9,6 +9,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3, Vector4};
 use rayon::prelude::*;
 
+use super::block_jacobians::station_1_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
 use super::drive::Drive;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
@@ -200,13 +201,15 @@ impl Solution {
         let slow = &self.state.slow[first_block + grid.block_at(time_s)];
         let settled =
             station_1_by_relative(&self.sizes, &self.priors.mean).0 * slow.fixed_rows::<8>(0);
+        let mean_sight = &self.drive.mean_sights[first_block + grid.block_at(time_s)][0];
+        let shift_m = station_1_shift_m(&self.state.constants, mean_sight, slow);
         let weights = grid.weights(time_s);
         let knots_m = &self.state.coefficients_m[index][9 * weights.first..];
         Some([0, 1, 2].map(|prism| {
             let knot_m = |k: usize| Vector3::from_column_slice(&knots_m[9 * k + 3 * prism..][..3]);
             let position_m =
                 (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>();
-            as_set_up(&position_m, &settled)
+            as_set_up(&(position_m + shift_m), &settled)
         }))
     }
 
@@ -253,7 +256,8 @@ impl Solution {
             let mut station_1 = covariance.fixed_view_mut::<6, 6>(BLOCK, BLOCK);
             station_1 += by_settling * remaining * by_settling.transpose() * shares[block];
             let settled = station_1_by_slow * self.state.slow[block].fixed_rows::<8>(0);
-            frames[block] = BlockFrame { settled, covariance };
+            let shift = readings_by_slow.fixed_rows::<3>(0) * self.state.slow[block];
+            frames[block] = BlockFrame { shift_m: shift, settled, covariance };
         });
         frames
     }
@@ -309,6 +313,8 @@ const FRAME: usize = BLOCK + 6;
 /// Settling of station 1 until a block, and the covariance of the frame's unknowns.
 #[derive(Clone)]
 struct BlockFrame {
+    /// Correction of station 1's slow errors in the positions (m).
+    shift_m: Vector3<f64>,
     /// x, y, z (m) and yaw (rad) of station 1 since its set-up.
     settled: Vector4<f64>,
     covariance: SMatrix<f64, FRAME, FRAME>,
@@ -316,7 +322,8 @@ struct BlockFrame {
 
 impl Default for BlockFrame {
     fn default() -> Self {
-        Self { settled: Vector4::zeros(), covariance: SMatrix::zeros() }
+        let settled = Vector4::zeros();
+        Self { shift_m: Vector3::zeros(), settled, covariance: SMatrix::zeros() }
     }
 }
 
@@ -370,7 +377,8 @@ fn motion_instant<const LOCAL: usize>(
     velocity_by_frame.view_mut((0, 0), (LOCAL, BLOCK)).copy_from(&velocity_by_block);
     let (mut position_m, mut velocity_m_per_s) = (spline_m, spline_m_per_s);
     for x in (0..LOCAL).step_by(3) {
-        let prism_m = as_set_up(&spline_m.fixed_rows::<3>(x).into_owned(), &frame.settled);
+        let seen_m: Vector3<f64> = spline_m.fixed_rows::<3>(x).into_owned();
+        let prism_m = as_set_up(&(seen_m + frame.shift_m), &frame.settled);
         position_m.fixed_rows_mut::<3>(x).copy_from(&prism_m);
         let prism_m_per_s: Vector3<f64> = spline_m_per_s.fixed_rows::<3>(x).into_owned();
         let rotated = jacobian_by_rotation(&prism_m_per_s);

@@ -8,8 +8,11 @@ use super::state_vector::{BLOCK_CLOCKS, BLOCK_LATENCIES, BlockVector};
 use super::station_model::StationModel;
 use crate::geometry::ARCSECOND_RAD;
 
-/// Standard deviation of the rig's distances from knot to knot (m): masts flex, and a prism is not seen exactly in its centre.
+/// Standard deviation of the rig's distances by the flexibility of its masts (m).
 pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
+/// Standard deviation of an observed distance of the rig, once a knot (m). Each prism shows its facets to a station for some seconds, so
+/// that errors of a millimetre at consecutive knots are not independent.
+pub const OBSERVED_DISTANCE_SIGMA_M: f64 = 0.0015;
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;
 const RANGE_SHARE: f64 = 2e-6;
@@ -24,6 +27,8 @@ pub struct NoiseLevels {
     pub angle_rad: f64,
     /// Standard deviation of a stamp (s).
     pub jitter_s: f64,
+    /// Standard deviation of an observed distance of the rig, once a knot (m).
+    pub distance_m: f64,
     /// Standard deviation of the third derivative of the prisms' positions (m/s³).
     pub jerk_m_per_s3: f64,
 }

@@ -29,7 +29,7 @@ pub fn station_1_by_relative(
 }
 
 /// Variance of one station's random walk over a drive, along x, y, z (m²) and about z (rad²).
-fn own_settling(sizes: &ErrorSizes) -> Vector4<f64> {
+pub fn own_settling(sizes: &ErrorSizes) -> Vector4<f64> {
     let [position_m2, yaw_rad2] = [sizes.settling_m, sizes.settling_rad].map(|size| size.powi(2));
     Vector4::new(position_m2, position_m2, position_m2, yaw_rad2)
         .map(|variance| variance.max(1e-14))

@@ -1,6 +1,6 @@
 //! The state vector of the joint estimate: which unknown has which index.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// Number of constants θ of a deployment: (x, y, z, yaw) of stations 2 and 3, then by station or pair from the indices below.
 pub const CONSTANTS: usize = 36;
@@ -14,11 +14,12 @@ pub const SCALES: usize = 27;
 pub const INDICES: usize = 30;
 pub const COLLIMATIONS: usize = 33;
 
-/// Number of slow states s of a block: changes of (x, y, z, yaw) of stations 2 and 3, of their clocks, and of the ranges of stations
-/// 1 to 3.
-pub const SLOW: usize = 13;
+/// Number of slow states s of a block: changes of (x, y, z, yaw) of stations 2 and 3, and of their clocks; errors of the ranges of
+/// stations 1 to 3; errors across the sight and upward of each.
+pub const SLOW: usize = 19;
 pub const SLOW_CLOCKS: usize = 8;
 pub const SLOW_RANGES: usize = 10;
+pub const SLOW_ACROSS: usize = 13;
 
 /// Number of unknowns u of a block: shifts of stations 2 and 3 (m, station 1's frame), their clock offsets (s), latencies of
 /// stations 1 to 3 (s), inter-prism distances (m).
@@ -27,8 +28,9 @@ pub const BLOCK_CLOCKS: usize = 6;
 pub const BLOCK_LATENCIES: usize = 8;
 pub const BLOCK_DISTANCES: usize = 11;
 
-/// Constants θ (m, rad, s, shares).
+/// Constants θ (m, rad, s, shares), and a matrix of constants by constants.
 pub type Constants = SVector<f64, CONSTANTS>;
+pub type ConstantsMatrix = SMatrix<f64, CONSTANTS, CONSTANTS>;
 /// Slow states s of a block (m, rad, s).
 pub type Slow = SVector<f64, SLOW>;
 /// Unknowns u of a block, or their gradient.

@@ -4,13 +4,14 @@
 //! because the prior does not let it move. So the equations are solved once more with the usual sizes, and the result is compared
 //! with what was stated (a score test: Rao 1948).
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3, SMatrix};
 
 use super::chain_factor::ChainFactor;
+use super::constants_prior::precisions;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::prior_conflict::LEAST_INFORMATION;
-use super::priors::{Priors, precisions};
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, StateVector};
+use super::priors::Priors;
+use super::state_vector::{CLOCKS, CONSTANTS, Constants, DISTANCES, StateVector};
 use crate::calibration::{ErrorSizes, Estimate};
 
 /// An error that the data shows to be larger than stated.
@@ -36,9 +37,14 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         if looser == priors.precision {
             return Vec::new();
         }
-        let loose = Priors { mean: priors.mean, precision: looser, slow: priors.slow.clone() };
+        let loosest = Matrix3::from_diagonal(&looser.fixed_rows::<3>(DISTANCES));
+        let is_looser = looser[DISTANCES] < priors.precision[DISTANCES];
+        let distances = if is_looser { loosest } else { priors.distances };
+        let loose = Priors { precision: looser, distances, ..priors.clone() };
         let right = self.normal.gradient_with_priors(&loose, &self.slow_precisions, state);
-        let solution = ChainFactor::new(&self.normal.matrix, &looser, &self.slow_precisions, right);
+        let information = loose.information();
+        let solution =
+            ChainFactor::new(&self.normal.matrix, &information, &self.slow_precisions, right);
         let Some((factor, step)) = solution else { return Vec::new() };
         let change = state.constants - step.constants - priors.mean;
         let covariance = factor.constants_covariance();

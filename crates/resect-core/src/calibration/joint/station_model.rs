@@ -81,8 +81,11 @@ impl Sight {
 /// Mean of the sights of one station during a block.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MeanSight {
+    /// Means of the unit vectors along the sight, to its right, and up.
     pub along: Vector3<f64>,
-    /// Means of the unit vectors along the sight, up and right, each times the range (m).
+    pub side: Vector3<f64>,
+    pub up: Vector3<f64>,
+    /// Means of the same vectors times the range (m).
     pub point_m: Vector3<f64>,
     pub up_m: Vector3<f64>,
     pub side_m: Vector3<f64>,
@@ -95,6 +98,8 @@ impl MeanSight {
         let mut count = 0.0;
         for sight in sights {
             sum.along += sight.along;
+            sum.side += sight.side;
+            sum.up += sight.up;
             sum.point_m += sight.along * sight.range_m;
             sum.up_m += sight.up * sight.range_m;
             sum.side_m += sight.side * sight.range_m;
@@ -102,6 +107,8 @@ impl MeanSight {
         }
         (count > 0.0).then(|| Self {
             along: sum.along / count,
+            side: sum.side / count,
+            up: sum.up / count,
             point_m: sum.point_m / count,
             up_m: sum.up_m / count,
             side_m: sum.side_m / count,

@@ -5,22 +5,27 @@
 //! of a station has four parameters, one of station 1 acting through the other two; a step of a clock has one. The step with the
 //! largest χ² is detected.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3, Vector4};
 use rayon::prelude::*;
 
 use super::chain::ChainVectors;
 use super::chain_factor::ChainFactor;
 use super::random_walks::{SlowPrecisions, WalkMatrix};
-use super::state_vector::{SLOW_CLOCKS, SLOW_RANGES, Slow};
+use super::state_vector::Slow;
+use super::step_fit::{STEPPING, fit, step_jacobians};
 use crate::calibration::Estimate;
 
-/// States that may step: poses of stations 2 and 3, and their clocks.
-const STEPPING: usize = SLOW_RANGES;
 /// Critical χ² of a step at any time of a drive, of a station (4 degrees of freedom) and of a clock (1).
 const STATION_CHI_SQUARE: f64 = 28.0;
 const CLOCK_CHI_SQUARE: f64 = 25.0;
 /// Critical χ² of a drift of one of three stations over the whole drive (4 degrees of freedom).
 const DRIFT_CHI_SQUARE: f64 = 20.0;
+
+/// Variances beside which the data must tell of a step to detect it: multiple of those of settling, and that of a clock (s²). A detected
+/// step is measured in all directions.
+const STEP_SETTLING: f64 = 9.0;
+const DETECTED: f64 = 1e6;
+const STEP_CLOCK_S2: SVector<f64, 1> = SVector::<f64, 1>::new(25e-6);
 
 /// A step of a station, or of its clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,11 +54,7 @@ impl StationStep {
     /// Length of a station's displacement (m).
     pub fn moved_m(&self) -> Option<Estimate> {
         let StepSize::Station { moved_m, .. } = &self.size else { return None };
-        let vector = Vector3::from(moved_m.each_ref().map(|axis| axis.value));
-        let value = vector.norm();
-        let along = vector / value.max(1e-12);
-        let sigma = (0..3).map(|k| (along[k] * moved_m[k].sigma).powi(2)).sum::<f64>().sqrt();
-        Some(Estimate { value, sigma })
+        Some(Estimate::length_of(moved_m))
     }
 }
 
@@ -68,6 +69,8 @@ pub struct StepSearch<'a> {
     pub known_blocks: [&'a [usize]; 2],
     /// Vectors from station 1 to stations 2 and 3 (m).
     pub positions_m: [Vector3<f64>; 2],
+    /// Variances of one station's settling over a drive (x, y, z, yaw; m², rad²).
+    pub settling: Vector4<f64>,
 }
 
 impl StepSearch<'_> {
@@ -96,10 +99,15 @@ impl StepSearch<'_> {
         };
         for station in 0..3 {
             let (by_pose, by_clock) = step_jacobians(station, &self.positions_m);
-            if !is_moved && let Some((chi_square, size)) = fit(&by_pose, &normal, &right) {
+            if !is_moved
+                && let Some((chi_square, size)) =
+                    fit(&by_pose, &normal, &right, &(self.settling * STEP_SETTLING))
+            {
                 offer(chi_square / STATION_CHI_SQUARE, station, station_size(size));
             }
-            if !is_late && let Some((chi_square, [by_s])) = fit(&by_clock, &normal, &right) {
+            if !is_late
+                && let Some((chi_square, [by_s])) = fit(&by_clock, &normal, &right, &STEP_CLOCK_S2)
+            {
                 offer(chi_square / CLOCK_CHI_SQUARE, station, StepSize::Clock(by_s));
             }
         }
@@ -114,7 +122,7 @@ impl StepSearch<'_> {
         let (normal, right) = self.without_prior(0, last, &precision, &covariance);
         let drift = |station: usize| {
             let by_pose = step_jacobians(station, &self.positions_m).0;
-            let (chi_square, size) = fit(&by_pose, &normal, &right)?;
+            let (chi_square, size) = fit(&by_pose, &normal, &right, &self.settling)?;
             let size = station_size(size);
             Some((
                 chi_square,
@@ -150,8 +158,12 @@ impl StepSearch<'_> {
         let right = precision * increment.fixed_rows::<STEPPING>(0);
         let (by_pose, by_clock) = step_jacobians(step.station, &self.positions_m);
         let size = match step.size {
-            StepSize::Station { .. } => station_size(fit(&by_pose, &precision, &right)?.1),
-            StepSize::Clock(_) => StepSize::Clock(fit(&by_clock, &precision, &right)?.1[0]),
+            StepSize::Station { .. } => {
+                station_size(fit(&by_pose, &precision, &right, &(self.settling * DETECTED))?.1)
+            }
+            StepSize::Clock(_) => {
+                StepSize::Clock(fit(&by_clock, &precision, &right, &STEP_CLOCK_S2)?.1[0])
+            }
         };
         Some(StationStep { size, ..step.clone() })
     }
@@ -170,59 +182,4 @@ impl StepSearch<'_> {
 
 fn station_size([x_m, y_m, z_m, turned_rad]: [Estimate; 4]) -> StepSize {
     StepSize::Station { turned_rad, moved_m: [x_m, y_m, z_m] }
-}
-
-/// Jacobians of the slow states by a station's displacement and rotation (x, y, z, yaw), and by its clock offset.
-fn step_jacobians(
-    station: usize,
-    positions_m: &[Vector3<f64>; 2],
-) -> (SMatrix<f64, STEPPING, 4>, SMatrix<f64, STEPPING, 1>) {
-    let mut by_pose = SMatrix::<f64, STEPPING, 4>::zeros();
-    let mut by_clock = SMatrix::<f64, STEPPING, 1>::zeros();
-    match station.checked_sub(1) {
-        Some(slot) => {
-            (0..4).for_each(|k| by_pose[(4 * slot + k, k)] = 1.0);
-            by_clock[SLOW_CLOCKS + slot] = 1.0;
-        }
-        None => {
-            for slot in 0..2 {
-                (0..4).for_each(|k| by_pose[(4 * slot + k, k)] = -1.0);
-                let by_yaw_m = Vector3::z().cross(&positions_m[slot]);
-                by_pose.fixed_view_mut::<3, 1>(4 * slot, 3).copy_from(&-by_yaw_m);
-                by_clock[SLOW_CLOCKS + slot] = -1.0;
-            }
-        }
-    }
-    (by_pose, by_clock)
-}
-
-/// Least-squares fit of a step's size: its χ² and its parameters; `None` where the normal matrix is not positive definite.
-fn fit<const N: usize>(
-    jacobian: &SMatrix<f64, STEPPING, N>,
-    normal: &WalkMatrix,
-    right: &SVector<f64, STEPPING>,
-) -> Option<(f64, [Estimate; N])> {
-    let covariance = jacobian.tr_mul(&(normal * jacobian)).cholesky()?.inverse();
-    let right = jacobian.tr_mul(right);
-    let size = covariance * right;
-    let estimate =
-        |k: usize| Estimate { value: size[k], sigma: covariance[(k, k)].max(0.0).sqrt() };
-    Some((right.dot(&size), std::array::from_fn(estimate)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Vector4;
-
-    #[test]
-    fn a_rotation_of_station_1_is_the_opposite_one_of_the_others() {
-        let positions_m = [Vector3::new(10.0, 0.0, 0.0), Vector3::new(0.0, 20.0, 0.0)];
-        let (by_pose, by_clock) = step_jacobians(0, &positions_m);
-        let slow = by_pose * Vector4::new(0.0, 0.0, 0.0, 1e-3);
-        assert!((slow.fixed_rows::<3>(0) - Vector3::new(0.0, -0.01, 0.0)).norm() < 1e-12, "{slow}");
-        assert!((slow.fixed_rows::<3>(4) - Vector3::new(0.02, 0.0, 0.0)).norm() < 1e-12, "{slow}");
-        assert_eq!((slow[3], slow[7]), (-1e-3, -1e-3));
-        assert_eq!((by_clock[8], by_clock[9]), (-1.0, -1.0));
-    }
 }

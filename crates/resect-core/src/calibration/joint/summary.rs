@@ -7,16 +7,20 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::ChainVectors;
 use super::gauss_newton_step::GaussNewtonStep;
-use super::joint_estimate::{DriveClocks, JointEstimate};
+use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
 use super::linearisation::Weighting;
 use super::prior_conflict::PriorConflict;
 use super::priors::Priors;
 use super::prism_motion::Solution;
-use super::state_vector::{
-    CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
-    SLOW, SLOW_CLOCKS, SLOW_RANGES,
+use super::reliability::{
+    GroupReliability, PosteriorMoments, control_point_reliability, drive_reliability,
+    rig_reliability,
 };
-use crate::calibration::Estimate;
+use super::state_vector::{
+    CLOCKS, COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, DRIFTS, INDICES,
+    LATENCIES, LEANS, OFFSETS, SCALES, SLOW, SLOW_ACROSS, SLOW_CLOCKS, SLOW_RANGES,
+};
+use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::LevelTransform;
 
 /// Groups of constants in the variance budget.
@@ -44,10 +48,6 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let covariance = poses.of(&pose_sensitivity);
         let states = ChainVectors::<1> { slow: state.slow.clone(), constants: state.constants };
         let mean: SVector<f64, 8> = poses.of(&states);
-        let level = |slot: usize| {
-            let pose = mean.fixed_rows::<4>(4 * slot);
-            LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
-        };
         // Variance of a random walk's mean about its start is a third of that of its end.
         let settling = priors.slow.settling / 3.0;
         let constants = self.factor.constants_covariance();
@@ -57,9 +57,10 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         };
         let drives = self.drive_clocks(&solution, &states);
         JointEstimate {
-            station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
+            station1_from_station: level_transforms(&mean),
             covariance: covariance + settling,
             budget: self.variance_budget(&pose_sensitivity, priors, &settling),
+            reliability: group_reliability(&solution, &constants, &pose_sensitivity.constants),
             clock_offsets_s: drives[0].offsets_s,
             drives,
             clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
@@ -74,12 +75,15 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
             stated_size_conflicts: self.stated_size_conflicts(priors, state),
             prior_conflict: PriorConflict::new(
                 &(state.constants - priors.mean),
-                &priors.precision,
+                &priors.covariance(),
                 &constants,
             ),
             levels: *levels,
-            wander: priors.slow.wander,
+            slow_ranges: priors.slow.ranges,
+            slow_across: priors.slow.across,
+            slow_upward: priors.slow.upward,
             sizes: *sizes,
+            survey: survey_poses(priors, &state.constants, &constants, sizes),
             steps: Vec::new(),
             converged: false,
             iterations: 0,
@@ -96,18 +100,31 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
     ) -> Vec<(&'static str, SVector<f64, 8>)> {
         let noise = self.normal.matrix.quadratic_form(sensitivity).diagonal();
         let mut budget = vec![("noise", noise)];
+        let information = priors.own_information();
         for (name, indices) in BUDGET_GROUPS {
-            let variance = |k: usize| {
-                let of_group = indices.clone();
-                of_group.map(|i| sensitivity.constants[(i, k)].powi(2) * priors.precision[i]).sum()
-            };
-            budget.push((name, SVector::from_fn(|k, _| variance(k))));
+            let own = sensitivity.constants.rows_range(indices.clone());
+            let own_information = information.view_range(indices.clone(), indices);
+            budget.push((
+                name,
+                (own.transpose() * (own_information * own))
+                    .diagonal()
+                    .fixed_rows::<8>(0)
+                    .into_owned(),
+            ));
         }
-        let mut slow_variances = [SVector::<f64, 8>::zeros(); 3];
+        if let Some(survey) = &priors.survey {
+            let own = &sensitivity.constants;
+            budget.push((
+                "control points",
+                (own.transpose() * (survey.information * own)).diagonal(),
+            ));
+        }
+        let mut slow_variances = [SVector::<f64, 8>::zeros(); 4];
         for (block, slow) in sensitivity.slow.iter().enumerate() {
             let product = self.slow_precisions.multiply(&sensitivity.slow, block);
             for row in 0..SLOW {
                 let source = match row {
+                    SLOW_ACROSS.. => 3,
                     SLOW_RANGES.. => 2,
                     SLOW_CLOCKS.. => 1,
                     _ => 0,
@@ -119,7 +136,8 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         }
         budget.push(("settling", slow_variances[0] + settling.diagonal()));
         budget.push(("wandering clocks", slow_variances[1]));
-        budget.push(("wandering ranges", slow_variances[2]));
+        budget.push(("slow range errors", slow_variances[2]));
+        budget.push(("slow errors across the sights", slow_variances[3]));
         budget
     }
 
@@ -140,6 +158,50 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         };
         drive.spans_s.iter().map(clocks).collect()
     }
+}
+
+/// Reliability of all readings that are evidence; `with_poses` is the covariance of the constants with the poses.
+fn group_reliability(
+    solution: &Solution,
+    covariance: &ConstantsMatrix,
+    with_poses: &SMatrix<f64, CONSTANTS, 8>,
+) -> Vec<GroupReliability> {
+    let Solution { state, weighting, priors, prisms, .. } = solution;
+    let information = priors.own_information();
+    let change = state.constants - priors.mean;
+    let posterior = PosteriorMoments { information, change, covariance, with_poses };
+    let mut groups = drive_reliability(&posterior, &weighting.squares);
+    if let Some(survey) = &priors.survey {
+        // A step is opposite to its gradient; the sizes do not depend on the sign.
+        let pose_change =
+            |gradient: &Constants| with_poses.tr_mul(&survey.without_changes(gradient));
+        groups.extend(control_point_reliability(&survey.survey().readings, pose_change));
+    }
+    if *prisms == 3 && priors.distances_are_evidence {
+        groups.extend(rig_reliability(&posterior));
+    }
+    groups
+}
+
+fn level_transforms(poses: &SVector<f64, 8>) -> [LevelTransform; 3] {
+    let level = |slot: usize| {
+        let pose = poses.fixed_rows::<4>(4 * slot);
+        LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
+    };
+    [LevelTransform::IDENTITY, level(0), level(1)]
+}
+
+/// Poses at the survey, by the constants and their covariance.
+fn survey_poses(
+    priors: &Priors,
+    constants: &Constants,
+    covariance: &ConstantsMatrix,
+    sizes: &ErrorSizes,
+) -> Option<SurveyPoses> {
+    let survey = priors.survey.as_ref()?;
+    let change = survey.set_up_change(constants, covariance, sizes);
+    let (poses, covariance) = survey.poses(constants, covariance);
+    Some(SurveyPoses { station1_from_station: level_transforms(&poses), covariance, change })
 }
 
 /// Consecutive constants plus the mean of consecutive slow states over some blocks.

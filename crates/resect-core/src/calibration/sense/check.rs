@@ -2,6 +2,7 @@
 
 use super::explanation::{self, Tried};
 use super::shown::{Agreement, Shown, Witnesses};
+use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Calibration, Method, Offer, Targets, Verdict, Witness};
 use crate::deployment::Deployment;
 use crate::deployment::findings::checks::{rig_heights_contradict, rig_orientation_contradicts};
@@ -31,9 +32,10 @@ pub fn check(
     let step = triplets.len().div_ceil(THINNED).max(1);
     let some = triplets.select(&(0..triplets.len()).step_by(step).collect::<Vec<_>>());
     let points = deployment.comparable_control_points();
-    let Some(shown) = Shown::of(rig, points, &some, &calibration.station1_from_station) else {
+    let Some(mut shown) = Shown::of(rig, points, &some, &calibration.station1_from_station) else {
         return Ok(());
     };
+    shown.control_points_m = control_points_apart_m(points, &calibration.survey_transforms());
     let witnesses = Witnesses::new(rig, calibration.sigma.as_ref());
     let (area, heights) = (witnesses.area(&shown), witnesses.heights(&shown));
     let contradictions = [

@@ -63,10 +63,11 @@ pub fn cancelled() -> Finding {
     Finding::new(FindingKind::Cancelled, "cancelled")
 }
 
-pub fn estimate_not_converged() -> Finding {
+/// `published` is the name for people of the method that answers instead.
+pub fn estimate_not_converged(published: &str) -> Finding {
     Finding::new(
         FindingKind::EstimateNotConverged,
-        "the estimate did not converge: it stopped before it reached a minimum",
+        format!("The joint estimate did not converge. This is the answer of {published}."),
     )
 }
 
@@ -77,11 +78,13 @@ pub fn solver_not_converged() -> Finding {
     )
 }
 
-/// `fallback` names the answer that is used instead: "this is …".
-pub fn joint_estimate_undetermined(fallback: &str) -> Finding {
+/// `published` is the name for people of the method that answers instead.
+pub fn joint_estimate_undetermined(published: &str) -> Finding {
     Finding::new(
         FindingKind::JointEstimateUndetermined,
-        format!("the readings do not determine all parameters of the joint estimate: {fallback}"),
+        format!(
+            "The readings do not determine all parameters of the joint estimate. This is the answer of {published}."
+        ),
     )
 }
 
@@ -191,9 +194,9 @@ pub(super) fn examples() -> Vec<Finding> {
         points_on_a_line("drive", "method B"),
         no_joint_estimate(too_few_triplets("drive", 4, 10), ["method D", "inter-prism"]),
         cancelled(),
-        estimate_not_converged(),
+        estimate_not_converged("method D"),
         solver_not_converged(),
-        joint_estimate_undetermined("these are the aligned tracks"),
+        joint_estimate_undetermined("method C"),
         other_minimum_fits_better(0.8),
         published_answer_far_apart(2, 0.4),
         published_answer_missing("method D", &too_few_triplets("drive", 4, 10)),

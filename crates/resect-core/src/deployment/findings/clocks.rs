@@ -35,8 +35,8 @@ pub fn clock_drift(station: usize, drift: &Estimate) -> Finding {
 
 pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
     let message = format!(
-        "station {}'s stamps seem {:.1} ± {:.1} ms {} against station 1's, which biases this answer: use the joint \
-         estimate, which estimates the clock offsets",
+        "station {}'s stamps seem {:.1} ± {:.1} ms {} against station 1's, which biases this answer; the joint \
+         estimate corrects it if it converges",
         station + 1,
         offset_s.value.abs() * 1e3,
         offset_s.sigma * 1e3,
@@ -51,7 +51,7 @@ pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
 pub fn clock_jump_suspected(station: usize, jump_s: &Estimate) -> Finding {
     let message = format!(
         "station {}'s stamps seem {:+.1} ± {:.1} ms later in the second half of the drive than in the first, which biases this \
-         answer: find the clock jump (the joint estimate reports its time)",
+         answer; the joint estimate reports its time if it converges",
         station + 1,
         jump_s.value * 1e3,
         jump_s.sigma * 1e3,

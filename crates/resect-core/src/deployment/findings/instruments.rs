@@ -4,7 +4,9 @@ use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Subject, Unit,
     pair_label,
 };
-use crate::statistics::estimate::{Estimate, Quantity, sigmas_in_words};
+use crate::statistics::estimate::{
+    Estimate, Quantity, SUPPORTED_SIGMAS, decimals_of, sigmas_in_words,
+};
 
 /// Noise of the readings about the motion, one standard deviation each.
 #[derive(Clone, Copy)]
@@ -12,25 +14,32 @@ pub struct ReadingNoise {
     pub range_m: f64,
     pub angle_rad: f64,
     pub stamp_s: f64,
-    /// Slow errors of the ranges.
-    pub range_wander_m: f64,
+    /// Slow errors of the ranges, across the sights and upward.
+    pub slow_range_m: f64,
+    pub slow_across_m: f64,
+    pub slow_upward_m: f64,
 }
 
 pub fn noise_levels(noise: ReadingNoise) -> Finding {
-    let ReadingNoise { range_m, angle_rad, stamp_s, range_wander_m } = noise;
+    let ReadingNoise { range_m, angle_rad, stamp_s, slow_range_m, slow_across_m, slow_upward_m } =
+        noise;
     let message =
         Message::from(format!("noise of the readings (1 σ): {:.1} mm in range, ", range_m * 1e3))
             .angle(MessageAngle::size(angle_rad, AngleFormat::Arcseconds, 1))
             .text(format!(
-                " in angle, {:.1} ms in time; slow range errors {:.1} mm",
+                " in angle, {:.1} ms in time; slow errors (1 σ): {:.1} mm in range, {:.1} mm across the sights, {:.1} mm upward",
                 stamp_s * 1e3,
-                range_wander_m * 1e3
+                slow_range_m * 1e3,
+                slow_across_m * 1e3,
+                slow_upward_m * 1e3
             ));
     Finding::new(FindingKind::NoiseLevels, message)
         .quantity("range", range_m, Unit::Metre)
         .quantity("angle", angle_rad, Unit::Radian)
         .quantity("stamp", stamp_s, Unit::Second)
-        .quantity("range_wander", range_wander_m, Unit::Metre)
+        .quantity("range_wander", slow_range_m, Unit::Metre)
+        .quantity("slow_across", slow_across_m, Unit::Metre)
+        .quantity("slow_upward", slow_upward_m, Unit::Metre)
 }
 
 /// An estimated error with its description: "station 2's ranges are off by".
@@ -285,6 +294,44 @@ pub fn station_moved(
         .estimate("moved", moved_m, Unit::Metre)
 }
 
+/// A change of a station's set-up (0 to 2) between the survey and the drive: rotation about z, and length of the displacement.
+///
+/// States the significant ones; both if only the change as a whole is significant.
+pub fn set_up_changed(station: usize, turned_rad: &Estimate, moved_m: &Estimate) -> Finding {
+    let is_significant = |change: &Estimate| change.sigmas_from(0.0).abs() >= SUPPORTED_SIGMAS;
+    let (has_turned, has_moved) = (is_significant(turned_rad), is_significant(moved_m));
+    let is_neither = !has_turned && !has_moved;
+    let mut event = Message::from(format!("Station {}", station + 1));
+    if has_turned || is_neither {
+        let decimals = decimals_of(turned_rad.sigma * 1e3).unwrap_or(3);
+        let turned = MessageAngle::signed(turned_rad.value, AngleFormat::Milliradians, decimals)
+            .sigma(turned_rad.sigma);
+        event = event.text(" turned by ").angle(turned);
+    }
+    if is_neither || (has_turned && has_moved) {
+        event = event.text(" and");
+    }
+    if has_moved || is_neither {
+        let decimals = decimals_of(moved_m.sigma * 1e3).unwrap_or(1);
+        let (value_mm, sigma_mm) = (moved_m.value * 1e3, moved_m.sigma * 1e3);
+        event = event.text(format!(" moved by {value_mm:.decimals$} ± {sigma_mm:.decimals$} mm"));
+    }
+    let message =
+        event.text(" between the survey and the drive. Use the joint estimate for this drive.");
+    Finding::new(FindingKind::SetUpChanged, message)
+        .about(Subject::Station(station))
+        .estimate("turned", turned_rad, Unit::Radian)
+        .estimate("moved", moved_m, Unit::Metre)
+}
+
+pub fn set_up_change_undecided() -> Finding {
+    Finding::new(
+        FindingKind::SetUpChangeUndecided,
+        "A station moved between the survey and the drive. The data does not decide which one. Measure the control points again \
+         from every station.",
+    )
+}
+
 /// The largest source of a standard deviation.
 #[derive(Clone, Copy)]
 pub struct UncertaintySource<'a> {
@@ -351,7 +398,9 @@ pub(super) fn examples() -> Vec<Finding> {
             range_m: 0.001,
             angle_rad: 1e-5,
             stamp_s: 0.001,
-            range_wander_m: 0.001,
+            slow_range_m: 0.001,
+            slow_across_m: 0.001,
+            slow_upward_m: 0.002,
         }),
         instrument_error(&error),
         instrument_error_implausible(&angle, 6.0),
@@ -365,6 +414,31 @@ pub(super) fn examples() -> Vec<Finding> {
         range_wander_implausible(0.007),
         clock_stepped(StepContext { span_s: Some([180.0, 220.0]), ..step }, &estimate(0.1, 0.001)),
         station_moved(step, &estimate(8.5e-4, 4e-5), &estimate(0.004, 0.001)),
+        set_up_changed(1, &estimate(8.5e-4, 5e-5), &estimate(0.004, 0.001)),
+        set_up_change_undecided(),
         uncertainty_sources(1, [source; 4]),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_of_a_set_up_states_what_is_significant() {
+        let estimate = |value, sigma| Estimate { value, sigma };
+        let (turned, unturned) = (estimate(8.52e-4, 5.1e-5), estimate(1e-5, 5.1e-5));
+        let (moved, unmoved) = (estimate(0.0041, 0.0009), estimate(0.0011, 0.0009));
+        let event = |turned_rad: &Estimate, moved_m: &Estimate| {
+            let message = set_up_changed(1, turned_rad, moved_m).to_string();
+            let event = message.split_once(" between the survey and the drive. ");
+            event.map(|(event, _)| event.to_owned()).expect("an event")
+        };
+        let both = "Station 2 turned by +0.852 ± 0.051 mrad and moved by 4.10 ± 0.90 mm";
+        assert_eq!(event(&turned, &unmoved), "Station 2 turned by +0.852 ± 0.051 mrad");
+        assert_eq!(event(&unturned, &moved), "Station 2 moved by 4.10 ± 0.90 mm");
+        assert_eq!(event(&turned, &moved), both);
+        let neither = "Station 2 turned by +0.010 ± 0.051 mrad and moved by 1.10 ± 0.90 mm";
+        assert_eq!(event(&unturned, &unmoved), neither);
+    }
 }

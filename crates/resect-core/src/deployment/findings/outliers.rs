@@ -43,11 +43,11 @@ pub fn outliers_shift_answer(count: usize, largest_m: Option<f64>, shift_m: f64)
     let message = match largest_m {
         Some(largest_m) => format!(
             "{count} outlying triplets shift this answer by {:.0} mm (their distances are off by up to {largest_m:.2} m): a \
-             station lost its prism or followed another; the joint estimate leaves them out",
+             station lost its prism or followed another; the joint estimate leaves them out if it converges",
             shift_m * 1e3
         ),
         None => format!(
-            "{count} outlying triplets shift this answer by {:.0} mm; the joint estimate leaves them out",
+            "{count} outlying triplets shift this answer by {:.0} mm; the joint estimate leaves them out if it converges",
             shift_m * 1e3
         ),
     };

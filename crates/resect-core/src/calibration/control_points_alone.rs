@@ -1,0 +1,46 @@
+//! The joint estimate without the drive: the adjustment of the control points alone.
+
+use super::joint::survey;
+use super::judgement::Judgement;
+use super::method_answer::MethodAnswer;
+use super::static_gcp::StaticGcpDetails;
+use super::{CalibrationError, CalibrationSettings, Method, Offer, checks};
+use crate::deployment::Deployment;
+use crate::deployment::findings::points::control_points_aligned;
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// Calibrates by the least-squares adjustment of the control points.
+///
+/// # Errors
+/// If stations 2 and 3 do not each share three control points with station 1.
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+) -> Result<MethodAnswer<StaticGcpDetails>, CalibrationError> {
+    let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
+    let survey = survey::adjust(deployment.comparable_control_points(), &settings.errors);
+    let survey = survey.ok_or_else(lacking)?;
+    let (poses, covariance) = survey.poses(&settings.errors).ok_or_else(lacking)?;
+    let squares = survey.readings.iter().map(|reading| reading.residual_m.norm_squared());
+    let rms_m = (squares.sum::<f64>() / survey.readings.len().max(1) as f64).sqrt();
+    let points = [1, 2].map(|station| survey.points(station));
+    let known = survey.has_surveyed_coordinates;
+    let judgement =
+        Judgement::good(vec![control_points_aligned(points[0].max(points[1]), known, rms_m)]);
+    let mut answer = MethodAnswer {
+        // The checks treat it like method B, which uses the same points.
+        method: Method::StaticGcp,
+        station1_from_station: poses.map(RigidTransform::from),
+        covariance: Some(covariance),
+        judgement,
+        checked_by: Vec::new(),
+        details: StaticGcpDetails { points, rms_m, world_from_station1: None },
+        prior_ms: 0.0,
+    };
+    checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
+    answer.method = Method::Joint;
+    Ok(answer)
+}
