@@ -25,7 +25,7 @@ type Unknowns = SVector<f64, UNKNOWNS>;
 pub struct Drawn {
     pub tilt_rad: f64,
     pub distance_m: f64,
-    /// Of the constant with which the distances were computed from the reading of the rig.
+    /// Error of the prism constant in the written distances.
     pub rig_constant_m: f64,
     pub prism_constant_m: f64,
     pub drift: f64,
