@@ -55,6 +55,30 @@ fn an_estimate_that_did_not_converge_is_not_good() {
     assert_eq!(calibration.covariance, by_d.covariance);
 }
 
+#[test]
+fn a_wrong_control_point_is_named_and_moves_nothing() {
+    let mut wrong = sample();
+    let right = solved(&wrong, Method::Joint);
+    let point = &mut wrong.control_points[0].points[2];
+    let marker = point.marker;
+    point.readings[1].as_mut().expect("measured").range_m += 0.3;
+    for settings in ["drive,control-points,rig", "control-points"] {
+        let mut by_points = by(Method::Joint);
+        by_points.calibration.evidence = settings.parse().expect("names");
+        let calibration = answer(&analyse(&wrong, &by_points)).calibration.clone();
+        assert_eq!(calibration.verdict, Verdict::Weak, "{settings}");
+        let mut findings = calibration.findings.iter();
+        let outlier = findings.find(|finding| finding.kind == FindingKind::ControlPointOutlier);
+        let outlier = outlier.unwrap_or_else(|| panic!("{settings}: {:?}", calibration.findings));
+        assert!(outlier.to_string().contains(&format!("marker {marker} of")), "{outlier}");
+        for station in 1..3 {
+            let [wrong, right] = [&calibration, &right].map(|it| it.station1_from_station[station]);
+            let moved_m = (wrong.translation_m - right.translation_m).norm();
+            assert!(moved_m < 0.003, "{settings}: {moved_m} m");
+        }
+    }
+}
+
 /// The sample with station 2 turned by 2 mrad between its control points and its drive.
 fn turned_after_the_survey() -> Deployment {
     let mut turned = sample();

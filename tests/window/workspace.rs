@@ -57,7 +57,7 @@ fn evidence_is_switched_by_group_and_one_group_stays() {
     toggle(&mut harness, "evidence: control points");
     let without_points = Evidence { control_points: false, ..Evidence::ALL };
     assert_eq!(settings(&harness).calibration.evidence, without_points);
-    assert!(!is_locked(&harness, "evidence: drive"));
+    assert!(is_locked(&harness, "evidence: drive"));
 
     toggle(&mut harness, "evidence: rig distances");
     let drive_alone = Evidence { drive: true, ..Evidence::NONE };

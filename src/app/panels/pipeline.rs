@@ -224,21 +224,22 @@ fn missing_evidence(deployment: Option<&Deployment>, offer: Option<&Offer>) -> M
     [None, control_points, rig]
 }
 
-/// Shows a switch for each group of measurements. The last group in use cannot be switched off.
+/// Shows a switch for each group of measurements. The last of drive and control points cannot be switched off.
 fn evidence(ui: &mut egui::Ui, evidence: &mut Evidence, missing: MissingEvidence) {
     const GROUPS: [(&str, &str); Evidence::NAMES.len()] = [
         ("drive", "Readings of the prisms while the vehicle drives"),
         ("control points", "Readings of static points by all stations"),
         ("rig distances", "Inter-prism distances as measured on the vehicle"),
     ];
-    let switches = evidence.switches().map(|on| *on).into_iter().zip(missing);
-    let is_single = switches.filter(|(on, missing)| *on && missing.is_none()).count() == 1;
+    // The rig alone determines no transform.
+    let determining = evidence.switches().map(|on| *on).into_iter().zip(missing).take(2);
+    let is_single = determining.filter(|(on, missing)| *on && missing.is_none()).count() == 1;
     ui.horizontal_wrapped(|ui| {
         ui.label("evidence").on_hover_text("Measurements that the joint estimate uses");
         let groups = GROUPS.into_iter().zip(evidence.switches()).zip(missing);
-        for (((name, meaning), on), missing) in groups {
-            let is_last = *on && is_single;
-            let lock = missing.or(is_last.then_some("At least one group stays on"));
+        for (index, (((name, meaning), on), missing)) in groups.enumerate() {
+            let is_last = *on && is_single && index < 2;
+            let lock = missing.or(is_last.then_some("The drive or the control points stay on"));
             let is_enabled = lock.is_none();
             let switch = ui.add_enabled(is_enabled, egui::Checkbox::new(on, name));
             let (role, label) = (egui::Role::CheckBox, format!("evidence: {name}"));

@@ -1,6 +1,6 @@
 //! The joint estimate without the drive: the adjustment of the control points alone.
 
-use super::joint::survey;
+use super::joint::survey_adjustment::adjust;
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::static_gcp::StaticGcpDetails;
@@ -21,15 +21,16 @@ pub fn solve(
     offer: &Offer,
 ) -> Result<MethodAnswer<StaticGcpDetails>, CalibrationError> {
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
-    let survey = survey::adjust(deployment.comparable_control_points(), &settings.errors);
-    let survey = survey.ok_or_else(lacking)?;
+    let sets = deployment.comparable_control_points();
+    let survey = adjust(sets, &settings.errors).ok_or_else(lacking)?;
     let (poses, covariance) = survey.poses(&settings.errors).ok_or_else(lacking)?;
     let squares = survey.readings.iter().map(|reading| reading.residual_m.norm_squared());
     let rms_m = (squares.sum::<f64>() / survey.readings.len().max(1) as f64).sqrt();
     let points = [1, 2].map(|station| survey.points(station));
     let known = survey.has_surveyed_coordinates;
-    let judgement =
+    let mut judgement =
         Judgement::good(vec![control_points_aligned(points[0].max(points[1]), known, rms_m)]);
+    judgement.doubt(survey.outliers(sets));
     let mut answer = MethodAnswer {
         // The checks treat it like method B, which uses the same points.
         method: Method::StaticGcp,

@@ -84,7 +84,7 @@ pub fn solve_jointly(
     let input = JointInput {
         published: &plain,
         rig: None,
-        survey: joint::survey::of_deployment(deployment, settings),
+        survey: joint::survey_adjustment::of_deployment(deployment, settings),
         sizes: &settings.errors,
     };
     let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;

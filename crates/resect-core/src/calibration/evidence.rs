@@ -24,6 +24,20 @@ impl Evidence {
     /// Names of the groups, in the order of [`Self::switches`].
     pub const NAMES: [&str; 3] = ["drive", "control-points", "rig"];
 
+    /// Checks that the groups can determine the transforms.
+    ///
+    /// # Errors
+    /// One line with the groups that do.
+    pub fn check(&self) -> Result<(), String> {
+        if self.drive || self.control_points {
+            return Ok(());
+        }
+        let [drive, control_points, rig] = Self::NAMES;
+        Err(format!(
+            "evidence without {drive} and {control_points} determines no transform; add one (other groups: {rig})"
+        ))
+    }
+
     /// The switches of the groups, in the order of [`Self::NAMES`].
     pub fn switches(&mut self) -> [&mut bool; 3] {
         [&mut self.drive, &mut self.control_points, &mut self.rig]
@@ -49,7 +63,7 @@ impl fmt::Display for Evidence {
 /// Reads names of groups, separated by commas.
 ///
 /// # Errors
-/// The unknown name, or that none is given, with the names that exist.
+/// The unknown name with the names that exist, or that the groups determine no transform.
 impl FromStr for Evidence {
     type Err = String;
 
@@ -62,9 +76,7 @@ impl FromStr for Evidence {
             })?;
             *evidence.switches()[index] = true;
         }
-        if evidence == Self::NONE {
-            return Err(format!("no evidence is named; name some of {}", Self::NAMES.join(", ")));
-        }
+        evidence.check()?;
         Ok(evidence)
     }
 }
@@ -80,7 +92,7 @@ mod tests {
             assert_eq!(evidence.to_string(), text);
         }
         assert_eq!(" rig , drive".parse(), Ok(Evidence { control_points: false, ..Evidence::ALL }));
-        for wrong in ["", ",", "drives", "drive;rig"] {
+        for wrong in ["", ",", "rig", "drives", "drive;rig"] {
             let message = wrong.parse::<Evidence>().expect_err("wrong");
             assert!(message.contains("control-points"), "{message}");
         }

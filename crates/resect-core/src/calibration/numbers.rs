@@ -2,7 +2,7 @@
 
 use std::ops::Bound;
 
-use super::{CalibrationSettings, Evidence};
+use super::CalibrationSettings;
 use crate::geometry::ARCSECOND_RAD;
 use crate::number_setting::{NumberSetting, check_all};
 
@@ -26,12 +26,9 @@ impl CalibrationSettings {
     /// Checks the evidence and all numbers.
     ///
     /// # Errors
-    /// Missing evidence, or the first number that is not accepted, as one line.
+    /// Evidence that determines no transform, or the first number that is not accepted, as one line.
     pub fn check(&self) -> Result<(), String> {
-        if self.evidence == Evidence::NONE {
-            let names = Evidence::NAMES.join(", ");
-            return Err(format!("evidence is empty; it must have at least one of {names}"));
-        }
+        self.evidence.check()?;
         check_all(&CALIBRATION_NUMBERS, self)
     }
 }
@@ -160,12 +157,14 @@ static SIGMA_SETTLING_PLACE: NumberSetting<CalibrationSettings> = prior(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::Evidence;
 
     #[test]
-    fn settings_without_evidence_are_refused() {
-        let none = CalibrationSettings { evidence: Evidence::NONE, ..Default::default() };
-        let message = none.check().expect_err("no evidence");
-        assert!(message.contains("drive, control-points, rig"), "{message}");
+    fn evidence_that_determines_no_transform_is_refused() {
+        let rig = Evidence { rig: true, ..Evidence::NONE };
+        let alone = CalibrationSettings { evidence: rig, ..Default::default() };
+        let message = alone.check().expect_err("the rig alone");
+        assert!(message.contains("control-points"), "{message}");
         let drive = Evidence { drive: true, ..Evidence::NONE };
         let alone = CalibrationSettings { evidence: drive, ..Default::default() };
         assert_eq!(alone.check(), Ok(()));

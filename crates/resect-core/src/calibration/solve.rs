@@ -2,6 +2,7 @@
 
 use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
 
+use super::joint::JointEstimate;
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Method, Offer, Targets, Verdict, Witness,
     checks, control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
@@ -159,6 +160,12 @@ impl Problem<'_> {
         let Self { deployment, triplets, offer, progress } = self;
         if calibration.inter_prism().is_some() {
             self.check_against_control_points(&mut calibration, settings);
+        }
+        let survey = calibration.joint().and_then(JointEstimate::control_points);
+        let outliers = survey.map(|survey| survey.outliers(deployment.comparable_control_points()));
+        for outlier in outliers.into_iter().flatten() {
+            calibration.verdict = calibration.verdict.max(Verdict::Weak);
+            calibration.findings.push(outlier);
         }
         sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
         for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {

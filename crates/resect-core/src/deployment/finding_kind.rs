@@ -189,7 +189,7 @@ finding_kinds! {
     /// A file of the rig that the user gave replaces the distances of deployment.toml.
     RigFilePreferred = "rig-file-preferred", Note;
     /// The inter-prism distances are not known.
-    RigUnknown = "rig-unknown", Warning;
+    RigUnknown = "rig-unknown", Note;
     /// The inter-prism distances are derived from one reading of each prism.
     RigDerivedFromReading = "rig-derived-from-reading", Doubt;
     /// The inter-prism distances and the reading of the rig disagree.

@@ -43,7 +43,7 @@ pub fn solve_jointly(
             let input = JointInput {
                 published: &plain,
                 rig: Some(RigDistances::new(rig, settings.evidence.rig)),
-                survey: joint::survey::of_deployment(deployment, settings),
+                survey: joint::survey_adjustment::of_deployment(deployment, settings),
                 sizes: &sizes,
             };
             joint::estimate(&|| used.triplets(), &input, progress)?

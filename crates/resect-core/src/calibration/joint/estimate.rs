@@ -75,15 +75,20 @@ pub fn estimate<'a>(
     input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
+    let solve = match input.rig {
+        Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
+        None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
+    };
     for block_s in BLOCK_LENGTHS_S {
-        let triplets = triplets();
-        let Some(drive) = Drive::new(&triplets, block_s) else { return Ok(None) };
-        let drive = Arc::new(drive);
-        let solve = match input.rig {
-            Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
-            None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
-        };
-        let estimate = solve(drive, triplets, input, progress)?;
+        let drive = Drive::new(&triplets(), block_s);
+        let Some(drive) = drive.map(Arc::new) else { return Ok(None) };
+        let mut estimate = solve(Arc::clone(&drive), triplets(), input, false, progress)?;
+        let is_converged = |estimate: &JointEstimate| estimate.converged;
+        if input.survey.is_some() && !estimate.as_ref().is_some_and(is_converged) {
+            // A drive that determines little by itself converges only with the survey from the first step on.
+            let again = solve(drive, triplets(), input, true, progress)?;
+            estimate = again.filter(is_converged).or(estimate);
+        }
         if estimate.is_some() {
             return Ok(estimate);
         }
@@ -92,17 +97,24 @@ pub fn estimate<'a>(
 }
 
 /// Estimates noise levels on a sample, then iterates with robust weights that follow the residuals, then with fixed ones.
+///
+/// The survey is used from the first step on, or once the drive alone is nearly solved: a set-up that changed in between would
+/// otherwise look like outliers of the drive.
 fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     drive: Arc<Drive>,
     triplets: Cow<'_, Triplets>,
     input: &JointInput<'_>,
+    survey_first: bool,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
     let JointInput { published, rig, survey, sizes } = input;
     let mean = prior_mean(published, rig.as_ref().map(|rig| &rig.measured_m));
-    let priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
+    let mut priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
     let survey = survey.as_ref();
-    let pending_survey = survey.and_then(|survey| SurveyEvidence::new(survey, sizes, &mean));
+    let mut pending_survey = survey.and_then(|survey| SurveyEvidence::new(survey, sizes, &mean));
+    if survey_first {
+        priors.survey = pending_survey.take();
+    }
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
     let learned = learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, progress)?;
     let Some((weighting, mut state)) = learned else { return Ok(None) };
@@ -154,7 +166,7 @@ struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
     buffers: RowBuffers<LOCAL, ROW>,
     iterations: usize,
     before: Option<StateBefore>,
-    /// The survey until the drive alone is nearly solved: a set-up that changed in between would look like outliers of the drive.
+    /// The survey until the drive alone is nearly solved.
     pending_survey: Option<SurveyEvidence>,
 }
 

@@ -41,7 +41,7 @@
 //! with `σ_ρ = f (2 mm + 2 ppm ρ)` and the noise `σ_t` of the stamp. Two more equations tie the splines. Once a knot, `‖q_a − q_b‖ − d_ab` has the flexibility of
 //! the rig, `σ_rig = 1.5 mm` with the facets of the prisms. From knot to knot of length h the jerk `(c_{k+3} − 3 c_{k+2} + 3 c_{k+1} − c_k) / h³` has the standard deviation σ_j.
 //!
-//! Control points are adjusted on their own ([`mod@survey`]). Their estimate and information are one more quadratic cost of θ, from which δ is
+//! Control points are adjusted on their own ([`mod@survey_adjustment`]). Their estimate and information are one more quadratic cost of θ, from which δ is
 //! eliminated. The drive is nearly solved before it is added, and the prior of δ is widened for a station that changed.
 //!
 //! # Cost
@@ -134,6 +134,7 @@ mod step_fit;
 mod step_search;
 mod summary;
 pub mod survey;
+pub mod survey_adjustment;
 mod survey_change;
 
 pub use self::estimate::{JointInput, estimate};

@@ -1,47 +1,23 @@
-//! Least-squares adjustment of static points that the stations measured: control points and pillars.
-//!
-//! Unknowns are constants θ of the drive (poses and leans of the stations, scales), errors that the survey has of its own (vertical
-//! indices, collimations, prism constant of the target, zero of each range), and the coordinates of the markers. The residual of a
-//! reading is that of the drive ([`super::residuals`]): marker less corrected reading in the axes of the sight. Surveyed coordinates
-//! enter as one more reading of each marker, from a level frame with unknown position and yaw. All but θ is eliminated.
+//! Result of the adjustment of the control points ([`super::survey_adjustment`]).
 
-use std::sync::Arc;
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
-
-use super::block_jacobians::point_jacobian;
-use super::constants_prior::{precisions, prior_mean};
-use super::loss::{CONSISTENCY, robust_weight};
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, INDICES, LEANS, OFFSETS};
-use super::station_model::{MeanSight, Sight, StationModel};
-use crate::calibration::{CalibrationSettings, ErrorSizes};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
-use crate::geometry::{LevelTransform, align_level};
+use super::constants_prior::precisions;
+use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, LEANS, OFFSETS};
+use crate::calibration::ErrorSizes;
+use crate::deployment::findings::points::control_point_outlier;
+use crate::deployment::{ControlPointSet, Finding};
+use crate::geometry::LevelTransform;
 use crate::statistics::median;
 
-/// Standard deviations of a static reading: range (m, and share of the range), angle (rad), and position of the target across the
-/// sight (m). Angles in files of six digits are rounded to 10 µrad.
-const RANGE_M: f64 = 0.001;
-const RANGE_SHARE: f64 = 1e-6;
-const ANGLE_RAD: f64 = 6e-6;
-const TARGET_M: f64 = 0.0003;
-/// Standard deviation of a surveyed coordinate with the centring of the target, which all stations share (m).
-const SURVEYED_M: f64 = 0.002;
 /// Standard deviations of the target's prism constant, and of the zero of a range beside it (m).
 const TARGET_CONSTANT_M: f64 = 0.005;
 const ZERO_M: f64 = 0.0005;
-/// Fewest points that stations 2 and 3 share with station 1.
-const FEWEST_SHARED: usize = 3;
-const MOST_ITERATIONS: usize = 60;
-/// The iteration has converged once no constant moves by more than this many σ.
-const CONVERGED_SIGMAS: f64 = 1e-5;
-/// Numbers by which the stated noise counts in its estimate from the residuals.
-const STATED_NUMBERS: f64 = 12.0;
-/// Unknowns of the frame of surveyed coordinates: (x, y, z, yaw).
-const FRAME: usize = 4;
-
-/// Jacobian of a position by the constants and a frame of surveyed coordinates.
-type PointJacobian = SMatrix<f64, 3, { CONSTANTS + FRAME }>;
+/// A reading is an outlier if its robust weight is smaller and its residual is larger than this multiple of the median, and than the
+/// length (m).
+const OUTLIER_WEIGHT: f64 = 0.3;
+const OUTLIER_RATIO: f64 = 5.0;
+const LEAST_OUTLIER_M: f64 = 0.010;
 
 /// Kinds of numbers in a reading.
 pub const RANGES: usize = 0;
@@ -76,6 +52,27 @@ impl Survey {
         Some((poses, covariance.fixed_view::<8, 8>(0, 0).into_owned()))
     }
 
+    /// Returns a finding for each point with a reading that is an outlier; the sets are those of the adjustment.
+    pub fn outliers(&self, sets: &[ControlPointSet]) -> Vec<Finding> {
+        let residual_m = |reading: &SurveyReading| reading.residual_m.norm();
+        let Some(typical_m) = median(self.readings.iter().map(residual_m)) else {
+            return Vec::new();
+        };
+        let limit_m = (OUTLIER_RATIO * typical_m).max(LEAST_OUTLIER_M);
+        let is_outlier = |reading: &SurveyReading| {
+            reading.weight < OUTLIER_WEIGHT && residual_m(reading) > limit_m
+        };
+        let mut findings = Vec::new();
+        for readings in self.readings.chunk_by(|a, b| (a.set, a.point) == (b.set, b.point)) {
+            let outliers = readings.iter().filter(|reading| is_outlier(reading));
+            let Some(largest_m) = outliers.map(residual_m).max_by(f64::total_cmp) else { continue };
+            let set = &sets[readings[0].set];
+            let marker = set.points[readings[0].point].marker;
+            findings.push(control_point_outlier(&set.file, marker, largest_m, typical_m));
+        }
+        findings
+    }
+
     /// Number of points that a station measured.
     pub fn points(&self, station: usize) -> usize {
         self.readings.iter().filter(|reading| reading.station == station).count()
@@ -99,81 +96,8 @@ pub struct SurveyReading {
     pub influence: SMatrix<f64, CONSTANTS, 3>,
 }
 
-/// A reading with what does not change during the adjustment.
-struct Observed {
-    point: usize,
-    station: usize,
-    sight: Sight,
-    sigma_m: Vector3<f64>,
-    weight: f64,
-}
-
-/// A marker: its readings, and its surveyed coordinates in the frame of its set (m).
-struct Marker {
-    readings: Vec<Observed>,
-    surveyed_m: Option<Vector3<f64>>,
-}
-
-/// Adjusts the control points of a deployment if the settings use them.
-pub fn of_deployment(
-    deployment: &Deployment,
-    settings: &CalibrationSettings,
-) -> Option<Arc<Survey>> {
-    let sets = deployment.comparable_control_points();
-    if !settings.evidence.control_points {
-        return None;
-    }
-    adjust(sets, &settings.errors).map(Arc::new)
-}
-
-/// Adjusts the control points of a deployment; `None` unless stations 2 and 3 each share three points with station 1.
-pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
-    let published = approximate_transforms(sets)?;
-    let mean = prior_mean(&published, None);
-    let mut adjustment = Adjustment {
-        constants: mean,
-        mean,
-        precision: survey_precisions(sizes),
-        markers: sets.iter().map(markers).collect(),
-        frames: vec![LevelTransform::IDENTITY; sets.len()],
-        noise_factors: [1.0; 2],
-    };
-    adjustment.place_frames();
-    for _ in 0..MOST_ITERATIONS {
-        let equations = adjustment.linearise();
-        let covariance = equations.with_priors(&adjustment.precision).cholesky()?.inverse();
-        let gradient =
-            equations.gradient + adjustment.precision * (adjustment.constants - adjustment.mean);
-        adjustment.reweight(&equations.frames, &covariance);
-        let step = covariance * gradient;
-        adjustment.apply(&step, &equations.frames);
-        let sigmas =
-            step.zip_map(&covariance.diagonal(), |step, variance| step.abs() / variance.sqrt());
-        if sigmas.max() < CONVERGED_SIGMAS {
-            break;
-        }
-    }
-    let equations = adjustment.linearise();
-    let covariance = equations.with_priors(&adjustment.precision).cholesky()?.inverse();
-    let readings = adjustment.reliability(&equations.frames, &covariance);
-    Some(adjustment.into_survey(&equations, readings))
-}
-
-/// Level transforms by the points that two stations share, as method B.
-fn approximate_transforms(sets: &[ControlPointSet]) -> Option<[LevelTransform; 3]> {
-    let points = || sets.iter().flat_map(|set| &set.points);
-    let transform = |station: usize| {
-        let shared = points().filter_map(|point| {
-            Some((point.readings[0]?.to_cartesian(), point.readings[station]?.to_cartesian()))
-        });
-        let (to_m, from_m): (Vec<_>, Vec<_>) = shared.unzip();
-        (to_m.len() >= FEWEST_SHARED).then(|| align_level(&to_m, &from_m))?
-    };
-    Some([LevelTransform::IDENTITY, transform(1)?, transform(2)?])
-}
-
 /// Priors (1/σ²) of the constants at the survey; the range offsets share the prism constant of the target.
-fn survey_precisions(sizes: &ErrorSizes) -> ConstantsMatrix {
+pub fn survey_precisions(sizes: &ErrorSizes) -> ConstantsMatrix {
     let mut precision = precisions(sizes);
     // A compensator leaves another lean after the survey.
     let lean_rad = sizes.lean_rad.hypot(sizes.lean_rad).max(1e-9);
@@ -186,377 +110,4 @@ fn survey_precisions(sizes: &ErrorSizes) -> ConstantsMatrix {
     let offsets = offsets.try_inverse().unwrap_or_else(Matrix3::identity);
     information.fixed_view_mut::<3, 3>(OFFSETS, OFFSETS).copy_from(&offsets);
     information
-}
-
-fn markers(points: &ControlPointSet) -> Vec<Marker> {
-    let marker = |(index, point): (usize, &ControlPoint)| {
-        let reading = |station: usize| {
-            let sight = Sight::to(&point.readings[station]?.to_cartesian());
-            let range_m = sight.range_m;
-            let across_m = (ANGLE_RAD * range_m).hypot(TARGET_M);
-            let sigma_m = Vector3::new(RANGE_M + RANGE_SHARE * range_m, across_m, across_m);
-            Some(Observed { point: index, station, sight, sigma_m, weight: 1.0 })
-        };
-        Marker { readings: (0..3).filter_map(reading).collect(), surveyed_m: point.known_m }
-    };
-    points.points.iter().enumerate().map(marker).collect()
-}
-
-/// State of the adjustment.
-struct Adjustment {
-    constants: Constants,
-    mean: Constants,
-    precision: ConstantsMatrix,
-    /// Markers by set.
-    markers: Vec<Vec<Marker>>,
-    /// Transforms from the frames of surveyed coordinates to station 1's.
-    frames: Vec<LevelTransform>,
-    noise_factors: [f64; 2],
-}
-
-/// Normal equations of the constants, without priors, with markers and frames eliminated.
-struct SurveyEquations {
-    information: ConstantsMatrix,
-    gradient: Constants,
-    /// Eliminated frames by set.
-    frames: Vec<EliminatedFrame>,
-}
-
-impl SurveyEquations {
-    fn with_priors(&self, precision: &ConstantsMatrix) -> ConstantsMatrix {
-        self.information + precision
-    }
-}
-
-/// An eliminated frame of surveyed coordinates; zeros without one.
-struct EliminatedFrame {
-    /// The step of the frame at these constants, and its regression on their step.
-    step: SVector<f64, FRAME>,
-    by_constants: SMatrix<f64, FRAME, CONSTANTS>,
-    /// Covariance given the constants.
-    covariance: SMatrix<f64, FRAME, FRAME>,
-}
-
-/// A reading, or the surveyed coordinates, of a marker at the linearisation point.
-struct PointEquation {
-    /// Position in station 1's frame (m), its Jacobian by the constants and the frame, and its information (1/m²).
-    point_m: Vector3<f64>,
-    jacobian: PointJacobian,
-    information: Matrix3<f64>,
-}
-
-impl Adjustment {
-    fn stations(&self) -> [StationModel; 3] {
-        [0, 1, 2].map(|station| StationModel::new(&self.constants, station))
-    }
-
-    /// Position of a reading in station 1's frame (m), and the axes of its sight there.
-    fn placed(stations: &[StationModel; 3], reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
-        let model = &stations[reading.station];
-        let Sight { along, side, up, .. } = reading.sight;
-        let point_m = model.rotation * model.corrected(&reading.sight) + model.position_m;
-        (point_m, model.rotation * Matrix3::from_columns(&[along, side, up]))
-    }
-
-    fn sigma_m(&self, reading: &Observed) -> Vector3<f64> {
-        let [ranges, angles] = self.noise_factors;
-        reading.sigma_m.component_mul(&Vector3::new(ranges, angles, angles))
-    }
-
-    /// Aligns the frames of surveyed coordinates to the markers.
-    fn place_frames(&mut self) {
-        let stations = self.stations();
-        for (markers, frame) in self.markers.iter().zip(&mut self.frames) {
-            let placed = markers.iter().filter_map(|marker| {
-                let mean = |axis: usize| {
-                    let of = |reading| Self::placed(&stations, reading).0[axis];
-                    median(marker.readings.iter().map(of))
-                };
-                Some((Vector3::new(mean(0)?, mean(1)?, mean(2)?), marker.surveyed_m?))
-            });
-            let (to_m, from_m): (Vec<_>, Vec<_>) = placed.unzip();
-            if let Some(aligned) = align_level(&to_m, &from_m) {
-                *frame = aligned;
-            }
-        }
-    }
-
-    /// Subtracts a step of the constants, with the steps of the frames that belong to it.
-    fn apply(&mut self, step: &Constants, eliminated: &[EliminatedFrame]) {
-        self.constants -= step;
-        for (frame, eliminated) in self.frames.iter_mut().zip(eliminated) {
-            let step = eliminated.step + eliminated.by_constants * step;
-            frame.translation_m -= step.fixed_rows::<3>(0);
-            frame.yaw_rad -= step[3];
-        }
-    }
-
-    /// The equations of one marker.
-    fn equations(
-        &self,
-        stations: &[StationModel; 3],
-        marker: &Marker,
-        set: usize,
-    ) -> Vec<PointEquation> {
-        let mut equations: Vec<PointEquation> = marker
-            .readings
-            .iter()
-            .map(|reading| {
-                let (point_m, axes) = Self::placed(stations, reading);
-                let variance_m2 = self.sigma_m(reading).map(|sigma_m| sigma_m.powi(-2));
-                let information =
-                    axes * Matrix3::from_diagonal(&variance_m2) * axes.transpose() * reading.weight;
-                let jacobian = jacobian(&stations[reading.station], reading);
-                PointEquation { point_m, jacobian, information }
-            })
-            .collect();
-        // Fewer than two coordinates determine nothing but the frame.
-        let surveyed =
-            self.markers[set].iter().filter(|marker| marker.surveyed_m.is_some()).count();
-        if let Some(surveyed_m) = marker.surveyed_m.filter(|_| surveyed > 1) {
-            let frame = &self.frames[set];
-            let mut jacobian = PointJacobian::zeros();
-            jacobian.fixed_view_mut::<3, 3>(0, CONSTANTS).fill_with_identity();
-            let by_yaw = Vector3::z().cross(&frame.rotate(&surveyed_m));
-            jacobian.fixed_view_mut::<3, 1>(0, CONSTANTS + 3).copy_from(&by_yaw);
-            let information = Matrix3::from_diagonal_element(SURVEYED_M.powi(-2));
-            let point_m = frame.apply(&surveyed_m);
-            equations.push(PointEquation { point_m, jacobian, information });
-        }
-        equations
-    }
-
-    fn linearise(&self) -> SurveyEquations {
-        const ALL: usize = CONSTANTS + FRAME;
-        let stations = self.stations();
-        let mut sum = SurveyEquations {
-            information: SMatrix::zeros(),
-            gradient: Constants::zeros(),
-            frames: Vec::new(),
-        };
-        for (set, markers) in self.markers.iter().enumerate() {
-            let mut information = DMatrix::<f64>::zeros(ALL, ALL);
-            let mut gradient = DVector::<f64>::zeros(ALL);
-            for marker in markers {
-                let equations = self.equations(&stations, marker, set);
-                let Some(centre) = Centre::of(&equations) else { continue };
-                for equation in &equations {
-                    let jacobian = equation.jacobian - centre.jacobian;
-                    let weighted = equation.information * jacobian;
-                    information += jacobian.tr_mul(&weighted);
-                    gradient += weighted.tr_mul(&(equation.point_m - centre.point_m));
-                }
-            }
-            let (own, own_gradient, frame) = without_frame(&information, &gradient);
-            sum.information += own;
-            sum.gradient += own_gradient;
-            sum.frames.push(frame);
-        }
-        sum
-    }
-
-    /// Residuals of all readings with their redundancy numbers, by the covariance of the constants.
-    fn reliability(
-        &self,
-        frames: &[EliminatedFrame],
-        covariance: &ConstantsMatrix,
-    ) -> Vec<SurveyReading> {
-        let stations = self.stations();
-        let mut all = Vec::new();
-        for (set, markers) in self.markers.iter().enumerate() {
-            for marker in markers {
-                let equations = self.equations(&stations, marker, set);
-                let Some(centre) = Centre::of(&equations) else { continue };
-                for (reading, equation) in marker.readings.iter().zip(&equations) {
-                    let axes = Self::placed(&stations, reading).1;
-                    let total = equation.jacobian - centre.jacobian;
-                    let by_frame = total.fixed_columns::<FRAME>(CONSTANTS).into_owned();
-                    let frame = &frames[set];
-                    let jacobian =
-                        total.fixed_columns::<CONSTANTS>(0) + by_frame * frame.by_constants;
-                    // Covariance of the fitted position.
-                    let fitted = centre.covariance
-                        + jacobian * covariance * jacobian.transpose()
-                        + by_frame * frame.covariance * by_frame.transpose();
-                    let fitted = axes.tr_mul(&(fitted * axes));
-                    let sigma_m = self.sigma_m(reading);
-                    let share = |axis: usize| {
-                        1.0 - reading.weight * fitted[(axis, axis)] / sigma_m[axis].powi(2)
-                    };
-                    all.push(SurveyReading {
-                        set,
-                        point: reading.point,
-                        station: reading.station,
-                        residual_m: axes.tr_mul(&(centre.point_m - equation.point_m)),
-                        sigma_m,
-                        weight: reading.weight,
-                        redundancy: Vector3::new(share(0), share(1), share(2))
-                            .map(|share| share.clamp(0.0, 1.0)),
-                        influence: jacobian.tr_mul(&(equation.information * axes)),
-                    });
-                }
-            }
-        }
-        all
-    }
-
-    /// Estimates noise factors and robust weights from the residuals.
-    fn reweight(&mut self, frames: &[EliminatedFrame], covariance: &ConstantsMatrix) {
-        let readings = self.reliability(frames, covariance);
-        let mut factors = self.noise_factors;
-        for (kind, axes) in [(RANGES, 0..1), (ANGLES, 1..3)] {
-            let mut square = STATED_NUMBERS / self.noise_factors[kind].powi(2);
-            let mut numbers = STATED_NUMBERS;
-            for reading in &readings {
-                for axis in axes.clone() {
-                    let normalised = reading.residual_m[axis] / reading.sigma_m[axis];
-                    square += (reading.weight * normalised).powi(2) / CONSISTENCY;
-                    numbers += reading.weight.powi(2) * reading.redundancy[axis];
-                }
-            }
-            // Half of the step: factors and weights depend on each other, and the whole step may oscillate.
-            factors[kind] *= (square / numbers).powf(0.25);
-        }
-        let mut weights = readings.iter().map(|reading| {
-            let squares = (0..3).map(|axis| {
-                let variance = reading.sigma_m[axis].powi(2) * reading.redundancy[axis].max(0.05);
-                reading.residual_m[axis].powi(2) / variance
-            });
-            robust_weight(squares.sum::<f64>() / 3.0)
-        });
-        for marker in self.markers.iter_mut().flatten() {
-            // A single reading has no residual.
-            if marker.readings.is_empty() {
-                continue;
-            }
-            for reading in &mut marker.readings {
-                reading.weight = weights.next().unwrap_or(1.0);
-            }
-        }
-        self.noise_factors = factors;
-    }
-
-    /// Eliminates the errors that are not those of the drive.
-    fn into_survey(self, equations: &SurveyEquations, mut readings: Vec<SurveyReading>) -> Survey {
-        let OwnErrors { regression, transposed } =
-            OwnErrors::new(&equations.information, &self.precision);
-        let mut information = equations.information - regression * transposed;
-        let with_priors = equations.gradient + self.precision * (self.constants - self.mean);
-        let mut gradient = equations.gradient - regression * own_errors(&with_priors);
-        for SurveyReading { influence, .. } in &mut readings {
-            let own =
-                SMatrix::<f64, OWN, 3>::from_fn(|row, axis| influence[(own_index(row), axis)]);
-            *influence -= regression * own;
-        }
-        let mut constants = self.constants;
-        for index in (CLOCKS..LEANS).chain((0..OWN).map(own_index)) {
-            constants[index] = 0.0;
-            gradient[index] = 0.0;
-            information.row_mut(index).fill(0.0);
-            information.column_mut(index).fill(0.0);
-            readings.iter_mut().for_each(|reading| reading.influence.row_mut(index).fill(0.0));
-        }
-        let information = 0.5 * (information + information.transpose());
-        let mut all = self.markers.iter().flatten();
-        Survey {
-            constants,
-            information,
-            gradient,
-            noise_factors: self.noise_factors,
-            has_surveyed_coordinates: all.any(|marker| marker.surveyed_m.is_some()),
-            readings,
-        }
-    }
-}
-
-/// Number of errors that a survey has of its own: range offsets, vertical indices, collimations. A station points at another target than
-/// in the drive, and in another way.
-const OWN: usize = 9;
-
-/// Index of an error of the survey's own among the constants.
-fn own_index(own: usize) -> usize {
-    if own < 3 { OFFSETS + own } else { INDICES + own - 3 }
-}
-
-fn own_errors(constants: &Constants) -> SVector<f64, OWN> {
-    SVector::from_fn(|own, _| constants[own_index(own)])
-}
-
-/// Regression of the constants' gradient on that of the survey's own errors, and the transposed information between both.
-struct OwnErrors {
-    regression: SMatrix<f64, CONSTANTS, OWN>,
-    transposed: SMatrix<f64, OWN, CONSTANTS>,
-}
-
-impl OwnErrors {
-    fn new(information: &ConstantsMatrix, precision: &ConstantsMatrix) -> Self {
-        let own = SMatrix::<f64, OWN, OWN>::from_fn(|i, j| {
-            let (i, j) = (own_index(i), own_index(j));
-            information[(i, j)] + precision[(i, j)]
-        });
-        let across =
-            SMatrix::<f64, CONSTANTS, OWN>::from_fn(|row, own| information[(row, own_index(own))]);
-        // Positive definite by the priors.
-        let inverse = own.try_inverse().unwrap_or_else(SMatrix::zeros);
-        Self { regression: across * inverse, transposed: across.transpose() }
-    }
-}
-
-/// Weighted mean of the equations of a marker.
-struct Centre {
-    point_m: Vector3<f64>,
-    jacobian: PointJacobian,
-    covariance: Matrix3<f64>,
-}
-
-impl Centre {
-    /// The mean; `None` without equations.
-    fn of(equations: &[PointEquation]) -> Option<Self> {
-        let information: Matrix3<f64> = equations.iter().map(|one| one.information).sum();
-        let covariance = information.try_inverse()?;
-        let point_m =
-            equations.iter().map(|one| one.information * one.point_m).sum::<Vector3<f64>>();
-        let mut jacobian = SMatrix::zeros();
-        equations.iter().for_each(|one| jacobian += one.information * one.jacobian);
-        Some(Self { point_m: covariance * point_m, jacobian: covariance * jacobian, covariance })
-    }
-}
-
-/// Jacobian of a reading's position by the constants of its station.
-fn jacobian(model: &StationModel, reading: &Observed) -> PointJacobian {
-    let mut jacobian = PointJacobian::zeros();
-    let mean_sight = MeanSight::of(std::iter::once(reading.sight)).unwrap_or_default();
-    let by_instrument = point_jacobian(model, &mean_sight, reading.station).0;
-    jacobian.fixed_columns_mut::<CONSTANTS>(0).copy_from(&by_instrument);
-    if let Some(slot) = reading.station.checked_sub(1) {
-        jacobian.fixed_view_mut::<3, 3>(0, 4 * slot).fill_with_identity();
-        let by_yaw = Vector3::z().cross(&(model.rotation * mean_sight.point_m));
-        jacobian.fixed_view_mut::<3, 1>(0, 4 * slot + 3).copy_from(&by_yaw);
-    }
-    jacobian
-}
-
-/// Eliminates the frame of surveyed coordinates from the equations of a set.
-fn without_frame(
-    information: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-) -> (ConstantsMatrix, Constants, EliminatedFrame) {
-    let own = information.fixed_view::<CONSTANTS, CONSTANTS>(0, 0).into_owned();
-    let own_gradient: Constants = gradient.fixed_rows::<CONSTANTS>(0).into_owned();
-    let frame = information.fixed_view::<FRAME, FRAME>(CONSTANTS, CONSTANTS).into_owned();
-    let Some(inverse) = frame.try_inverse() else {
-        let none = EliminatedFrame {
-            step: SVector::zeros(),
-            by_constants: SMatrix::zeros(),
-            covariance: SMatrix::zeros(),
-        };
-        return (own, own_gradient, none);
-    };
-    let across = information.fixed_view::<CONSTANTS, FRAME>(0, CONSTANTS).into_owned();
-    let frame_gradient: SVector<f64, FRAME> = gradient.fixed_rows::<FRAME>(CONSTANTS).into_owned();
-    let by_constants = -inverse * across.transpose();
-    let step = inverse * frame_gradient;
-    let eliminated = EliminatedFrame { step, by_constants, covariance: inverse };
-    let own_gradient = own_gradient + by_constants.tr_mul(&frame_gradient);
-    (own + across * by_constants, own_gradient, eliminated)
 }

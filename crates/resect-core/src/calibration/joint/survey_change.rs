@@ -25,9 +25,8 @@ const CHANGED_M: f64 = 0.005;
 const CHANGED_RAD: f64 = 0.002;
 /// A detected change is measured in directions with this multiple of the variances of settling.
 const DETECTED: f64 = 1e6;
-/// Critical χ² of the change of one station (4 degrees of freedom): exceeded by chance once in a hundred drives, with three stations
-/// tested.
-const CHANGE_CHI_SQUARE: f64 = 15.9;
+/// Critical χ² of the change of one station (4 degrees of freedom, 0.1 %): exceeded by chance in 0.3 % of drives.
+const CHANGE_CHI_SQUARE: f64 = 18.5;
 /// Critical χ² of the rest once one station's change is fitted (4 degrees of freedom, 1 %).
 const REST_CHI_SQUARE: f64 = 13.3;
 

@@ -1,0 +1,169 @@
+//! Tests of the reliability of groups of readings.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use rand::{RngExt, SeedableRng};
+
+use super::super::constants_prior::precisions;
+use super::super::survey::Survey;
+use super::super::survey_adjustment::adjust;
+use super::*;
+use crate::calibration::ErrorSizes;
+use crate::deployment::{ControlPoint, ControlPointSet};
+use crate::geometry::{LevelTransform, Polar};
+
+/// Readings of all constants and, except for the poses, priors; those of the distances are correlated.
+fn dense_problem() -> (DMatrix<f64>, ConstantsMatrix) {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let design = DMatrix::from_fn(50, CONSTANTS, |_, _| rng.random_range(-1.0..1.0));
+    let mut information = ConstantsMatrix::zeros();
+    (8..CONSTANTS).for_each(|index| information[(index, index)] = 4.0 + index as f64);
+    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+        information[(DISTANCES + a, DISTANCES + b)] = -5.0;
+        information[(DISTANCES + b, DISTANCES + a)] = -5.0;
+    }
+    (design, information)
+}
+
+/// Least squares of exact readings of zero and of biased priors: the estimates, and the sum of squared residuals.
+fn solve(
+    design: &DMatrix<f64>,
+    information: &ConstantsMatrix,
+    prior_mean: &Constants,
+) -> (DVector<f64>, f64) {
+    // The priors as whitened observations; the poses have none.
+    let own = information.fixed_view::<{ CONSTANTS - 8 }, { CONSTANTS - 8 }>(8, 8).into_owned();
+    let root = own.cholesky().expect("definite").l().transpose();
+    let readings = design.nrows();
+    let mut rows = DMatrix::<f64>::zeros(readings + CONSTANTS - 8, CONSTANTS);
+    rows.rows_mut(0, readings).copy_from(design);
+    rows.view_mut((readings, 8), (CONSTANTS - 8, CONSTANTS - 8)).copy_from(&root);
+    let mut right = DVector::<f64>::zeros(rows.nrows());
+    let of_priors = root * prior_mean.fixed_rows::<{ CONSTANTS - 8 }>(8);
+    right.rows_mut(readings, CONSTANTS - 8).copy_from(&of_priors);
+    let solution = rows.clone().svd(true, true).solve(&right, 1e-12).expect("a solution");
+    let residuals = &rows * &solution - right;
+    (solution, residuals.norm_squared())
+}
+
+#[test]
+fn a_detectable_bias_has_the_noncentrality_and_the_effect_of_least_squares() {
+    let (design, information) = dense_problem();
+    let by_readings = design.tr_mul(&design);
+    let by_readings = ConstantsMatrix::from_fn(|i, j| by_readings[(i, j)]);
+    let covariance = (by_readings + information).cholesky().expect("definite").inverse();
+    let with_poses = covariance.fixed_columns::<8>(0).into_owned();
+    let change = Constants::zeros();
+    let posterior =
+        PosteriorMoments { information, change, covariance: &covariance, with_poses: &with_poses };
+    for index in [OFFSETS + 1, SCALES, COLLIMATIONS + 2, INDICES, DISTANCES, DISTANCES + 2] {
+        let test = posterior.test_prior(index);
+        let bias = test.bias.expect("determined");
+        let mut prior_mean = Constants::zeros();
+        prior_mean[index] = bias.size;
+        let (solution, square) = solve(&design, &information, &prior_mean);
+        let noncentrality = square.sqrt();
+        assert!((noncentrality - NONCENTRALITY).abs() < 1e-9, "{index}: {noncentrality}");
+        for (slot, effect) in bias.effect.iter().enumerate() {
+            let position_m = solution.rows(4 * slot, 3).norm();
+            let yaw_rad = solution[4 * slot + 3].abs();
+            assert!((effect.position_m - position_m).abs() < 1e-9, "{index}: {position_m}");
+            assert!((effect.yaw_rad - yaw_rad).abs() < 1e-9, "{index}: {yaw_rad}");
+        }
+        assert!((0.0..1.0).contains(&test.redundancy), "{index}: {}", test.redundancy);
+    }
+}
+
+#[test]
+fn a_prior_that_the_data_does_not_reduce_has_no_detectable_bias() {
+    let information = ConstantsMatrix::identity();
+    let covariance = ConstantsMatrix::from_diagonal_element(0.97);
+    let with_poses = SMatrix::zeros();
+    let posterior = PosteriorMoments {
+        information,
+        change: Constants::zeros(),
+        covariance: &covariance,
+        with_poses: &with_poses,
+    };
+    let test = posterior.test_prior(OFFSETS);
+    assert_eq!((test.bias, test.residual_sigmas), (None, None));
+    assert!((test.redundancy - 0.03).abs() < 1e-12);
+}
+
+/// Readings of twelve markers by three stations, without errors.
+fn exact_survey() -> Vec<ControlPointSet> {
+    let stations = [
+        LevelTransform::IDENTITY,
+        LevelTransform::new(Vector3::new(32.0, -9.0, 0.8), 0.6),
+        LevelTransform::new(Vector3::new(11.0, 27.0, -0.5), -2.0),
+    ];
+    let point = |marker: i64| {
+        let angle_rad = 0.53 * marker as f64;
+        let radius_m = 12.0 + (7 * marker % 25) as f64;
+        let height_m = 0.4 * (marker % 4) as f64 - 1.0;
+        let position_m =
+            Vector3::new(15.0 + radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), height_m);
+        let reading = |station: &LevelTransform| {
+            Some(Polar::from_cartesian(station.inverse().apply(&position_m)))
+        };
+        // The last three are surveyed as well.
+        let known_m = (marker > 9).then(|| position_m + Vector3::new(100.0, 50.0, 3.0));
+        ControlPoint { marker, readings: stations.each_ref().map(reading), known_m }
+    };
+    let points = (1..=12).map(point).collect();
+    vec![ControlPointSet { file: "GCP.txt".to_owned(), points, pillars: false }]
+}
+
+fn adjusted(sets: &[ControlPointSet]) -> Survey {
+    adjust(sets, &ErrorSizes::default()).expect("an adjustment")
+}
+
+#[test]
+fn an_error_of_a_control_point_moves_the_adjustment_by_its_influence() {
+    const ERROR_M: f64 = 5e-5;
+    let before = adjusted(&exact_survey());
+    let own = ConstantsMatrix::from_diagonal(&precisions(&ErrorSizes::default()));
+    let covariance = (before.information + own).cholesky().expect("definite").inverse();
+    let errors = [(1, 4, 0), (2, 10, 0), (0, 7, 1), (1, 2, 2), (2, 11, 2)];
+    for (station, point, axis) in errors {
+        let mut sets = exact_survey();
+        let reading = sets[0].points[point].readings[station].as_mut().expect("a reading");
+        match axis {
+            0 => reading.range_m += ERROR_M,
+            1 => reading.azimuth_rad += ERROR_M / (reading.range_m * reading.zenith_rad.sin()),
+            _ => reading.zenith_rad -= ERROR_M / reading.range_m,
+        }
+        let after = adjusted(&sets);
+        let is_it = |one: &&SurveyReading| one.station == station && one.point == point;
+        let find = |survey: &Survey| *survey.readings.iter().find(is_it).expect("adjusted");
+        let (own, biased) = (find(&before), find(&after));
+        // Robust weights and noise levels follow the error a little.
+        let expected = -covariance * own.influence.column(axis) * ERROR_M;
+        let moved = after.constants - before.constants;
+        for slot in 0..2 {
+            let [expected, moved] =
+                [&expected, &moved].map(|all| all.fixed_rows::<3>(4 * slot).into_owned());
+            let off_m = (expected - moved).norm();
+            assert!(off_m < 0.05 * expected.norm() + 2e-6, "{station} {point}: {off_m}");
+        }
+        let remains = (own.residual_m - biased.residual_m)[axis] / ERROR_M;
+        let redundancy = own.redundancy[axis];
+        assert!((remains - redundancy).abs() < 0.05, "{station} {point}: {remains}");
+    }
+}
+
+#[test]
+fn groups_of_control_points_have_the_reading_with_the_largest_residual() {
+    let mut sets = exact_survey();
+    sets[0].points[5].readings[1].as_mut().expect("a reading").range_m += 0.02;
+    let survey = adjusted(&sets);
+    let groups = control_point_reliability(&survey.readings, |_| PoseChange::zeros());
+    let codes: Vec<String> = groups.iter().map(GroupReliability::code).collect();
+    assert_eq!(codes[2..4], ["station-2-control-point-ranges", "station-2-control-point-angles"]);
+    assert_eq!(groups.len(), 6);
+    let group = &groups[2];
+    assert_eq!(group.largest_at(), Some((0, 5)));
+    assert!(group.residual_sigmas().expect("residuals").abs() > 4.0, "{group:?}");
+    let redundancy = group.redundancy.expect("redundant");
+    let bias = group.bias.expect("determined");
+    assert!((0.2..1.0).contains(&redundancy) && bias.size > 1e-3 && bias.size < 0.02);
+}
