@@ -187,9 +187,14 @@ mod tests {
         assert_eq!(evidence(&[]), Evidence::ALL);
         let given = evidence(&["--evidence", "rig,drive"]);
         assert_eq!(given, Evidence { control_points: false, ..Evidence::ALL });
-        for wrong in ["drives", "drive rig", ",", ""] {
-            let error = parse(&["--evidence", wrong]).err().expect("a wrong name").to_string();
+        let message = |given: &str| parse(&["--evidence", given]).err().expect("wrong").to_string();
+        for wrong in ["drives", "drive rig"] {
+            let error = message(wrong);
             assert!(error.contains("name some of drive, control-points, rig"), "{error}");
+        }
+        for too_little in ["rig", ",", ""] {
+            let error = message(too_little);
+            assert!(error.contains("needs drive or control-points"), "{error}");
         }
     }
 

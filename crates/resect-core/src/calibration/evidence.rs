@@ -34,7 +34,7 @@ impl Evidence {
         }
         let [drive, control_points, rig] = Self::NAMES;
         Err(format!(
-            "evidence without {drive} and {control_points} determines no transform; add one (other groups: {rig})"
+            "evidence needs {drive} or {control_points}: {rig} alone determines no transform"
         ))
     }
 
