@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use resect_core::analysis::Analysis;
-use resect_core::calibration::Method;
+use resect_core::calibration::{Method, Verdict};
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
 use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
 use resect_core::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
@@ -57,6 +57,10 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
     deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(given_m);
     let analysis = analyse(&deployment, &by(Method::Joint));
     let Ok(answer) = &analysis.answer else { return Vec::new() };
+    // The poses are those of one of two solutions.
+    if answer.calibration.verdict == Verdict::Ambiguous {
+        return Vec::new();
+    }
     let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
     let found = trajectory_by(
         &deployment,

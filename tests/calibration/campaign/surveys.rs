@@ -37,6 +37,7 @@ enum Report {
 }
 
 struct Surveyed {
+    seed: u64,
     change: Change,
     report: Report,
     drive: Outcome,
@@ -89,7 +90,7 @@ fn surveyed(seed: u64) -> Surveyed {
             Some(_) => Report::OtherStation,
         },
     };
-    Surveyed { change, report, drive, survey }
+    Surveyed { seed, change, report, drive, survey }
 }
 
 /// Statistics of a campaign.
@@ -152,6 +153,15 @@ fn campaign(count: u64) -> Summary {
     }
     let summary = summarise("all", &all.iter().collect::<Vec<_>>());
     println!("  false alarms {:.1} %", 100.0 * summary.false_alarms);
+    for Surveyed { seed, drive, survey, .. } in &all {
+        for outcome in survey.iter().chain([drive]).filter(|outcome| outcome.is_silent_failure()) {
+            println!(
+                "  silent: seed {seed}, {:.1} σ, {:.3} m",
+                outcome.largest_sigmas(),
+                outcome.largest_m()
+            );
+        }
+    }
     summary
 }
 

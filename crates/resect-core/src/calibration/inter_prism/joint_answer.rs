@@ -18,13 +18,22 @@ pub struct JointAnswer {
     pub data: CentredTriplets,
     /// Times of the kept triplets (s); `None` if none is rejected.
     pub kept_s: Option<Vec<f64>>,
-    pub doubt: Option<(Verdict, Finding)>,
+    /// Another minimum that is chosen on the corrected readings.
+    pub fits_better: Option<Basin>,
+}
+
+impl JointAnswer {
+    /// The doubt that the joint estimate is the right minimum: the corrections exchanged answer and twin.
+    pub fn doubt(&self) -> Option<(Verdict, Finding)> {
+        self.fits_better
+            .and(self.solution.choice.mirror.cost_ratio)
+            .map(|cost_ratio| (Verdict::Ambiguous, other_minimum_fits_better(cost_ratio)))
+    }
 }
 
 /// Solves the corrected readings by the published method, with the estimated distances.
 ///
-/// The estimate has converged. Adds a doubt if the solution and the joint estimate are different minima: the corrections then exchange
-/// answer and twin.
+/// The estimate has converged.
 pub fn solve(
     estimate: &JointEstimate,
     rig: &Rig,
@@ -60,15 +69,14 @@ pub fn solve(
     // Cost ratios are relative to the joint estimate's cost in all tables and sentences.
     if same(&other) {
         solution.choice = solution.choice.with_answer(answer);
-        return JointAnswer { solution, data, kept_s, doubt: None };
+        return JointAnswer { solution, data, kept_s, fits_better: None };
     }
     solution.choice.answer = answer;
     solution.choice.mirror.twin = Some(other);
     solution.choice.mirror.cost_ratio = Some(other.mean_square_m2 / answer.mean_square_m2);
     // These findings are about the other minimum.
     solution.choice.findings.clear();
-    let finding = other_minimum_fits_better(other.mean_square_m2 / answer.mean_square_m2);
-    JointAnswer { solution, data, kept_s, doubt: Some((Verdict::Ambiguous, finding)) }
+    JointAnswer { solution, data, kept_s, fits_better: Some(other) }
 }
 
 /// Keeps the values at some indices, in their order.

@@ -10,15 +10,15 @@ use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
 };
 use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances};
-use crate::calibration::joint_failure::{JointResult, require_converged};
+use crate::calibration::joint_failure::{JointFailure, JointResult, require_converged};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
 use crate::deployment::{Deployment, Finding, Rig};
-use crate::geometry::RigidTransform;
+use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 
 /// Most rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
@@ -38,7 +38,7 @@ pub fn solve_jointly(
     let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
-    let estimate = match answer.uncertainty.covariance {
+    let estimated = match answer.uncertainty.covariance {
         Some(_) => {
             let input = JointInput {
                 published: &plain,
@@ -46,20 +46,20 @@ pub fn solve_jointly(
                 survey: joint::survey_adjustment::of_deployment(deployment, settings),
                 sizes: &sizes,
             };
-            joint::estimate(&|| used.triplets(), &input, progress)?
+            estimate(&input, (deployment, rig), &used, progress)?
         }
         // If a direction is unobservable for the published answer, it is for the joint estimate too.
-        None => None,
+        None => Err(JointFailure::Undetermined),
     };
-    let estimate = match require_converged(estimate) {
-        Ok(estimate) => estimate,
+    let (estimate, evaluated) = match estimated {
+        Ok(estimated) => estimated,
         Err(failure) => {
             let published = super::solve::solve(deployment, triplets, settings, offer, progress)?;
             return Ok(published.in_place_of_joint(failure));
         }
     };
     progress.check()?;
-    let (kept_s, mut doubts) = replace(&mut answer, &estimate, (deployment, rig), &used);
+    let (kept_s, mut doubts) = replace(&mut answer, &estimate, evaluated);
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
     // The conclusion of the survey comes before other notes.
@@ -111,18 +111,43 @@ fn screened<'a>(
     Ok((published, data, used))
 }
 
+/// Returns the joint estimate with its evaluation by method D.
+///
+/// Heights of prisms and control points choose between a minimum and its mirror twin. If they choose the other one after the
+/// readings are corrected, the iteration starts again there, and its result stands if it stays.
+fn estimate(
+    input: &JointInput<'_>,
+    (deployment, rig): (&Deployment, &Rig),
+    used: &Used<'_>,
+    progress: &Progress,
+) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
+    let points = deployment.comparable_control_points();
+    let estimate_from = |published: &[LevelTransform; 3]| {
+        let input = JointInput { published, survey: input.survey.clone(), ..*input };
+        let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
+        progress.check()?;
+        Ok(require_converged(estimate).map(|estimate| {
+            let evaluated = joint_answer::solve(&estimate, rig, points, used);
+            (estimate, evaluated)
+        }))
+    };
+    let first = estimate_from(input.published)?;
+    let Ok((_, JointAnswer { fits_better: Some(other), .. })) = &first else { return Ok(first) };
+    let again = estimate_from(&other.station1_from_station)?;
+    let stays = matches!(&again, Ok((_, evaluated)) if evaluated.fits_better.is_none());
+    Ok(if stays { again } else { first })
+}
+
 /// Replaces the published answer by the joint estimate, on the corrected readings.
 ///
 /// Returns the times of the kept triplets (s), `None` if none is rejected, and the doubts about the estimate.
 fn replace(
     answer: &mut UnjudgedAnswer,
     estimate: &JointEstimate,
-    (deployment, rig): (&Deployment, &Rig),
-    used: &Used<'_>,
+    evaluated: JointAnswer,
 ) -> (Option<Vec<f64>>, Vec<(Verdict, Finding)>) {
-    let points = deployment.comparable_control_points();
-    let JointAnswer { solution, data, kept_s, doubt } =
-        joint_answer::solve(estimate, rig, points, used);
+    let doubt = evaluated.doubt();
+    let JointAnswer { solution, data, kept_s, .. } = evaluated;
     let findings = std::mem::replace(&mut answer.published, solution).findings;
     answer.published.findings = findings;
     let Published { thinned, answer: minimum, .. } = &answer.published;

@@ -24,8 +24,8 @@ pub type SlowByConstants = SMatrix<f64, SLOW, CONSTANTS>;
 
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
-/// Blocks whose rows are stored (14 MB with the factor; two hours of a usual drive).
-pub const MOST_STORED_BLOCKS: usize = 4 * CHUNK;
+/// Blocks whose rows are stored (11 MB with the factor; an hour of a usual drive).
+pub const MOST_STORED_BLOCKS: usize = 2 * CHUNK;
 
 /// `K` right-hand sides or solutions: rows for the slow states of each block, and for the constants.
 #[derive(Clone, Debug)]
