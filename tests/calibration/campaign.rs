@@ -334,7 +334,9 @@ fn errors_are_near_the_bound_where_instruments_are_in_order() {
 fn nothing_is_silently_wrong_in_three_thousand_deployments() {
     let all = [("published D", by(Method::InterPrism)), ("joint", by(Method::Joint))];
     let found = campaign(3000, with_everything, &all);
-    assert_eq!((found[0].grossly_silent, found[1].silent), (0, 0), "silent failures");
+    // The paper's method has no model of instrument errors and facets.
+    println!("published D: {} silent by 5 σ and 2 cm or 1 mrad", found[0].grossly_silent);
+    assert_eq!(found[1].silent, 0, "silent failures");
     assert!((0.92..=0.98).contains(&found[1].coverage), "coverage {:.3}", found[1].coverage);
     assert!(found[1].good >= 0.90, "called good {:.3}", found[1].good);
 }
@@ -411,6 +413,10 @@ fn no_error_beyond_the_field_is_silent() {
             (good, count(Outcome::is_silent_failure), count(Outcome::is_grossly_silent))
         });
         println!("{name:<24} {:?}   {:?}", line[0], line[1]);
+        for (preset, all) in outcomes.iter().filter(|(_, all)| all[1].is_grossly_silent()) {
+            let (sigmas, off_m) = (all[1].largest_sigmas(), all[1].largest_m());
+            println!("  {}: {sigmas:.1} σ, {off_m:.3} m", PRESETS[*preset].name());
+        }
         all_gross += line[1].2;
     }
     assert_eq!(all_gross, 0, "good, and off by more than 5 σ and 2 cm or 1 mrad");

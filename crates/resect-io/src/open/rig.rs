@@ -12,11 +12,14 @@ use super::surveys::Surveys;
 use crate::error::OpenError;
 use crate::format;
 use crate::format::Format;
+use resect_core::calibration::joint::RigDistances;
 use resect_core::deployment::pairwise_distances;
 use resect_core::deployment::{OneOrMany, Rig};
 
 /// Difference of a distance between two files of one rig above which it is reported (m).
 const RIG_TOLERANCE_M: f64 = 0.005;
+/// Largest prism constant (m).
+const LARGEST_CONSTANT_M: f64 = 0.04;
 /// Difference of a distance between two files above which they describe two rigs (m).
 const WRONG_RIG_M: f64 = 0.05;
 
@@ -62,16 +65,27 @@ pub fn read_rig<'a>(
         findings.push(rig_derived_from_reading(file));
     }
     check_triangle(&inter_prism_m)?;
+    let prisms_m = files.prisms.map(|(_, prisms_m)| prisms_m);
+    let inter_antenna_m = files.distances.and_then(|(_, antennas)| antennas);
+    let rig = Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m: None };
     if let (Some(measured), Some((file, _))) = (measured, files.prisms) {
-        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
-        if worst > RIG_TOLERANCE_M {
-            findings.push(rig_reading_disagrees(file, worst));
+        let largest_m = unexplained_difference_m(&rig, &measured);
+        if largest_m > RIG_TOLERANCE_M {
+            findings.push(rig_reading_disagrees(file, largest_m));
         }
     }
     let in_vehicle_m = prisms_in_vehicle(reading, &inter_prism_m, files.is_named)?;
-    let prisms_m = files.prisms.map(|(_, prisms_m)| prisms_m);
-    let inter_antenna_m = files.distances.and_then(|(_, antennas)| antennas);
-    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
+    Ok(Some(Rig { in_vehicle_m, ..rig }))
+}
+
+/// The largest difference of the distances from those of the reading (m), beside that of one prism constant: the published distances of
+/// 2022-07-11 are those of the reading without it.
+fn unexplained_difference_m(rig: &Rig, measured_m: &[f64; 3]) -> f64 {
+    let by_constant = Vector3::from(RigDistances::new(rig, true).by_prism_constant);
+    let difference_m = Vector3::from(rig.inter_prism_m) - Vector3::from(*measured_m);
+    let constant_m = by_constant.dot(&difference_m) / by_constant.norm_squared().max(1e-6);
+    let constant_m = constant_m.clamp(-LARGEST_CONSTANT_M, LARGEST_CONSTANT_M);
+    (difference_m - by_constant * constant_m).amax()
 }
 
 /// Checks that all files that `deployment.toml` names describe a rig.

@@ -167,6 +167,24 @@ impl ChainMatrix {
         gradient
     }
 
+    /// Rows of `HX` for the slow states of each block.
+    pub fn multiply_slow<const K: usize>(&self, x: &ChainVectors<K>) -> Vec<SMatrix<f64, SLOW, K>> {
+        let mut product: Vec<SMatrix<f64, SLOW, K>> = Vec::with_capacity(self.len());
+        let mut by_before = SMatrix::zeros();
+        for chunk in self.chunks() {
+            for (block, row) in chunk.clone().zip(self.rows(chunk).iter()) {
+                let slow = &x.slow[block];
+                let mut own = row.diagonal * slow + row.border * x.constants + by_before;
+                if let Some(next) = x.slow.get(block + 1) {
+                    own += row.upper * next;
+                }
+                by_before = row.upper.tr_mul(slow);
+                product.push(own);
+            }
+        }
+        product
+    }
+
     /// Returns `XᵀHX`.
     pub fn quadratic_form<const K: usize>(&self, x: &ChainVectors<K>) -> SMatrix<f64, K, K> {
         let constants = &x.constants;

@@ -16,10 +16,10 @@ use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::residuals::NoiseLevels;
-use super::state_vector::{CLOCKS, Constants, StateVector};
+use super::state_vector::{CLOCKS, Constants, ConstantsMatrix, DISTANCES, StateVector};
 use super::step_search::StationStep;
 use super::survey::Survey;
-use super::survey_change::SurveyEvidence;
+use super::survey_change::{PosesByDistances, SurveyEvidence};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
@@ -327,7 +327,9 @@ fn add_survey<const LOCAL: usize, const ROW: usize>(
     priors: &mut Priors,
 ) -> bool {
     if let Some(survey) = pending.take() {
-        priors.survey = Some(survey);
+        let by_distances = (LOCAL == 9 && priors.distances_are_evidence)
+            .then(|| poses_by_distances(&step.factor.constants_covariance(), priors));
+        priors.survey = Some(survey.with_distances(by_distances));
         if !step.solve_again(state, priors) {
             return false;
         }
@@ -339,6 +341,13 @@ fn add_survey<const LOCAL: usize, const ROW: usize>(
     let Some(changed) = changed else { return true };
     priors.survey = Some(changed);
     step.solve_again(state, priors)
+}
+
+/// Change of the poses for errors of the measured distances, by the covariance of the constants by the drive alone.
+fn poses_by_distances(covariance: &ConstantsMatrix, priors: &Priors) -> PosesByDistances {
+    let information = priors.own_information();
+    let by_distances = covariance * information.fixed_columns::<3>(DISTANCES);
+    by_distances.fixed_rows::<8>(0).into_owned()
 }
 
 fn has_diverged(constants: &Constants, mean: &Constants) -> bool {

@@ -8,11 +8,11 @@ use super::step_search::{StationStep, StepSize};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, Quantity, clocks_in_words};
 use crate::deployment::findings::instruments::{
-    NamedError, ReadingNoise, StepContext, UncertaintySource, clock_stepped, distance_estimated,
-    distance_implausible, distances_implausible, errors_implausible, instrument_error,
-    instrument_error_implausible, noise_levels, range_wander_implausible, set_up_change_undecided,
-    set_up_changed, stated_error_contradicted, station_errors_implausible, station_moved,
-    uncertainty_sources,
+    NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
+    distance_estimated, distance_implausible, distances_implausible, errors_implausible,
+    instrument_error, instrument_error_implausible, noise_levels, range_wander_implausible,
+    set_up_change_undecided, set_up_changed, stated_error_contradicted, station_errors_implausible,
+    station_moved, uncertainty_sources,
 };
 use crate::deployment::{Finding, pair_label};
 
@@ -109,8 +109,15 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     if joint.slow_ranges.sigma_m > LARGEST_WANDER_M {
         doubt(range_wander_implausible(joint.slow_ranges.sigma_m));
     }
-    if joint.set_up_change().is_some_and(|change| change.station.is_none()) {
-        doubt(set_up_change_undecided());
+    if let Some(change) = joint.set_up_change().filter(|change| change.station.is_none()) {
+        doubt(set_up_change_undecided(if change.distances_explain {
+            UndecidedChange::StationOrRig
+        } else {
+            UndecidedChange::WhichStation
+        }));
+    }
+    if joint.survey.as_ref().is_some_and(|survey| survey.may_have_changed) {
+        doubt(set_up_change_undecided(UndecidedChange::Whether));
     }
     doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
     doubts.extend(

@@ -68,6 +68,8 @@ pub struct SurveyPoses {
     pub covariance: SMatrix<f64, 8, 8>,
     /// The significant change of a set-up until the drive.
     pub change: Option<SetUpChange>,
+    /// True if a station may have moved since, but the difference is not significant.
+    pub may_have_changed: bool,
 }
 
 impl SurveyPoses {

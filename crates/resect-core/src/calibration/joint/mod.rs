@@ -41,6 +41,8 @@
 //! with `σ_ρ = f (2 mm + 2 ppm ρ)` and the noise `σ_t` of the stamp. Two more equations tie the splines. Once a knot, `‖q_a − q_b‖ − d_ab` has the flexibility of
 //! the rig, `σ_rig = 1.5 mm` with the facets of the prisms. From knot to knot of length h the jerk `(c_{k+3} − 3 c_{k+2} + 3 c_{k+1} − c_k) / h³` has the standard deviation σ_j.
 //!
+//! Errors of prisms that repeat with the incidence are not estimated. Their effect is added to the covariance of the poses ([`facets`]).
+//!
 //! Control points are adjusted on their own ([`mod@survey_adjustment`]). Their estimate and information are one more quadratic cost of θ, from which δ is
 //! eliminated. The drive is nearly solved before it is added, and the prior of δ is widened for a station that changed.
 //!
@@ -82,6 +84,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`joint_estimate`], [`summary`] | values, covariance and variance budget |
+//! | [`facets`] | covariance by errors that repeat with the incidence on the prisms |
 //! | [`reliability`] | redundancy numbers, minimal detectable biases and their effect |
 //! | [`prior_conflict`], [`stated_size_conflict`] | tests of the priors |
 //! | [`findings`] | findings and doubts |
@@ -107,6 +110,7 @@ mod detected_steps;
 mod drive;
 mod equations;
 mod estimate;
+mod facets;
 pub mod findings;
 mod gauss_newton_step;
 mod gradients;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::ChainVectors;
+use super::facets::facet_covariance;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
 use super::linearisation::Weighting;
@@ -50,6 +51,15 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let mean: SVector<f64, 8> = poses.of(&states);
         // Variance of a random walk's mean about its start is a third of that of its end.
         let settling = priors.slow.settling / 3.0;
+        // One prism has no heading.
+        let facets = if is_rig && sizes.ranges_wander {
+            let information = self.normal.matrix.multiply_slow(&pose_sensitivity);
+            facet_covariance(&solution.drive, state, &information)
+        } else {
+            SMatrix::zeros()
+        };
+        let mut budget = self.variance_budget(&pose_sensitivity, priors, &settling);
+        budget.push(("facets of prisms", facets.diagonal()));
         let constants = self.factor.constants_covariance();
         let estimate = |index: usize| Estimate {
             value: state.constants[index],
@@ -58,8 +68,8 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let drives = self.drive_clocks(&solution, &states);
         JointEstimate {
             station1_from_station: level_transforms(&mean),
-            covariance: covariance + settling,
-            budget: self.variance_budget(&pose_sensitivity, priors, &settling),
+            covariance: covariance + settling + facets,
+            budget,
             reliability: group_reliability(&solution, &constants, &pose_sensitivity.constants),
             clock_offsets_s: drives[0].offsets_s,
             drives,
@@ -201,7 +211,9 @@ fn survey_poses(
     let survey = priors.survey.as_ref()?;
     let change = survey.set_up_change(constants, covariance, sizes);
     let (poses, covariance) = survey.poses(constants, covariance);
-    Some(SurveyPoses { station1_from_station: level_transforms(&poses), covariance, change })
+    let may_have_changed = survey.may_have_changed;
+    let station1_from_station = level_transforms(&poses);
+    Some(SurveyPoses { station1_from_station, covariance, change, may_have_changed })
 }
 
 /// Consecutive constants plus the mean of consecutive slow states over some blocks.

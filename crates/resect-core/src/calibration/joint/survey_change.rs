@@ -27,11 +27,18 @@ const CHANGED_RAD: f64 = 0.002;
 const DETECTED: f64 = 1e6;
 /// Critical χ² of the change of one station (4 degrees of freedom, 0.1 %): exceeded by chance in 0.3 % of drives.
 const CHANGE_CHI_SQUARE: f64 = 18.5;
+/// χ² from which a change is possible but not detected: exceeded by chance in 1.4 % of drives.
+const SUSPICIOUS_CHI_SQUARE: f64 = 15.0;
 /// Critical χ² of the rest once one station's change is fitted (4 degrees of freedom, 1 %).
 const REST_CHI_SQUARE: f64 = 13.3;
+/// Variance of a distance of the rig that is wrong (m²), and critical χ² of the rest once all three are fitted (5 degrees of freedom, 1 %).
+const WRONG_DISTANCE_M2: f64 = 1e-4;
+const REST_WITH_DISTANCES: f64 = 15.1;
 
 type Changes = SVector<f64, CHANGES>;
 type ChangeMatrix = SMatrix<f64, CHANGES, CHANGES>;
+/// Change of the poses by the drive for an error of each measured distance.
+pub type PosesByDistances = SMatrix<f64, POSES, 3>;
 type PoseMatrix = SMatrix<f64, POSES, POSES>;
 
 /// The survey as evidence about the constants of the drive.
@@ -50,6 +57,12 @@ pub struct SurveyEvidence {
     own: Vector4<f64>,
     /// Stations with a detected change; more than one if the data does not decide between them.
     pub changed: Vec<usize>,
+    /// True if a change is possible but not detected.
+    pub may_have_changed: bool,
+    /// Change of the poses by the drive alone for errors of the measured distances, if these are evidence.
+    by_distances: Option<PosesByDistances>,
+    /// True if wrong distances of the rig explain the same difference.
+    distances_explain: bool,
 }
 
 /// Change of a station's set-up between the survey and the drive (drive less survey).
@@ -57,6 +70,8 @@ pub struct SurveyEvidence {
 pub struct SetUpChange {
     /// The station, 0 to 2; `None` if the data does not decide which one changed.
     pub station: Option<usize>,
+    /// True if wrong distances of the rig explain the same difference; no station is named then.
+    pub distances_explain: bool,
     /// Rotation about z (rad) and displacement (m, station 1's frame), of the candidate that fits best.
     pub turned_rad: Estimate,
     pub moved_m: [Estimate; 3],
@@ -81,6 +96,11 @@ impl SurveyEvidence {
         let lean_rad2 = sizes.lean_rad.max(1e-7).powi(2);
         (POSES..CHANGES).for_each(|lean| covariance[(lean, lean)] = lean_rad2);
         Self::with_covariance(Arc::new(survey), covariance, own_settling(sizes), Vec::new())
+    }
+
+    /// Sets the change of the poses by the drive alone for errors of the measured distances.
+    pub fn with_distances(self, by_distances: Option<PosesByDistances>) -> Self {
+        Self { by_distances, ..self }
     }
 
     fn with_covariance(
@@ -109,6 +129,9 @@ impl SurveyEvidence {
             conditional,
             own,
             changed,
+            may_have_changed: false,
+            by_distances: None,
+            distances_explain: false,
         };
         let gradient = evidence.without_changes(&evidence.survey.gradient);
         evidence.vector = marginal * evidence.survey.constants - gradient;
@@ -179,7 +202,7 @@ impl SurveyEvidence {
         Some((precision - precision * posterior * precision, right))
     }
 
-    /// Widens the prior of each station that may have changed, if the data rejects the prior. Returns `None` otherwise.
+    /// Widens the prior of each station that may have changed, if the data rejects the prior. Returns `None` if nothing is different.
     pub fn with_detected_change(
         &self,
         constants: &Constants,
@@ -201,7 +224,9 @@ impl SurveyEvidence {
         let fits: Vec<_> = (0..3).filter_map(of_station).collect();
         let best = fits.iter().map(|(_, chi_square, _)| *chi_square).fold(0.0, f64::max);
         if best < CHANGE_CHI_SQUARE {
-            return None;
+            let may_have_changed = best > SUSPICIOUS_CHI_SQUARE;
+            return (may_have_changed != self.may_have_changed)
+                .then(|| Self { may_have_changed, ..self.clone() });
         }
         let is_sufficient = |chi_square: f64| all - chi_square < REST_CHI_SQUARE;
         let is_decided = fits.iter().any(|(_, chi_square, _)| is_sufficient(*chi_square));
@@ -222,7 +247,13 @@ impl SurveyEvidence {
             let mut poses = widened.fixed_view_mut::<POSES, POSES>(0, 0);
             poses += jacobian * own * jacobian.transpose();
         }
-        Self::with_covariance(Arc::clone(&self.survey), widened, self.own, changed)
+        let wrong = SVector::<f64, 3>::repeat(WRONG_DISTANCE_M2);
+        let by_distances = self.by_distances.as_ref();
+        let by_distances = by_distances.and_then(|jacobian| fit(jacobian, &normal, &right, &wrong));
+        let distances_explain =
+            by_distances.is_some_and(|(chi_square, _)| all - chi_square < REST_WITH_DISTANCES);
+        let widened = Self::with_covariance(Arc::clone(&self.survey), widened, self.own, changed)?;
+        Some(Self { distances_explain, ..widened })
     }
 
     /// The change of the detected station, by the data alone.
@@ -257,8 +288,10 @@ impl SurveyEvidence {
         // The drive less the survey.
         let [x, y, z, turned_rad] =
             size.map(|Estimate { value, sigma }| Estimate { value: -value, sigma });
-        let station = (self.changed.len() == 1).then_some(station);
-        Some(SetUpChange { station, turned_rad, moved_m: [x, y, z] })
+        let distances_explain = self.distances_explain;
+        let is_decided = self.changed.len() == 1 && !distances_explain;
+        let station = is_decided.then_some(station);
+        Some(SetUpChange { station, distances_explain, turned_rad, moved_m: [x, y, z] })
     }
 }
 

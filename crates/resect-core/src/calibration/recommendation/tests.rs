@@ -9,7 +9,7 @@ use crate::deployment::findings;
 use crate::deployment::findings::clocks::clock_offset_suspected;
 use crate::deployment::findings::drive::{drive_weak, rival_minimum};
 use crate::deployment::findings::instruments::{
-    distance_implausible, set_up_change_undecided, set_up_changed,
+    UndecidedChange, distance_implausible, set_up_change_undecided, set_up_changed,
 };
 use crate::deployment::findings::mirror::{MirrorWitness, mirror_needs_witness, mirror_twin};
 use crate::deployment::findings::points::prism_count_undecided;
@@ -101,7 +101,11 @@ fn a_change_of_a_set_up_separates_drive_and_survey() {
     let in_microradians = named.sentences(|angle| format!("{:.0} µrad", angle.value_rad * 1e6));
     assert!(in_microradians[1].contains("turned by 852 µrad"), "{in_microradians:?}");
     let undecided = recommended(|calibration| {
-        judge(calibration, Verdict::Weak, vec![set_up_change_undecided()]);
+        judge(
+            calibration,
+            Verdict::Weak,
+            vec![set_up_change_undecided(UndecidedChange::WhichStation)],
+        );
     });
     assert_eq!(undecided.reason, RecommendationReason::SetUpChanged);
     assert_says(&undecided, "Use the joint estimate with caution for this drive, and its");

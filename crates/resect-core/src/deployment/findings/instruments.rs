@@ -324,12 +324,32 @@ pub fn set_up_changed(station: usize, turned_rad: &Estimate, moved_m: &Estimate)
         .estimate("moved", moved_m, Unit::Metre)
 }
 
-pub fn set_up_change_undecided() -> Finding {
-    Finding::new(
-        FindingKind::SetUpChangeUndecided,
-        "A station moved between the survey and the drive. The data does not decide which one. Measure the control points again \
-         from every station.",
-    )
+/// What the data does not decide about a change between the survey and the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UndecidedChange {
+    /// If a station moved.
+    Whether,
+    WhichStation,
+    /// If a station moved or the distances of the rig are wrong.
+    StationOrRig,
+}
+
+pub fn set_up_change_undecided(undecided: UndecidedChange) -> Finding {
+    let message = match undecided {
+        UndecidedChange::Whether => {
+            "A station may have moved between the survey and the drive. The difference is nearly significant. Measure the control \
+             points again from every station."
+        }
+        UndecidedChange::WhichStation => {
+            "A station moved between the survey and the drive. The data does not decide which one. Measure the control points \
+             again from every station."
+        }
+        UndecidedChange::StationOrRig => {
+            "A station moved between the survey and the drive, or the distances of the rig are wrong. The data does not decide. \
+             Measure the rig again."
+        }
+    };
+    Finding::new(FindingKind::SetUpChangeUndecided, message)
 }
 
 /// The largest source of a standard deviation.
@@ -415,7 +435,9 @@ pub(super) fn examples() -> Vec<Finding> {
         clock_stepped(StepContext { span_s: Some([180.0, 220.0]), ..step }, &estimate(0.1, 0.001)),
         station_moved(step, &estimate(8.5e-4, 4e-5), &estimate(0.004, 0.001)),
         set_up_changed(1, &estimate(8.5e-4, 5e-5), &estimate(0.004, 0.001)),
-        set_up_change_undecided(),
+        set_up_change_undecided(UndecidedChange::Whether),
+        set_up_change_undecided(UndecidedChange::WhichStation),
+        set_up_change_undecided(UndecidedChange::StationOrRig),
         uncertainty_sources(1, [source; 4]),
     ]
 }

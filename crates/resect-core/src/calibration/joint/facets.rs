@@ -1,0 +1,142 @@
+//! Covariance by errors of prisms that repeat with the incidence.
+//!
+//! An error that repeats does not average out where a vehicle drives to and fro. It is not estimated but considered: the poses change
+//! by `Sᵀ H f` for an error f of the sights, with the solution S for their Jacobian and the normal matrix H of the data (Schmidt 1966,
+//! "Application of state-space methods to navigation problems"). f is a Fourier series of the incidence, the azimuth of a station in the frame of the rig.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+use super::drive::{Drive, Segment};
+use super::state_vector::{SLOW, SLOW_ACROSS, SLOW_RANGES, StateVector};
+use super::station_model::StationModel;
+
+/// Root mean squares along the sight, across it and upward (m), as of the published drives.
+const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
+/// Orders of the series: 360° prisms have six to eight facets.
+const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
+/// Instants of a block at which the incidence is taken.
+const INSTANTS: usize = 8;
+
+/// Cosine and sine of the incidence on each station's prism by order, as means over a block.
+type IncidenceTerms = [[[f64; 2]; ORDERS.len()]; 3];
+
+/// Covariance of the poses by the errors of the prisms of a rig; `information` is H S by block, without the constants.
+pub fn facet_covariance(
+    drive: &Drive,
+    state: &StateVector,
+    information: &[SMatrix<f64, SLOW, 8>],
+) -> SMatrix<f64, 8, 8> {
+    let mut effects = vec![SVector::<f64, 8>::zeros(); 3 * 3 * ORDERS.len() * 2];
+    for (terms, by_slow) in incidence_terms(drive, state).iter().zip(information) {
+        let mut effect = effects.iter_mut();
+        for (station, terms) in terms.iter().enumerate() {
+            let across = SLOW_ACROSS + 2 * station;
+            for (row, rms_m) in
+                [SLOW_RANGES + station, across, across + 1].into_iter().zip(FACETS_M)
+            {
+                let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
+                for (term, effect) in terms.as_flattened().iter().zip(effect.by_ref()) {
+                    *effect += by_slow.row(row).transpose() * (sigma_m * term);
+                }
+            }
+        }
+    }
+    effects.iter().map(|effect| effect * effect.transpose()).sum()
+}
+
+/// The terms of all blocks.
+fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<IncidenceTerms> {
+    let positions_m =
+        [0, 1, 2].map(|station| StationModel::new(&state.constants, station).position_m);
+    let segments = drive.segments.iter().zip(&state.coefficients_m);
+    segments
+        .flat_map(|(segment, coefficients_m)| {
+            (0..segment.grid.blocks)
+                .map(move |block| of_block(segment, coefficients_m, block, &positions_m))
+        })
+        .collect()
+}
+
+fn of_block(
+    segment: &Segment,
+    coefficients_m: &[f64],
+    block: usize,
+    stations_m: &[Vector3<f64>; 3],
+) -> IncidenceTerms {
+    let grid = &segment.grid;
+    let block_s = (grid.end_s - grid.start_s) / grid.blocks as f64;
+    let mut terms = IncidenceTerms::default();
+    for instant in 0..INSTANTS {
+        let along = (instant as f64 + 0.5) / INSTANTS as f64;
+        let weights = grid.weights(grid.start_s + (block as f64 + along) * block_s);
+        let prism_m = |prism: usize| -> Vector3<f64> {
+            let at = |knot: usize| {
+                Vector3::from_column_slice(
+                    &coefficients_m[9 * (weights.first + knot) + 3 * prism..][..3],
+                )
+            };
+            (0..4).map(|knot| at(knot) * weights.position[knot]).sum()
+        };
+        let prisms_m = [0, 1, 2].map(prism_m);
+        let axis = prisms_m[1] - prisms_m[0];
+        let heading_rad = axis.y.atan2(axis.x);
+        for (station, terms) in terms.iter_mut().enumerate() {
+            let sight = stations_m[station] - prisms_m[station];
+            let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
+            for (term, order) in terms.iter_mut().zip(ORDERS) {
+                let (sin, cos) = (order * incidence_rad).sin_cos();
+                term[0] += cos / INSTANTS as f64;
+                term[1] += sin / INSTANTS as f64;
+            }
+        }
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::knot_grid::segment_grids;
+    use super::super::state_vector::Constants;
+    use super::*;
+
+    /// Variance of the first pose by errors of station 1's ranges (m²), each of which moves it by the same amount in every block, for
+    /// a rig that turns at this rate; and the number of blocks.
+    fn variance_m2(rate_rad_per_s: f64) -> (f64, usize) {
+        let time_s: Vec<f64> = (0..200).map(|i| 0.3 * f64::from(i)).collect();
+        let grid = segment_grids(&time_s, &[0; 200], 0.4, 6.0).remove(0);
+        let rig_m = |angle_rad: f64| {
+            let at = |angle_rad: f64| [20.0 + angle_rad.cos(), 5.0 + angle_rad.sin(), 1.0];
+            [0.0, 2.1, 4.2].map(|beyond_rad| at(angle_rad + beyond_rad))
+        };
+        let coefficients_m =
+            (0..grid.knots).flat_map(|knot| rig_m(rate_rad_per_s * grid.knot_time_s(knot)));
+        let coefficients_m: Vec<f64> = coefficients_m.flatten().collect();
+        let blocks = grid.blocks;
+        let mut drive = Drive {
+            segments: Vec::new(),
+            mean_sights: Vec::new(),
+            block_times_s: Vec::new(),
+            coupled_to_next: Vec::new(),
+            spans_s: Vec::new(),
+        };
+        drive.segments.push(Segment { grid, readings: Default::default(), middle_s: 0.0 });
+        let state = StateVector {
+            constants: Constants::zeros(),
+            slow: Vec::new(),
+            coefficients_m: vec![coefficients_m],
+        };
+        let mut information = SMatrix::<f64, SLOW, 8>::zeros();
+        information[(SLOW_RANGES, 0)] = 1.0;
+        let covariance = facet_covariance(&drive, &state, &vec![information; blocks]);
+        (covariance[(0, 0)], blocks)
+    }
+
+    #[test]
+    fn errors_of_a_rig_that_keeps_its_heading_add_up_and_those_of_one_that_turns_cancel() {
+        let (standing_m2, blocks) = variance_m2(0.0);
+        let expected_m2 = (blocks as f64 * FACETS_M[0]).powi(2);
+        assert!((standing_m2 / expected_m2 - 1.0).abs() < 1e-9, "{standing_m2} m²");
+        let (turning_m2, _) = variance_m2(0.3);
+        assert!(turning_m2 < 0.1 * standing_m2, "{turning_m2} m² of {standing_m2} m²");
+    }
+}
