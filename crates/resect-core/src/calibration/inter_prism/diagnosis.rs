@@ -23,6 +23,8 @@ use crate::statistics::median;
 
 /// Cost ratio below which a minimum that is not the mirror twin makes the answer ambiguous.
 const CLOSE_RIVAL: f64 = 2.0;
+/// A rival of a drive with two legs is mentioned below this cost ratio.
+const NOTABLE_RIVAL: f64 = 10.0;
 
 /// The stations are far from the track if their σ is this many times the largest σ at the track.
 const FAR: f64 = 2.0;
@@ -115,6 +117,7 @@ fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
         PlanView::Circle { radius_m, driven_rad, .. } => drive_circle(open, radius_m, driven_rad),
         PlanView::TwoLegs { corner_m, turn_rad } => {
             let cost_ratio = rival.map(|(_, cost_ratio)| cost_ratio);
+            let cost_ratio = cost_ratio.filter(|cost_ratio| *cost_ratio < NOTABLE_RIVAL);
             drive_two_legs(open, [corner_m.x, corner_m.y], turn_rad, cost_ratio)
         }
     })
