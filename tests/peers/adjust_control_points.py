@@ -20,8 +20,9 @@ EARTH_RADIUS = 6.371e6
 REFRACTION = 0.13
 # Standard deviations of a range, an angle, the target across the sight, and a surveyed coordinate (m, rad).
 RANGE, RANGE_SHARE, ANGLE, TARGET, SURVEYED = 1e-3, 1e-6, 6e-6, 3e-4, 2e-3
-# Standard deviations of the priors: lean, scale, vertical index, collimation, prism constant of the target, zero of a station's ranges.
-LEAN, SCALE, INDEX, COLLIMATION, CONSTANT, ZERO = 2 * ARCSECOND, 7e-6, 4 * ARCSECOND, 3 * ARCSECOND, 5e-3, 5e-4
+# Standard deviations of the priors: lean (that of a drive, and its change since the survey), scale, vertical index, collimation, prism
+# constant of the target, zero of the ranges of a station.
+LEAN, SCALE, INDEX, COLLIMATION, CONSTANT, ZERO = 2 * 2**0.5 * ARCSECOND, 7e-6, 4 * ARCSECOND, 3 * ARCSECOND, 5e-3, 5e-4
 # Cauchy's loss, its consistency with normal errors, and the numbers by which the stated noise counts.
 LOSS_SCALE, CONSISTENCY, STATED = 2.4, 0.70, 12.0
 LEAST_REDUNDANCY = 0.05
