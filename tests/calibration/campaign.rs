@@ -357,6 +357,7 @@ fn no_kind_of_error_is_silent() {
     println!(
         "kind of error               alone: covered  good  silent    not told: good  off by > 5 σ and 2 cm or 1 mrad"
     );
+    let mut failures = Vec::new();
     for kind in ErrorKind::ALL {
         let joint = [by(Method::Joint)];
         let alone = run(EACH, presets, |preset, seed| scenario_with(preset, seed, &[kind]), &joint);
@@ -382,9 +383,11 @@ fn no_kind_of_error_is_silent() {
             untold.as_ref().map_or("–".to_owned(), |all| format!("{:.1} %", 100.0 * good(all))),
             gross.map_or("–".to_owned(), |gross| gross.to_string()),
         );
-        assert_eq!((silent, gross.unwrap_or(0)), (0, 0), "{}", kind.name());
-        assert!(covered > 0.88, "{}: {covered:.3}", kind.name());
+        if silent > 0 || gross.is_some_and(|gross| gross > 0) || covered < 0.88 {
+            failures.push(kind.name());
+        }
     }
+    assert!(failures.is_empty(), "{failures:?}");
 }
 
 /// Returns a scenario with all errors known from the field, and one beyond them.
