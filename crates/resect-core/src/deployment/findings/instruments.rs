@@ -324,7 +324,7 @@ pub fn set_up_changed(station: usize, turned_rad: &Estimate, moved_m: &Estimate)
         .estimate("moved", moved_m, Unit::Metre)
 }
 
-/// What the data does not decide about a change between the survey and the drive.
+/// A question about a change between the survey and the drive that the data leaves open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UndecidedChange {
     /// If a station moved.
