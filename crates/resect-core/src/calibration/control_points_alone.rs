@@ -30,6 +30,7 @@ pub fn solve(
     let known = survey.has_surveyed_coordinates;
     let mut judgement =
         Judgement::good(vec![control_points_aligned(points[0].max(points[1]), known, rms_m)]);
+    judgement.findings.extend(survey.significant_face_errors(&settings.errors));
     judgement.doubt(survey.outliers(sets));
     let mut answer = MethodAnswer {
         // The checks treat it like method B, which uses the same points.

@@ -162,11 +162,13 @@ impl Problem<'_> {
             self.check_against_control_points(&mut calibration, settings);
         }
         let survey = calibration.joint().and_then(JointEstimate::control_points);
+        let notes = survey.map(|survey| survey.significant_face_errors(&settings.errors));
         let outliers = survey.map(|survey| survey.outliers(deployment.comparable_control_points()));
         for outlier in outliers.into_iter().flatten() {
             calibration.verdict = calibration.verdict.max(Verdict::Weak);
             calibration.findings.push(outlier);
         }
+        calibration.findings.extend(notes.into_iter().flatten());
         sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
         for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
             calibration.verdict = calibration.verdict.max(Verdict::Weak);

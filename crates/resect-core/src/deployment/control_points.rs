@@ -10,7 +10,10 @@ use crate::geometry::{Polar, RigidTransform};
 pub struct ControlPoint {
     /// Marker number, valid inside its own file only.
     pub marker: i64,
+    /// Readings, the mean of both faces if there are both.
     pub readings: [Option<Polar>; 3],
+    /// Readings in face I alone, if there are both faces.
+    pub face_one: [Option<Polar>; 3],
     /// Surveyed coordinates in a frame common to its set (m, z up); `None` if no file has them.
     pub known_m: Option<Vector3<f64>>,
 }

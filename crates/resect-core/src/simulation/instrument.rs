@@ -279,7 +279,8 @@ impl SimulatedSurvey<'_> {
                 let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
                 let marker_m = station1_from_line.apply(&surveyed_m);
                 let readings = self.read_target(&marker_m, &mut targets, rng);
-                ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
+                let marker = index as i64 + 1;
+                ControlPoint { marker, readings, face_one: [None; 3], known_m: Some(known_m) }
             })
             .collect();
         ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
@@ -292,7 +293,8 @@ impl SimulatedSurvey<'_> {
             .map(|marker| {
                 let marker_m = self.draw_marker_m(marker, rng);
                 let readings = self.read_target(&marker_m, &mut targets, rng);
-                ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
+                let marker = i64::from(marker) + 1;
+                ControlPoint { marker, readings, face_one: [None; 3], known_m: None }
             })
             .collect();
         ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }

@@ -46,7 +46,8 @@ pub fn read(
             continue;
         }
         let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
-            points.push(ControlPoint { marker, readings: [None; 3], known_m: None });
+            let (readings, face_one) = ([None; 3], [None; 3]);
+            points.push(ControlPoint { marker, readings, face_one, known_m: None });
             points.len() - 1
         });
         let reading = &mut points[index].readings[station];

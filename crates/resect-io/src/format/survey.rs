@@ -54,11 +54,7 @@ impl Sighting {
 impl Survey {
     /// Returns every point once, in order of appearance: the mean of its readings, with equal weight of both faces. `prism_constant_m`
     /// is added to ranges that lack the prism constant.
-    pub fn points(
-        &self,
-        file: &str,
-        prism_constant_m: f64,
-    ) -> (Vec<(String, Polar)>, Vec<Finding>) {
+    pub fn points(&self, file: &str, prism_constant_m: f64) -> (Vec<PointReading>, Vec<Finding>) {
         let mut names: Vec<&str> = Vec::new();
         let mut by_name: HashMap<&str, [Vec<Polar>; 2]> = HashMap::new();
         let (mut unusable, mut apart) = (Several::default(), Several::default());
@@ -87,7 +83,9 @@ impl Survey {
                 continue;
             }
             let means: Vec<Polar> = faces.iter().filter_map(|face| mean(face)).collect();
-            points.extend(mean(&means).map(|polar| (name.to_owned(), polar)));
+            let face_one = if means.len() == 2 { means.first().copied() } else { None };
+            let named = |polar| PointReading { name: name.to_owned(), polar, face_one };
+            points.extend(mean(&means).map(named));
         }
         let mut findings = Vec::new();
         if unusable.count > 0 {
@@ -97,12 +95,22 @@ impl Survey {
         if apart.count > 0 {
             findings.push(survey_points_inconsistent(file, apart.count, &apart.in_words()));
         }
-        let steep = points.iter().filter(|(_, p)| p.zenith_rad < STEEP_RAD).count();
+        let steep = points.iter().filter(|point| point.polar.zenith_rad < STEEP_RAD).count();
         if 2 * steep > points.len() {
             findings.push(survey_angles_seem_elevations(file));
         }
         (points, findings)
     }
+}
+
+/// The reading of a point by one instrument.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointReading {
+    pub name: String,
+    /// Mean of all readings, with equal weight of both faces.
+    pub polar: Polar,
+    /// Mean of those in face I; `None` unless there are both faces.
+    pub face_one: Option<Polar>,
 }
 
 /// Cases of one kind: their number, and descriptions of the first.
@@ -163,10 +171,13 @@ mod tests {
         };
         let (points, findings) = survey.points("x.gsi", 0.01);
         assert!(findings.is_empty(), "{findings:?}");
-        assert_eq!(points.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
-        let a = points[0].1;
+        assert_eq!(points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        let (a, face_one) = (points[0].polar, points[0].face_one.expect("both faces"));
         assert!(wrap_to_pi(a.azimuth_rad).abs() < 1e-12, "{a:?}");
         assert!((a.zenith_rad - 1.5).abs() < 1e-12 && (a.range_m - 20.01).abs() < 1e-12, "{a:?}");
+        assert!((face_one.zenith_rad - 1.5002).abs() < 1e-12, "{face_one:?}");
+        assert!((face_one.azimuth_rad - 1e-4).abs() < 1e-12, "{face_one:?}");
+        assert_eq!(points[1].face_one, None);
     }
 
     #[test]

@@ -15,11 +15,10 @@ use super::found::{FoundFile, Standing};
 use super::reading::Reading;
 use super::station_in_name::station_in_name;
 use crate::error::OpenError;
-use crate::format::survey::Survey;
+use crate::format::survey::{PointReading, Survey};
 use crate::format::{Format, gsi, jobxml};
 use crate::recording::station_index;
 use resect_core::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany, PrismConstants};
-use resect_core::geometry::Polar;
 
 /// Contents of the surveyors' files of a folder.
 pub struct Surveys<'a> {
@@ -146,7 +145,7 @@ impl<'a> Surveys<'a> {
         // The prism constant belongs to the prism, and so to the station that tracks it.
         let of = |prism: usize| survey.points(&file.file, prism_constants_m[prism]).0;
         let prisms: Option<Vec<Vector3<f64>>> = (0..3)
-            .map(|prism| of(prism).get(prism).map(|(_, polar)| polar.to_cartesian()))
+            .map(|prism| of(prism).get(prism).map(|point| point.polar.to_cartesian()))
             .collect();
         match prisms.map(<[_; 3]>::try_from) {
             Some(Ok(prisms)) => Ok(Some((&file.file, prisms))),
@@ -184,13 +183,15 @@ impl Group<'_> {
             files.push(*file);
             let (read, said) = survey.points(file, prism_constants_m[station]);
             findings.extend(said);
-            for (name, polar) in read {
+            for PointReading { name, polar, face_one } in read {
                 let index = *index_of.entry(name.clone()).or_insert_with(|| {
                     let known_m = coordinates.get(name.as_str()).copied();
-                    points.push((name, ControlPoint { marker: 0, readings: [None; 3], known_m }));
+                    let (readings, face_one) = ([None; 3], [None; 3]);
+                    points.push((name, ControlPoint { marker: 0, readings, face_one, known_m }));
                     points.len() - 1
                 });
-                points[index].1.readings[station] = Some::<Polar>(polar);
+                let point = &mut points[index].1;
+                (point.readings[station], point.face_one[station]) = (Some(polar), face_one);
             }
         }
         let file = files.join(", ");

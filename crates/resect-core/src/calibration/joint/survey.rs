@@ -3,8 +3,10 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::constants_prior::precisions;
+use super::instrument_errors::InstrumentErrorKind;
 use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, LEANS, OFFSETS};
-use crate::calibration::ErrorSizes;
+use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS};
+use crate::deployment::findings::instruments::{NamedError, instrument_error};
 use crate::deployment::findings::points::control_point_outlier;
 use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::LevelTransform;
@@ -37,6 +39,17 @@ pub struct Survey {
     pub has_surveyed_coordinates: bool,
     /// Reliability of each reading, marker by marker.
     pub readings: Vec<SurveyReading>,
+    /// Errors of each instrument during the survey; `None` without readings in both faces.
+    pub face_errors: [Option<FaceErrors>; 3],
+}
+
+/// Errors of an instrument by readings in both faces.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceErrors {
+    /// Number of points that were measured in both faces.
+    pub points: usize,
+    pub index_rad: Estimate,
+    pub collimation_rad: Estimate,
 }
 
 impl Survey {
@@ -71,6 +84,38 @@ impl Survey {
             findings.push(control_point_outlier(&set.file, marker, largest_m, typical_m));
         }
         findings
+    }
+
+    /// Describes the errors of the instruments by both faces, where they are significant.
+    pub fn significant_face_errors(&self, sizes: &ErrorSizes) -> Vec<Finding> {
+        let of_station = |(station, errors): (usize, &FaceErrors)| {
+            let all = [
+                (InstrumentErrorKind::Index, errors.index_rad, sizes.index_rad),
+                (InstrumentErrorKind::Collimation, errors.collimation_rad, sizes.collimation_rad),
+            ];
+            let points = errors.points;
+            let significant = all
+                .into_iter()
+                .filter(|(_, estimate, _)| estimate.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS);
+            significant.map(move |(kind, estimate, prior_sigma)| {
+                let sentence =
+                    format!("by both faces of {points} points {}", kind.sentence(station));
+                let quantity = Quantity::Angle;
+                let station = Some(station);
+                instrument_error(&NamedError {
+                    sentence: &sentence,
+                    station,
+                    quantity,
+                    estimate,
+                    prior_sigma,
+                })
+            })
+        };
+        let stations = self.face_errors.iter().enumerate();
+        stations
+            .filter_map(|(k, errors)| Some((k, errors.as_ref()?)))
+            .flat_map(of_station)
+            .collect()
     }
 
     /// Number of points that a station measured.

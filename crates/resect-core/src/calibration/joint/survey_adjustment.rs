@@ -4,6 +4,8 @@
 //! indices, collimations, prism constant of the target, zero of each range), and the coordinates of the markers. The residual of a
 //! reading is that of the drive ([`super::residuals`]): marker less corrected reading in the axes of the sight. Surveyed coordinates
 //! enter as one more reading of each marker, from a level frame with unknown position and yaw. All but θ is eliminated.
+//!
+//! The mean of both faces is free of vertical index and collimation. Half of their difference is a reading of these two errors.
 
 use std::sync::Arc;
 
@@ -12,10 +14,12 @@ use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 use super::block_jacobians::point_jacobian;
 use super::constants_prior::prior_mean;
 use super::loss::{CONSISTENCY, robust_weight};
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, INDICES, LEANS, OFFSETS};
+use super::state_vector::{
+    CLOCKS, COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, INDICES, LEANS, OFFSETS,
+};
 use super::station_model::{MeanSight, Sight, StationModel};
-use super::survey::{ANGLES, RANGES, Survey, SurveyReading, survey_precisions};
-use crate::calibration::{CalibrationSettings, ErrorSizes};
+use super::survey::{ANGLES, FaceErrors, RANGES, Survey, SurveyReading, survey_precisions};
+use crate::calibration::{CalibrationSettings, ErrorSizes, Estimate};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, align_level};
 use crate::statistics::median;
@@ -46,8 +50,27 @@ struct Observed {
     point: usize,
     station: usize,
     sight: Sight,
+    /// Vertical index and collimation (rad) by the readings in both faces, of which the sight is the mean.
+    face_errors_rad: Option<[f64; 2]>,
     sigma_m: Vector3<f64>,
     weight: f64,
+}
+
+impl Observed {
+    /// The model of the reading's station, without the errors that a mean of both faces is free of.
+    fn model(&self, stations: &[StationModel; 3]) -> StationModel {
+        let model = stations[self.station].clone();
+        match self.face_errors_rad {
+            Some(_) => StationModel { index_rad: 0.0, collimation_rad: 0.0, ..model },
+            None => model,
+        }
+    }
+
+    /// Indices of vertical index and collimation among the constants, with their values by both faces (rad).
+    fn face_errors(&self) -> impl Iterator<Item = (usize, f64)> {
+        let indices = [INDICES + self.station, COLLIMATIONS + self.station];
+        self.face_errors_rad.into_iter().flat_map(move |values| indices.into_iter().zip(values))
+    }
 }
 
 /// A marker: its readings, and its surveyed coordinates in the frame of its set (m).
@@ -98,7 +121,9 @@ pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
     let equations = adjustment.linearise();
     let covariance = equations.with_priors(&adjustment.precision).cholesky()?.inverse();
     let readings = adjustment.reliability(&equations.frames, &covariance);
-    Some(adjustment.into_survey(&equations, readings))
+    let face_errors = adjustment.face_errors(&covariance);
+    let survey = adjustment.into_survey(&equations, readings);
+    Some(Survey { face_errors, ..survey })
 }
 
 /// Level transforms by the points that two stations share, as method B.
@@ -117,11 +142,16 @@ fn approximate_transforms(sets: &[ControlPointSet]) -> Option<[LevelTransform; 3
 fn markers(points: &ControlPointSet) -> Vec<Marker> {
     let marker = |(index, point): (usize, &ControlPoint)| {
         let reading = |station: usize| {
-            let sight = Sight::to(&point.readings[station]?.to_cartesian());
+            let point_m = point.readings[station]?.to_cartesian();
+            let sight = Sight::to(&point_m);
+            let face_errors_rad = point.face_one[station].map(|face_one| {
+                let off_rad = (face_one.to_cartesian() - point_m) / sight.range_m;
+                [-sight.up.dot(&off_rad), sight.side.dot(&off_rad)]
+            });
             let range_m = sight.range_m;
             let across_m = (ANGLE_RAD * range_m).hypot(TARGET_M);
             let sigma_m = Vector3::new(RANGE_M + RANGE_SHARE * range_m, across_m, across_m);
-            Some(Observed { point: index, station, sight, sigma_m, weight: 1.0 })
+            Some(Observed { point: index, station, sight, face_errors_rad, sigma_m, weight: 1.0 })
         };
         Marker { readings: (0..3).filter_map(reading).collect(), surveyed_m: point.known_m }
     };
@@ -178,7 +208,7 @@ impl Adjustment {
 
     /// Position of a reading in station 1's frame (m), and the axes of its sight there.
     fn placed(stations: &[StationModel; 3], reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
-        let model = &stations[reading.station];
+        let model = reading.model(stations);
         let Sight { along, side, up, .. } = reading.sight;
         let point_m = model.rotation * model.corrected(&reading.sight) + model.position_m;
         (point_m, model.rotation * Matrix3::from_columns(&[along, side, up]))
@@ -232,7 +262,7 @@ impl Adjustment {
                 let variance_m2 = self.sigma_m(reading).map(|sigma_m| sigma_m.powi(-2));
                 let information =
                     axes * Matrix3::from_diagonal(&variance_m2) * axes.transpose() * reading.weight;
-                let jacobian = jacobian(&stations[reading.station], reading);
+                let jacobian = jacobian(&reading.model(stations), reading);
                 PointEquation { point_m, jacobian, information }
             })
             .collect();
@@ -273,12 +303,56 @@ impl Adjustment {
                     gradient += weighted.tr_mul(&(equation.point_m - centre.point_m));
                 }
             }
+            self.add_face_errors(markers, &mut information, &mut gradient);
             let (own, own_gradient, frame) = without_frame(&information, &gradient);
             sum.information += own;
             sum.gradient += own_gradient;
             sum.frames.push(frame);
         }
         sum
+    }
+
+    /// Adds the differences of both faces to the normal equations.
+    fn add_face_errors(
+        &self,
+        markers: &[Marker],
+        information: &mut DMatrix<f64>,
+        gradient: &mut DVector<f64>,
+    ) {
+        let precision = self.face_precision();
+        for reading in markers.iter().flat_map(|marker| &marker.readings) {
+            for (index, observed_rad) in reading.face_errors() {
+                let off_rad = self.constants[index] - observed_rad;
+                let weight = robust_weight(off_rad * off_rad * precision) * precision;
+                information[(index, index)] += weight;
+                gradient[index] += weight * off_rad;
+            }
+        }
+    }
+
+    /// Information of half of the difference of two angles (1/rad²).
+    fn face_precision(&self) -> f64 {
+        2.0 * (ANGLE_RAD * self.noise_factors[ANGLES]).powi(-2)
+    }
+
+    /// Errors of each instrument with readings in both faces.
+    fn face_errors(&self, covariance: &ConstantsMatrix) -> [Option<FaceErrors>; 3] {
+        let estimate = |index: usize| Estimate {
+            value: self.constants[index],
+            sigma: covariance[(index, index)].sqrt(),
+        };
+        let readings = || self.markers.iter().flatten().flat_map(|marker| &marker.readings);
+        [0, 1, 2].map(|station| {
+            let is_of_both = |reading: &&Observed| {
+                reading.station == station && reading.face_errors_rad.is_some()
+            };
+            let points = readings().filter(is_of_both).count();
+            (points > 0).then(|| FaceErrors {
+                points,
+                index_rad: estimate(INDICES + station),
+                collimation_rad: estimate(COLLIMATIONS + station),
+            })
+        })
     }
 
     /// Residuals of all readings with their redundancy numbers, by the covariance of the constants.
@@ -389,6 +463,7 @@ impl Adjustment {
             information,
             gradient,
             noise_factors: self.noise_factors,
+            face_errors: [None; 3],
             has_surveyed_coordinates: all.any(|marker| marker.surveyed_m.is_some()),
             readings,
         }
@@ -454,6 +529,9 @@ fn jacobian(model: &StationModel, reading: &Observed) -> PointJacobian {
     let mean_sight = MeanSight::of(std::iter::once(reading.sight)).unwrap_or_default();
     let by_instrument = point_jacobian(model, &mean_sight, reading.station).0;
     jacobian.fixed_columns_mut::<CONSTANTS>(0).copy_from(&by_instrument);
+    for (index, _) in reading.face_errors() {
+        jacobian.column_mut(index).fill(0.0);
+    }
     if let Some(slot) = reading.station.checked_sub(1) {
         jacobian.fixed_view_mut::<3, 3>(0, 4 * slot).fill_with_identity();
         let by_yaw = Vector3::z().cross(&(model.rotation * mean_sight.point_m));
@@ -486,3 +564,6 @@ fn without_frame(
     let own_gradient = own_gradient + by_constants.tr_mul(&frame_gradient);
     (own + across * by_constants, own_gradient, eliminated)
 }
+
+#[cfg(test)]
+pub mod tests;

@@ -1,15 +1,13 @@
 //! Tests of the reliability of groups of readings.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 
 use super::super::constants_prior::precisions;
 use super::super::survey::Survey;
-use super::super::survey_adjustment::adjust;
+use super::super::survey_adjustment::tests::{adjusted, exact_survey};
 use super::*;
 use crate::calibration::ErrorSizes;
-use crate::deployment::{ControlPoint, ControlPointSet};
-use crate::geometry::{LevelTransform, Polar};
 
 /// Readings of all constants and, except for the poses, priors; those of the distances are correlated.
 fn dense_problem() -> (DMatrix<f64>, ConstantsMatrix) {
@@ -87,34 +85,6 @@ fn a_prior_that_the_data_does_not_reduce_has_no_detectable_bias() {
     let test = posterior.test_prior(OFFSETS);
     assert_eq!((test.bias, test.residual_sigmas), (None, None));
     assert!((test.redundancy - 0.03).abs() < 1e-12);
-}
-
-/// Readings of twelve markers by three stations, without errors.
-fn exact_survey() -> Vec<ControlPointSet> {
-    let stations = [
-        LevelTransform::IDENTITY,
-        LevelTransform::new(Vector3::new(32.0, -9.0, 0.8), 0.6),
-        LevelTransform::new(Vector3::new(11.0, 27.0, -0.5), -2.0),
-    ];
-    let point = |marker: i64| {
-        let angle_rad = 0.53 * marker as f64;
-        let radius_m = 12.0 + (7 * marker % 25) as f64;
-        let height_m = 0.4 * (marker % 4) as f64 - 1.0;
-        let position_m =
-            Vector3::new(15.0 + radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), height_m);
-        let reading = |station: &LevelTransform| {
-            Some(Polar::from_cartesian(station.inverse().apply(&position_m)))
-        };
-        // The last three are surveyed as well.
-        let known_m = (marker > 9).then(|| position_m + Vector3::new(100.0, 50.0, 3.0));
-        ControlPoint { marker, readings: stations.each_ref().map(reading), known_m }
-    };
-    let points = (1..=12).map(point).collect();
-    vec![ControlPointSet { file: "GCP.txt".to_owned(), points, pillars: false }]
-}
-
-fn adjusted(sets: &[ControlPointSet]) -> Survey {
-    adjust(sets, &ErrorSizes::default()).expect("an adjustment")
 }
 
 #[test]
