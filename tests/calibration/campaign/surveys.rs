@@ -75,10 +75,13 @@ fn surveyed(seed: u64) -> Surveyed {
     let poses = joint.and_then(|joint| joint.survey.as_ref());
     let survey = poses.map(|poses| {
         let found = poses.station1_from_station.map(RigidTransform::from);
+        let error = pose_errors(&found, &simulated.truth.station1_from_station_at_survey);
         Outcome {
             verdict: drive.verdict,
-            error: pose_errors(&found, &simulated.truth.station1_from_station_at_survey),
+            error,
+            error_in_the_middle: error,
             covariance: Some(poses.covariance),
+            unchecked: Vec::new(),
             jumps: false,
         }
     });
