@@ -13,15 +13,15 @@ use super::bordered_band::factorise;
 /// A block row.
 pub type BlockRow<const N: usize, const ROW: usize> = [[f64; ROW]; N];
 
-/// Returns the factorised block row of a block, given that of the block before it; `None` if it is not positive definite.
+/// Writes the factorised block row of a block to `rows`, given that of the block before it; `None` if it is not positive definite.
 pub fn eliminate_block<const N: usize, const B: usize, const ROW: usize>(
     diagonal: &SMatrix<f64, N, N>,
     upper: &SMatrix<f64, N, N>,
     border: &SMatrix<f64, N, B>,
     before: Option<&BlockRow<N, ROW>>,
-) -> Option<BlockRow<N, ROW>> {
+    rows: &mut BlockRow<N, ROW>,
+) -> Option<()> {
     const { assert!(ROW == 2 * N + B) };
-    let mut rows = [[0.0; ROW]; N];
     for (i, row) in rows.iter_mut().enumerate() {
         for j in 0..N {
             row[j] = diagonal[(i, j)];
@@ -32,9 +32,9 @@ pub fn eliminate_block<const N: usize, const B: usize, const ROW: usize>(
         }
     }
     if let Some(before) = before {
-        update(before, &mut rows);
+        update(before, rows);
     }
-    factorise(&mut rows).then_some(rows)
+    factorise(rows).then_some(())
 }
 
 /// Subtracts the Schur complement's share of a factorised block row from the next one.
@@ -167,8 +167,10 @@ mod tests {
                 false => SMatrix::zeros(),
             };
             let diagonal = dense.fixed_view::<N, N>(at, at).into_owned();
-            let row = eliminate_block::<N, B, ROW>(&diagonal, &upper, &border, rows.last());
-            rows.push(row.expect("positive definite"));
+            let mut row: BlockRow<N, ROW> = [[0.0; ROW]; N];
+            eliminate_block::<N, B, ROW>(&diagonal, &upper, &border, rows.last(), &mut row)
+                .expect("positive definite");
+            rows.push(row);
             add_border_gram(&mut gram, &rows[block]);
         }
         let mut x: Vec<[[f64; 1]; N]> =
@@ -198,7 +200,8 @@ mod tests {
     fn a_block_that_is_not_positive_definite_is_refused() {
         let (one, none) = (SMatrix::<f64, 2, 2>::identity(), SMatrix::<f64, 2, 2>::zeros());
         let border = SMatrix::<f64, 2, 1>::zeros();
-        assert!(eliminate_block::<2, 1, 5>(&one, &none, &border, None).is_some());
-        assert!(eliminate_block::<2, 1, 5>(&-one, &none, &border, None).is_none());
+        let mut rows = [[0.0; 5]; 2];
+        assert!(eliminate_block::<2, 1, 5>(&one, &none, &border, None, &mut rows).is_some());
+        assert!(eliminate_block::<2, 1, 5>(&-one, &none, &border, None, &mut rows).is_none());
     }
 }

@@ -32,7 +32,11 @@ pub fn solve_jointly(
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
-    let (published, data, used) = screened(deployment, rig, triplets, settings, progress)?;
+    let (screened, survey) = rayon::join(
+        || screened(deployment, rig, triplets, settings, progress),
+        || joint::survey_adjustment::of_deployment(deployment, settings),
+    );
+    let (published, data, used) = screened?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
     let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
@@ -43,7 +47,7 @@ pub fn solve_jointly(
             let input = JointInput {
                 published: &plain,
                 rig: Some(RigDistances::new(rig, settings.evidence.rig)),
-                survey: joint::survey_adjustment::of_deployment(deployment, settings),
+                survey,
                 sizes: &sizes,
             };
             estimate(&input, (deployment, rig), &used, progress)?

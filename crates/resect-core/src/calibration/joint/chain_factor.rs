@@ -22,6 +22,7 @@ const ROW: usize = 2 * SLOW + CONSTANTS;
 
 /// Block row of the factor.
 pub type FactorRow = BlockRow<SLOW, ROW>;
+const EMPTY_ROW: FactorRow = [[0.0; ROW]; SLOW];
 type ConstantsFactor = Cholesky<f64, Const<CONSTANTS>>;
 
 /// Factorised normal matrix of data and priors.
@@ -51,11 +52,12 @@ impl ChainFactor {
         priors: &SlowPrecisions,
         right: ChainVectors<K>,
     ) -> Option<(Self, ChainVectors<K>)> {
-        let (mut stored, mut before_chunks) = (Vec::new(), Vec::new());
+        let mut stored = Vec::with_capacity(matrix.len().min(MOST_STORED_BLOCKS));
+        let mut before_chunks = Vec::new();
         let mut elimination = ChainElimination::new(priors);
         let mut right = RightHandSide::new(right);
         for chunk in matrix.chunks() {
-            before_chunks.push(elimination.before);
+            before_chunks.push(elimination.before.as_deref().copied());
             for (block, row) in chunk.clone().zip(matrix.rows(chunk).iter()) {
                 let rows = elimination.eliminate(row, block)?;
                 right.forward(block, rows);
@@ -80,7 +82,9 @@ impl ChainFactor {
         let rows = self.matrix.rows(blocks.clone());
         // The same rows were positive definite before.
         let factorised = |(block, row)| {
-            before = factor_row(row, &self.priors, block, before.as_ref());
+            let mut own = EMPTY_ROW;
+            factor_row(row, &self.priors, block, before.as_ref(), &mut own)?;
+            before = Some(own);
             before
         };
         blocks.zip(rows.iter()).map_while(factorised).collect()
@@ -154,8 +158,9 @@ impl ChainFactor {
 /// The chain, eliminated from its first block on.
 pub struct ChainElimination<'a> {
     priors: &'a SlowPrecisions,
-    /// The row that was eliminated last.
-    pub before: Option<FactorRow>,
+    /// The row that was eliminated last, and the memory of the next one.
+    before: Option<Box<FactorRow>>,
+    next: Box<FactorRow>,
     /// Gram matrix of the border.
     gram: [[f64; CONSTANTS]; CONSTANTS],
     ln_determinant: f64,
@@ -164,15 +169,18 @@ pub struct ChainElimination<'a> {
 impl<'a> ChainElimination<'a> {
     pub fn new(priors: &'a SlowPrecisions) -> Self {
         let gram = [[0.0; CONSTANTS]; CONSTANTS];
-        Self { priors, before: None, gram, ln_determinant: -priors.ln_determinant }
+        let next = Box::new(EMPTY_ROW);
+        Self { priors, before: None, next, gram, ln_determinant: -priors.ln_determinant }
     }
 
     /// Eliminates the next block, and returns its row of the factor; `None` if it is not positive definite.
     pub fn eliminate(&mut self, row: &ChainRow, block: usize) -> Option<&FactorRow> {
-        let rows = factor_row(row, self.priors, block, self.before.as_ref())?;
-        add_border_gram(&mut self.gram, &rows);
+        let rows = &mut self.next;
+        factor_row(row, self.priors, block, self.before.as_deref(), rows)?;
+        add_border_gram(&mut self.gram, rows);
         self.ln_determinant += (0..SLOW).map(|i| 2.0 * rows[i][i].ln()).sum::<f64>();
-        Some(self.before.insert(rows))
+        let oldest = self.before.take().unwrap_or_else(|| Box::new(EMPTY_ROW));
+        Some(self.before.insert(std::mem::replace(rows, oldest)))
     }
 
     /// Factor of the constants once all blocks are eliminated, and the logarithm of the determinant less that of the slow priors.
@@ -189,16 +197,17 @@ impl<'a> ChainElimination<'a> {
     }
 }
 
-/// Row of the factor for a block, given that of the block before it.
+/// Writes the row of the factor for a block to `rows`, given that of the block before it; `None` if it is not positive definite.
 fn factor_row(
     data: &ChainRow,
     priors: &SlowPrecisions,
     block: usize,
     before: Option<&FactorRow>,
-) -> Option<FactorRow> {
+    rows: &mut FactorRow,
+) -> Option<()> {
     let diagonal = data.diagonal + priors.diagonal(block);
     let upper = data.upper + priors.upper(block);
-    eliminate_block(&diagonal, &upper, &data.border, before)
+    eliminate_block(&diagonal, &upper, &data.border, before, rows)
 }
 
 /// A right-hand side during elimination, by row, so that all columns are solved at once.

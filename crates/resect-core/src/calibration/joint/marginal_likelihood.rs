@@ -27,7 +27,8 @@ const LEAST_GAIN: f64 = 4.0;
 /// Access to one of the processes.
 type ProcessField = fn(&mut SlowPriors) -> &mut GaussMarkov;
 
-/// Replaces the processes of errors of ranges, across the sights, and upward, one after the other, by the one with the largest marginal likelihood.
+/// Replaces the processes of errors of ranges, across the sights, and upward, one after the other, by likelier ones: first by the standard
+/// deviation with the largest marginal likelihood, then by the correlation time with it.
 pub fn choose_processes(
     normal: &ChainEquations,
     priors: &mut Priors,
@@ -40,23 +41,37 @@ pub fn choose_processes(
         (MOST_ACROSS_M, |slow| &mut slow.upward),
     ];
     for (most_m, field) in fields {
-        let with = |process: GaussMarkov| {
-            let mut slow = priors.slow.clone();
-            *field(&mut slow) = process;
-            slow
-        };
-        let mut tried = Vec::new();
-        for sigma_m in PROCESS_SIGMAS_M.iter().filter(|sigma_m| **sigma_m <= most_m) {
-            let with_time = |correlation_s| with(GaussMarkov { sigma_m: *sigma_m, correlation_s });
-            tried.extend(PROCESS_TIMES_S.map(with_time));
-        }
-        let costs = minus_two_ln_likelihoods(&tried, normal, priors, state, progress)?;
+        let sigmas_m = PROCESS_SIGMAS_M.into_iter().filter(|sigma_m| *sigma_m <= most_m);
+        let process = *field(&mut priors.slow);
+        let tried = sigmas_m.map(|sigma_m| GaussMarkov { sigma_m, ..process });
+        choose_likeliest(tried.collect(), field, normal, priors, state, progress)?;
+        let process = *field(&mut priors.slow);
+        let tried = PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process });
+        choose_likeliest(tried.to_vec(), field, normal, priors, state, progress)?;
+    }
+    Ok(())
+}
 
-        let costs = costs.into_iter().zip(tried);
-        let costs = costs.filter_map(|(cost, slow)| Some((cost?, slow)));
-        if let Some((_, slow)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            priors.slow = slow;
-        }
+/// Replaces a process by the likeliest of some.
+fn choose_likeliest(
+    processes: Vec<GaussMarkov>,
+    field: ProcessField,
+    normal: &ChainEquations,
+    priors: &mut Priors,
+    state: &StateVector,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let with = |process: &GaussMarkov| {
+        let mut slow = priors.slow.clone();
+        *field(&mut slow) = *process;
+        slow
+    };
+    let tried: Vec<SlowPriors> = processes.iter().map(with).collect();
+    let costs = minus_two_ln_likelihoods(&tried, normal, priors, state, progress)?;
+    let costs = costs.into_iter().zip(tried);
+    let costs = costs.filter_map(|(cost, slow)| Some((cost?, slow)));
+    if let Some((_, slow)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        priors.slow = slow;
     }
     Ok(())
 }

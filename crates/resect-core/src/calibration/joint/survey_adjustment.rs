@@ -36,7 +36,9 @@ const SURVEYED_M: f64 = 0.002;
 const FEWEST_SHARED: usize = 3;
 const MOST_ITERATIONS: usize = 60;
 /// The iteration has converged once no constant moves by more than this many σ.
-const CONVERGED_SIGMAS: f64 = 1e-5;
+const CONVERGED_SIGMAS: f64 = 1e-3;
+/// Iterations from one computation of σ and redundancy numbers, which change slowly, to the next.
+const REDUNDANCY_PERIOD: usize = 4;
 /// Numbers by which the stated noise counts in its estimate from the residuals.
 const STATED_NUMBERS: f64 = 12.0;
 /// Unknowns of the frame of surveyed coordinates: (x, y, z, yaw).
@@ -104,17 +106,25 @@ pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
         noise_factors: [1.0; 2],
     };
     adjustment.place_frames();
-    for _ in 0..MOST_ITERATIONS {
+    let mut redundancy = Vec::new();
+    for iteration in 0..MOST_ITERATIONS {
         let equations = adjustment.linearise();
-        let covariance = equations.with_priors(&adjustment.precision).cholesky()?.inverse();
+        let factor = equations.with_priors(&adjustment.precision).cholesky()?;
         let gradient =
             equations.gradient + adjustment.precision * (adjustment.constants - adjustment.mean);
-        adjustment.reweight(&equations.frames, &covariance);
-        let step = covariance * gradient;
+        let step = factor.solve(&gradient);
+        let mut is_converged = false;
+        if iteration % REDUNDANCY_PERIOD == 0 {
+            let covariance = factor.inverse();
+            let sigmas =
+                step.zip_map(&covariance.diagonal(), |step, variance| step.abs() / variance.sqrt());
+            is_converged = sigmas.max() < CONVERGED_SIGMAS;
+            let readings = adjustment.reliability(&equations.frames, &covariance);
+            redundancy = readings.into_iter().map(|reading| reading.redundancy).collect();
+        }
+        adjustment.reweight(&equations.residuals_m, &redundancy);
         adjustment.apply(&step, &equations.frames);
-        let sigmas =
-            step.zip_map(&covariance.diagonal(), |step, variance| step.abs() / variance.sqrt());
-        if sigmas.max() < CONVERGED_SIGMAS {
+        if is_converged {
             break;
         }
     }
@@ -176,12 +186,21 @@ struct SurveyEquations {
     gradient: Constants,
     /// Eliminated frames by set.
     frames: Vec<EliminatedFrame>,
+    /// Residuals of the readings along the sight, to its right and up (m), marker by marker.
+    residuals_m: Vec<Vector3<f64>>,
 }
 
 impl SurveyEquations {
     fn with_priors(&self, precision: &ConstantsMatrix) -> ConstantsMatrix {
         self.information + precision
     }
+}
+
+/// A reading's residual over σ, with what its weight depends on.
+struct WeighedResidual {
+    normalised: Vector3<f64>,
+    redundancy: Vector3<f64>,
+    weight: f64,
 }
 
 /// An eliminated frame of surveyed coordinates; zeros without one.
@@ -289,6 +308,7 @@ impl Adjustment {
             information: SMatrix::zeros(),
             gradient: Constants::zeros(),
             frames: Vec::new(),
+            residuals_m: Vec::new(),
         };
         for (set, markers) in self.markers.iter().enumerate() {
             let mut information = DMatrix::<f64>::zeros(ALL, ALL);
@@ -297,11 +317,16 @@ impl Adjustment {
                 let equations = self.equations(&stations, marker, set);
                 let Some(centre) = Centre::of(&equations) else { continue };
                 for equation in &equations {
-                    let jacobian = equation.jacobian - centre.jacobian;
-                    let weighted = equation.information * jacobian;
-                    information += jacobian.tr_mul(&weighted);
-                    gradient += weighted.tr_mul(&(equation.point_m - centre.point_m));
+                    add_gram(&mut information, &equation.jacobian, &equation.information);
+                    let off = equation.information * (equation.point_m - centre.point_m);
+                    gradient += equation.jacobian.tr_mul(&off);
                 }
+                for (reading, equation) in marker.readings.iter().zip(&equations) {
+                    let axes = Self::placed(&stations, reading).1;
+                    sum.residuals_m.push(axes.tr_mul(&(centre.point_m - equation.point_m)));
+                }
+                // Σ (J − C)ᵀΛ(J − C) = Σ JᵀΛJ − CᵀΣΛ C.
+                add_gram(&mut information, &centre.jacobian, &-centre.information);
             }
             self.add_face_errors(markers, &mut information, &mut gradient);
             let (own, own_gradient, frame) = without_frame(&information, &gradient);
@@ -401,16 +426,23 @@ impl Adjustment {
     }
 
     /// Estimates noise factors and robust weights from the residuals.
-    fn reweight(&mut self, frames: &[EliminatedFrame], covariance: &ConstantsMatrix) {
-        let readings = self.reliability(frames, covariance);
+    fn reweight(&mut self, residuals_m: &[Vector3<f64>], redundancy: &[Vector3<f64>]) {
+        let readings = self.markers.iter().flatten().flat_map(|marker| &marker.readings);
+        let readings: Vec<WeighedResidual> = readings
+            .zip(residuals_m.iter().zip(redundancy))
+            .map(|(reading, (residual_m, redundancy))| WeighedResidual {
+                normalised: residual_m.component_div(&self.sigma_m(reading)),
+                redundancy: *redundancy,
+                weight: reading.weight,
+            })
+            .collect();
         let mut factors = self.noise_factors;
         for (kind, axes) in [(RANGES, 0..1), (ANGLES, 1..3)] {
             let mut square = STATED_NUMBERS / self.noise_factors[kind].powi(2);
             let mut numbers = STATED_NUMBERS;
             for reading in &readings {
                 for axis in axes.clone() {
-                    let normalised = reading.residual_m[axis] / reading.sigma_m[axis];
-                    square += (reading.weight * normalised).powi(2) / CONSISTENCY;
+                    square += (reading.weight * reading.normalised[axis]).powi(2) / CONSISTENCY;
                     numbers += reading.weight.powi(2) * reading.redundancy[axis];
                 }
             }
@@ -418,20 +450,13 @@ impl Adjustment {
             factors[kind] *= (square / numbers).powf(0.25);
         }
         let mut weights = readings.iter().map(|reading| {
-            let squares = (0..3).map(|axis| {
-                let variance = reading.sigma_m[axis].powi(2) * reading.redundancy[axis].max(0.05);
-                reading.residual_m[axis].powi(2) / variance
-            });
+            let squares = (0..3)
+                .map(|axis| reading.normalised[axis].powi(2) / reading.redundancy[axis].max(0.05));
             robust_weight(squares.sum::<f64>() / 3.0)
         });
-        for marker in self.markers.iter_mut().flatten() {
-            // A single reading has no residual.
-            if marker.readings.is_empty() {
-                continue;
-            }
-            for reading in &mut marker.readings {
-                reading.weight = weights.next().unwrap_or(1.0);
-            }
+        let readings = self.markers.iter_mut().flatten().flat_map(|marker| &mut marker.readings);
+        for reading in readings {
+            reading.weight = weights.next().unwrap_or(1.0);
         }
         self.noise_factors = factors;
     }
@@ -503,10 +528,22 @@ impl OwnErrors {
     }
 }
 
+/// Adds `JᵀΛJ` of a Jacobian in which most columns are zero.
+fn add_gram(sum: &mut DMatrix<f64>, jacobian: &PointJacobian, information: &Matrix3<f64>) {
+    let is_used = |column: &usize| jacobian.column(*column) != Vector3::zeros();
+    let used: Vec<usize> = (0..jacobian.ncols()).filter(is_used).collect();
+    let weighted = information * jacobian;
+    for j in &used {
+        let (column, mut sums) = (weighted.column(*j), sum.column_mut(*j));
+        used.iter().for_each(|i| sums[*i] += jacobian.column(*i).dot(&column));
+    }
+}
+
 /// Weighted mean of the equations of a marker.
 struct Centre {
     point_m: Vector3<f64>,
     jacobian: PointJacobian,
+    information: Matrix3<f64>,
     covariance: Matrix3<f64>,
 }
 
@@ -519,7 +556,8 @@ impl Centre {
             equations.iter().map(|one| one.information * one.point_m).sum::<Vector3<f64>>();
         let mut jacobian = SMatrix::zeros();
         equations.iter().for_each(|one| jacobian += one.information * one.jacobian);
-        Some(Self { point_m: covariance * point_m, jacobian: covariance * jacobian, covariance })
+        let (point_m, jacobian) = (covariance * point_m, covariance * jacobian);
+        Some(Self { point_m, jacobian, information, covariance })
     }
 }
 
