@@ -1,9 +1,7 @@
 //! Time of reading, of each stage, of each calibration and of the whole path, at 2e3 to 2e6 triplets.
 //!
 //! `joint` is the whole calibration by the joint estimate, checks included, here and on the published run
-//! (`joint/field`, if that data is beside the project). On two cores of an AMD EPYC with AVX-512 the published run
-//! takes 13 ms and 27 000 readings (`joint/20000`) 71 ms. The version before the joint estimate was a method of its
-//! own took 121 ms and 1.1 s on the same machine. Older machines with two cores took 2.5 times as long for both.
+//! (`joint/field`, if that data is beside the project).
 //!
 //! Writes the same triplets to `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
 //! `levenberg-marquardt` crate does so here. `benches/table` runs all of them and prints the README's table.
@@ -100,16 +98,19 @@ fn benchmarks(criterion: &mut Criterion) {
     }
 }
 
-/// Measures the joint estimate on the published run.
+/// Measures the calibrations of the published run.
 fn field(criterion: &mut Criterion) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let Ok(deployment) = open(&folder.join("../shared/datasets/2022-07-11-2")) else { return };
     let triplets = Analyst::new(Arc::new(deployment.clone())).run(&Settings::default());
     let triplets = Arc::clone(&triplets.pipeline.triplets);
-    let (settings, offer) = (CalibrationSettings::default(), Offer::of(&deployment, &triplets));
-    criterion.bench_function("joint/field", |b| {
-        b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
-    });
+    let offer = Offer::of(&deployment, &triplets);
+    for (name, method) in [("joint", Method::Joint), ("inter-prism", Method::InterPrism)] {
+        let settings = CalibrationSettings { method: Some(method), ..Default::default() };
+        criterion.bench_function(BenchmarkId::new(name, "field"), |b| {
+            b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
+        });
+    }
 }
 
 /// Returns a prior as good as the closed form's on field data: millimetres and centimetres off.

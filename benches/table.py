@@ -43,6 +43,9 @@ def main():
     for title, name in ROWS:
         found = [peers.get((name, size), criterion_ms("path", name, size)) for size in SIZES]
         print(f"| {title} | " + " | ".join(map(told, found)) + " |")
+    print("\n| one published run, ms | cold: a whole process | warm: the calibration in a loop |\n|---|---:|---:|")
+    for title, name in [("*D*", "inter-prism"), ("joint estimate", "joint")]:
+        print(f"| {title} | {told(peers.get((name, 'process')))} | {told(criterion_ms(name, 'field'))} |")
     print("\n| a frame with a million readings, ms | orbit | cursor |\n|---|---:|---:|")
     for pane in PANES:
         cells = [told(criterion_ms("window", f"{event}-{pane}")) for event in ("orbit", "cursor")]

@@ -2,8 +2,8 @@
 
 use crate::common::{analyse, answer, by, field_data, published};
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::calibration::{Calibration, JointFailure, Method};
-use resect_core::deployment::{Deployment, Finding, Remedy};
+use resect_core::calibration::{Calibration, JointFailure, Method, Verdict};
+use resect_core::deployment::{Deployment, Finding, FindingKind, Remedy};
 use resect_core::progress::Progress;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
@@ -65,6 +65,36 @@ fn the_papers_method_answers_where_the_joint_estimate_is_not_determined() {
     // No advice leads in a circle.
     let advises_joint = |finding: &Finding| finding.remedies.contains(&Remedy::JointEstimate);
     assert!(!found.findings.iter().any(advises_joint), "{:?}", found.findings);
+}
+
+#[test]
+fn control_points_determine_what_a_drive_of_plain_shape_leaves_open() {
+    for (preset, shape) in [
+        (Preset::StraightLine, FindingKind::DriveStraightLine),
+        (Preset::Circle, FindingKind::DriveCircle),
+    ] {
+        let simulated = simulate(preset, 1);
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+        let found = calibration(&deployment, &Settings::default());
+        assert_eq!(found.answered_by(), Method::Joint, "{preset:?}");
+        let covariance = found.covariance.expect("determined");
+        for station in [1, 2] {
+            let truth = simulated.truth.station1_from_station[station];
+            let off_m = found.station1_from_station[station].translation_m - truth.translation_m;
+            for axis in 0..3 {
+                let index = 4 * (station - 1) + axis;
+                let sigma_m = covariance[(index, index)].sqrt();
+                assert!(sigma_m < 0.003 && off_m[axis].abs() < 4.0 * sigma_m, "{off_m} {sigma_m}");
+            }
+        }
+        // A station that moved along an open direction since the survey would not show.
+        assert_eq!(found.verdict, Verdict::Weak, "{:?}", found.findings);
+        assert!(found.findings.iter().any(|finding| finding.kind == shape), "{:?}", found.findings);
+        let mut by_drive = Settings::default();
+        by_drive.calibration.evidence.control_points = false;
+        let by_drive = calibration(&deployment, &by_drive);
+        assert_eq!(by_drive.joint_failure(), Some(JointFailure::Undetermined), "{preset:?}");
+    }
 }
 
 #[test]

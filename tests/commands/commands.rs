@@ -127,7 +127,8 @@ fn the_result_begins_with_the_answer_to_use() {
 
     let folder = tempfile::tempdir().expect("a folder");
     stdout(&["simulate", "--preset", "straight-line", "--out", text(folder.path())]);
-    let value = json(&["calibrate", text(folder.path()), "--json"]);
+    let by_drive = ["calibrate", text(folder.path()), "--json", "--evidence", "drive,rig"];
+    let value = json(&by_drive);
     let recommendation = &value["recommendation"];
     assert_eq!(
         (&recommendation["answer"], &recommendation["reason"]),
@@ -236,7 +237,7 @@ fn what_is_not_there_is_null_or_empty_and_never_zero() {
     // A straight line leaves directions unconstrained, so there is no σ.
     let folder = tempfile::tempdir().expect("a folder");
     stdout(&["simulate", "--preset", "straight-line", "--out", text(folder.path())]);
-    let value = json(&["calibrate", text(folder.path()), "--json"]);
+    let value = json(&["calibrate", text(folder.path()), "--json", "--evidence", "drive,rig"]);
     assert_eq!(value["transforms"][0]["sigma"], Value::Null);
     assert_eq!(value["diagnosis"]["verdict"], "degenerate");
 }

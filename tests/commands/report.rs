@@ -303,6 +303,9 @@ fn one_bad_deployment_does_not_keep_the_others_back() {
     let made = folder.path().join("line");
     let output = resect(&["simulate", "--preset", "straight-line", "--out", text(&made)]);
     assert!(output.status.success());
+    for points in ["GCP_raw_1.txt", "GCP_raw_2.txt", "Two_points.txt"] {
+        std::fs::remove_file(made.join(points)).expect("control points");
+    }
     let html = report(&[text(&sample_folder("warthog")), "/nowhere/at/all", text(&made)]);
     let body = body(&html);
     let document = Document::parse(&body).expect("well-formed");

@@ -155,8 +155,9 @@ fn the_guide_explains_the_doubts_that_there_are() {
         [(LARGE, Theme::Dark, "guide-dark"), (SMALL, Theme::Light, "guide-small-light")]
     {
         let mut harness = window(size, theme);
-        let straight =
+        let mut straight =
             resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
+        straight.control_points.clear();
         open(&mut harness, straight);
         send(&mut harness, WorkspaceCommand::ShowPane(Pane::Guide));
         click(&mut harness, "4  Trust it?");

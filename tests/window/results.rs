@@ -6,6 +6,7 @@ use resect::app::{
     AngleUnit, DeploymentCommand, LengthUnit, Pane, Picked, TimeCommand, Units, WorkspaceCommand,
 };
 use resect_core::calibration::{Method, PriorMethod};
+use resect_core::deployment::Deployment;
 use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
 use resect_core::simulation::{Preset, simulate};
 
@@ -107,15 +108,21 @@ fn the_papers_answer_is_one_click_away_and_the_joint_estimate_one_back() {
     assert_eq!(method(&harness), Method::Joint);
 }
 
+/// A drive without control points, which leaves directions open.
+fn straight_drive() -> Deployment {
+    let simulated = simulate(Preset::StraightLine, 1);
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+    deployment.control_points.clear();
+    deployment
+}
+
 #[test]
 fn the_result_begins_with_the_answer_to_use() {
     let mut harness = window(LARGE, Theme::Dark);
     let conclusion = harness.get_by_label("Use the joint estimate for this drive.").rect();
     let table = harness.get_by_label("Transforms into station 1").rect();
     assert!(conclusion.bottom() < table.top());
-    let deployment =
-        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
-    open(&mut harness, deployment);
+    open(&mut harness, straight_drive());
     assert!(harness.query_by_label_contains("Use no answer from this drive: ").is_some());
     assert!(harness.query_by_label_contains(" of 8 directions are not determined: ").is_some());
 }
@@ -215,9 +222,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     // A change makes the sample the user's own; an unchanged sample would be replaced.
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     click(&mut harness, "Pin");
-    let deployment =
-        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
-    open(&mut harness, deployment);
+    open(&mut harness, straight_drive());
     assert!(harness.query_by_label_contains("is other data").is_some());
     assert!(harness.query_by_label("verdict good → degenerate").is_some());
     let text = copy(&mut harness, "x y z qx qy qz qw");

@@ -379,7 +379,9 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
         (Preset::StraightLine, Theme::Light, SMALL, "straight-line-small-light"),
     ] {
         let mut harness = window(size, theme);
-        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
+        let simulated = simulate(preset, 1);
+        let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+        deployment.control_points.clear();
         harness.state_mut().state.add(deployment.into(), None);
         settle(&mut harness);
         if preset == Preset::LShape {

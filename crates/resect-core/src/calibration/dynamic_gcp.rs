@@ -85,6 +85,7 @@ pub fn solve_jointly(
         published: &plain,
         rig: None,
         survey: joint::survey_adjustment::of_deployment(deployment, settings),
+        is_determined_by_drive: true,
         sizes: &settings.errors,
     };
     let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;

@@ -104,9 +104,11 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
 /// Returns the finding that the shape of the drive leaves directions unobservable or weak.
 fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     let DiagnosisInput { observability, rival, .. } = *evidence;
-    let open = OpenDirections {
-        free: observability.count(Hold::Free),
-        weak: observability.count(Hold::Weak),
+    let open = if evidence.uncertainty.has_control_points {
+        OpenDirections::HeldByControlPoints(observability.open_to_drive())
+    } else {
+        let [free, weak] = [Hold::Free, Hold::Weak].map(|hold| observability.count(hold));
+        OpenDirections::Open { free, weak }
     };
     Some(match observability.drive.plan {
         PlanView::Winding => return None,
@@ -138,8 +140,11 @@ fn flat(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     Some(flat_ground(flat, mirror.resolved_by != ResolvedBy::Nothing))
 }
 
-/// Returns the finding that another minimum, not the mirror twin, fits almost as well as the answer.
+/// Returns the finding that another minimum, not the mirror twin, fits almost as well as the answer. Control points exclude it.
 fn rival(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
+    if evidence.uncertainty.has_control_points {
+        return None;
+    }
     let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
     // The rival's heights may be mirrored too; that difference is not counted.
     let apart_m = [rival, evidence.thinned.mirrored_in_height(&rival, [true, true])]

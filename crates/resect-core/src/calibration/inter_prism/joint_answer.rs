@@ -1,5 +1,6 @@
 //! Evaluation of the joint estimate by method D: fit, minima and mirror twin on the corrected readings.
 
+use super::mirror::Choice;
 use super::published::{self, Published};
 use super::used::Used;
 use super::{
@@ -33,12 +34,13 @@ impl JointAnswer {
 
 /// Solves the corrected readings by the published method, with the estimated distances.
 ///
-/// The estimate has converged.
+/// The estimate has converged. A drive that does not determine the answer by itself has no other minimum to choose.
 pub fn solve(
     estimate: &JointEstimate,
     rig: &Rig,
     control_points: &[ControlPointSet],
     used: &Used<'_>,
+    is_determined_by_drive: bool,
 ) -> JointAnswer {
     let level = estimate.station1_from_station;
     let (time_s, interval) = used.instants();
@@ -67,6 +69,11 @@ pub fn solve(
         *own = answer;
     }
     // Cost ratios are relative to the joint estimate's cost in all tables and sentences.
+    if !is_determined_by_drive {
+        solution.basins = vec![answer];
+        solution.choice = Choice::of_control_points(answer);
+        return JointAnswer { solution, data, kept_s, fits_better: None };
+    }
     if same(&other) {
         solution.choice = solution.choice.with_answer(answer);
         return JointAnswer { solution, data, kept_s, fits_better: None };

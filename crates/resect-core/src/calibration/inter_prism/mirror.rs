@@ -34,6 +34,13 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// The choice of control points that determine the answer where the drive does not, so that it has no separate minima.
+    pub fn of_control_points(answer: Basin) -> Self {
+        let resolved_by = ResolvedBy::ControlPoints;
+        let mirror = Mirror { twin: None, cost_ratio: None, resolved_by };
+        Self { answer, twin_is_real: false, mirror, findings: Vec::new(), ambiguous: false }
+    }
+
     /// Returns the same choice with another fit of its answer, to whose cost the ratios then refer.
     pub fn with_answer(self, answer: Basin) -> Self {
         let Some(twin) = self.mirror.twin else { return Self { answer, ..self } };

@@ -85,6 +85,11 @@ impl Observability {
         self.directions.iter().filter(|direction| direction.hold == hold).count()
     }
 
+    /// Returns the number of directions that the drive by itself determines weakly or not at all.
+    pub fn open_to_drive(&self) -> usize {
+        self.directions.iter().filter(|direction| direction.relative < WEAK_DIRECTION).count()
+    }
+
     /// Returns the words of all directions with this `hold`, separated by semicolons.
     pub fn words(&self, hold: Hold) -> String {
         let words: Vec<&str> = (self.directions.iter())
@@ -113,6 +118,7 @@ pub fn observe(
     let mut motions = motions(&axes, answer, uncertainty);
     motions.sort_by(|a, b| a.relative.total_cmp(&b.relative));
     let degenerate = uncertainty.weakest_sigma_m > FREE_SIGMA_M;
+    let is_by_drive = !uncertainty.has_control_points;
     let mut rank = 0..8;
     let directions = motions.map(|Named { motion, relative, free, swing }| {
         let sigma_m = uncertainty
@@ -120,9 +126,9 @@ pub fn observe(
             .map(|covariance| motion.dot(&(covariance * motion)).max(0.0).sqrt());
         // A degenerate answer has an unobservable direction even if no eigenvalue shows it.
         let first = rank.next() == Some(0);
-        let hold = if free || sigma_m > Some(FREE_SIGMA_M) || first && degenerate {
+        let hold = if is_by_drive && free || sigma_m > Some(FREE_SIGMA_M) || first && degenerate {
             Hold::Free
-        } else if relative < WEAK_DIRECTION || sigma_m > Some(WEAK_SIGMA_M) {
+        } else if is_by_drive && relative < WEAK_DIRECTION || sigma_m > Some(WEAK_SIGMA_M) {
             Hold::Weak
         } else {
             Hold::Held

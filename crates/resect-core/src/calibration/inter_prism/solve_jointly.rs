@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
+use super::uncertainty::Uncertainty;
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{
@@ -42,17 +43,21 @@ pub fn solve_jointly(
     let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
-    let estimated = match answer.uncertainty.covariance {
-        Some(_) => {
+    let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
+    // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
+    let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
+    let estimated = match start {
+        Some(start) => {
             let input = JointInput {
-                published: &plain,
+                published: &start,
                 rig: Some(RigDistances::new(rig, settings.evidence.rig)),
-                survey,
+                survey: survey.clone(),
+                is_determined_by_drive,
                 sizes: &sizes,
             };
             estimate(&input, (deployment, rig), &used, progress)?
         }
-        // If a direction is unobservable for the published answer, it is for the joint estimate too.
         None => Err(JointFailure::Undetermined),
     };
     let (estimate, evaluated) = match estimated {
@@ -131,7 +136,8 @@ fn estimate(
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
         Ok(require_converged(estimate).map(|estimate| {
-            let evaluated = joint_answer::solve(&estimate, rig, points, used);
+            let evaluated =
+                joint_answer::solve(&estimate, rig, points, used, input.is_determined_by_drive);
             (estimate, evaluated)
         }))
     };
@@ -156,12 +162,17 @@ fn replace(
     answer.published.findings = findings;
     let Published { thinned, answer: minimum, .. } = &answer.published;
     answer.fitting = observability::fitting(thinned, &minimum.parameters);
-    answer.uncertainty =
-        uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance);
+    let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    answer.uncertainty = Uncertainty {
+        has_control_points: estimate.survey.is_some(),
+        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance)
+    };
     let placed = estimate.station1_from_station.map(RigidTransform::from);
     let published = std::mem::replace(&mut answer.station1_from_station, placed);
     let mut doubts = Vec::new();
-    doubts.extend(checks::far_apart(&published, &placed));
+    if is_determined_by_drive {
+        doubts.extend(checks::far_apart(&published, &placed));
+    }
     doubts.extend(doubt);
     doubts.extend(joint::findings::doubts(estimate));
     (kept_s, doubts)

@@ -28,6 +28,8 @@ pub struct Uncertainty {
     pub centred_m2: Option<SMatrix<f64, 8, 8>>,
     /// Eigenvalues and eigenvectors of JᵀJ in the same units, without outlier triplets.
     pub spectrum: SymmetricEigen<f64, Const<8>>,
+    /// True if control points determine the answer with the drive: then σ tells what is weak, and not the shape of the drive.
+    pub has_control_points: bool,
     /// Radius of the track: displacement by a radian of yaw (m).
     pub radius_m: f64,
     /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
@@ -141,6 +143,7 @@ fn free(spectrum: SymmetricEigen<f64, Const<8>>, radius_m: f64) -> Uncertainty {
         weakest: spectrum.eigenvectors.column(spectrum.eigenvalues.imin()).into_owned(),
         weakest_sigma_m: f64::INFINITY,
         spectrum,
+        has_control_points: false,
         radius_m,
     }
 }
@@ -161,6 +164,7 @@ fn known(
         weakest: in_metres.eigenvectors.column(worst).into_owned(),
         weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
         spectrum,
+        has_control_points: false,
         radius_m,
     }
 }

@@ -63,6 +63,8 @@ pub struct JointInput<'a> {
     pub rig: Option<RigDistances>,
     /// The control points, if they are evidence.
     pub survey: Option<Arc<Survey>>,
+    /// True if the drive alone determines the answer; otherwise the survey is used from the first step on.
+    pub is_determined_by_drive: bool,
     pub sizes: &'a ErrorSizes,
 }
 
@@ -82,9 +84,10 @@ pub fn estimate<'a>(
     for block_s in BLOCK_LENGTHS_S {
         let drive = Drive::new(&triplets(), block_s);
         let Some(drive) = drive.map(Arc::new) else { return Ok(None) };
-        let mut estimate = solve(Arc::clone(&drive), triplets(), input, false, progress)?;
+        let survey_first = !input.is_determined_by_drive;
+        let mut estimate = solve(Arc::clone(&drive), triplets(), input, survey_first, progress)?;
         let is_converged = |estimate: &JointEstimate| estimate.converged;
-        if input.survey.is_some() && !estimate.as_ref().is_some_and(is_converged) {
+        if input.survey.is_some() && !survey_first && !estimate.as_ref().is_some_and(is_converged) {
             // A drive that determines little by itself converges only with the survey from the first step on.
             let again = solve(drive, triplets(), input, true, progress)?;
             estimate = again.filter(is_converged).or(estimate);
@@ -107,7 +110,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     survey_first: bool,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let JointInput { published, rig, survey, sizes } = input;
+    let JointInput { published, rig, survey, sizes, .. } = input;
     let mean = prior_mean(published, rig.as_ref().map(|rig| &rig.measured_m));
     let mut priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
     let survey = survey.as_ref();

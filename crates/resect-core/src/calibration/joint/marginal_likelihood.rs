@@ -28,7 +28,7 @@ const LEAST_GAIN: f64 = 4.0;
 type ProcessField = fn(&mut SlowPriors) -> &mut GaussMarkov;
 
 /// Replaces the processes of errors of ranges, across the sights, and upward, one after the other, by likelier ones: first by the standard
-/// deviation with the largest marginal likelihood, then by the correlation time with it.
+/// deviation with the largest marginal likelihood, then by the correlation time with it, and again if that is another one.
 pub fn choose_processes(
     normal: &ChainEquations,
     priors: &mut Priors,
@@ -41,13 +41,23 @@ pub fn choose_processes(
         (MOST_ACROSS_M, |slow| &mut slow.upward),
     ];
     for (most_m, field) in fields {
-        let sigmas_m = PROCESS_SIGMAS_M.into_iter().filter(|sigma_m| *sigma_m <= most_m);
         let process = *field(&mut priors.slow);
-        let tried = sigmas_m.map(|sigma_m| GaussMarkov { sigma_m, ..process });
-        choose_likeliest(tried.collect(), field, normal, priors, state, progress)?;
-        let process = *field(&mut priors.slow);
-        let tried = PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process });
-        choose_likeliest(tried.to_vec(), field, normal, priors, state, progress)?;
+        let sigmas_m = || PROCESS_SIGMAS_M.into_iter().filter(|sigma_m| *sigma_m <= most_m);
+        let mut choose = |tried: Vec<GaussMarkov>| {
+            choose_likeliest(tried, field, normal, priors, state, progress)?;
+            Ok(*field(&mut priors.slow))
+        };
+        let with_sigmas = |process: GaussMarkov| {
+            sigmas_m().map(|sigma_m| GaussMarkov { sigma_m, ..process }).collect()
+        };
+        let with_times = |process: GaussMarkov| {
+            PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process }).to_vec()
+        };
+        let by_sigma = choose(with_sigmas(process))?;
+        let by_time = choose(with_times(by_sigma))?;
+        if by_time != by_sigma {
+            choose(with_sigmas(by_time))?;
+        }
     }
     Ok(())
 }

@@ -114,6 +114,7 @@ mod facets;
 pub mod findings;
 mod gauss_newton_step;
 mod gradients;
+mod instrument_error_kind;
 pub mod instrument_errors;
 mod joint_estimate;
 mod knot_covariance;

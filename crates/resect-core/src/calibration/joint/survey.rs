@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::constants_prior::precisions;
-use super::instrument_errors::InstrumentErrorKind;
+use super::instrument_error_kind::InstrumentErrorKind;
 use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, LEANS, OFFSETS};
 use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS};
 use crate::deployment::findings::instruments::{NamedError, instrument_error};

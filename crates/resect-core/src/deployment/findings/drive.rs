@@ -4,11 +4,13 @@ use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Unit,
 };
 
-/// Numbers of directions, of 8, that a drive leaves unobservable or determines weakly.
+/// Numbers of directions, of 8, that a drive leaves open.
 #[derive(Clone, Copy)]
-pub struct OpenDirections {
-    pub free: usize,
-    pub weak: usize,
+pub enum OpenDirections {
+    /// Unobservable ones, and weak ones.
+    Open { free: usize, weak: usize },
+    /// Open ones that control points determine.
+    HeldByControlPoints(usize),
 }
 
 impl OpenDirections {
@@ -18,15 +20,25 @@ impl OpenDirections {
             1 => format!("1 of 8 directions is {how}"),
             _ => format!("{count} of 8 directions are {how}"),
         };
-        let (severity, consequence) = match (self.free, self.weak) {
-            (0, 0) => (Severity::Note, "all 8 directions are observable".to_owned()),
-            (0, weak) => (Severity::Warning, of_all(weak, "weakly observable")),
-            (free, _) => (Severity::Problem, of_all(free, "unobservable")),
+        let (free, weak) = match self {
+            Self::Open { free, weak } => (free, weak),
+            Self::HeldByControlPoints(weak) => (0, weak),
+        };
+        let (severity, consequence) = match (self, free, weak) {
+            (_, 0, 0) => (Severity::Note, "all 8 directions are observable".to_owned()),
+            (Self::HeldByControlPoints(_), _, count) => (
+                Severity::Warning,
+                format!(
+                    "control points alone determine {count} of 8 directions: a station that moved along them since does not show"
+                ),
+            ),
+            (_, 0, weak) => (Severity::Warning, of_all(weak, "weakly observable")),
+            (_, free, _) => (Severity::Problem, of_all(free, "unobservable")),
         };
         Finding::new(kind, shape.into().text(format!("; {consequence}")))
             .with_severity(severity)
-            .count("free_directions", self.free)
-            .count("weak_directions", self.weak)
+            .count("free_directions", free)
+            .count("weak_directions", weak)
     }
 }
 
@@ -70,10 +82,14 @@ pub fn drive_two_legs(
             ", and another solution with the rig turned has only {cost_ratio:.1} times the cost"
         )
     });
+    let dependence = match open {
+        OpenDirections::Open { .. } => format!(": the answer depends on that corner alone{rival}"),
+        OpenDirections::HeldByControlPoints(_) => String::new(),
+    };
     let [x, y] = corner_m;
     let shape = Message::from("the drive is an L, two straight legs with one corner of ")
         .angle(MessageAngle::size(turn_rad, AngleFormat::Degrees, 0))
-        .text(format!(" at ({x:.1}, {y:.1}) m: the answer depends on that corner alone{rival}"));
+        .text(format!(" at ({x:.1}, {y:.1}) m{dependence}"));
     let finding =
         open.finding(FindingKind::DriveTwoLegs, shape).quantity("turn", turn_rad, Unit::Radian);
     match rival_cost_ratio {
@@ -179,13 +195,14 @@ pub fn distances_fit_poorly(median_m: f64) -> Finding {
 }
 
 pub(super) fn examples() -> Vec<Finding> {
-    let open = OpenDirections { free: 1, weak: 2 };
+    let open = OpenDirections::Open { free: 1, weak: 2 };
     vec![
         drive_standing(open),
         drive_straight_line(open, 42.0, 0.23),
-        drive_circle(OpenDirections { free: 0, weak: 1 }, 8.0, 7.0),
+        drive_circle(OpenDirections::Open { free: 0, weak: 1 }, 8.0, 7.0),
         drive_circle(open, 8.0, 2.0),
-        drive_two_legs(OpenDirections { free: 0, weak: 0 }, [4.0, 5.0], 1.57, Some(3.0)),
+        drive_straight_line(OpenDirections::HeldByControlPoints(3), 42.0, 0.23),
+        drive_two_legs(OpenDirections::Open { free: 0, weak: 0 }, [4.0, 5.0], 1.57, Some(3.0)),
         drive_leaves_direction_free("station 2 can slide along x", "drive a figure-eight"),
         stations_far_from_track(0.04),
         drive_weak("station 2 can slide along x", 0.03, "drive a figure-eight"),

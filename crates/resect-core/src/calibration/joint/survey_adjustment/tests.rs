@@ -60,7 +60,7 @@ fn both_faces_determine_vertical_index_and_collimation() {
     let (index_rad, collimation_rad) = (40.0 * ARCSECOND_RAD, -25.0 * ARCSECOND_RAD);
     let exact = survey_with_errors(0.0, 0.0, true);
     let survey = survey_with_errors(index_rad, collimation_rad, true);
-    assert!(off(&survey, &exact).amax() < 1e-8, "{:?}", off(&survey, &exact));
+    assert!(off(&survey, &exact).amax() < 1e-7, "{:?}", off(&survey, &exact));
     let errors = survey.face_errors[1].expect("both faces");
     assert_eq!((errors.points, survey.face_errors[0].is_none()), (12, true));
     for (estimate, error_rad) in
