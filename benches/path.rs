@@ -1,7 +1,7 @@
 //! Time of reading, of each stage, of each calibration and of the whole path, at 2e3 to 2e6 triplets.
 //!
 //! `joint` is the whole calibration by the joint estimate, checks included, here and on the published run
-//! (`joint/field`, if that data is beside the project).
+//! (`field/joint`, if that data is beside the project).
 //!
 //! Writes the same triplets to `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
 //! `levenberg-marquardt` crate does so here. `benches/table` runs all of them and prints the README's table.
@@ -105,12 +105,14 @@ fn field(criterion: &mut Criterion) {
     let triplets = Analyst::new(Arc::new(deployment.clone())).run(&Settings::default());
     let triplets = Arc::clone(&triplets.pipeline.triplets);
     let offer = Offer::of(&deployment, &triplets);
+    let mut group = criterion.benchmark_group("field");
     for (name, method) in [("joint", Method::Joint), ("inter-prism", Method::InterPrism)] {
         let settings = CalibrationSettings { method: Some(method), ..Default::default() };
-        criterion.bench_function(BenchmarkId::new(name, "field"), |b| {
+        group.bench_function(name, |b| {
             b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
         });
     }
+    group.finish();
 }
 
 /// Returns a prior as good as the closed form's on field data: millimetres and centimetres off.

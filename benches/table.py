@@ -45,7 +45,7 @@ def main():
         print(f"| {title} | " + " | ".join(map(told, found)) + " |")
     print("\n| one published run, ms | cold: a whole process | warm: the calibration in a loop |\n|---|---:|---:|")
     for title, name in [("*D*", "inter-prism"), ("joint estimate", "joint")]:
-        print(f"| {title} | {told(peers.get((name, 'process')))} | {told(criterion_ms(name, 'field'))} |")
+        print(f"| {title} | {told(peers.get((name, 'process')))} | {told(criterion_ms('field', name))} |")
     print("\n| a frame with a million readings, ms | orbit | cursor |\n|---|---:|---:|")
     for pane in PANES:
         cells = [told(criterion_ms("window", f"{event}-{pane}")) for event in ("orbit", "cursor")]

@@ -43,20 +43,21 @@ pub fn choose_processes(
     for (most_m, field) in fields {
         let process = *field(&mut priors.slow);
         let sigmas_m = || PROCESS_SIGMAS_M.into_iter().filter(|sigma_m| *sigma_m <= most_m);
-        let mut choose = |tried: Vec<GaussMarkov>| {
+        let mut choose = |tried: &[GaussMarkov]| {
             choose_likeliest(tried, field, normal, priors, state, progress)?;
             Ok(*field(&mut priors.slow))
         };
         let with_sigmas = |process: GaussMarkov| {
-            sigmas_m().map(|sigma_m| GaussMarkov { sigma_m, ..process }).collect()
+            let with_sigma = |sigma_m| GaussMarkov { sigma_m, ..process };
+            sigmas_m().map(with_sigma).collect::<Vec<_>>()
         };
         let with_times = |process: GaussMarkov| {
-            PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process }).to_vec()
+            PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process })
         };
-        let by_sigma = choose(with_sigmas(process))?;
-        let by_time = choose(with_times(by_sigma))?;
+        let by_sigma = choose(&with_sigmas(process))?;
+        let by_time = choose(&with_times(by_sigma))?;
         if by_time != by_sigma {
-            choose(with_sigmas(by_time))?;
+            choose(&with_sigmas(by_time))?;
         }
     }
     Ok(())
@@ -64,7 +65,7 @@ pub fn choose_processes(
 
 /// Replaces a process by the likeliest of some.
 fn choose_likeliest(
-    processes: Vec<GaussMarkov>,
+    processes: &[GaussMarkov],
     field: ProcessField,
     normal: &ChainEquations,
     priors: &mut Priors,
