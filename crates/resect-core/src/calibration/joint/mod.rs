@@ -141,6 +141,7 @@ mod summary;
 pub mod survey;
 pub mod survey_adjustment;
 mod survey_change;
+mod survey_elimination;
 
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
