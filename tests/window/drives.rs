@@ -1,14 +1,15 @@
 //! Drives of one set-up, solved together in the window.
 
 use egui::{Key, Modifiers, Theme};
-use resect::app::DeploymentCommand;
+use egui_kittest::kittest::Queryable as _;
+use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
 use resect_core::calibration::Verdict;
-use resect_core::simulation::Preset;
+use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
 
 use crate::common::{answer, two_runs};
-use crate::harness::{LARGE, Window, press, send, shown, type_and_enter_at_once, window};
+use crate::harness::{LARGE, Window, click, press, send, shown, type_and_enter_at_once, window};
 
 fn sigma_m(harness: &Window) -> f64 {
     let analysis = shown(harness).analysis.clone().expect("analysed");
@@ -37,4 +38,21 @@ fn the_palette_solves_two_drives_together_and_undo_parts_them() {
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(shown(&harness).deployment.restarts_s.len(), 0);
     assert_eq!(sigma_m(&harness), alone_m);
+}
+
+#[test]
+fn a_drive_with_the_same_control_points_is_offered_and_another_is_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let runs = two_runs(Preset::Warthog.scenario(), 3, &[]);
+    let other = simulate(Preset::Warthog, 5);
+    for (name, run) in [("other", &other), ("morning", &runs[0]), ("noon", &runs[1])] {
+        write_folder(run, &folder.path().join(name)).expect("written");
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(folder.path().join(name))));
+    }
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Deployment));
+    assert!(harness.query_by_label("Solve together with warthog (simulated), other").is_none());
+    click(&mut harness, "Solve together with warthog (simulated), morning");
+    assert_eq!(shown(&harness).deployment.restarts_s.len(), 1);
+    assert!(harness.query_by_label("Solve together with warthog (simulated), morning").is_none());
 }

@@ -4,8 +4,8 @@ use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::model::{
-    Command, DeploymentCommand, JudgingCommand, LiveCommand, PictureTo, PlanCommand,
-    ResultsCommand, SceneCommand, SessionCommand, TimeCommand,
+    Command, DeploymentCommand, JudgingCommand, LiveCommand, OpenDeployment, PictureTo,
+    PlanCommand, ResultsCommand, SceneCommand, SessionCommand, TimeCommand,
 };
 use crate::app::state::State;
 use resect_io::sample::Sample;
@@ -103,15 +103,9 @@ fn sessions(state: &State) -> Vec<Action> {
 /// Joint solution of the active deployment with another, and closing.
 fn deployments(state: &State) -> Vec<Action> {
     let mut actions: Vec<Action> = Vec::new();
-    if let Some((active, source)) =
-        state.active().and_then(|open| Some((open, open.source.as_ref()?)))
-    {
+    if let Some(active) = state.active() {
         for (other, other_name) in state.deployments.open.iter().zip(state.names()) {
-            let Some(path) = other.source.as_ref().and_then(Source::path) else { continue };
-            if other.id != active.id {
-                let drives = vec![path.to_owned()];
-                let mut together = source.clone();
-                together.extras.add(Extras { drives, ..Extras::default() });
+            if let Some(together) = solved_together(active, other) {
                 let name = format!("Solve together with {other_name}");
                 let hint =
                     "As drives of one set-up: unmoved stations, separate clocks for each drive";
@@ -127,6 +121,18 @@ fn deployments(state: &State) -> Vec<Action> {
         actions.push(close.in_general("Close the deployment"));
     }
     actions
+}
+
+/// Returns the source of the active deployment with another open one as a further drive; `None` if it has it, or if one has no file.
+pub fn solved_together(active: &OpenDeployment, other: &OpenDeployment) -> Option<Source> {
+    let (source, other_source) = (active.source.as_ref()?, other.source.as_ref()?);
+    let path = other_source.path().filter(|_| other.id != active.id)?;
+    let drives = vec![path.to_owned()];
+    let mut together = source.clone();
+    together.extras.add(Extras { drives, ..Extras::default() });
+    let is_new = together != *source
+        && !other_source.extras.drives.iter().any(|drive| Some(&**drive) == source.path());
+    is_new.then_some(together)
 }
 
 pub fn exports(state: &State) -> Vec<Action> {

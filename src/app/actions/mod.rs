@@ -13,4 +13,5 @@ mod view;
 
 pub use action::{Action, Menu};
 pub use all_actions::{all, matching};
+pub use file::solved_together;
 pub use keys::{from_keys, keys_in_words};

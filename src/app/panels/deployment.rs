@@ -1,6 +1,7 @@
 //! The open deployments, and for the active one its stations with counts and visibility, its files, and its rig.
 
 use super::{corrections, finding, heading, scrolled};
+use crate::app::actions::solved_together;
 use crate::app::model::{
     Commands, DeploymentCommand, OpenDeployment, SceneCommand, SessionCommand, Visibility,
 };
@@ -13,6 +14,9 @@ use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::deployment::{Severity, pair_label};
 use resect_core::palette;
 use resect_report::glossary;
+
+/// Indentation of a line below a deployment's name (points).
+const BELOW_A_NAME: f32 = 18.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -94,7 +98,33 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 commands.push(DeploymentCommand::Activate(open.id).into());
             }
         });
+        other_drive(ui, state, (open, &name), commands);
     }
+}
+
+/// Offers to solve a deployment together with the active one if both have the same control points.
+fn other_drive(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, name): (&OpenDeployment, &str),
+    commands: &mut Commands,
+) {
+    let Some(active) = state.active() else { return };
+    let Some(together) = solved_together(active, open) else { return };
+    if !active.deployment.shares_survey_with(&open.deployment) {
+        return;
+    }
+    ui.horizontal(|ui| {
+        ui.add_space(BELOW_A_NAME);
+        ui.small("same control points");
+        let label = format!("Solve together with {name}");
+        let button = ui.small_button("Solve together");
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+        let hint = "Opens both as drives of one set-up. Each is evidence for the other, with its own clocks.";
+        if button.on_hover_text(hint).clicked() {
+            commands.push(DeploymentCommand::OpenSource(together).into());
+        }
+    });
 }
 
 /// Lists deployments of the session that could not be opened; they stay in the session until the user removes them.

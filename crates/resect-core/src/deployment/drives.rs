@@ -1,6 +1,6 @@
 //! Several drives of one set-up, joined into one deployment and solved together.
 
-use super::control_points::ControlPointSet;
+use super::control_points::{ControlPoint, ControlPointSet};
 use super::deployment::Deployment;
 use super::findings::recordings::{drive_distances_differ, drive_shifted};
 
@@ -45,6 +45,16 @@ impl Deployment {
             self.append(drive);
         }
         Ok(())
+    }
+
+    /// Returns true if both have the same readings of a control point, so that their stations were set up for the same survey.
+    pub fn shares_survey_with(&self, other: &Self) -> bool {
+        let points = |of: &Self| {
+            of.control_points.iter().flat_map(|set| set.points.clone()).collect::<Vec<_>>()
+        };
+        let own = points(self);
+        let is_measured = |point: &ControlPoint| point.readings.iter().all(Option::is_some);
+        points(other).iter().any(|point| is_measured(point) && own.contains(point))
     }
 
     fn check_same_set_up(&mut self, other: &Self) -> Result<(), OtherSetUp> {
