@@ -172,9 +172,13 @@ fn station_difference(
 }
 
 /// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of the joint estimate, because both
-/// use the same readings. `None` for an answer without another beside it, and if the joint estimate failed.
+/// use the same readings. `None` for an answer without another beside it, if the joint estimate failed, and if the readings do not
+/// determine the paper's answer.
 pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
     let published = joint.published.as_deref().filter(|_| joint.joint_failure().is_none())?;
+    if published.verdict == Verdict::Degenerate {
+        return None;
+    }
     Some(std::array::from_fn(|k| {
         let [before, after] = [published, joint].map(|answer| {
             let sigma = answer.sigma.map(|sigma| sigma[k]);

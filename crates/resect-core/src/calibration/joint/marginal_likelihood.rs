@@ -29,6 +29,8 @@ type ProcessField = fn(&mut SlowPriors) -> &mut GaussMarkov;
 
 /// Replaces the processes of errors of ranges, across the sights, and upward, one after the other, by likelier ones: first by the standard
 /// deviation with the largest marginal likelihood, then by the correlation time with it, and again if that is another one.
+///
+/// Each search descends on the grid from the present process, so that a process that fits costs two or three likelihoods.
 pub fn choose_processes(
     normal: &ChainEquations,
     priors: &mut Priors,
@@ -41,50 +43,76 @@ pub fn choose_processes(
         (MOST_ACROSS_M, |slow| &mut slow.upward),
     ];
     for (most_m, field) in fields {
-        let process = *field(&mut priors.slow);
-        let sigmas_m = || PROCESS_SIGMAS_M.into_iter().filter(|sigma_m| *sigma_m <= most_m);
-        let mut choose = |tried: &[GaussMarkov]| {
-            choose_likeliest(tried, field, normal, priors, state, progress)?;
-            Ok(*field(&mut priors.slow))
+        let sigmas = PROCESS_SIGMAS_M.iter().take_while(|sigma_m| **sigma_m <= most_m).count();
+        let mut slow = priors.slow.clone();
+        let cell = grid_cell(field(&mut slow));
+        let costs = |cells: &[[usize; 2]]| {
+            let with_process = |cell: &[usize; 2]| {
+                let mut slow = priors.slow.clone();
+                *field(&mut slow) = process_of(*cell);
+                slow
+            };
+            let tried: Vec<SlowPriors> = cells.iter().map(with_process).collect();
+            let costs = minus_two_ln_likelihoods(&tried, normal, priors, state, progress)?;
+            Ok(costs.into_iter().map(|cost| cost.unwrap_or(f64::INFINITY)).collect())
         };
-        let with_sigmas = |process: GaussMarkov| {
-            let with_sigma = |sigma_m| GaussMarkov { sigma_m, ..process };
-            sigmas_m().map(with_sigma).collect::<Vec<_>>()
-        };
-        let with_times = |process: GaussMarkov| {
-            PROCESS_TIMES_S.map(|correlation_s| GaussMarkov { correlation_s, ..process })
-        };
-        let by_sigma = choose(&with_sigmas(process))?;
-        let by_time = choose(&with_times(by_sigma))?;
-        if by_time != by_sigma {
-            choose(&with_sigmas(by_time))?;
-        }
+        let mut search =
+            GridSearch { counts: [sigmas, PROCESS_TIMES_S.len()], costs, known: Vec::new() };
+        let by_sigma = search.descend(cell, 0)?;
+        let by_time = search.descend(by_sigma, 1)?;
+        let likeliest = if by_time == by_sigma { by_time } else { search.descend(by_time, 0)? };
+        *field(&mut priors.slow) = process_of(likeliest);
     }
     Ok(())
 }
 
-/// Replaces a process by the likeliest of some.
-fn choose_likeliest(
-    processes: &[GaussMarkov],
-    field: ProcessField,
-    normal: &ChainEquations,
-    priors: &mut Priors,
-    state: &StateVector,
-    progress: &Progress,
-) -> Result<(), Cancelled> {
-    let with = |process: &GaussMarkov| {
-        let mut slow = priors.slow.clone();
-        *field(&mut slow) = *process;
-        slow
-    };
-    let tried: Vec<SlowPriors> = processes.iter().map(with).collect();
-    let costs = minus_two_ln_likelihoods(&tried, normal, priors, state, progress)?;
-    let costs = costs.into_iter().zip(tried);
-    let costs = costs.filter_map(|(cost, slow)| Some((cost?, slow)));
-    if let Some((_, slow)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        priors.slow = slow;
+/// Returns the process of a cell: the index of its standard deviation, and of its correlation time.
+fn process_of([sigma, time]: [usize; 2]) -> GaussMarkov {
+    GaussMarkov { sigma_m: PROCESS_SIGMAS_M[sigma], correlation_s: PROCESS_TIMES_S[time] }
+}
+
+/// Returns the cell of a process; that of the smallest one if it is not on the grid.
+fn grid_cell(process: &GaussMarkov) -> [usize; 2] {
+    let index = |all: &[f64], value: f64| all.iter().position(|tried| *tried == value);
+    let sigma = index(&PROCESS_SIGMAS_M, process.sigma_m);
+    let time = index(&PROCESS_TIMES_S, process.correlation_s);
+    sigma.zip(time).map_or([0, 1], |(sigma, time)| [sigma, time])
+}
+
+/// Search for the smallest cost on a grid. `costs` returns those of several cells at once.
+struct GridSearch<F> {
+    /// Number of cells along both axes.
+    counts: [usize; 2],
+    costs: F,
+    /// The cells whose costs are known.
+    known: Vec<([usize; 2], f64)>,
+}
+
+impl<F: FnMut(&[[usize; 2]]) -> Result<Vec<f64>, Cancelled>> GridSearch<F> {
+    /// Moves to the better neighbour along an axis until neither is better.
+    fn descend(&mut self, mut cell: [usize; 2], axis: usize) -> Result<[usize; 2], Cancelled> {
+        loop {
+            let last = self.counts[axis] - 1;
+            let along = cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(last);
+            let near = along.map(|index| {
+                let mut near = cell;
+                near[axis] = index;
+                near
+            });
+            let near: Vec<[usize; 2]> = near.collect();
+            let is_new = |cell: &&[usize; 2]| self.known.iter().all(|(known, _)| known != *cell);
+            let new: Vec<[usize; 2]> = near.iter().filter(is_new).copied().collect();
+            let costs = (self.costs)(&new)?;
+            self.known.extend(new.into_iter().zip(costs));
+            let is_near = |(cell, _): &&([usize; 2], f64)| near.contains(cell);
+            let best = self.known.iter().filter(is_near).min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((best, _)) = best.copied() else { return Ok(cell) };
+            if best == cell {
+                return Ok(cell);
+            }
+            cell = best;
+        }
     }
-    Ok(())
 }
 
 /// Returns the variance of the clocks' random walks with the largest marginal likelihood (s²), or that of the prior unless the gain is
@@ -202,5 +230,36 @@ impl<'a> MarginalLikelihood<'a> {
         let gradient = Constants::from_column_slice(self.constants.as_flattened());
         let explained = self.explained + gradient.dot(&factor.solve(&gradient));
         Some(ln_determinant + self.prior_square - explained)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_on_the_grid_finds_the_minimum_and_asks_for_each_cost_once() {
+        let mut asked = Vec::new();
+        let costs = |cells: &[[usize; 2]]| {
+            asked.extend_from_slice(cells);
+            let cost =
+                |[sigma, time]: &[usize; 2]| sigma.abs_diff(3) as f64 + time.abs_diff(0) as f64;
+            Ok(cells.iter().map(cost).collect())
+        };
+        let mut search = GridSearch { counts: [5, 4], costs, known: Vec::new() };
+        let by_sigma = search.descend([0, 1], 0).expect("not cancelled");
+        assert_eq!(by_sigma, [3, 1]);
+        assert_eq!(search.descend(by_sigma, 1).expect("not cancelled"), [3, 0]);
+        let mut once = asked.clone();
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(once.len(), asked.len(), "{asked:?}");
+    }
+
+    #[test]
+    fn costs_that_are_all_infinite_end_a_search() {
+        let costs = |cells: &[[usize; 2]]| Ok(vec![f64::INFINITY; cells.len()]);
+        let mut search = GridSearch { counts: [5, 4], costs, known: Vec::new() };
+        search.descend([2, 1], 0).expect("not cancelled");
     }
 }
