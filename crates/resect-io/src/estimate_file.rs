@@ -1,11 +1,10 @@
 //! Reading of trajectories of other systems: TUM, EuRoC, KITTI with times, CSV with a header, and bags of ROS 1 and ROS 2.
 //!
-//! The format is recognised from the lines: separator, number of fields, and names of columns. Lines that begin with `#` or `%` are
-//! comments, except one that names the columns. Times above 10¹⁵ are nanoseconds.
+//! [`pose_table`](crate::format::pose_table) reads the tables.
 
 use crate::findings::trajectories::{
-    estimate_orientations_missing, estimate_out_of_order, estimate_quaternions_normalised,
-    estimate_times_repeated,
+    estimate_columns_guessed, estimate_orientations_missing, estimate_out_of_order,
+    estimate_poses_skipped, estimate_quaternions_normalised, estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,18 +12,20 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::OpenError;
+use crate::findings::tracks::rows_skipped;
 use crate::format::Format;
 use crate::format::bag;
 use crate::format::bag::{Piece, natural_key};
+use crate::format::estimate::{KITTI_FIELDS, is_kitti};
+use crate::format::pose_table::{self, FORMATS};
+use crate::format::table::{CORRECT, SkippedRows};
+use crate::format::text_encoding::decode_text;
 use resect_core::deployment::Finding;
 use resect_core::estimates::{EstimatedPose, EstimatedTrajectory};
 use resect_core::progress::Progress;
 
 /// Largest difference of a quaternion's length from one; larger ones are errors.
 const ROUNDED: f64 = 1e-2;
-const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
-                       timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
-const CORRECT: &str = "correct or delete the line";
 
 /// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
 pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
@@ -88,36 +89,43 @@ fn read_bag(
     let several = topics.len() > 1;
     let estimates = topics.into_iter().map(|topic| {
         let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
-        let poses = topic.poses.iter().enumerate().map(|(index, pose)| {
-            let [x, y, z, w] = pose.orientation;
-            let quaternion = Quaternion::new(w, x, y, z);
-            let numbers = pose.position_m.iter().chain(&pose.orientation);
-            let is_sound = numbers.clone().all(|number| number.is_finite());
-            // An unset rotation is all zeros.
-            let orientation = if quaternion.norm() == 0.0 {
-                None
-            } else if (quaternion.norm() - 1.0).abs() < ROUNDED {
-                Some(UnitQuaternion::from_quaternion(quaternion))
-            } else {
-                return Err(unsound(&file, &topic.name, index));
-            };
-            if !is_sound {
-                return Err(unsound(&file, &topic.name, index));
+        let (mut poses, mut skipped) = (Vec::new(), SkippedRows::default());
+        for (index, pose) in topic.poses.iter().enumerate() {
+            match pose_of_message(pose) {
+                Ok(pose) => poses.push(pose),
+                Err(reason) => skipped.add(index + 1, reason),
             }
-            let time_s = pose.stamp_s.unwrap_or_default();
-            Ok(EstimatedPose { time_s, position_m: pose.position_m.into(), orientation })
-        });
-        let poses = poses.collect::<Result<Vec<_>, _>>()?;
+        }
+        if let Some((message, reason)) =
+            skipped.first.as_ref().filter(|_| skipped.count > poses.len())
+        {
+            let what = format!("message {message} of {} {reason}", topic.name);
+            return Err(OpenError::file(&file, what, "leave the topic out, or record it again"));
+        }
+        let mut findings = findings.clone();
+        findings.extend(estimate_poses_skipped(&file, &topic.name, &skipped));
         let topic = several.then(|| topic.name.clone());
-        Ok(put_in_order((name, topic), path, poses, findings.clone()))
+        Ok(put_in_order((name, topic), path, poses, findings))
     });
     estimates.collect()
 }
 
-fn unsound(file: &str, topic: &str, index: usize) -> OpenError {
-    let what =
-        format!("message {} of {topic} has no finite numbers or no unit quaternion", index + 1);
-    OpenError::file(file, what, "leave the topic out, or record it again")
+/// Returns the pose of a message, or the reason why it is not one. An unset rotation is all zeros.
+fn pose_of_message(pose: &bag::messages::StampedPose) -> Result<EstimatedPose, String> {
+    let [x, y, z, w] = pose.orientation;
+    let quaternion = Quaternion::new(w, x, y, z);
+    if !pose.position_m.iter().chain(&pose.orientation).all(|number| number.is_finite()) {
+        return Err("has no finite numbers".to_owned());
+    }
+    let orientation = if quaternion.norm() == 0.0 {
+        None
+    } else if (quaternion.norm() - 1.0).abs() < ROUNDED {
+        Some(UnitQuaternion::from_quaternion(quaternion))
+    } else {
+        return Err("has no unit quaternion".to_owned());
+    };
+    let time_s = pose.stamp_s.unwrap_or_default();
+    Ok(EstimatedPose { time_s, position_m: pose.position_m.into(), orientation })
 }
 
 /// Returns a trajectory sorted by time, without repeated times, and adds findings about the changes.
@@ -153,204 +161,47 @@ fn read_text(path: &Path) -> Result<String, OpenError> {
         return Err(OpenError::file(&path.display().to_string(), "not a regular file", FORMATS));
     }
     let bytes = std::fs::read(path).map_err(io)?;
-    String::from_utf8(bytes)
-        .map_err(|_| OpenError::file(&path.display().to_string(), "not a text file", FORMATS))
+    decode_text(&bytes)
+        .ok_or_else(|| OpenError::file(&path.display().to_string(), "not a text file", FORMATS))
 }
 
-/// Indices of the columns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Columns {
-    time: usize,
-    position: [usize; 3],
-    /// x, y, z, w.
-    orientation: Option<[usize; 4]>,
-}
-
-const TUM: Columns = Columns { time: 0, position: [1, 2, 3], orientation: Some([4, 5, 6, 7]) };
-const POSITIONS: Columns = Columns { orientation: None, ..TUM };
-const EUROC: Columns = Columns { orientation: Some([5, 6, 7, 4]), ..TUM };
-/// Numbers in a line of KITTI: the first three rows of a 4×4 matrix.
-const KITTI: usize = 12;
-
+/// Reads the poses of a text, and adds findings about skipped rows and guesses.
 fn poses(
     file: &str,
     path: &Path,
     text: &str,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<EstimatedPose>, OpenError> {
-    let mut columns: Option<Columns> = None;
-    let mut poses = Vec::new();
-    let mut rows_of_kitti: Vec<[f64; KITTI]> = Vec::new();
-    let mut rough = 0;
-    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-        let (number, line) = (index + 1, line.trim());
-        if line.is_empty() {
-            continue;
-        }
-        if let Some(comment) = line.strip_prefix(['#', '%']) {
-            if columns.is_none() && comment.contains(',') {
-                columns = named(comment);
-            }
-            continue;
-        }
-        let fields: Vec<&str> = split(line).collect();
-        let values: Option<Vec<f64>> = fields.iter().map(|field| field.parse().ok()).collect();
-        let first = columns.is_none() && rows_of_kitti.is_empty();
-        if first && fields[0].parse::<f64>().is_err() {
-            columns = Some(named(line).ok_or_else(|| {
-                OpenError::line(
-                    file,
-                    number,
-                    format!("the header `{line}` has no columns of poses"),
-                    FORMATS,
-                )
-            })?);
-            continue;
-        }
-        if (first || !rows_of_kitti.is_empty()) && fields.len() == KITTI && !line.contains(',') {
-            let row = values.and_then(|values| values.try_into().ok());
-            let row: [f64; KITTI] = row
-                .filter(|row: &[f64; KITTI]| row.iter().all(|v| v.is_finite()))
-                .ok_or_else(|| OpenError::line(file, number, "a field is not a number", CORRECT))?;
-            rows_of_kitti.push(row);
-            continue;
-        }
-        if columns.is_none() {
-            columns = without_names(line, &fields);
-        }
-        let columns = columns.ok_or_else(|| {
-            let what = format!("{} fields do not form a pose", fields.len());
-            OpenError::line(file, number, what, FORMATS)
-        })?;
-        let (pose, length) =
-            pose(&fields, &columns).map_err(|what| OpenError::line(file, number, what, CORRECT))?;
-        rough += usize::from((length - 1.0).abs() > ROUNDED);
-        poses.push(pose);
+    if is_kitti(text) {
+        return of_kitti(file, path, &rows_of_kitti(file, text)?);
     }
-    if rough > 0 {
-        findings.push(estimate_quaternions_normalised(file, rough));
+    let table = pose_table::read(file, text)?;
+    findings.extend(rows_skipped(file, &table.skipped));
+    findings.extend(table.guessed.map(|layout| estimate_columns_guessed(file, layout)));
+    if table.rough_quaternions > 0 {
+        findings.push(estimate_quaternions_normalised(file, table.rough_quaternions));
     }
-    if rows_of_kitti.is_empty() { Ok(poses) } else { of_kitti(file, path, &rows_of_kitti) }
+    Ok(table.poses)
 }
 
-fn split(line: &str) -> Box<dyn Iterator<Item = &str> + '_> {
-    match [',', ';'].into_iter().find(|separator| line.contains(*separator)) {
-        Some(separator) => Box::new(line.split(separator).map(str::trim)),
-        None => Box::new(line.split_whitespace()),
-    }
-}
-
-/// Returns the columns by the names in a header; `None` without time or position.
-fn named(header: &str) -> Option<Columns> {
-    let names: Vec<String> = split(header).map(plain).collect();
-    let at = |candidates: &[String]| names.iter().position(|name| candidates.contains(name));
-    let axis = |prefixes: &[&str], axis: &str| {
-        at(&prefixes.iter().map(|prefix| format!("{prefix}{axis}")).collect::<Vec<_>>())
+fn rows_of_kitti(file: &str, text: &str) -> Result<Vec<[f64; KITTI_FIELDS]>, OpenError> {
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    let rows = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with(['#', '%']));
+    let row = |(number, line): (usize, &str)| {
+        let values: Option<Vec<f64>> =
+            line.split_whitespace().map(|field| field.parse().ok()).collect();
+        let row = values.and_then(|values| <[f64; KITTI_FIELDS]>::try_from(values).ok());
+        row.filter(|row| row.iter().all(|value| value.is_finite()))
+            .ok_or_else(|| OpenError::line(file, number, "not twelve numbers", CORRECT))
     };
-    const POSITION: [&str; 9] = [
-        "",
-        "t",
-        "p",
-        "p_",
-        "pos_",
-        "position_",
-        "p_rs_r_",
-        "pose_position_",
-        "pose_pose_position_",
-    ];
-    const ORIENTATION: [&str; 8] = [
-        "q",
-        "q_",
-        "q_rs_",
-        "quat_",
-        "orientation_",
-        "rotation_",
-        "pose_orientation_",
-        "pose_pose_orientation_",
-    ];
-    let times = ["timestamp", "time", "t", "timestamp_s", "time_s", "stamp"].map(str::to_owned);
-    let orientation = ["x", "y", "z", "w"].map(|name| axis(&ORIENTATION, name));
-    let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|name| axis(&POSITION, name)) else {
-        return None;
-    };
-    Some(Columns {
-        time: at(&times)?,
-        position: [x, y, z],
-        orientation: match orientation {
-            [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
-            _ => None,
-        },
-    })
-}
-
-/// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `x_m` becomes `x`.
-fn plain(name: &str) -> String {
-    let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
-    let name = name.replace(['.', '/', ' '], "_");
-    name.strip_suffix("_m").unwrap_or(&name).trim_matches('"').to_owned()
-}
-
-/// Returns the columns of a line of numbers, by the number of fields and the separator.
-fn without_names(line: &str, fields: &[&str]) -> Option<Columns> {
-    let is_euroc = line.contains(',') && fields[0].parse::<f64>().is_ok_and(|t| t.abs() > 1e15);
-    match fields.len() {
-        8.. if is_euroc => Some(EUROC),
-        8 => Some(TUM),
-        4 => Some(POSITIONS),
-        _ => None,
-    }
-}
-
-/// Returns the pose of a line, and the length of its quaternion before normalisation.
-fn pose(fields: &[&str], columns: &Columns) -> Result<(EstimatedPose, f64), String> {
-    let value = |column: usize| -> Result<f64, String> {
-        let field = fields.get(column).ok_or_else(|| format!("only {} fields", fields.len()))?;
-        match field.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("`{field}` is not a number")),
-        }
-    };
-    let [x, y, z] = columns.position;
-    let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
-    let (orientation, length) = match columns.orientation {
-        None => (None, 1.0),
-        Some([x, y, z, w]) => {
-            let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
-            let length = raw.norm();
-            if length < 1e-3 {
-                return Err("the quaternion is zero".to_owned());
-            }
-            (Some(UnitQuaternion::from_quaternion(raw)), length)
-        }
-    };
-    Ok((
-        EstimatedPose {
-            time_s: seconds(fields[columns.time], value(columns.time)?),
-            position_m,
-            orientation,
-        },
-        length,
-    ))
-}
-
-/// Returns seconds. Nanoseconds are split as integers, since they have more digits than a double.
-fn seconds(field: &str, value: f64) -> f64 {
-    if value.abs() <= 1e15 {
-        return value;
-    }
-    match field.parse::<i128>() {
-        Ok(nanoseconds) => {
-            (nanoseconds / 1_000_000_000) as f64 + 1e-9 * (nanoseconds % 1_000_000_000) as f64
-        }
-        Err(_) => 1e-9 * value,
-    }
+    rows.map(row).collect()
 }
 
 /// Poses of KITTI, whose times are in a separate file in the same folder.
 fn of_kitti(
     file: &str,
     path: &Path,
-    rows: &[[f64; KITTI]],
+    rows: &[[f64; KITTI_FIELDS]],
 ) -> Result<Vec<EstimatedPose>, OpenError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let beside = [format!("{stem}_times.txt"), "times.txt".to_owned()];
@@ -370,7 +221,7 @@ fn of_kitti(
             continue;
         }
         match line.parse::<f64>() {
-            Ok(time) if time.is_finite() => times_s.push(seconds(line, time)),
+            Ok(time_s) if time_s.is_finite() => times_s.push(time_s),
             _ => {
                 return Err(OpenError::line(
                     &name,
@@ -385,7 +236,7 @@ fn of_kitti(
         let what = format!("{} times for {} poses of {file}", times_s.len(), rows.len());
         return Err(OpenError::file(&name, what, "each pose needs one"));
     }
-    let pose = |(time_s, row): (f64, &[f64; KITTI])| {
+    let pose = |(time_s, row): (f64, &[f64; KITTI_FIELDS])| {
         let matrix = Matrix3::from_fn(|r, c| row[4 * r + c]);
         EstimatedPose {
             time_s,

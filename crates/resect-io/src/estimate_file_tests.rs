@@ -34,7 +34,7 @@ fn the_same_pose_is_read_from_every_format() {
                 "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n1657543210250000000,1,2,3,{half},0,0,{half}\n"
             ),
         ),
-        ("c.csv", format!("1657543210250000000,1,2,3,{half},0,0,{half},0.1,0,0\n")),
+        ("c.csv", format!("1657543210250000000,1,2,3,{half},0,0,{half},0,0,0,0,0,0,0,0,0\n")),
         (
             "d.csv",
             format!(
@@ -78,13 +78,19 @@ fn kitti_takes_its_times_from_the_file_beside_it() {
 #[test]
 fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
     for (text, said) in [
-        ("1 0 0 0 0 0 0 1\n2 0 x 0 0 0 0 1\n", ":2: `x` is not a number"),
+        (
+            "1 0 0 0 0 0 0 1\n2 0 x 0 0 0 0 1\n3 0 y 0 0 0 0 1\n",
+            ":2: `x` is not a number; 2 rows of 3",
+        ),
         ("1 0 0 0 0 0 0 0\n", ":1: the quaternion is zero"),
-        ("1 0 0 0 0 0 0 1\n2 0 0\n", ":2: only 3 fields"),
         ("1 0 nan 0 0 0 0 1\n", ":1: `nan` is not a number"),
         ("a,b,c\n1,2,3\n", ":1: the header `a,b,c` has no columns of poses"),
         ("# nothing\n", "no pose in this file"),
-        ("1 2 3\n", ":1: 3 fields do not form a pose"),
+        ("1 2 3\n", ":1: 3 fields without a header do not form a pose"),
+        ("1,2,3,4,0,0,0.1,0,0,0,1\n", ":1: 11 fields without a header"),
+        ("1,2,3,4,0,0,0.1,0,0,0,1,0,0\n", ":1: 13 fields without a header"),
+        ("1657543210250000000,1,2,3,0.5,0.1,0.2,0.3\n", "no unit quaternions"),
+        ("t,x,y,z\n0,1,2,3,4\n", "a column of row numbers has no name"),
     ] {
         let why = of("a.txt", text).expect_err(text).to_string();
         assert!(why.contains(said), "{why}");
@@ -97,4 +103,96 @@ fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
         assert!(finding.contains(part), "{finding}");
     }
     assert_eq!(said.len(), 3);
+}
+
+/// Poses of an estimate in the tables of other tools: the same as in TUM.
+#[test]
+fn tables_of_other_tools_are_read() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let echo = "%time,field.header.seq,field.header.stamp,field.pose.pose.position.x,field.pose.pose.position.y,\
+                field.pose.pose.position.z,field.pose.pose.orientation.x,field.pose.pose.orientation.y,\
+                field.pose.pose.orientation.z,field.pose.pose.orientation.w";
+    let texts = [
+        (
+            "w first",
+            format!("# timestamp tx ty tz qw qx qy qz\n1657543210.25 1 2 3 {half} 0 0 {half}\n"),
+        ),
+        (
+            "rostopic echo -p",
+            format!("{echo}\n1657543210999000000,7,1657543210250000000,1,2,3,0,0,{half},{half}\n"),
+        ),
+        ("ros2 topic echo --csv", format!("1657543210,250000000,map,1,2,3,0,0,{half},{half}\n")),
+        (
+            "of odometry",
+            format!("1657543210,250000000,odom,base_link,1,2,3,0,0,{half},{half},0,0,0\n"),
+        ),
+        (
+            "milliseconds",
+            format!("1657543210250 1 2 3 0 0 {half} {half}\n1657543210350 1 2 3 0 0 0 1\n"),
+        ),
+        (
+            "microseconds",
+            format!("t,px,py,pz,qx,qy,qz,qw\n1657543210250000,1,2,3,0,0,{half},{half}\n"),
+        ),
+        ("trailing commas", format!("1657543210.25,1,2,3,0,0,{half},{half},\n")),
+        (
+            "index without a name",
+            format!(",timestamp,x,y,z,qx,qy,qz,qw\n0,1657543210.25,1,2,3,0,0,{half},{half}\n"),
+        ),
+        ("num", format!("num,t,x,y,z,qx,qy,qz,qw\n0,1657543210.25,1,2,3,0,0,{half},{half}\n")),
+        (
+            "sec,nsec",
+            format!("#sec,nsec,x,y,z,qx,qy,qz,qw\n1657543210,250000000,1,2,3,0,0,{half},{half}\n"),
+        ),
+        (
+            "a date",
+            format!("time,x,y,z,qx,qy,qz,qw\n2022-07-11T12:40:10.25Z,1,2,3,0,0,{half},{half}\n"),
+        ),
+        (
+            "decimal commas",
+            "time;x;y;z;qx;qy;qz;qw\n1657543210,25;1;2;3;0;0;0,7071068;0,7071068\n".to_owned(),
+        ),
+        (
+            "more names than columns",
+            format!("t,px,py,pz,qx,qy,qz,qw,vx,vx\n1657543210.25,1,2,3,0,0,{half},{half}\n"),
+        ),
+    ];
+    for (name, text) in texts {
+        let estimate = of("a.csv", &text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let pose = estimate.poses[0];
+        assert!((pose.time_s - 1_657_543_210.25).abs() < 1e-6, "{name}: {}", pose.time_s);
+        assert_eq!(pose.position_m, Vector3::new(1.0, 2.0, 3.0), "{name}");
+        let turned = pose.orientation.expect("turned") * Vector3::x();
+        assert!((turned - Vector3::y()).norm() < 1e-7, "{name}: {turned}");
+    }
+}
+
+#[test]
+fn small_stamps_are_seconds_unless_poses_are_impossibly_far_apart() {
+    let time_s = |text: &str| of("a.txt", text).expect("read").poses[1].time_s;
+    assert_eq!(time_s("764.03 0 0 0 0 0 0 1\n764.13 1 0 0 0 0 0 1\n"), 764.13);
+    // A stop every five minutes.
+    assert_eq!(time_s("1630486029.98 0 0 0\n1630486329.5 1 0 0\n"), 1_630_486_329.5);
+    // Nanoseconds since the start of a computer.
+    assert_eq!(time_s("764030000000 0 0 0\n764130000000 1 0 0\n"), 764.13);
+    // A wrong unit in the header.
+    assert_eq!(
+        time_s("timestamp_s,x,y,z\n1630486029000,0,0,0\n1630486029100,1,0,0\n"),
+        1_630_486_029.1
+    );
+}
+
+#[test]
+fn rows_without_a_pose_are_counted() {
+    let text =
+        "1 0 0 0 0 0 0 1\n2 nan nan nan nan nan nan nan\n3 0 0 0 0 0 0 1\n4 0 0 0 0 0 0 1\n5 0 0";
+    let estimate = of("a.txt", text).expect("read");
+    assert_eq!(estimate.poses.len(), 3);
+    let [finding] = &estimate.findings[..] else { panic!("{:?}", estimate.findings) };
+    assert!(
+        finding
+            .to_string()
+            .contains("2 rows are not valid and skipped (line 2: `nan` is not a number)"),
+        "{finding}"
+    );
 }

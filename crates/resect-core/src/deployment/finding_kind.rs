@@ -106,6 +106,8 @@ finding_kinds! {
     BagIncomplete = "bag-incomplete", Note;
     /// Messages of a bag cannot be decoded.
     BagMessagesMalformed = "bag-messages-malformed", Warning;
+    /// Rows of a table, or poses of a bag, are not valid and were skipped.
+    RowsSkipped = "rows-skipped", Warning;
     /// A bag is one of several files of a recording, and the others are not read.
     BagSplitsUnread = "bag-splits-unread", Warning;
     /// Several bags are read as one drive.
@@ -210,6 +212,8 @@ finding_kinds! {
 
     /// Poses of a trajectory were not in order of time, and were sorted.
     EstimateOutOfOrder = "estimate-out-of-order", Warning;
+    /// The columns of an estimated trajectory have no header.
+    EstimateColumnsGuessed = "estimate-columns-guessed", Note;
     /// Several poses of a trajectory have the same time; the first of each was kept.
     EstimateTimesRepeated = "estimate-times-repeated", Warning;
     /// Some poses of a trajectory have no orientation, so none is used.

@@ -1,5 +1,6 @@
 //! Findings about tracks as a whole: files, columns, prism constant, spans and masks, GNSS.
 
+use crate::format::table::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
 pub fn file_unreadable(file: &str) -> Finding {
@@ -37,6 +38,17 @@ pub fn folder_date_contradicts_stamps(other: &OtherDate<'_>) -> Finding {
         ),
     )
     .quantity("days", days, Unit::Count)
+}
+
+/// Returns a finding about the rows of a table that are not valid; `None` without any.
+pub fn rows_skipped(file: &str, skipped: &SkippedRows) -> Option<Finding> {
+    let (line, reason) = skipped.first.as_ref()?;
+    let rows = if skipped.count == 1 { "1 row is" } else { &format!("{} rows are", skipped.count) };
+    let message = format!(
+        "{file}: {rows} not valid and skipped (line {line}: {reason}); correct the file if they matter"
+    );
+    let finding = Finding::new(FindingKind::RowsSkipped, message);
+    Some(finding.about(Subject::File(file.to_owned())).count("rows", skipped.count))
 }
 
 /// `columns` describes the meaning of the columns.
@@ -137,6 +149,14 @@ pub(super) fn examples() -> Vec<Finding> {
     vec![
         file_unreadable("old.csv"),
         folder_date_contradicts_stamps(&other),
+        rows_skipped(
+            "tracks.csv",
+            &SkippedRows {
+                count: 3,
+                first: Some((7, "`x` in column `ha` is not a number".to_owned())),
+            },
+        )
+        .expect("rows"),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),
         prism_constant_added(&[0.01; 3], "deployment.toml", false),

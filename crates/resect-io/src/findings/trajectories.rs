@@ -1,5 +1,6 @@
 //! Findings about files with trajectories.
 
+use crate::format::table::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
 pub fn estimate_out_of_order(file: &str) -> Finding {
@@ -34,11 +35,27 @@ pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
         .count("poses", count)
 }
 
+/// Returns a finding about the messages of a topic that are not poses; `None` without any.
+pub fn estimate_poses_skipped(file: &str, topic: &str, skipped: &SkippedRows) -> Option<Finding> {
+    let (message, reason) = skipped.first.as_ref()?;
+    let text =
+        format!("{file}: {} poses of {topic} skipped (message {message} {reason})", skipped.count);
+    let finding = Finding::new(FindingKind::RowsSkipped, text);
+    Some(finding.about(Subject::File(file.to_owned())).count("poses", skipped.count))
+}
+
+/// `layout` names the columns in their order.
+pub fn estimate_columns_guessed(file: &str, layout: &str) -> Finding {
+    let message = format!("{file}: no header; read as {layout}");
+    Finding::new(FindingKind::EstimateColumnsGuessed, message).about(Subject::File(file.to_owned()))
+}
+
 pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_out_of_order("slam.tum"),
         estimate_times_repeated("slam.tum", 3),
         estimate_orientations_missing("slam.tum", 3, 90),
         estimate_quaternions_normalised("slam.tum", 7),
+        estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
     ]
 }

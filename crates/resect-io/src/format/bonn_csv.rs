@@ -10,7 +10,7 @@
 //!
 //! Written from that source; not tested on a real recording.
 
-use crate::findings::tracks::table_clock;
+use crate::findings::tracks::{rows_skipped, table_clock};
 use std::io::Read;
 
 use super::{polar_csv, table};
@@ -53,9 +53,9 @@ pub fn read(
 ) -> Result<(), OpenError> {
     into.begin_file(file, "line");
     let mut readings = Vec::new();
-    table::for_each_row(file, reader, &COLUMNS, progress, |row| {
+    let skipped = table::for_each_row(file, reader, &COLUMNS, progress, |row| {
         let [arrived_s, instrument, azimuth_rad, zenith_rad, range_m, _, _] = row.values;
-        let codes = [row.whole(file, 5, COLUMNS[5])?, row.whole(file, 6, COLUMNS[6])?];
+        let codes = [row.whole(5, COLUMNS[5])?, row.whole(6, COLUMNS[6])?];
         let status = codes.into_iter().find(|code| *code != 0).unwrap_or(0);
         let line = row.line;
         readings.push(BonnReading {
@@ -72,6 +72,7 @@ pub fn read(
     if readings.is_empty() {
         return Err(polar_csv::no_measurement(file));
     }
+    into.findings.extend(rows_skipped(file, &skipped));
     let clock = Clock::of(&readings);
     into.findings.push(table_clock(file, &clock.said()));
     into.ranges_include_prism_constant = true;

@@ -9,9 +9,11 @@ use crate::findings::control_points::{
     ReadingPlace, control_point_reading_implausible, control_point_repeated,
     control_point_station_unknown, control_point_status_invalid,
 };
+use crate::findings::tracks::rows_skipped;
 use crate::recording::station_index;
 use resect_core::deployment::{ControlPoint, ControlPointSet, Finding};
 use resect_core::geometry::Polar;
+use resect_core::progress::Progress;
 
 pub const COLUMNS: [&str; 6] =
     ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
@@ -24,12 +26,15 @@ pub fn read(
 ) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
     let mut points: Vec<ControlPoint> = Vec::new();
     let mut findings = Vec::new();
-    for row in table::read_columns(file, text, &COLUMNS)? {
-        let [_, _, status, zenith_rad, azimuth_rad, distance_m] = row.values[..] else {
-            unreachable!("read_columns gives as many values as columns");
-        };
-        let number = row.whole(file, 0, COLUMNS[0])?;
-        let marker = row.whole(file, 1, COLUMNS[1])?;
+    let mut rows = Vec::new();
+    let skipped =
+        table::for_each_row(file, text.as_bytes(), &COLUMNS, &Progress::default(), |row| {
+            rows.push((row.whole(0, COLUMNS[0])?, row.whole(1, COLUMNS[1])?, row));
+            Ok(())
+        })?;
+    findings.extend(rows_skipped(file, &skipped));
+    for (number, marker, row) in rows {
+        let [_, _, status, zenith_rad, azimuth_rad, distance_m] = row.values;
         let place = ReadingPlace { file, line: row.line, marker, number };
         let Some(station) = station_index(number) else {
             findings.push(control_point_station_unknown(&place));

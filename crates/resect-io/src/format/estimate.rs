@@ -2,45 +2,35 @@
 //!
 //! Only files with orientations are recognised: positions alone may equally be a station's track.
 
-/// Largest difference from one of a quaternion's length, and of the lengths of a matrix's rows.
+use super::pose_table;
+
+/// Numbers in a line of KITTI: the first three rows of a 4×4 matrix.
+pub const KITTI_FIELDS: usize = 12;
+/// Largest difference from one of the length of a matrix's row.
 const ROUNDED: f64 = 1e-2;
 
-/// Returns true if the first lines of a file are TUM, EuRoC, KITTI, or a table whose header names a quaternion.
+/// Returns true if the first lines of a file are a table of poses with unit quaternions, or KITTI.
 pub fn looks_like(text: &str) -> bool {
+    let is_table = |layout: pose_table::PoseLayout| {
+        layout.has_orientations() && layout.has_unit_quaternions(text)
+    };
+    is_kitti(text) || pose_table::layout(text).is_ok_and(is_table)
+}
+
+/// Returns true if the first line of numbers is a pose of KITTI.
+pub fn is_kitti(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let is_comment = |line: &&str| line.starts_with(['#', '%']);
-    let first = lines.clone().next();
-    let Some(data) = lines.find(|line| !is_comment(line)) else { return false };
-    let numbers: Option<Vec<f64>> = fields(data).map(|field| field.parse().ok()).collect();
-    match numbers {
-        None => names_a_quaternion(data),
-        Some(numbers) if numbers.len() == 8 => is_unit(&numbers[4..8]),
-        Some(numbers) if numbers.len() == 12 => {
-            [0, 4, 8].iter().all(|row| is_unit(&numbers[*row..row + 3]))
-        }
-        Some(numbers) => {
-            numbers.len() > 8 && first.is_some_and(names_a_quaternion) && is_unit(&numbers[4..8])
-        }
-    }
-}
-
-fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.split([',', ';', ' ', '\t']).map(str::trim).filter(|field| !field.is_empty())
-}
-
-/// Returns true for "timestamp,x,y,z,qx,qy,qz,qw", and for EuRoC's `q_RS_w []`.
-fn names_a_quaternion(header: &str) -> bool {
-    let names: Vec<String> =
-        fields(header.trim_start_matches(['#', '%'])).map(str::to_ascii_lowercase).collect();
-    ["x", "y", "z", "w"].iter().all(|axis| {
-        let ends = |name: &&String| name.starts_with('q') && name.ends_with(axis);
-        names.iter().any(|name| ends(&name))
-    })
-}
-
-fn is_unit(numbers: &[f64]) -> bool {
-    let length = numbers.iter().map(|number| number * number).sum::<f64>().sqrt();
-    (length - 1.0).abs() < ROUNDED
+    let Some(first) = lines.find(|line| !line.starts_with(['#', '%'])) else { return false };
+    let numbers: Option<Vec<f64>> =
+        first.split_whitespace().map(|field| field.parse().ok()).collect();
+    let Some(numbers) = numbers.filter(|numbers| numbers.len() == KITTI_FIELDS) else {
+        return false;
+    };
+    let is_unit = |row: &[f64]| {
+        let length = row[..3].iter().map(|number| number * number).sum::<f64>().sqrt();
+        (length - 1.0).abs() < ROUNDED
+    };
+    numbers.chunks(4).all(is_unit)
 }
 
 #[cfg(test)]

@@ -8,18 +8,20 @@ mod stamps;
 mod suggestion;
 mod values;
 
-use crate::findings::tracks::table_columns;
+use crate::findings::tracks::{rows_skipped, table_columns};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Read;
 
-use self::head::{first_rows, separator};
+use self::head::first_rows;
 use self::stamps::Stamps;
+pub use self::stamps::calendar_s;
 pub use self::suggestion::{suggest, suggest_meanings};
-use self::values::{angle_rad, metres, number, station_number};
+use self::values::{angle_rad, metres, station_number};
 use super::polar_csv;
-use super::table::{self, shown};
+use super::table::{self, SkippedRows, number, separator, shown};
 use super::text_chunks::TextChunks;
+use super::text_encoding::utf8_or_latin1;
 use crate::error::OpenError;
 use crate::recording::Recording;
 use resect_core::deployment::ColumnMapping;
@@ -89,30 +91,36 @@ pub fn read(
 ) -> Result<(), OpenError> {
     into.begin_file(file, "line");
     let mut chunks = TextChunks::new(file, reader);
-    let (header, mut number) = table::read_header(file, &mut chunks, progress)?;
+    let is_header = |line: &str| fits(line, mapping);
+    let (header, mut line_number) = table::read_header(&mut chunks, progress, is_header)?;
     let columns = MappedColumns::of(&header, separator(&header), mapping).map_err(|what| {
-        OpenError::line(file, number, what, "correct [columns] in deployment.toml")
+        OpenError::line(file, line_number, what, "correct [columns] in deployment.toml")
     })?;
     let mut stamps = Stamps::default();
-    let mut found = false;
+    let (mut skipped, mut valid) = (SkippedRows::default(), 0);
     while let Some(line) = chunks.line()? {
-        number += 1;
+        line_number += 1;
         progress.advance(line.len() as u64)?;
-        let line = table::utf8(file, number, line)?.trim_end_matches(['\r', '\n']);
+        let line = utf8_or_latin1(line);
         if line.trim().is_empty() {
             continue;
         }
-        let wrong = |what| OpenError::line(file, number, what, REMEDY);
-        let fields = table::fields(line, columns.separator).map_err(wrong)?;
-        if fields.len() != columns.count {
-            return Err(table::wrong_length(file, number, fields.len(), columns.count));
+        let fields = table::row_fields(&line, columns.separator, columns.count);
+        match fields
+            .and_then(|fields| columns.understand(&fields, line_number, station, &mut stamps))
+        {
+            Ok(record) => {
+                into.push(&record);
+                valid += 1;
+            }
+            Err(reason) => skipped.add(line_number, reason),
         }
-        into.push(&columns.understand(&fields, number, station, &mut stamps).map_err(wrong)?);
-        found = true;
     }
-    if !found {
+    skipped.refuse_if_most(file, valid, REMEDY)?;
+    if valid == 0 {
         return Err(polar_csv::no_measurement(file));
     }
+    into.findings.extend(rows_skipped(file, &skipped));
     if matches!(columns.position, PositionColumns::Cartesian(_)) {
         into.ranges_include_prism_constant = true;
     }
@@ -138,8 +146,18 @@ pub fn looks_like(head: &str) -> bool {
         && first.iter().filter(|field| is_numeric(field)).count() >= 3
 }
 
-/// Returns true if a header has all columns of a mapping.
-pub fn fits(header: &str, mapping: &ColumnMapping) -> bool {
+/// Returns the header of a table that begins with `head`: the line that has all columns of a mapping.
+pub fn header_of<'a>(head: &'a str, mapping: &ColumnMapping) -> Option<&'a str> {
+    table::header_line(head, |line| fits(line, mapping))
+}
+
+/// Returns the most probable header of an unknown table that begins with `head`.
+pub fn likely_header(head: &str) -> String {
+    first_rows(head).0
+}
+
+fn fits(line: &str, mapping: &ColumnMapping) -> bool {
+    let header = table::uncommented(line);
     MappedColumns::of(header, separator(header), mapping).is_ok()
 }
 

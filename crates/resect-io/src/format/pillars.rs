@@ -14,7 +14,9 @@ pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenErro
     table::read_columns(file, text, &COLUMNS)?
         .iter()
         .map(|row| {
-            let marker = row.whole(file, 0, COLUMNS[0])?;
+            let marker = row
+                .whole(0, COLUMNS[0])
+                .map_err(|what| OpenError::line(file, row.line, what, table::CORRECT))?;
             if seen.contains(&marker) {
                 let what = format!("pillar {marker} is listed twice");
                 return Err(OpenError::line(file, row.line, what, "keep one of the lines"));
@@ -24,12 +26,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenErro
             if position_m.iter().all(|value| value.is_finite()) {
                 Ok((marker, position_m))
             } else {
-                Err(OpenError::line(
-                    file,
-                    row.line,
-                    "not a coordinate",
-                    "correct or delete the line",
-                ))
+                Err(OpenError::line(file, row.line, "not a coordinate", table::CORRECT))
             }
         })
         .collect()

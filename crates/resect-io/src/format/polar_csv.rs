@@ -6,6 +6,7 @@ use std::io::Read;
 
 use super::table;
 use crate::error::OpenError;
+use crate::findings::tracks::rows_skipped;
 use crate::recording::Recording;
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::{Measurement, RawRecord};
@@ -22,11 +23,12 @@ pub fn read(
 ) -> Result<(), OpenError> {
     into.begin_file(file, "line");
     let mut found = false;
-    table::for_each_row(file, reader, &COLUMNS, progress, |row| {
+    let skipped = table::for_each_row(file, reader, &COLUMNS, progress, |row| {
         let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values;
+        let station = row.whole(1, COLUMNS[1])?;
         found = true;
         into.push(&RawRecord {
-            station: row.whole(file, 1, COLUMNS[1])?,
+            station,
             status: 0,
             place: row.line,
             measurement: Measurement { time_s, range_m, azimuth_rad, zenith_rad },
@@ -34,6 +36,7 @@ pub fn read(
         });
         Ok(())
     })?;
+    into.findings.extend(rows_skipped(file, &skipped));
     if found { Ok(()) } else { Err(no_measurement(file)) }
 }
 

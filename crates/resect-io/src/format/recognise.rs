@@ -1,7 +1,7 @@
 //! Recognition of formats by content.
 
 use super::format::{Format, SESSION_KEY};
-use super::text_chunks::BYTE_ORDER_MARK;
+use super::text_encoding::decode;
 use super::{
     applied_transforms, bag, bonn_csv, cartesian_tracks, control_points, estimate, gsi, jobxml,
     mapped_csv, pillars, polar_csv, rig_files, rtklib_pos, surveyed_points, table,
@@ -19,8 +19,8 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     if let Some(format) = bag::recognise(head) {
         return format;
     }
-    let text = String::from_utf8_lossy(head);
-    let text = text.trim_start_matches(BYTE_ORDER_MARK);
+    let text = decode(head);
+    let text = &*text;
     if rtklib_pos::looks_like(text) {
         return Format::RtklibPos;
     }
@@ -31,19 +31,22 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     if first.starts_with(SESSION_KEY) {
         return Format::Ignored("a session: open it with `resect FILE`");
     }
+    let has_header = |columns: &[&str]| {
+        table::header_line(text, |line| table::header_has(line, columns)).is_some()
+    };
     if jobxml::looks_like(text) {
         Format::JobXml
     } else if gsi::looks_like(first) {
         Format::Gsi
-    } else if table::header_has(first, &polar_csv::COLUMNS) {
+    } else if has_header(&polar_csv::COLUMNS) {
         Format::PolarCsv
-    } else if table::header_has(first, &bonn_csv::COLUMNS) {
+    } else if has_header(&bonn_csv::COLUMNS) {
         Format::BonnCsv
-    } else if table::header_has(first, &control_points::COLUMNS[..2]) {
+    } else if has_header(&control_points::COLUMNS[..2]) {
         Format::ControlPoints
-    } else if table::header_has(first, &pillars::COLUMNS) {
+    } else if has_header(&pillars::COLUMNS) {
         Format::Pillars
-    } else if table::header_has(first, &surveyed_points::COLUMNS) {
+    } else if has_header(&surveyed_points::COLUMNS) {
         Format::SurveyedPoints
     } else if !is_applied_transforms(first) && estimate::looks_like(text) {
         Format::Estimate

@@ -1,9 +1,13 @@
 //! Text tables with a header: columns, numbers, and errors by line.
+//!
+//! Columns are separated by commas, semicolons, tabs, bars, or blanks. Unless separated by commas, numbers may have a decimal comma.
+//! Lines above the header are skipped: comments, titles, a spreadsheet's `sep=;`.
 
 use std::borrow::Cow;
 use std::io::Read;
 
 use super::text_chunks::TextChunks;
+use super::text_encoding::utf8_or_latin1;
 use crate::error::OpenError;
 use resect_core::progress::Progress;
 
@@ -15,112 +19,163 @@ pub struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// Returns a value that must be a whole number.
-    pub fn whole(&self, file: &str, index: usize, column: &str) -> Result<i64, OpenError> {
+    /// Returns a value that must be a whole number, or the reason why it is not.
+    pub fn whole(&self, index: usize, column: &str) -> Result<i64, String> {
         let value = self.values[index];
         if value.fract() == 0.0 && value.abs() < 1e15 {
             Ok(value as i64)
         } else {
-            let what = format!("{value} in column `{column}` is not a whole number");
-            Err(OpenError::line(file, self.line, what, CORRECT))
+            Err(format!("{value} in column `{column}` is not a whole number"))
         }
     }
 }
 
-const CORRECT: &str = "correct or delete the line";
+/// Rows that are not valid and were skipped.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SkippedRows {
+    pub count: usize,
+    /// Line and reason of the first.
+    pub first: Option<(usize, String)>,
+}
+
+impl SkippedRows {
+    pub fn add(&mut self, line: usize, reason: String) {
+        self.count += 1;
+        self.first.get_or_insert((line, reason));
+    }
+
+    /// Returns the error of a table in which the rows that are not valid outnumber the others.
+    pub fn refuse_if_most(&self, file: &str, valid: usize, remedy: &str) -> Result<(), OpenError> {
+        match &self.first {
+            Some((line, reason)) if self.count > valid => {
+                let what = match self.count {
+                    1 => reason.clone(),
+                    count => format!("{reason}; {count} rows of {} are like that", count + valid),
+                };
+                Err(OpenError::line(file, *line, what, remedy))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+pub const CORRECT: &str = "correct or delete the line";
+const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
+/// Number of lines among which the header is searched.
+const LINES_ABOVE: usize = 30;
+/// Entries of tables for a missing number.
+const MISSING: [&str; 8] = ["", "-", "--", "---", "n/a", "na", "null", "none"];
+
+/// Returns the separator of the columns: the most frequent one in the header; blanks if it has no other.
+pub fn separator(header: &str) -> char {
+    let count = |separator: &char| header.matches(*separator).count();
+    // If equally frequent, the first: a comma.
+    let separator = SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(',');
+    if count(&separator) == 0 && header.trim().contains(' ') { ' ' } else { separator }
+}
+
+/// Returns a header without the sign of a comment.
+pub fn uncommented(header: &str) -> &str {
+    header.trim().trim_start_matches(['#', '%']).trim()
+}
 
 /// Returns true if a header names all these columns, with any separator.
 pub fn header_has(header: &str, columns: &[&str]) -> bool {
-    let names: Vec<_> = header.split([',', ';', '\t', '|', ' ']).map(bare).collect();
+    let names: Vec<_> = uncommented(header).split([',', ';', '\t', '|', ' ']).map(bare).collect();
     columns.iter().all(|column| names.iter().any(|name| name.eq_ignore_ascii_case(column)))
 }
 
-/// Calls `take` with the named columns of each row of a comma-separated table, in any order of columns; `progress` counts bytes.
+/// Returns the first of the lines of a text that a reader of tables takes for its header.
+pub fn header_line(text: &str, is_header: impl Fn(&str) -> bool) -> Option<&str> {
+    text.lines().take(LINES_ABOVE).find(|line| is_header(line))
+}
+
+/// Calls `take` with the named columns of each row of a table, in any order of columns; `progress` counts bytes.
 ///
-/// A field that is not a number, a missing column, a row of another length or another separator is an error with its line. `NaN` is
-/// passed on as a number.
+/// Returns the rows that are skipped: a field that is not a number, another number of fields than the header, or a reason that `take`
+/// gives. A missing number is NaN. A missing column is an error, and so are more skipped rows than others.
 pub fn for_each_row<const N: usize>(
     file: &str,
     reader: impl Read,
     columns: &[&str; N],
     progress: &Progress,
-    mut take: impl FnMut(Row<N>) -> Result<(), OpenError>,
-) -> Result<(), OpenError> {
+    mut take: impl FnMut(Row<N>) -> Result<(), String>,
+) -> Result<SkippedRows, OpenError> {
     let mut chunks = TextChunks::new(file, reader);
-    let (header, mut line) = read_header(file, &mut chunks, progress)?;
-    let names = comma_separated(file, line, &header)?;
+    let is_header = |line: &str| header_has(line, columns);
+    let (header, mut line) = read_header(&mut chunks, progress, is_header)?;
+    let separator = separator(&header);
+    let names =
+        fields(&header, separator).map_err(|what| OpenError::line(file, line, what, CORRECT))?;
     let wanted = positions(file, line, &names, columns)?;
+    let layout = Layout { separator, count: names.len(), wanted, columns };
     let mut slots = vec![None; names.len()];
     for (slot, position) in wanted.iter().enumerate() {
         slots[*position] = Some(slot);
     }
+    let (mut skipped, mut valid) = (SkippedRows::default(), 0);
     while let Some(lines) = chunks.lines()? {
         let mut rest = lines;
         while !rest.is_empty() {
             line += 1;
-            let (values, taken) = match plain_row(rest, &slots) {
-                Some((values, taken)) => (Some(values), taken),
+            let (values, taken) = match plain_row(rest, separator as u8, &slots) {
+                Some((values, taken)) => (Ok(Some(values)), taken),
                 None => {
                     let end = memchr::memchr(b'\n', rest).map_or(rest.len(), |at| at + 1);
-                    (any_row(file, line, &rest[..end], names.len(), &wanted, columns)?, end)
+                    (layout.row(&rest[..end]), end)
                 }
             };
             rest = &rest[taken..];
-            if let Some(values) = values {
-                take(Row { line, values })?;
+            match values
+                .and_then(|values| values.map(|values| take(Row { line, values })).transpose())
+            {
+                Ok(None) => {}
+                Ok(Some(())) => valid += 1,
+                Err(reason) => skipped.add(line, reason),
             }
         }
         let bytes = lines.len() as u64;
         progress.advance(bytes)?;
     }
-    Ok(())
+    skipped.refuse_if_most(file, valid, CORRECT)?;
+    Ok(skipped)
 }
 
-/// Returns all rows of [`for_each_row`].
+/// Returns all rows of [`for_each_row`]; skipped ones are an error.
 pub fn read_columns<const N: usize>(
     file: &str,
     text: &str,
     columns: &[&str; N],
 ) -> Result<Vec<Row<N>>, OpenError> {
     let mut rows = Vec::new();
-    for_each_row(file, text.as_bytes(), columns, &Progress::default(), |row| {
+    let skipped = for_each_row(file, text.as_bytes(), columns, &Progress::default(), |row| {
         rows.push(row);
         Ok(())
     })?;
+    skipped.refuse_if_most(file, 0, CORRECT)?;
     Ok(rows)
 }
 
-/// Reads the first line that is not blank, and its number.
+/// Reads up to the header, and returns it without the sign of a comment, with its line: the first line that `is_header` accepts, or the
+/// first that is not blank.
 pub fn read_header(
-    file: &str,
     chunks: &mut TextChunks<impl Read>,
     progress: &Progress,
+    is_header: impl Fn(&str) -> bool,
 ) -> Result<(String, usize), OpenError> {
-    let mut number = 0;
-    while let Some(line) = chunks.line()? {
-        number += 1;
+    let mut first: Option<(String, usize)> = None;
+    for number in 1..=LINES_ABOVE {
+        let Some(line) = chunks.line()? else { break };
         progress.advance(line.len() as u64)?;
-        if !line.trim_ascii().is_empty() {
-            return Ok((utf8(file, number, line)?.trim().to_owned(), number));
+        let line = utf8_or_latin1(line);
+        if is_header(&line) {
+            return Ok((uncommented(&line).to_owned(), number));
+        }
+        if first.is_none() && !line.trim().is_empty() {
+            first = Some((line.trim().to_owned(), number));
         }
     }
-    Ok((String::new(), 1))
-}
-
-fn comma_separated<'a>(
-    file: &str,
-    line: usize,
-    header: &'a str,
-) -> Result<Vec<Cow<'a, str>>, OpenError> {
-    if !header.contains(',') {
-        let found = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars"), (' ', "spaces")];
-        let what = match found.iter().find(|(separator, _)| header.contains(*separator)) {
-            Some((_, name)) => format!("the columns are separated by {name}, not commas"),
-            None => format!("the header `{}` is not comma-separated", shown(header)),
-        };
-        return Err(OpenError::line(file, line, what, "save the table with commas"));
-    }
-    fields(header, ',').map_err(|what| OpenError::line(file, line, what, CORRECT))
+    Ok(first.unwrap_or((String::new(), 1)))
 }
 
 /// Returns the indices of the wanted columns.
@@ -142,8 +197,12 @@ fn positions<const N: usize>(
 }
 
 /// Parses the first row of a text and returns its length in bytes: the fast path, for rows of plain numbers. `None` for any other
-/// row, valid or not, which [`any_row`] parses.
-fn plain_row<const N: usize>(text: &[u8], slots: &[Option<usize>]) -> Option<([f64; N], usize)> {
+/// row, valid or not, which [`Layout::row`] parses.
+fn plain_row<const N: usize>(
+    text: &[u8],
+    separator: u8,
+    slots: &[Option<usize>],
+) -> Option<([f64; N], usize)> {
     let mut values = [0.0; N];
     let mut rest = text;
     for (column, slot) in slots.iter().enumerate() {
@@ -154,13 +213,13 @@ fn plain_row<const N: usize>(text: &[u8], slots: &[Option<usize>]) -> Option<([f
                 values[*slot] = value;
                 length
             }
-            None => memchr::memchr3(b',', b'\n', b'"', rest).unwrap_or(rest.len()),
+            None => memchr::memchr3(separator, b'\n', b'"', rest).unwrap_or(rest.len()),
         };
         rest = past_spaces(&rest[length..]);
         let is_last = column + 1 == slots.len();
         rest = match (is_last, rest) {
-            (false, [b',', rest @ ..])
-            | (true, [b'\n', rest @ ..] | [b'\r', b'\n', rest @ ..] | rest @ []) => rest,
+            (false, [end, rest @ ..]) if *end == separator => rest,
+            (true, [b'\n', rest @ ..] | [b'\r', b'\n', rest @ ..] | rest @ []) => rest,
             // A skipped field may end with a carriage return.
             _ => return None,
         };
@@ -175,48 +234,83 @@ fn past_spaces(mut text: &[u8]) -> &[u8] {
     text
 }
 
-/// Parses one line in general: quoted fields, blank lines (`None`), and all errors.
-fn any_row<const N: usize>(
-    file: &str,
-    number: usize,
-    line: &[u8],
-    expected: usize,
-    wanted: &[usize; N],
-    columns: &[&str; N],
-) -> Result<Option<[f64; N]>, OpenError> {
-    let line = utf8(file, number, line)?.trim();
-    if line.is_empty() {
-        return Ok(None);
-    }
-    let fields = fields(line, ',').map_err(|what| OpenError::line(file, number, what, CORRECT))?;
-    if fields.len() != expected {
-        return Err(wrong_length(file, number, fields.len(), expected));
-    }
-    let mut values = [0.0; N];
-    for ((value, position), column) in values.iter_mut().zip(wanted).zip(columns) {
-        let field = &fields[*position];
-        *value = field.parse().map_err(|_| {
-            let what = format!("`{}` in column `{column}` is not a number", shown(field));
-            OpenError::line(file, number, what, CORRECT)
-        })?;
-    }
-    Ok(Some(values))
+/// The columns of a table.
+struct Layout<'a, const N: usize> {
+    separator: char,
+    count: usize,
+    wanted: [usize; N],
+    columns: &'a [&'a str; N],
 }
 
-/// The error of a row that has another number of fields than the header.
-pub fn wrong_length(file: &str, line: usize, fields: usize, expected: usize) -> OpenError {
-    let what = format!("{fields} fields where the header has {expected}");
-    OpenError::line(file, line, what, "the line may be cut short; complete or delete it")
+impl<const N: usize> Layout<'_, N> {
+    /// Parses one line in general: quoted fields, blank lines (`None`), or the reason why it is not a row.
+    fn row(&self, line: &[u8]) -> Result<Option<[f64; N]>, String> {
+        let line = utf8_or_latin1(line);
+        if line.trim().is_empty() {
+            return Ok(None);
+        }
+        let fields = row_fields(&line, self.separator, self.count)?;
+        let mut values = [0.0; N];
+        for ((value, position), column) in values.iter_mut().zip(self.wanted).zip(self.columns) {
+            let field = &fields[position];
+            *value = number(field, self.separator != ',')
+                .map_err(|what| format!("`{}` in column `{column}` {what}", shown(field)))?;
+        }
+        Ok(Some(values))
+    }
 }
 
-/// Returns a line as text.
-pub fn utf8<'a>(file: &str, number: usize, line: &'a [u8]) -> Result<&'a str, OpenError> {
-    std::str::from_utf8(line)
-        .map_err(|_| OpenError::line(file, number, "not UTF-8 text", "save it as UTF-8"))
+/// Splits a row of a table with so many columns, or returns the reason why it is not one. An empty field behind the last is ignored.
+pub fn row_fields(line: &str, separator: char, count: usize) -> Result<Vec<Cow<'_, str>>, String> {
+    let mut fields = fields(line.trim_end_matches(['\r', '\n']), separator)?;
+    if fields.len() == count + 1 && fields[count].is_empty() {
+        fields.pop();
+    }
+    match fields.len() {
+        own if own == count => Ok(fields),
+        own if own == count + 1 => Err(format!(
+            "{own} fields where the header has {count}; a column of row numbers has no name"
+        )),
+        own => Err(format!("{own} fields where the header has {count}; the line may be cut short")),
+    }
 }
 
-/// Splits a line without its end into fields, trimmed and without quotes; the error describes the fault.
+/// Parses a number; NaN for a missing one. The error completes a sentence that begins with the field.
+pub fn number(field: &str, decimal_comma: bool) -> Result<f64, String> {
+    let field = with_point(field.trim(), decimal_comma);
+    if let Ok(value) = field.parse() {
+        return Ok(value);
+    }
+    if MISSING.iter().any(|missing| field.eq_ignore_ascii_case(missing)) {
+        return Ok(f64::NAN);
+    }
+    without_thousands(&field).ok_or_else(|| "is not a number".to_owned())
+}
+
+/// Returns the number of `1,234,567.8`; `None` if a comma may be a decimal one.
+fn without_thousands(field: &str) -> Option<f64> {
+    let (whole, decimals) = field.split_once('.')?;
+    let mut groups = whole.trim_start_matches(['+', '-']).split(',');
+    let is_first = groups.next().is_some_and(|group| (1..=3).contains(&group.len()));
+    let is_plain = decimals.chars().all(|c| c.is_ascii_digit());
+    let is_grouped = is_first && is_plain && groups.all(|group| group.len() == 3);
+    is_grouped.then(|| field.replace(',', "").parse().ok()).flatten()
+}
+
+/// Returns the field with a decimal point instead of a decimal comma, if the table may have one.
+pub fn with_point(field: &str, decimal_comma: bool) -> Cow<'_, str> {
+    if decimal_comma && field.contains(',') && !field.contains('.') {
+        Cow::Owned(field.replacen(',', ".", 1))
+    } else {
+        Cow::Borrowed(field)
+    }
+}
+
+/// Splits a line without its end into fields, trimmed and without quotes; the error describes the fault. Several blanks are one separator.
 pub fn fields(line: &str, separator: char) -> Result<Vec<Cow<'_, str>>, String> {
+    if separator == ' ' {
+        return Ok(line.split_whitespace().map(|field| Cow::Borrowed(bare(field))).collect());
+    }
     let mut fields = Vec::new();
     let mut rest = line;
     loop {

@@ -8,6 +8,7 @@ use super::station_in_name::station_in_name;
 use crate::error::OpenError;
 use crate::extras::Extras;
 use crate::format;
+use crate::format::text_encoding::{decode, decode_text, text_reader};
 use crate::format::{Format, recognise};
 use crate::recording::station_index;
 use resect_core::deployment::Overrides;
@@ -88,27 +89,24 @@ impl FoundFile {
         self.standing != Standing::SetAside && read.contains(&self.format)
     }
 
-    /// Returns a reader of the content.
+    /// Returns a reader of the text, as UTF-8 with line feeds.
     pub fn reader(&self) -> Result<Box<dyn Read + '_>, OpenError> {
         match &self.content {
             Content::Memory(text) => Ok(Box::new(text.as_bytes())),
-            Content::Disk(path) => match std::fs::File::open(path) {
-                Ok(file) => Ok(Box::new(file)),
-                Err(error) => Err(OpenError::Io { path: path.clone(), error }),
-            },
+            Content::Disk(path) => std::fs::File::open(path)
+                .and_then(text_reader)
+                .map_err(|error| OpenError::Io { path: path.clone(), error }),
         }
     }
 
-    /// Returns the first line that is not blank.
-    pub fn header(&self) -> Result<String, OpenError> {
+    /// Returns the first kilobytes of the text.
+    pub fn head(&self) -> Result<String, OpenError> {
         let mut head = Vec::new();
         let io = |error| {
             OpenError::file(&self.file, format!("cannot be read ({error})"), "check the disk")
         };
         self.reader()?.take(4096).read_to_end(&mut head).map_err(io)?;
-        let head = String::from_utf8_lossy(&head).into_owned();
-        let mut lines = head.trim_start_matches(format::BYTE_ORDER_MARK).lines().map(str::trim);
-        Ok(lines.find(|line| !line.is_empty()).unwrap_or_default().to_owned())
+        Ok(decode(&head).into_owned())
     }
 
     /// Returns the text without a byte-order mark, and counts its bytes as done.
@@ -120,20 +118,16 @@ impl FoundFile {
 
     /// Returns the text, for a reader that counts its bytes itself.
     pub fn uncounted_text(&self) -> Result<String, OpenError> {
-        let text = match &self.content {
-            Content::Memory(text) => text.clone(),
+        match &self.content {
+            Content::Memory(text) => Ok(decode(text.as_bytes()).into_owned()),
             Content::Disk(path) => {
                 let bytes = std::fs::read(path)
                     .map_err(|error| OpenError::Io { path: path.clone(), error })?;
-                String::from_utf8(bytes).map_err(|_| {
-                    OpenError::file(&self.file, "not UTF-8 text", "save it as UTF-8")
-                })?
+                decode_text(&bytes).ok_or_else(|| {
+                    OpenError::file(&self.file, "not a text file", "save it as text")
+                })
             }
-        };
-        Ok(match text.strip_prefix(format::BYTE_ORDER_MARK) {
-            Some(rest) => rest.to_owned(),
-            None => text,
-        })
+        }
     }
 }
 

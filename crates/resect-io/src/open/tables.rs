@@ -17,12 +17,14 @@ pub fn unknown<'a>(
     files: &'a [FoundFile],
 ) -> Result<Option<Vec<&'a FoundFile>>, OpenError> {
     let tables: Vec<_> = files.iter().filter(|f| f.format == Format::UnknownTable).collect();
-    let headers = tables.iter().map(|f| f.header()).collect::<Result<Vec<_>, _>>()?;
+    let heads = tables.iter().map(|f| f.head()).collect::<Result<Vec<_>, _>>()?;
     if let Some(columns) = columns {
-        let fitting = tables.iter().zip(&headers).filter(|(_, h)| mapped_csv::fits(h, columns));
+        let fits = |head: &str| mapped_csv::header_of(head, columns).is_some();
+        let fitting = tables.iter().zip(&heads).filter(|(_, head)| fits(head));
         let fitting: Vec<_> = fitting.map(|(file, _)| *file).collect();
         return Ok((!fitting.is_empty()).then_some(fitting));
     }
+    let headers: Vec<String> = heads.iter().map(|head| mapped_csv::likely_header(head)).collect();
     match tables.first() {
         Some(first) if headers.iter().all(|header| *header == headers[0]) => {
             Err(which_columns(first)?)
@@ -116,7 +118,7 @@ fn which_columns(file: &FoundFile) -> Result<OpenError, OpenError> {
         Content::Disk(path) => path.clone(),
         Content::Memory(_) => PathBuf::new(),
     };
-    let header = shown(&file.header()?);
+    let header = shown(&mapped_csv::likely_header(&file.head()?));
     Ok(Question::Columns { file: file.file.clone(), path, header }.into())
 }
 

@@ -3,7 +3,7 @@
 use jiff::civil::{Date, DateTime, Time};
 use jiff::tz::{Offset, TimeZone};
 
-use super::values::{number, with_point};
+use crate::format::table::{number, with_point};
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::TimeFormat;
 
@@ -35,7 +35,9 @@ impl Stamps {
             TimeFormat::Milliseconds => counted(1e3),
             TimeFormat::Microseconds => counted(1e6),
             TimeFormat::Nanoseconds => counted(1e9),
-            TimeFormat::Calendar => calendar_s(&with_point(field, decimal_comma), mapping),
+            TimeFormat::Calendar => {
+                calendar_s(&with_point(field, decimal_comma), mapping.utc_offset_hours)
+            }
             TimeFormat::TimeOfDay => {
                 let time_s = time_of_day_s(&with_point(field, decimal_comma))?;
                 Ok(self.after_midnight(time_s, station))
@@ -60,7 +62,7 @@ impl Stamps {
 }
 
 /// Returns Unix seconds of a date and a time of day: ISO 8601, also with a space or slashes, or with the day first and points.
-fn calendar_s(field: &str, mapping: &ColumnMapping) -> Result<f64, String> {
+pub fn calendar_s(field: &str, utc_offset_hours: f64) -> Result<f64, String> {
     let field = field.trim();
     let what = || "is not a date and time".to_owned();
     if let Ok(stamp) = field.parse::<jiff::Timestamp>() {
@@ -69,7 +71,7 @@ fn calendar_s(field: &str, mapping: &ColumnMapping) -> Result<f64, String> {
     let (date, time) = field.split_once(['T', ' ']).ok_or_else(what)?;
     let date = date_of(date).ok_or_else(what)?;
     let time: Time = time.trim().parse().map_err(|_| what())?;
-    let offset = Offset::from_seconds((mapping.utc_offset_hours * 3600.0).round() as i32)
+    let offset = Offset::from_seconds((utc_offset_hours * 3600.0).round() as i32)
         .map_err(|_| "cannot be converted: utc_offset_hours is not a valid time zone".to_owned())?;
     let zoned = DateTime::from_parts(date, time).to_zoned(TimeZone::fixed(offset));
     zoned.map(|zoned| seconds_of(zoned.timestamp())).map_err(|_| what())

@@ -3,9 +3,8 @@
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-use super::head::{first_rows, separator};
-use super::values::with_point;
-use crate::format::table;
+use super::head::first_rows;
+use crate::format::table::{self, separator, with_point};
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 use resect_core::statistics::median;

@@ -2,29 +2,11 @@
 //!
 //! An error completes a sentence that begins with the field: "is not a number".
 
+use crate::format::table::{number, with_point};
 use resect_core::geometry::{FOOT_M, US_SURVEY_FOOT_M};
-use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use resect_core::deployment::{TableAngle, TableLength};
-
-/// Parses a number; NaN for an empty field.
-pub fn number(field: &str, decimal_comma: bool) -> Result<f64, String> {
-    let field = with_point(field.trim(), decimal_comma);
-    if field.is_empty() {
-        return Ok(f64::NAN);
-    }
-    field.parse().map_err(|_| "is not a number".to_owned())
-}
-
-/// Returns the field with a decimal point instead of a decimal comma, if the table may have one.
-pub fn with_point(field: &str, decimal_comma: bool) -> Cow<'_, str> {
-    if decimal_comma && field.contains(',') && !field.contains('.') {
-        Cow::Owned(field.replacen(',', ".", 1))
-    } else {
-        Cow::Borrowed(field)
-    }
-}
 
 /// Parses a length (m).
 pub fn metres(field: &str, unit: TableLength, decimal_comma: bool) -> Result<f64, String> {

@@ -1,0 +1,433 @@
+//! Tables of poses: TUM, EuRoC, ROS exports, and CSV with a header. One pose per row.
+//!
+//! Columns are named by a header, which may be a comment. Without one, only formats of a fixed layout are read: TUM, positions with
+//! times, EuRoC, and `ros2 topic echo --csv`. Their quaternions must have unit length, otherwise a header is asked for.
+
+use std::borrow::Cow;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use super::mapped_csv::calendar_s;
+use super::table::{self, SkippedRows, header_line, number, uncommented};
+use crate::error::OpenError;
+use resect_core::estimates::EstimatedPose;
+use resect_core::statistics::median;
+
+/// Largest difference of a quaternion's length from one; larger ones are reported.
+const ROUNDED: f64 = 1e-2;
+/// Least share of unit quaternions by which a layout without a header is accepted.
+const UNIT_SHARE: f64 = 0.9;
+/// Largest median interval between poses (s) of a unit of time that is guessed.
+const LONGEST_INTERVAL_S: f64 = 100.0;
+pub const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
+                       timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
+const NAME_THE_COLUMNS: &str =
+    "name the columns in a first line, such as timestamp,x,y,z,qx,qy,qz,qw";
+
+/// Indices of the columns of a pose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PoseColumns {
+    time: TimeColumns,
+    position: [usize; 3],
+    /// x, y, z, w.
+    orientation: Option<[usize; 4]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TimeColumns {
+    /// One number or date; counts per second, if the header names the unit.
+    One(usize, Option<u32>),
+    SecondsAndNanoseconds(usize, usize),
+}
+
+/// Layout of a table: the columns, and their source.
+#[derive(Debug)]
+pub struct PoseLayout {
+    columns: PoseColumns,
+    separator: char,
+    /// Line of the header (1 is the first), or 0 without one.
+    header_line: usize,
+    /// Fields of the header; `None` if it is a comment, or without one.
+    header_fields: Option<usize>,
+    /// Name of a layout without a header.
+    pub guessed: Option<&'static str>,
+}
+
+/// The poses of a table.
+#[derive(Debug)]
+pub struct PoseTable {
+    pub poses: Vec<EstimatedPose>,
+    /// Number of quaternions without unit length, which were normalised.
+    pub rough_quaternions: usize,
+    pub skipped: SkippedRows,
+    pub guessed: Option<&'static str>,
+}
+
+/// Returns the layout of a text that begins with `head`, or the line and the reason why it is no table of poses.
+pub fn layout(head: &str) -> Result<PoseLayout, (usize, String)> {
+    if let Some(header) = header_line(head, |line| named(uncommented(line)).is_some()) {
+        let names = uncommented(header);
+        let columns = named(names).expect("the header has been found by its names");
+        let separator = table::separator(names);
+        let is_comment = header.trim_start().starts_with('#');
+        let line = head.lines().position(|line| line == header).map_or(0, |index| index + 1);
+        let count = table::fields(names, separator).map_or(0, |names| names.len());
+        let header_fields = (!is_comment).then_some(count);
+        return Ok(PoseLayout {
+            columns,
+            separator,
+            header_line: line,
+            header_fields,
+            guessed: None,
+        });
+    }
+    let Some((line, first)) = data_lines(head).next() else {
+        return Err((0, "no pose in this file".to_owned()));
+    };
+    let separator = table::separator(first);
+    let fields = table::fields(first, separator).map_err(|what| (line, what))?;
+    let (columns, guessed) = without_header(&fields, separator).map_err(|what| (line, what))?;
+    Ok(PoseLayout { columns, separator, header_line: 0, header_fields: None, guessed })
+}
+
+impl PoseLayout {
+    /// Returns true if the poses have orientations; a table of positions alone may equally be a track.
+    pub fn has_orientations(&self) -> bool {
+        self.columns.orientation.is_some()
+    }
+
+    /// Returns true if the first rows have unit quaternions.
+    pub fn has_unit_quaternions(&self, head: &str) -> bool {
+        let lines = data_lines(head).filter(|(line, _)| *line > self.header_line).take(5);
+        let rows = lines.filter_map(|(_, line)| table::fields(line, self.separator).ok());
+        let poses: Vec<_> =
+            rows.filter_map(|fields| self.columns.pose(&fields, self.separator).ok()).collect();
+        poses.iter().all(|pose| (pose.quaternion_length - 1.0).abs() < ROUNDED)
+    }
+}
+
+/// Returns the lines that are neither blank nor comments, with their numbers.
+fn data_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    lines.filter(|(_, line)| {
+        !line.is_empty() && !line.starts_with(['#', '%']) && !line.starts_with("sep=")
+    })
+}
+
+/// Reads a whole table.
+///
+/// # Errors
+/// If the rows that are not poses outnumber the others, or if most quaternions of a guessed layout have no unit length.
+pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
+    let layout = layout(text).map_err(|(line, what)| match line {
+        0 => OpenError::file(file, what, FORMATS),
+        line => OpenError::line(file, line, what, NAME_THE_COLUMNS),
+    })?;
+    let (mut rows, mut skipped) = (Vec::new(), SkippedRows::default());
+    let mut count = None;
+    for (line, row) in data_lines(text).filter(|(line, _)| *line > layout.header_line) {
+        match layout.row(row, &mut count) {
+            Ok(row) => rows.push(row),
+            Err(reason) => skipped.add(line, reason),
+        }
+    }
+    skipped.refuse_if_most(file, rows.len(), table::CORRECT)?;
+    let rough = rows.iter().filter(|row| (row.quaternion_length - 1.0).abs() > ROUNDED).count();
+    if layout.guessed.is_some() && rough as f64 > (1.0 - UNIT_SHARE) * rows.len() as f64 {
+        let what = "the columns have no header, and where a quaternion is expected are no unit quaternions";
+        return Err(OpenError::file(file, what, NAME_THE_COLUMNS));
+    }
+    let per_second = match layout.columns.time {
+        TimeColumns::One(_, unit) => counts_per_second(&rows, unit),
+        TimeColumns::SecondsAndNanoseconds(..) => 1,
+    };
+    let pose = |row: PoseRow| EstimatedPose {
+        time_s: row.stamp.seconds(per_second),
+        position_m: row.position_m,
+        orientation: row.orientation,
+    };
+    let poses = rows.into_iter().map(pose).collect();
+    Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed })
+}
+
+/// A stamp before its unit is known. Nanoseconds have more digits than a double.
+#[derive(Clone, Copy, Debug)]
+enum Stamp {
+    Whole(i128),
+    Real(f64),
+    Seconds(f64),
+}
+
+impl Stamp {
+    fn value(self) -> f64 {
+        match self {
+            Self::Whole(whole) => whole as f64,
+            Self::Real(value) | Self::Seconds(value) => value,
+        }
+    }
+
+    fn seconds(self, per_second: u32) -> f64 {
+        let unit = i128::from(per_second);
+        match self {
+            Self::Whole(whole) => {
+                (whole / unit) as f64 + (whole % unit) as f64 / f64::from(per_second)
+            }
+            Self::Real(value) => value / f64::from(per_second),
+            Self::Seconds(value) => value,
+        }
+    }
+}
+
+/// One row of a table.
+struct PoseRow {
+    stamp: Stamp,
+    position_m: Vector3<f64>,
+    orientation: Option<UnitQuaternion<f64>>,
+    /// Length before normalisation; 1 without an orientation.
+    quaternion_length: f64,
+}
+
+impl PoseLayout {
+    /// Returns the pose of a row, or the reason why it is not one. All rows have as many fields as the first.
+    fn row(&self, row: &str, count: &mut Option<usize>) -> Result<PoseRow, String> {
+        let mut fields = table::fields(row, self.separator)?;
+        if self.header_fields == Some(fields.len() - 1)
+            && fields.last().is_some_and(|last| last.is_empty())
+        {
+            fields.pop();
+        }
+        let expected = *count.get_or_insert(fields.len());
+        if fields.len() != expected {
+            return Err(format!(
+                "{} fields where others have {expected}; the line may be cut short",
+                fields.len()
+            ));
+        }
+        match self.header_fields {
+            Some(names) if fields.len() > names => Err(format!(
+                "{} fields where the header has {names}; a column of row numbers has no name",
+                fields.len()
+            )),
+            _ => self.columns.pose(&fields, self.separator),
+        }
+    }
+}
+
+impl PoseColumns {
+    fn pose(&self, fields: &[Cow<'_, str>], separator: char) -> Result<PoseRow, String> {
+        let field = |column: usize| {
+            fields
+                .get(column)
+                .map(AsRef::as_ref)
+                .ok_or_else(|| format!("only {} fields", fields.len()))
+        };
+        let value = |column: usize| -> Result<f64, String> {
+            let field = field(column)?;
+            match number(field, separator != ',') {
+                Ok(value) if value.is_finite() => Ok(value),
+                _ => Err(format!("`{}` is not a number", table::shown(field))),
+            }
+        };
+        let stamp = match self.time {
+            TimeColumns::One(column, _) => stamp(field(column)?, separator)?,
+            TimeColumns::SecondsAndNanoseconds(seconds, nanoseconds) => {
+                Stamp::Seconds(value(seconds)? + 1e-9 * value(nanoseconds)?)
+            }
+        };
+        let [x, y, z] = self.position;
+        let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
+        let Some([x, y, z, w]) = self.orientation else {
+            return Ok(PoseRow { stamp, position_m, orientation: None, quaternion_length: 1.0 });
+        };
+        let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
+        let quaternion_length = raw.norm();
+        if quaternion_length < 1e-3 {
+            return Err("the quaternion is zero".to_owned());
+        }
+        let orientation = Some(UnitQuaternion::from_quaternion(raw));
+        Ok(PoseRow { stamp, position_m, orientation, quaternion_length })
+    }
+}
+
+fn stamp(field: &str, separator: char) -> Result<Stamp, String> {
+    if let Ok(whole) = field.parse::<i128>() {
+        return Ok(Stamp::Whole(whole));
+    }
+    match number(field, separator != ',') {
+        Ok(value) if value.is_finite() => Ok(Stamp::Real(value)),
+        // ISO 8601, in UTC unless it names an offset.
+        _ => match calendar_s(field, 0.0) {
+            Ok(time_s) => Ok(Stamp::Seconds(time_s)),
+            Err(_) => Err(format!("`{}` is not a time", table::shown(field))),
+        },
+    }
+}
+
+/// Returns the counts per second of stamps: those that the header names, unless the stamps are too large for them; otherwise by the size
+/// of stamps since 1970, if the interval between poses is possible.
+fn counts_per_second(rows: &[PoseRow], named: Option<u32>) -> u32 {
+    const UNITS: [(f64, u32); 4] =
+        [(0.0, 1), (1e11, 1_000), (1e14, 1_000_000), (1e17, 1_000_000_000)];
+    let size = median(rows.iter().map(|row| row.stamp.value().abs())).unwrap_or(0.0);
+    if let Some(named) = named.filter(|named| size / f64::from(*named) < UNITS[1].0) {
+        return named;
+    }
+    let intervals =
+        rows.windows(2).map(|pair| (pair[1].stamp.value() - pair[0].stamp.value()).abs());
+    let interval = median(intervals.filter(|interval| *interval > 0.0)).unwrap_or(0.0);
+    let by_size = UNITS.into_iter().rposition(|(least, _)| size >= least).unwrap_or(0);
+    // Stamps since the start of a computer are smaller than their unit suggests; seconds are never replaced.
+    let is_possible = |(_, unit): &&(f64, u32)| interval / f64::from(*unit) < LONGEST_INTERVAL_S;
+    match by_size {
+        0 => 1,
+        _ => UNITS[by_size..].iter().find(is_possible).map_or(UNITS[by_size].1, |(_, unit)| *unit),
+    }
+}
+
+/// Returns the columns by the names in a header; `None` without time or position.
+fn named(header: &str) -> Option<PoseColumns> {
+    let names = table::fields(header, table::separator(header)).ok()?;
+    let units: Vec<Option<u32>> = names.iter().map(|name| unit_of_time(name)).collect();
+    let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+    let find = |wanted: &str| names.iter().position(|name| name == wanted);
+    let axis = |prefixes: &[&str], axis: &str| {
+        prefixes.iter().find_map(|prefix| find(&format!("{prefix}{axis}")))
+    };
+    const POSITION: [&str; 13] = [
+        "",
+        "t",
+        "p",
+        "p_",
+        "t_",
+        "pos_",
+        "position_",
+        "translation_",
+        "p_rs_r_",
+        "pose_position_",
+        "pose_pose_position_",
+        "transform_translation_",
+        "point_",
+    ];
+    const ORIENTATION: [&str; 10] = [
+        "q",
+        "q_",
+        "q_rs_",
+        "quat_",
+        "orientation_",
+        "rotation_",
+        "pose_orientation_",
+        "pose_pose_orientation_",
+        "transform_rotation_",
+        "quaternion_",
+    ];
+    // The stamp of a message precedes the time of its recording.
+    const TIMES: [&str; 9] = [
+        "header_stamp",
+        "stamp",
+        "timestamp",
+        "time",
+        "t",
+        "timestamp_s",
+        "time_s",
+        "utime",
+        "date",
+    ];
+    const PAIRS: [[&str; 2]; 5] = [
+        ["header_stamp_sec", "header_stamp_nanosec"],
+        ["header_stamp_secs", "header_stamp_nsecs"],
+        ["sec", "nanosec"],
+        ["sec", "nsec"],
+        ["secs", "nsecs"],
+    ];
+    let pair = PAIRS.into_iter().find_map(|[sec, nsec]| find(sec).zip(find(nsec)));
+    let one = || TIMES.into_iter().find_map(find);
+    let time = match pair {
+        Some((seconds, nanoseconds)) => TimeColumns::SecondsAndNanoseconds(seconds, nanoseconds),
+        None => one().map(|column| TimeColumns::One(column, units[column]))?,
+    };
+    let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|name| axis(&POSITION, name)) else {
+        return None;
+    };
+    let orientation = match ["x", "y", "z", "w"].map(|name| axis(&ORIENTATION, name)) {
+        [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
+        _ => None,
+    };
+    Some(PoseColumns { time, position: [x, y, z], orientation })
+}
+
+/// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `field.x` and `x_m` become `x`.
+fn plain(name: &str) -> String {
+    let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
+    let name = name.replace(['.', '/', ' '], "_");
+    let name = name.trim_start_matches(['#', '%', '_']);
+    let name = name.strip_prefix("field_").unwrap_or(name);
+    let units = ["_m", "_ns", "_us", "_ms"];
+    units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name).to_owned()
+}
+
+/// Returns the counts per second that a column's name states: `timestamp [ns]`, `time_ms`.
+fn unit_of_time(name: &str) -> Option<u32> {
+    let name = name.trim().trim_end_matches([']', ')']).to_lowercase();
+    let unit = name.rsplit(['[', '(', '_', ' ']).next().filter(|unit| unit.len() < name.len())?;
+    match unit {
+        "s" | "sec" => Some(1),
+        "ms" => Some(1_000),
+        "us" | "µs" => Some(1_000_000),
+        "ns" => Some(1_000_000_000),
+        _ => None,
+    }
+}
+
+/// Returns the columns of a row without a header, and the name of the layout unless it is TUM's or positions.
+fn without_header(
+    fields: &[Cow<'_, str>],
+    separator: char,
+) -> Result<(PoseColumns, Option<&'static str>), String> {
+    let numbers: Vec<Option<f64>> =
+        fields.iter().map(|field| number(field, separator != ',').ok()).collect();
+    let at = |time, first: usize, orientation: Option<[usize; 4]>| PoseColumns {
+        time,
+        position: [first, first + 1, first + 2],
+        orientation,
+    };
+    let one = TimeColumns::One(0, None);
+    let pair = TimeColumns::SecondsAndNanoseconds(0, 1);
+    let is_text = |index: usize| numbers.get(index).is_some_and(Option::is_none);
+    let are_numbers =
+        |from: usize| numbers.len() > from && numbers[from..].iter().all(Option::is_some);
+    let is_nanoseconds = numbers.first().copied().flatten().is_some_and(|t| t.abs() > 1e15);
+    let count = match fields.last() {
+        Some(last) if last.is_empty() => fields.len() - 1,
+        _ => fields.len(),
+    };
+    let quaternion_from = |first: usize| Some([first, first + 1, first + 2, first + 3]);
+    Ok(match count {
+        8 | 17 if separator == ',' && is_nanoseconds && are_numbers(1) => {
+            (at(one, 1, Some([5, 6, 7, 4])), Some("EuRoC: time, x, y, z, qw, qx, qy, qz"))
+        }
+        8 if are_numbers(1) => (at(one, 1, quaternion_from(4)), None),
+        4 if are_numbers(1) => (at(one, 1, None), None),
+        10.. if separator == ',' && is_text(2) && !is_text(3) => (
+            at(pair, 3, quaternion_from(6)),
+            Some("ros2 topic echo --csv: sec, nanosec, frame, pose"),
+        ),
+        11.. if separator == ',' && is_text(2) && is_text(3) => (
+            at(pair, 4, quaternion_from(7)),
+            Some("ros2 topic echo --csv: sec, nanosec, frames, pose"),
+        ),
+        6 if separator == ',' && is_text(2) && !is_text(3) => {
+            (at(pair, 3, None), Some("ros2 topic echo --csv: sec, nanosec, frame, point"))
+        }
+        _ if is_text(0) => {
+            return Err(format!(
+                "the header `{}` has no columns of poses",
+                shown_row(fields, separator)
+            ));
+        }
+        count => return Err(format!("{count} fields without a header do not form a pose")),
+    })
+}
+
+fn shown_row(fields: &[Cow<'_, str>], separator: char) -> String {
+    table::shown(&fields.join(&separator.to_string()))
+}
