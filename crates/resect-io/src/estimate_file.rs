@@ -4,7 +4,8 @@
 
 use crate::findings::trajectories::{
     estimate_columns_guessed, estimate_orientations_missing, estimate_out_of_order,
-    estimate_poses_skipped, estimate_quaternions_normalised, estimate_times_repeated,
+    estimate_poses_skipped, estimate_quaternions_normalised, estimate_stamps_joined,
+    estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use crate::error::OpenError;
 use crate::findings::tracks::rows_skipped;
 use crate::format::Format;
 use crate::format::bag;
-use crate::format::bag::{Piece, natural_key};
+use crate::format::bag::{Piece, RecordedPoses, natural_key};
 use crate::format::estimate::{KITTI_FIELDS, is_kitti};
 use crate::format::pose_table::{self, FORMATS};
 use crate::format::table::{CORRECT, SkippedRows};
@@ -26,6 +27,11 @@ use resect_core::progress::Progress;
 
 /// Largest difference of a quaternion's length from one; larger ones are errors.
 const ROUNDED: f64 = 1e-2;
+
+/// Number of topics that an error lists.
+const LISTED_TOPICS: usize = 8;
+/// Most different poses per time: two, of a path that is written twice.
+const MOST_AT_A_TIME: usize = 2;
 
 /// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
 pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
@@ -41,7 +47,7 @@ pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     if poses.is_empty() {
         return Err(OpenError::file(&file, "no pose in this file", FORMATS));
     }
-    Ok(vec![put_in_order((name, None), path, poses, findings)])
+    Ok(vec![put_in_order((name, None), path, poses, findings)?])
 }
 
 /// Returns the files of a bag, if the path is one or a folder of one; otherwise none.
@@ -80,11 +86,19 @@ fn read_bag(
     let names: Vec<String> = pieces.iter().map(|piece| piece.display().to_string()).collect();
     let pieces: Vec<Piece<'_>> =
         pieces.iter().zip(&names).map(|(path, file)| Piece { path, file }).collect();
-    let (topics, findings) = bag::poses(&pieces, &Progress::default())?;
+    let RecordedPoses { topics, all_topics, findings } = bag::poses(&pieces, &Progress::default())?;
     let file = path.display().to_string();
     if topics.is_empty() {
-        let what = "no topic of type nav_msgs/Odometry or geometry_msgs/PoseStamped";
-        return Err(OpenError::file(&file, what, FORMATS));
+        let topics = match all_topics.len() {
+            0 => "none".to_owned(),
+            _ => all_topics.iter().take(LISTED_TOPICS).cloned().collect::<Vec<_>>().join(", "),
+        };
+        let what = format!(
+            "no topic of type nav_msgs/Odometry or geometry_msgs/PoseStamped; its topics: {topics}"
+        );
+        let remedy =
+            "record the poses of the body as Odometry or PoseStamped, or export them as a table";
+        return Err(OpenError::file(&file, what, remedy));
     }
     let several = topics.len() > 1;
     let estimates = topics.into_iter().map(|topic| {
@@ -105,7 +119,7 @@ fn read_bag(
         let mut findings = findings.clone();
         findings.extend(estimate_poses_skipped(&file, &topic.name, &skipped));
         let topic = several.then(|| topic.name.clone());
-        Ok(put_in_order((name, topic), path, poses, findings))
+        put_in_order((name, topic), path, poses, findings)
     });
     estimates.collect()
 }
@@ -128,20 +142,29 @@ fn pose_of_message(pose: &bag::messages::StampedPose) -> Result<EstimatedPose, S
     Ok(EstimatedPose { time_s, position_m: pose.position_m.into(), orientation })
 }
 
-/// Returns a trajectory sorted by time, without repeated times, and adds findings about the changes.
+/// Returns a trajectory sorted by time, without repeated times, and adds findings about the changes; an error if most poses share a time.
 fn put_in_order(
     (name, topic): (String, Option<String>),
     path: &Path,
     mut poses: Vec<EstimatedPose>,
     mut findings: Vec<Finding>,
-) -> EstimatedTrajectory {
+) -> Result<EstimatedTrajectory, OpenError> {
     let file = path.display().to_string();
     if !poses.is_sorted_by(|a, b| a.time_s <= b.time_s) {
         findings.push(estimate_out_of_order(&file));
         poses.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
     let all = poses.len();
+    poses.dedup();
+    let different = poses.len();
     poses.dedup_by_key(|pose| pose.time_s);
+    if different > MOST_AT_A_TIME * poses.len() {
+        let what = format!(
+            "{different} poses have only {} different times: the stamps are rounded or missing",
+            poses.len()
+        );
+        return Err(OpenError::file(&file, what, "write the stamps with more digits"));
+    }
     if poses.len() < all {
         findings.push(estimate_times_repeated(&file, all - poses.len()));
     }
@@ -151,7 +174,7 @@ fn put_in_order(
         findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
-    EstimatedTrajectory { name, path: path.to_owned(), topic, poses, findings }
+    Ok(EstimatedTrajectory { name, path: path.to_owned(), topic, poses, findings })
 }
 
 fn read_text(path: &Path) -> Result<String, OpenError> {
@@ -178,6 +201,9 @@ fn poses(
     let table = pose_table::read(file, text)?;
     findings.extend(rows_skipped(file, &table.skipped));
     findings.extend(table.guessed.map(|layout| estimate_columns_guessed(file, layout)));
+    if table.are_joined {
+        findings.push(estimate_stamps_joined(file));
+    }
     if table.rough_quaternions > 0 {
         findings.push(estimate_quaternions_normalised(file, table.rough_quaternions));
     }

@@ -3,12 +3,22 @@
 use super::reading_sense::{self, Impossible, StationSense};
 use crate::error::OpenError;
 use crate::findings::readings::{
-    records_dropped, stamps_out_of_order, stamps_repeated, station_without_readings,
+    clock_set_back, readings_in_face_right, records_dropped, stamps_out_of_order, stamps_repeated,
+    station_without_readings,
 };
 use resect_core::deployment::{
     AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
+use resect_core::geometry::Polar;
 
+/// Number of different station numbers that are remembered: more than three are no three stations.
+const MOST_NUMBERS: usize = 4;
+/// Records of a number that is a station's, and not a slip.
+const FEWEST_OF_A_STATION: usize = 10;
+/// Shortest step of a clock that is reported (s): recorders write readings a little out of order.
+const LEAST_SET_BACK_S: f64 = 0.5;
+/// Number of steps of a track that are examined.
+const MOST_SET_BACKS: usize = 20;
 /// Number of reasons named in the error about a recording without a reading.
 const REASONS_IN_AN_ERROR: usize = 3;
 
@@ -22,12 +32,18 @@ pub struct Recording {
     counter_clockwise: bool,
     tracks: [Track; 3],
     late: [usize; 3],
+    /// Number of readings in face right, converted to face left.
+    face_right: [usize; 3],
+    /// Largest time by which stamps go back into a time with other readings (s); 0 if none does.
+    set_back_s: [f64; 3],
     /// True if a track contains late readings and is not sorted yet.
     unsorted: [bool; 3],
     /// Number of repeated stamps, and the place of the first.
     duplicates: [(usize, Option<String>); 3],
     dropped: DropCounts,
     sense: [StationSense; 3],
+    /// Different station numbers of the records, up to [`MOST_NUMBERS`], and how often they occur.
+    numbers_seen: Vec<(i64, usize)>,
     pub time_corrections: [Vec<TimeCorrection>; 3],
     /// True if the ranges contain the prism constant already, as coordinates do.
     pub ranges_include_prism_constant: bool,
@@ -48,7 +64,11 @@ impl Recording {
 
     /// Adds a record, or counts the reason why it cannot be a reading.
     pub fn push(&mut self, record: &RawRecord) {
+        self.count_number(record.station);
         let mut m = record.measurement;
+        let Measurement { range_m, azimuth_rad, zenith_rad, .. } = m;
+        let (polar, is_face_right) = Polar { range_m, azimuth_rad, zenith_rad }.in_face_left();
+        (m.azimuth_rad, m.zenith_rad) = (polar.azimuth_rad, polar.zenith_rad);
         let Some(station) = self.station_of(record.station) else {
             self.drop(None, "a station number other than 1, 2, 3".to_owned(), record);
             return;
@@ -63,6 +83,7 @@ impl Recording {
         match impossible {
             Some(impossible) => self.drop(Some(station), impossible.words().to_owned(), record),
             None => {
+                self.face_right[station] += usize::from(is_face_right);
                 if self.counter_clockwise {
                     m.azimuth_rad = -m.azimuth_rad;
                 }
@@ -82,6 +103,8 @@ impl Recording {
         self.numbers = numbers;
         moved(&mut self.tracks, &from);
         moved(&mut self.late, &from);
+        moved(&mut self.face_right, &from);
+        moved(&mut self.set_back_s, &from);
         moved(&mut self.unsorted, &from);
         moved(&mut self.duplicates, &from);
         moved(&mut self.sense, &from);
@@ -101,6 +124,24 @@ impl Recording {
             Some(numbers) => numbers.iter().position(|own| *own == number),
             None => station_index(number),
         }
+    }
+
+    fn count_number(&mut self, number: i64) {
+        let known = self.numbers_seen.iter().position(|(seen, _)| *seen == number);
+        if let Some(index) = known {
+            self.numbers_seen[index].1 += 1;
+        } else if self.numbers_seen.len() < MOST_NUMBERS {
+            self.numbers_seen.push((number, 1));
+        }
+    }
+
+    /// Returns the three station numbers of the records in ascending order, if they are three and others than 1, 2, 3.
+    pub fn other_numbers(&self) -> Option<[i64; 3]> {
+        let mut numbers = <[(i64, usize); 3]>::try_from(self.numbers_seen.clone()).ok()?;
+        numbers.sort_unstable();
+        let are_stations = numbers.iter().all(|(_, count)| *count >= FEWEST_OF_A_STATION);
+        let numbers = are_stations.then_some(numbers.map(|(number, _)| number))?;
+        (numbers != AS_NUMBERED).then_some(numbers)
     }
 
     fn keep(&mut self, station: usize, measurement: Measurement, record: &RawRecord) {
@@ -153,6 +194,8 @@ impl Recording {
                 track.own_clock_s.resize(track.measurements.len(), f64::NAN);
             }
             if std::mem::take(&mut self.unsorted[station]) {
+                let set_back_s = largest_set_back_s(&track.measurements);
+                self.set_back_s[station] = self.set_back_s[station].max(set_back_s);
                 self.duplicates[station].0 += sort_by_time(track);
             }
         }
@@ -178,7 +221,9 @@ impl Recording {
     /// Without any usable reading, an error with the reasons why the records were dropped.
     pub fn finish(mut self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
         self.settle();
-        let Self { tracks, late, duplicates, dropped, mut findings, .. } = self;
+        let Self {
+            tracks, late, face_right, set_back_s, duplicates, dropped, mut findings, ..
+        } = self;
         if tracks.iter().all(|track| track.measurements.is_empty()) {
             return Err(OpenError::file(
                 files,
@@ -187,6 +232,11 @@ impl Recording {
             ));
         }
         findings.extend(dropped.into_findings());
+        findings.extend(clock_set_back(&set_back_s));
+        let with_face_right = face_right.iter().enumerate().filter(|(_, count)| **count > 0);
+        findings.extend(with_face_right.map(|(station, count)| {
+            readings_in_face_right(station, *count, tracks[station].measurements.len())
+        }));
         let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
         let tracks: Vec<Track> = stations
             .map(|(station, ((track, late), (repeated, first)))| {
@@ -205,6 +255,26 @@ impl Recording {
             .collect();
         Ok((tracks.try_into().expect("three stations"), findings))
     }
+}
+
+/// Returns the largest time by which stamps go back (s), if readings before and after the step share a time without being repeated: the
+/// clock was set back. Parts of a file in another order have no common time.
+fn largest_set_back_s(readings: &[Measurement]) -> f64 {
+    let steps = (1..readings.len())
+        .map(|index| (index, readings[index - 1].time_s - readings[index].time_s))
+        .filter(|(_, back_s)| *back_s > LEAST_SET_BACK_S)
+        .take(MOST_SET_BACKS);
+    let overlaps = |(index, back_s): (usize, f64)| {
+        let (before, after) = readings.split_at(index);
+        let from_s = after[0].time_s;
+        let common: Vec<f64> =
+            before.iter().rev().map(|m| m.time_s).take_while(|time_s| *time_s >= from_s).collect();
+        let until_s = common.first().copied().unwrap_or(from_s);
+        let later = after.iter().take_while(|m| m.time_s <= until_s);
+        let new = later.filter(|m| !common.contains(&m.time_s)).take(2).count();
+        if common.len() > 1 && new > 1 { back_s } else { 0.0 }
+    };
+    steps.map(overlaps).fold(0.0, f64::max)
 }
 
 /// Sorts a track by time and removes repeated stamps; returns the number removed.

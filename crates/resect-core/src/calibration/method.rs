@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::targets::{Targets, targets};
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Finding, FindingKind};
 use crate::pipeline::Triplets;
 
 /// Fewest control points that determine an answer of method B.
@@ -192,8 +192,10 @@ fn lack(
 
 /// Returns the reason why there are no triplets, with a remedy.
 pub fn why_no_triplets(deployment: &Deployment) -> String {
+    let is_cause = |finding: &&Finding| finding.kind == FindingKind::StationsWithoutCommonTime;
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
         Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
+        None if let Some(cause) = deployment.findings.iter().find(is_cause) => cause.to_string(),
         None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
             .to_owned(),
     }

@@ -176,7 +176,8 @@ pub const ADVICE: [Advice; 19] = [
         step: "Synchronise the stations (PTP or radio), and record again.",
         kinds: &[
             Kind::ReadingsWithoutTime,
-            Kind::StampsWholeSeconds,
+            Kind::StampsCoarse,
+            Kind::ClockSetBack,
             Kind::StampsContradictRecorder,
             Kind::TimeCorrectionsContradictStamps,
             Kind::StationsWithoutCommonTime,

@@ -85,8 +85,12 @@ finding_kinds! {
     StationWithoutReadings = "station-without-readings", Problem;
     /// Readings that are marked as valid have impossible values.
     ReadingsImplausible = "readings-implausible", Doubt;
-    /// All stamps of a station are whole seconds, too coarse for a moving prism.
-    StampsWholeSeconds = "stamps-whole-seconds", Doubt;
+    /// Readings are in face right and were converted to face left.
+    ReadingsInFaceRight = "readings-in-face-right", Note;
+    /// The stamps of a station are rounded to a tenth of a second or more, too coarse for a moving prism.
+    StampsCoarse = "stamps-coarse", Doubt;
+    /// The clock of the recording was set back.
+    ClockSetBack = "clock-set-back", Doubt;
     /// Stamps do not count from 1970, so they cannot be compared with GNSS.
     StampsRelative = "stamps-relative", Note;
     /// Two stations have no common time.
@@ -106,6 +110,10 @@ finding_kinds! {
     BagIncomplete = "bag-incomplete", Note;
     /// Messages of a bag cannot be decoded.
     BagMessagesMalformed = "bag-messages-malformed", Warning;
+    /// The files number the stations other than 1, 2, 3.
+    StationsRenumbered = "stations-renumbered", Note;
+    /// The stamps of a recording jump by many hours; only the longest part is used.
+    ClockJumped = "clock-jumped", Warning;
     /// Rows of a table, or poses of a bag, are not valid and were skipped.
     RowsSkipped = "rows-skipped", Warning;
     /// A bag is one of several files of a recording, and the others are not read.
@@ -212,6 +220,8 @@ finding_kinds! {
 
     /// Poses of a trajectory were not in order of time, and were sorted.
     EstimateOutOfOrder = "estimate-out-of-order", Warning;
+    /// Seconds and nanoseconds of an estimated trajectory were joined without leading zeros.
+    EstimateStampsJoined = "estimate-stamps-joined", Warning;
     /// The columns of an estimated trajectory have no header.
     EstimateColumnsGuessed = "estimate-columns-guessed", Note;
     /// Several poses of a trajectory have the same time; the first of each was kept.

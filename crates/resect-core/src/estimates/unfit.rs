@@ -28,6 +28,11 @@ pub enum Unfit {
          feet), or align it with a scale"
     )]
     OtherScale(f64),
+    #[error(
+        "its positions are mirrored: with one axis reversed they fit {0:.0} times better; check that x, y, z are right-handed, \
+         for example that east and north are not exchanged"
+    )]
+    Mirrored(f64),
     #[error("a lever arm needs orientations; neither the estimate nor the ground truth has any")]
     NoOrientation,
 }

@@ -27,6 +27,17 @@ impl Polar {
             && (0.0..=PI).contains(&self.zenith_rad)
     }
 
+    /// Returns the reading as in face left, and true if it was made in face right: its zenith angle is beyond half a turn.
+    pub fn in_face_left(self) -> (Self, bool) {
+        let is_face_right = self.zenith_rad > PI && self.zenith_rad < TAU;
+        if is_face_right {
+            let (azimuth_rad, zenith_rad) = (self.azimuth_rad - PI, TAU - self.zenith_rad);
+            (Self { azimuth_rad, zenith_rad, ..self }, true)
+        } else {
+            (self, false)
+        }
+    }
+
     /// Position in the station's frame (m): x along azimuth 0, z up, right-handed.
     pub fn to_cartesian(self) -> Vector3<f64> {
         let (sin_zenith, cos_zenith) = self.zenith_rad.sin_cos();

@@ -71,16 +71,45 @@ pub fn readings_implausible(
     .count("readings", valid)
 }
 
+/// Converted to face left, `count` of `all` readings are used like the others.
+pub fn readings_in_face_right(station: usize, count: usize, all: usize) -> Finding {
+    let message = format!(
+        "station {}: {count} of {all} readings are in face right and were converted to face left; vertical index and \
+         collimation errors have the opposite sign there",
+        station + 1
+    );
+    Finding::new(FindingKind::ReadingsInFaceRight, message)
+        .about(Subject::Station(station))
+        .count("readings", count)
+}
+
+/// `set_back_s` are the largest steps of the three stations' stamps (s), 0 without one; returns `None` without any.
+pub fn clock_set_back(set_back_s: &[f64; 3]) -> Option<Finding> {
+    let stations: Vec<usize> = (1..=3).filter(|number| set_back_s[number - 1] > 0.0).collect();
+    let largest_s = set_back_s.iter().copied().fold(0.0, f64::max);
+    let message = format!(
+        "the stamps of {} go back by {largest_s:.1} s into a time that has other readings: the clock was set while \
+         recording; leave out the readings near the step",
+        station_list(&stations)
+    );
+    let finding =
+        Finding::new(FindingKind::ClockSetBack, message).quantity("back", largest_s, Unit::Second);
+    (largest_s > 0.0).then_some(finding)
+}
+
 /// `stations` are indices, 0 to 2.
-pub fn stamps_whole_seconds(stations: &[usize]) -> Finding {
+pub fn stamps_coarse(stations: &[usize], resolution_s: f64) -> Finding {
     let numbers: Vec<usize> = stations.iter().map(|station| station + 1).collect();
     let list = station_list(&numbers);
     Finding::new(
-        FindingKind::StampsWholeSeconds,
+        FindingKind::StampsCoarse,
         format!(
-            "every stamp of {list} is a whole second: too coarse, because a prism moves a metre in that time"
+            "the stamps of {list} are rounded to {resolution_s} s: a prism moves {:.1} m in that time at 1 m/s; record \
+             them with more digits",
+            resolution_s
         ),
     )
+    .quantity("resolution", resolution_s, Unit::Second)
     .about(match stations {
         [one] => Subject::Station(*one),
         _ => Subject::Named(list),
@@ -133,7 +162,9 @@ pub(super) fn examples() -> Vec<Finding> {
         stamps_repeated(2, 14, " (first at line 9 of drive.csv)"),
         station_without_readings(2, "drive.csv"),
         readings_implausible(0, 40, 400, &[("ranges of zero", 40)]),
-        stamps_whole_seconds(&[0, 2]),
+        stamps_coarse(&[0, 2], 1.0),
+        readings_in_face_right(1, 300, 900),
+        clock_set_back(&[0.0, 3.0, 3.1]).expect("two stations"),
         stamps_relative(12.5),
         stations_without_common_time([0, 2], [[0.0, 60.0], [90.0, 150.0]]),
     ]

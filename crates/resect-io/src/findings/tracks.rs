@@ -3,6 +3,8 @@
 use crate::format::table::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
+const DAY_S: f64 = 86_400.0;
+
 pub fn file_unreadable(file: &str) -> Finding {
     Finding::new(
         FindingKind::FileUnreadable,
@@ -49,6 +51,42 @@ pub fn rows_skipped(file: &str, skipped: &SkippedRows) -> Option<Finding> {
     );
     let finding = Finding::new(FindingKind::RowsSkipped, message);
     Some(finding.about(Subject::File(file.to_owned())).count("rows", skipped.count))
+}
+
+/// `numbers` are the numbers of stations 1, 2, 3 in the files.
+pub fn stations_renumbered(numbers: &[i64; 3]) -> Finding {
+    let [first, second, third] = numbers;
+    Finding::new(
+        FindingKind::StationsRenumbered,
+        format!(
+            "the files number the stations {first}, {second}, {third}: these are stations 1, 2, 3; if that is another order, \
+             set stations = [{first}, {second}, {third}] in deployment.toml"
+        ),
+    )
+}
+
+/// A jump of the stamps between two parts of a recording.
+pub struct ClockJump {
+    /// Time from the last stamp before the jump to the first one behind (s).
+    pub gap_s: f64,
+    /// Readings that are used, and those that are not.
+    pub used: usize,
+    pub unused: usize,
+}
+
+pub fn clock_jumped(jump: &ClockJump) -> Finding {
+    let ClockJump { gap_s, used, unused } = *jump;
+    Finding::new(
+        FindingKind::ClockJumped,
+        format!(
+            "the stamps jump by {:.1} days: the clock was set while recording, or the file has several drives. Only the \
+             longest part is used ({used} readings); {unused} readings are not. Put the parts into separate files to use \
+             them all",
+            gap_s / DAY_S
+        ),
+    )
+    .quantity("gap", gap_s, Unit::Second)
+    .count("unused", unused)
 }
 
 /// `columns` describes the meaning of the columns.
@@ -157,6 +195,8 @@ pub(super) fn examples() -> Vec<Finding> {
             },
         )
         .expect("rows"),
+        stations_renumbered(&[0, 1, 2]),
+        clock_jumped(&ClockJump { gap_s: 40.0 * DAY_S, used: 2790, unused: 206 }),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),
         prism_constant_added(&[0.01; 3], "deployment.toml", false),

@@ -44,6 +44,14 @@ pub fn estimate_poses_skipped(file: &str, topic: &str, skipped: &SkippedRows) ->
     Some(finding.about(Subject::File(file.to_owned())).count("poses", skipped.count))
 }
 
+pub fn estimate_stamps_joined(file: &str) -> Finding {
+    let message = format!(
+        "{file}: the stamps join seconds and nanoseconds without leading zeros and are read so, because the poses are in \
+         order only then"
+    );
+    Finding::new(FindingKind::EstimateStampsJoined, message).about(Subject::File(file.to_owned()))
+}
+
 /// `layout` names the columns in their order.
 pub fn estimate_columns_guessed(file: &str, layout: &str) -> Finding {
     let message = format!("{file}: no header; read as {layout}");
@@ -56,6 +64,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_times_repeated("slam.tum", 3),
         estimate_orientations_missing("slam.tum", 3, 90),
         estimate_quaternions_normalised("slam.tum", 7),
+        estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
     ]
 }

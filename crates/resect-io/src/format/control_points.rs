@@ -3,6 +3,9 @@
 //! The column named `elevation` is a zenith angle; distances lack the prism constant. The stamps are not read, because the
 //! clocks of the stations are not comparable.
 
+use std::collections::BTreeMap;
+
+use super::survey::{SAME_POINT_M, mean};
 use super::table;
 use crate::error::OpenError;
 use crate::findings::control_points::{
@@ -18,7 +21,8 @@ use resect_core::progress::Progress;
 pub const COLUMNS: [&str; 6] =
     ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
 
-/// Reads the points of one file, and adds the station's prism constant to every range.
+/// Reads the points of one file, and adds the station's prism constant to every range. A reading is the mean of both faces, if there are
+/// both.
 pub fn read(
     file: &str,
     text: &str,
@@ -26,6 +30,8 @@ pub fn read(
 ) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
     let mut points: Vec<ControlPoint> = Vec::new();
     let mut findings = Vec::new();
+    // Readings in face left and in face right, by point and station.
+    let mut by_face: BTreeMap<(usize, usize), [Option<Polar>; 2]> = BTreeMap::new();
     let mut rows = Vec::new();
     let skipped =
         table::for_each_row(file, text.as_bytes(), &COLUMNS, &Progress::default(), |row| {
@@ -45,7 +51,7 @@ pub fn read(
             continue;
         }
         let range_m = distance_m + prism_constants_m[station];
-        let polar = Polar { range_m, azimuth_rad, zenith_rad };
+        let (polar, is_face_right) = Polar { range_m, azimuth_rad, zenith_rad }.in_face_left();
         if distance_m <= 0.0 || !polar.is_plausible() {
             findings.push(control_point_reading_implausible(&place));
             continue;
@@ -55,12 +61,22 @@ pub fn read(
             points.push(ControlPoint { marker, readings, face_one, known_m: None });
             points.len() - 1
         });
-        let reading = &mut points[index].readings[station];
-        if reading.is_some() {
+        let faces = by_face.entry((index, station)).or_default();
+        let other = faces[usize::from(!is_face_right)];
+        let is_same_point = other.is_none_or(|other: Polar| {
+            (other.to_cartesian() - polar.to_cartesian()).norm() < SAME_POINT_M
+        });
+        let face = &mut faces[usize::from(is_face_right)];
+        if face.is_some() || !is_same_point {
             findings.push(control_point_repeated(&place));
         } else {
-            *reading = Some(polar);
+            *face = Some(polar);
         }
+    }
+    for ((index, station), faces) in by_face {
+        let readings: Vec<Polar> = faces.into_iter().flatten().collect();
+        points[index].readings[station] = mean(&readings);
+        points[index].face_one[station] = faces[0].filter(|_| faces[1].is_some());
     }
     Ok((ControlPointSet { file: file.to_owned(), points, pillars: false }, findings))
 }

@@ -168,6 +168,11 @@ fn whole(data: &str) -> Option<f64> {
 }
 
 fn length_m(data: &str, unit: u8) -> Option<f64> {
+    // Office software writes a decimal point, although the format has none.
+    if data.contains('.') {
+        let is_feet = matches!(unit, b'1' | b'7');
+        return Some(data.trim_end().parse::<f64>().ok()? * if is_feet { FOOT_M } else { 1.0 });
+    }
     let last_digit_m = match unit {
         b'0' => 1e-3,
         b'1' => 1e-3 * FOOT_M,

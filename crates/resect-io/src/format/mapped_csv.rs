@@ -151,6 +151,12 @@ pub fn header_of<'a>(head: &'a str, mapping: &ColumnMapping) -> Option<&'a str> 
     table::header_line(head, |line| fits(line, mapping))
 }
 
+/// Returns the reason why a table that begins with `head` does not fit a mapping; empty if it fits.
+pub fn misfit(head: &str, mapping: &ColumnMapping) -> String {
+    let header = likely_header(head);
+    MappedColumns::of(&header, separator(&header), mapping).err().unwrap_or_default()
+}
+
 /// Returns the most probable header of an unknown table that begins with `head`.
 pub fn likely_header(head: &str) -> String {
     first_rows(head).0

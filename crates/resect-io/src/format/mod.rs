@@ -13,6 +13,7 @@ pub mod estimate;
 mod format;
 pub mod gsi;
 pub mod jobxml;
+pub mod joined_stamps;
 pub mod mapped_csv;
 pub mod pillars;
 pub mod polar_csv;

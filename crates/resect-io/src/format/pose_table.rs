@@ -7,6 +7,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
+use super::joined_stamps::joined_s;
 use super::mapped_csv::calendar_s;
 use super::table::{self, SkippedRows, header_line, number, uncommented};
 use crate::error::OpenError;
@@ -61,6 +62,8 @@ pub struct PoseTable {
     pub rough_quaternions: usize,
     pub skipped: SkippedRows,
     pub guessed: Option<&'static str>,
+    /// True if seconds and nanoseconds were joined without leading zeros, which is corrected.
+    pub are_joined: bool,
 }
 
 /// Returns the layout of a text that begins with `head`, or the line and the reason why it is no table of poses.
@@ -137,6 +140,7 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         let what = "the columns have no header, and where a quaternion is expected are no unit quaternions";
         return Err(OpenError::file(file, what, NAME_THE_COLUMNS));
     }
+    let are_joined = separate_joined_stamps(&mut rows);
     let per_second = match layout.columns.time {
         TimeColumns::One(_, unit) => counts_per_second(&rows, unit),
         TimeColumns::SecondsAndNanoseconds(..) => 1,
@@ -147,14 +151,15 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         orientation: row.orientation,
     };
     let poses = rows.into_iter().map(pose).collect();
-    Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed })
+    Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed, are_joined })
 }
 
 /// A stamp before its unit is known. Nanoseconds have more digits than a double.
 #[derive(Clone, Copy, Debug)]
 enum Stamp {
     Whole(i128),
-    Real(f64),
+    /// A number, and the same as if the digits behind the point were a count of nanoseconds.
+    Real(f64, Option<f64>),
     Seconds(f64),
 }
 
@@ -162,7 +167,7 @@ impl Stamp {
     fn value(self) -> f64 {
         match self {
             Self::Whole(whole) => whole as f64,
-            Self::Real(value) | Self::Seconds(value) => value,
+            Self::Real(value, _) | Self::Seconds(value) => value,
         }
     }
 
@@ -172,10 +177,29 @@ impl Stamp {
             Self::Whole(whole) => {
                 (whole / unit) as f64 + (whole % unit) as f64 / f64::from(per_second)
             }
-            Self::Real(value) => value / f64::from(per_second),
+            Self::Real(value, _) => value / f64::from(per_second),
             Self::Seconds(value) => value,
         }
     }
+}
+
+/// Replaces stamps like 1760000000.42186 by 1760000000.000042186 if only that puts the poses in order; returns true if it did.
+fn separate_joined_stamps(rows: &mut [PoseRow]) -> bool {
+    let joined_s = |row: &PoseRow| match row.stamp {
+        Stamp::Real(_, joined_s) => joined_s,
+        _ => None,
+    };
+    let Some(separated_s) = rows.iter().map(joined_s).collect::<Option<Vec<f64>>>() else {
+        return false;
+    };
+    let is_ordered = rows.is_sorted_by(|a, b| a.stamp.value() <= b.stamp.value());
+    if is_ordered || !separated_s.is_sorted() {
+        return false;
+    }
+    for (row, time_s) in rows.iter_mut().zip(separated_s) {
+        row.stamp = Stamp::Seconds(time_s);
+    }
+    true
 }
 
 /// One row of a table.
@@ -254,7 +278,7 @@ fn stamp(field: &str, separator: char) -> Result<Stamp, String> {
         return Ok(Stamp::Whole(whole));
     }
     match number(field, separator != ',') {
-        Ok(value) if value.is_finite() => Ok(Stamp::Real(value)),
+        Ok(value) if value.is_finite() => Ok(Stamp::Real(value, joined_s(field))),
         // ISO 8601, in UTC unless it names an offset.
         _ => match calendar_s(field, 0.0) {
             Ok(time_s) => Ok(Stamp::Seconds(time_s)),

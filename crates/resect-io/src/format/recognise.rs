@@ -28,6 +28,9 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     let Some(first) = lines.next() else {
         return Format::Ignored("empty");
     };
+    if first.starts_with("version https://git-lfs") {
+        return Format::Ignored("a Git LFS pointer, not the file itself: run `git lfs pull`");
+    }
     if first.starts_with(SESSION_KEY) {
         return Format::Ignored("a session: open it with `resect FILE`");
     }

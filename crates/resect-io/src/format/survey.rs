@@ -12,7 +12,7 @@ use resect_core::deployment::Finding;
 use resect_core::geometry::{Polar, wrap_to_pi};
 
 /// Largest distance between readings of one point (m).
-const SAME_POINT_M: f64 = 0.05;
+pub(super) const SAME_POINT_M: f64 = 0.05;
 /// If half of all points are steeper than this zenith angle (rad), the vertical angles count from the horizon.
 const STEEP_RAD: f64 = PI / 6.0;
 
@@ -39,18 +39,6 @@ pub struct Sighting {
     pub complete: bool,
 }
 
-impl Sighting {
-    /// Returns the reading converted to face I, and true if it was made in face II.
-    fn in_face_one(&self) -> (Polar, bool) {
-        let zenith_rad = self.polar.zenith_rad.rem_euclid(TAU);
-        if zenith_rad <= PI {
-            return (Polar { zenith_rad, ..self.polar }, false);
-        }
-        let azimuth_rad = self.polar.azimuth_rad - PI;
-        (Polar { azimuth_rad, zenith_rad: TAU - zenith_rad, ..self.polar }, true)
-    }
-}
-
 impl Survey {
     /// Returns every point once, in order of appearance: the mean of its readings, with equal weight of both faces. `prism_constant_m`
     /// is added to ranges that lack the prism constant.
@@ -59,7 +47,8 @@ impl Survey {
         let mut by_name: HashMap<&str, [Vec<Polar>; 2]> = HashMap::new();
         let (mut unusable, mut apart) = (Several::default(), Several::default());
         for sighting in &self.sightings {
-            let (mut polar, second) = sighting.in_face_one();
+            let zenith_rad = sighting.polar.zenith_rad.rem_euclid(TAU);
+            let (mut polar, second) = Polar { zenith_rad, ..sighting.polar }.in_face_left();
             polar.range_m += if sighting.complete { 0.0 } else { prism_constant_m };
             if !polar.is_plausible() {
                 unusable.add(|| sighting.point.clone());
@@ -134,7 +123,7 @@ impl Several {
 }
 
 /// Mean of readings of one point; `None` without readings.
-fn mean(readings: &[Polar]) -> Option<Polar> {
+pub(super) fn mean(readings: &[Polar]) -> Option<Polar> {
     let first = readings.first()?;
     let of = |value: &dyn Fn(&Polar) -> f64| {
         readings.iter().map(value).sum::<f64>() / readings.len() as f64

@@ -2,6 +2,7 @@
 
 mod bags;
 mod cartesian;
+mod clock_jump;
 mod collection;
 mod combine;
 mod control_points;

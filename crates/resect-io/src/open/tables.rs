@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::found::{Content, FoundFile};
 use crate::error::{OpenError, Question};
+use crate::format::joined_stamps::are_joined;
 use crate::format::table::shown;
 use crate::format::{Format, bonn_csv, mapped_csv, polar_csv};
 use crate::recording::Recording;
@@ -109,7 +110,15 @@ pub fn read(
                     .into())
             }
         },
-        (None, _) => polar_csv::read(name, reader, progress, into),
+        (None, _) => {
+            polar_csv::read(name, reader, progress, into)?;
+            let goes_back = into.late_and_repeated().iter().any(|[late, _]| *late > 0);
+            if goes_back && are_joined(name, file.reader()?, polar_csv::COLUMNS[0])? {
+                let what = "the stamps join seconds and nanoseconds without leading zeros";
+                return Err(OpenError::file(name, what, "write the nanoseconds with nine digits"));
+            }
+            Ok(())
+        }
     }
 }
 

@@ -1,14 +1,16 @@
 //! The tracks of a deployment: their files, their readings, and the readings that the user leaves out.
 
-use super::cartesian;
 use super::found::{Found, FoundFile};
 use super::{bags, dated, tables};
+use super::{cartesian, clock_jump};
 use crate::error::{OpenError, Question};
 use crate::findings::tracks::{
     masked_readings_missing, prism_constant_added, readings_masked, span_selected,
+    stations_renumbered,
 };
 use crate::format;
 use crate::format::Format;
+use crate::format::mapped_csv;
 use crate::recording::Recording;
 use resect_core::deployment::{
     ColumnMapping, Finding, Measurement, OneOrMany, Overrides, TimeCorrection, Track, TrackFrame,
@@ -53,7 +55,8 @@ pub fn read<'a>(
     let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
     progress.expect(track_files.iter().map(|f| f.bytes).sum::<u64>() + beside.sum::<u64>());
     let mut used: Vec<&str> = track_files.iter().map(|f| f.file.as_str()).collect();
-    let mut recording = Recording::new(overrides.stations, overrides.is_counter_clockwise());
+    let new_recording = |numbers| Recording::new(numbers, overrides.is_counter_clockwise());
+    let mut recording = new_recording(overrides.stations);
     let mut frame = TrackFrame::Own;
     if track_files.iter().all(|f| f.format == Format::CartesianTrack) {
         let (theirs, undone) = cartesian::read(&track_files, files, progress, &mut recording)?;
@@ -61,6 +64,11 @@ pub fn read<'a>(
         used.extend(undone);
     } else {
         read_files(&track_files, &stations, overrides, progress, &mut recording)?;
+        if let (None, Some(numbers)) = (overrides.stations, recording.other_numbers()) {
+            recording = new_recording(Some(numbers));
+            read_files(&track_files, &stations, overrides, &Progress::default(), &mut recording)?;
+            recording.findings.push(stations_renumbered(&numbers));
+        }
     }
     let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
     let mut read = of_recording(recording, &track_names, &found.corrections, overrides)?;
@@ -83,6 +91,9 @@ pub fn of_recording<'a>(
     let (mut tracks, track_findings) = recording.finish(track_names)?;
     findings.extend(track_findings);
     findings.extend(station_clocks::findings(&tracks, &time_corrections));
+    if overrides.span_s.is_none() {
+        findings.extend(clock_jump::keep_longest_part(&mut tracks));
+    }
     let none = TracksRead::none(overrides);
     let constants_m = &none.prism_constants_m;
     for (track, constant_m) in tracks.iter_mut().zip(constants_m) {
@@ -184,6 +195,16 @@ fn choose_tracks<'a>(
     match candidates[..] {
         [only] => Ok(vec![only]),
         [] if let Some(unknown) = tables::unknown(columns, files)? => Ok(unknown),
+        [] if let Some(columns) = columns
+            && let Some(table) = files.iter().find(|f| f.format == Format::UnknownTable) =>
+        {
+            let what = mapped_csv::misfit(&table.head()?, columns);
+            Err(OpenError::line(&table.file, 1, what, "correct [columns] in deployment.toml"))
+        }
+        [] if let Some(metadata) = files.iter().find(|f| f.format == Format::RosbagMetadata) => {
+            let what = "describes a bag whose files are missing here";
+            Err(OpenError::file(&metadata.file, what, "copy its .db3 or .mcap files beside it"))
+        }
         [] => {
             let mut seen: Vec<_> =
                 files.iter().map(|f| format!("{} ({})", f.file, f.format.describe())).collect();

@@ -3,9 +3,7 @@
 use super::station_sense::StationSense;
 use super::units;
 use crate::error::OpenError;
-use crate::findings::readings::{
-    stamps_relative, stamps_whole_seconds, stations_without_common_time,
-};
+use crate::findings::readings::{stamps_coarse, stamps_relative, stations_without_common_time};
 use resect_core::deployment::Finding;
 
 /// Stamps before March 1973 do not count from 1970.
@@ -22,9 +20,12 @@ pub fn check(
     units::check(all, files, is_table)?;
     let mut findings: Vec<_> =
         all.iter().enumerate().filter_map(|(station, own)| own.doubt(station)).collect();
-    let whole: Vec<_> = (0..3).filter(|station| all[*station].has_whole_seconds()).collect();
-    if !whole.is_empty() {
-        findings.push(stamps_whole_seconds(&whole));
+    let resolutions_s: Vec<(usize, f64)> =
+        (0..3).filter_map(|station| Some((station, all[station].coarse_stamps_s()?))).collect();
+    if !resolutions_s.is_empty() {
+        let stations: Vec<usize> = resolutions_s.iter().map(|(station, _)| *station).collect();
+        let coarsest_s = resolutions_s.iter().map(|(_, own_s)| *own_s).fold(0.0, f64::max);
+        findings.push(stamps_coarse(&stations, coarsest_s));
     }
     findings.extend(clocks(all));
     Ok(findings)

@@ -7,7 +7,10 @@ use resect_core::statistics::median;
 
 /// Fewest readings for a statement about a column.
 pub const FEWEST: usize = 10;
-/// Number of consecutive whole-second stamps above which chance is excluded.
+/// Resolutions of stamps that are too coarse (s), and the largest difference of a stamp from a multiple, as a share of it.
+const COARSE_STAMPS_S: [f64; 2] = [1.0, 0.1];
+const ROUNDED_STAMP: f64 = 1e-5;
+/// Number of coarse stamps above which chance is excluded.
 const MANY: usize = 50;
 /// Share of impossible readings from which on the recorder is doubted.
 const DOUBTFUL_SHARE: f64 = 0.01;
@@ -66,9 +69,15 @@ impl StationSense {
         Column(self.sample.iter().map(of).collect())
     }
 
-    pub fn has_whole_seconds(&self) -> bool {
+    /// Returns the resolution of the stamps (s) if it is too coarse for a moving prism.
+    pub fn coarse_stamps_s(&self) -> Option<f64> {
         let stamps = self.column(|s| s.measurement.time_s);
-        stamps.0.len() >= MANY && stamps.0.iter().all(|stamp_s| stamp_s.fract() == 0.0)
+        let is_multiple = |stamp_s: f64, of_s: f64| {
+            let count = stamp_s / of_s;
+            (count - count.round()).abs() < ROUNDED_STAMP
+        };
+        let fits = |of_s: &f64| stamps.0.iter().all(|stamp_s| is_multiple(*stamp_s, *of_s));
+        COARSE_STAMPS_S.into_iter().find(fits).filter(|_| stamps.0.len() >= MANY)
     }
 
     /// Returns a finding if the share of impossible readings is too large.

@@ -99,7 +99,7 @@ fn impossible_readings_that_are_marked_as_valid_raise_a_doubt() {
     );
     let whole = changed(|_, row| row[0] = row[0].floor());
     let said = doubts(&read(&whole).expect("readable")).join("\n");
-    assert!(said.contains("whole second"), "{said}");
+    assert!(said.contains("are rounded to 1 s"), "{said}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Columns that cannot be in radians, metres or seconds: their probable unit, and a remedy.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::impossible::{LARGEST_AZIMUTH_RAD, LATEST_STAMP_S};
 use super::station_sense::{Column, FEWEST, StationSense};
@@ -34,7 +34,6 @@ impl StationSense {
             _ if column.share(|v| v < 0.0) > 0.2 => LooksLike::Elevation,
             m if m.abs() < STEEPEST_RAD => LooksLike::Elevation,
             m if m <= PI => return None,
-            m if m <= TAU => LooksLike::SecondFace,
             m if (57.0..95.0).contains(&m) => LooksLike::Degrees,
             m if (95.0..130.0).contains(&m) => LooksLike::Gon,
             _ => LooksLike::NotRadians,
@@ -103,7 +102,6 @@ enum LooksLike {
     DegreesOrGon,
     NotRadians,
     Elevation,
-    SecondFace,
     Millimetres,
     Milliseconds,
     Microseconds,
@@ -118,7 +116,6 @@ impl LooksLike {
             Self::DegreesOrGon => "degrees or gon?",
             Self::NotRadians => "not radians",
             Self::Elevation => "elevation angles, or divided by 57.3 once too often?",
-            Self::SecondFace => "measured in face right?",
             Self::Millimetres => "millimetres?",
             Self::Milliseconds => "milliseconds?",
             Self::Microseconds => "microseconds?",
@@ -136,7 +133,7 @@ impl LooksLike {
             Self::Milliseconds => Some("time_format = \"milliseconds\""),
             Self::Microseconds => Some("time_format = \"microseconds\""),
             Self::Nanoseconds => Some("time_format = \"nanoseconds\""),
-            Self::DegreesOrGon | Self::NotRadians | Self::SecondFace => None,
+            Self::DegreesOrGon | Self::NotRadians => None,
         }
     }
 }

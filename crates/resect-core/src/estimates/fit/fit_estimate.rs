@@ -30,6 +30,9 @@ const FEWEST_EPOCHS: usize = 10;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
 
+/// Positions that fit this many times better with one axis reversed are left-handed.
+const MIRRORED: f64 = 3.0;
+
 /// Fits an estimate to the ground truth, and returns the ground truth at its times as well.
 pub fn fit(
     reference: &GroundTruthSource<'_>,
@@ -82,7 +85,9 @@ pub fn fit(
     if sought.clock || sought.lever {
         let truths = at(reference, &thinned, offset_s)?;
         // Selected once: a set that changes with the clock would prevent convergence.
-        let sound = sound(&matched(&thinned, &truths, offset_s));
+        let pairs = matched(&thinned, &truths, offset_s);
+        refuse_mirrored(&pairs, options.alignment).map_err(unfit)?;
+        let sound = sound(&pairs);
         align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
         let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
         let longer = times_longer(&sound).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
@@ -126,6 +131,34 @@ fn at(
 ) -> Result<Vec<True>, Unjudged> {
     let times_s: Vec<f64> = poses.iter().map(|pose| pose.time_s + offset_s).collect();
     Ok(reference.at(Instants::At(&times_s))?)
+}
+
+/// Returns an error if the positions fit much better with one axis reversed: they are left-handed. The fits ignore the lever arm.
+fn refuse_mirrored(
+    pairs: &[(&EstimatedPose, &True)],
+    alignment: TrajectoryAlignment,
+) -> Result<(), Unfit> {
+    if alignment == TrajectoryAlignment::None {
+        return Ok(());
+    }
+    let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|(_, truth)| truth.position_m).collect();
+    let fit_m = |up: f64| {
+        let own_m: Vec<Vector3<f64>> = pairs
+            .iter()
+            .map(|(pose, _)| pose.position_m.component_mul(&Vector3::new(1.0, 1.0, up)))
+            .collect();
+        let (transform, scale) = align_similar(&truth_m, &own_m)?;
+        let off_m = |(truth_m, own_m): (&Vector3<f64>, &Vector3<f64>)| {
+            (truth_m - transform.apply(&(own_m * scale))).norm()
+        };
+        median(truth_m.iter().zip(&own_m).map(off_m))
+    };
+    match fit_m(1.0).zip(fit_m(-1.0)) {
+        Some((as_read_m, mirrored_m)) if as_read_m > MIRRORED * mirrored_m => {
+            Err(Unfit::Mirrored(as_read_m / mirrored_m))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Returns the ratio of the estimate's path lengths to the ground truth's; `None` if it is within drift. A larger ratio is

@@ -83,11 +83,19 @@ pub struct PoseTopic {
     pub poses: Vec<StampedPose>,
 }
 
-/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic, and findings about losses.
-pub fn poses(
-    pieces: &[Piece<'_>],
-    progress: &Progress,
-) -> Result<(Vec<PoseTopic>, Vec<Finding>), OpenError> {
+/// The poses of other systems in a recording.
+#[derive(Debug)]
+pub struct RecordedPoses {
+    /// Topics with poses.
+    pub topics: Vec<PoseTopic>,
+    /// All topics, each with its type.
+    pub all_topics: Vec<String>,
+    /// Findings about losses.
+    pub findings: Vec<Finding>,
+}
+
+/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic.
+pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses, OpenError> {
     let mut unused = Recording::default();
     let mut intake = Intake::of_poses(&mut unused, progress);
     for piece in pieces {
@@ -96,11 +104,14 @@ pub fn poses(
     }
     let poses = intake.poses.take().unwrap_or_default();
     let names: Vec<String> = intake.stream.topics.iter().map(|topic| topic.name.clone()).collect();
+    let all_topics = intake.stream.topics.iter();
+    let all_topics =
+        all_topics.map(|topic| format!("{} ({})", topic.name, topic.message_type)).collect();
     drop(intake);
     let topics = names.into_iter().zip(poses).map(|(name, poses)| PoseTopic { name, poses });
     let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();
     topics.sort_by_cached_key(|topic| natural_key(&topic.name));
-    Ok((topics, unused.findings))
+    Ok(RecordedPoses { topics, all_topics, findings: unused.findings })
 }
 
 /// Returns the recording times of the first and the last message read (s, the recorder's clock); `None` without messages. Reads the

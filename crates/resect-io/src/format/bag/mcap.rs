@@ -218,13 +218,16 @@ impl McapRecording<'_, '_> {
                 } else {
                     let message_type = self.types.get(&wire.u16()?).map_or("", String::as_str);
                     let topic = String::from_utf8_lossy(wire.string()?);
-                    let encoding = match wire.string()? {
-                        b"cdr" => Some(Encoding::Cdr),
-                        b"ros1" => Some(Encoding::Ros1),
-                        _ => None,
+                    let subscription = match wire.string()? {
+                        b"cdr" => self.intake.topic(&topic, message_type, Encoding::Cdr),
+                        b"ros1" => self.intake.topic(&topic, message_type, Encoding::Ros1),
+                        other => {
+                            // Listed by errors; its messages are not decoded.
+                            let other = String::from_utf8_lossy(other);
+                            let message_type = format!("{message_type}, encoded as {other}");
+                            self.intake.topic(&topic, &message_type, Encoding::Cdr)
+                        }
                     };
-                    let subscription = encoding
-                        .and_then(|encoding| self.intake.topic(&topic, message_type, encoding));
                     self.subscriptions.insert(id, subscription);
                 }
                 Ok(())

@@ -27,5 +27,7 @@ mod sqlite;
 pub mod stream;
 pub mod wire;
 
-pub use self::bag::{Piece, PoseTopic, poses, read, recognise, recognise_compressed, span_s};
+pub use self::bag::{
+    Piece, PoseTopic, RecordedPoses, poses, read, recognise, recognise_compressed, span_s,
+};
 pub use self::intake::natural_key;
