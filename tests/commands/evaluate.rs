@@ -611,3 +611,23 @@ fn the_command_agrees_with_its_peer_evo() {
         }
     }
 }
+
+#[test]
+fn mirrored_positions_are_named_and_others_are_not() {
+    let (simulated, deployment) = driven(3);
+    let mut estimate = SLAM.drive(&simulated);
+    for pose in &mut estimate.poses {
+        pose.orientation = None;
+    }
+    let good = judged(&deployment, vec![estimate.clone()], &Options::default());
+    assert!(good.unjudged.is_empty(), "{:?}", good.unjudged);
+    for pose in &mut estimate.poses {
+        pose.position_m = pose.position_m.yxz();
+    }
+    for alignment in [TrajectoryAlignment::Rigid, TrajectoryAlignment::Similarity] {
+        let options = Options { alignment, ..Options::default() };
+        let found = judged(&deployment, vec![estimate.clone()], &options);
+        let why = found.unjudged.first().expect("left-handed").1.to_string();
+        assert!(why.contains("its positions are mirrored"), "{why}");
+    }
+}

@@ -5,5 +5,6 @@ mod common;
 
 mod bags;
 mod opening;
+mod other_tools;
 mod surveys;
 mod tables;

@@ -51,8 +51,8 @@ fn a_drive_with_the_same_control_points_is_offered_and_another_is_not() {
         send(&mut harness, DeploymentCommand::OpenSource(Source::at(folder.path().join(name))));
     }
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Deployment));
-    assert!(harness.query_by_label("Solve together with warthog (simulated), other").is_none());
-    click(&mut harness, "Solve together with warthog (simulated), morning");
+    assert!(harness.query_by_label("Solve together: warthog (simulated), other").is_none());
+    click(&mut harness, "Solve together: warthog (simulated), morning");
     assert_eq!(shown(&harness).deployment.restarts_s.len(), 1);
-    assert!(harness.query_by_label("Solve together with warthog (simulated), morning").is_none());
+    assert!(harness.query_by_label("Solve together: warthog (simulated), morning").is_none());
 }

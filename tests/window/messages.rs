@@ -19,10 +19,10 @@ fn a_message_covers_no_pane() {
         let mut harness = window(size, Theme::Dark);
         let folder = tempfile::tempdir().expect("a folder");
         let broken = folder.path().join("broken.csv");
-        std::fs::write(&broken, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("written");
+        std::fs::write(&broken, "timestamp,id,distance,ha,va\n0,1,10,x,1.5\n").expect("written");
         send(&mut harness, DeploymentCommand::OpenPaths(vec![broken]));
         harness.run_steps(2);
-        let message = harness.get_by_label_contains("semicolons").rect();
+        let message = harness.get_by_label_contains("is not a number").rect();
         for pane in [Pane::Scene, Pane::Result, Pane::Residuals] {
             let place = harness.state().layout().place(pane).expect("shown");
             assert!(!place.intersects(message), "{pane:?} {place:?} {message:?}");

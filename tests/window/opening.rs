@@ -174,7 +174,7 @@ fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
     let tracks = tracks.expect("readable") + "0,1,10,0.1,1.5\n0,7,10,0.1,1.5\n";
     std::fs::write(folder.path().join("day 1.csv"), tracks).expect("written");
     let broken = folder.path().join("broken.csv");
-    std::fs::write(&broken, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("written");
+    std::fs::write(&broken, "timestamp,id,distance,ha,va\n0,1,10,x,1.5\n").expect("written");
     for (theme, name) in THEMES {
         let mut harness = window(SIZE, theme);
         send(&mut harness, DeploymentCommand::OpenPaths(vec![folder.path().join("day 1.csv")]));

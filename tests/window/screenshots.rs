@@ -52,7 +52,7 @@ fn switching_the_outlier_filter_off_lets_more_through() {
 fn an_error_is_shown_and_what_was_open_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.csv");
-    std::fs::write(&file, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("writable");
+    std::fs::write(&file, "timestamp,id,distance,ha,va\n0,1,10,x,1.5\n").expect("writable");
     for (theme, name) in [(Theme::Dark, "error-dark"), (Theme::Light, "error-light")] {
         let mut harness = window(SMALL, theme);
         let before = triplets(&harness);
@@ -60,8 +60,8 @@ fn an_error_is_shown_and_what_was_open_stays() {
         harness.state_mut().send(DeploymentCommand::OpenPaths(vec![file.clone()]), &ctx);
         settle(&mut harness);
         let (text, remedy) = harness.state().state.toasts.errors().next().expect("an error");
-        assert!(text.contains("broken.csv:1") && text.contains("semicolons"), "{text}");
-        assert_eq!(remedy, "save the table with commas");
+        assert!(text.contains("broken.csv:2") && text.contains("is not a number"), "{text}");
+        assert_eq!(remedy, "correct or delete the line");
         assert_eq!(triplets(&harness), before);
         snapshot_of(&mut harness, Part::Bottom(70.0), name);
         harness.get_by_label("Dismiss").click();

@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | [`atomic`] | atomic writing: a crash leaves the old file or the new one | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
+//! | [`skipped_rows`] | rows of tables that are not valid | |
 //! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `finding_kind.rs` of resect-core |
 //! | [`reading_sense`] | plausibility of numbers as radians, metres and seconds | |
 //! | [`recording`] | conversion of records into tracks: impossible readings are counted and left out | |
@@ -39,6 +40,7 @@ pub mod recording;
 pub mod sample;
 pub mod settings_file;
 pub mod simulation_files;
+pub mod skipped_rows;
 pub mod source;
 pub mod way_file;
 pub mod what_is;

@@ -266,13 +266,20 @@ fn largest_set_back_s(readings: &[Measurement]) -> f64 {
         .take(MOST_SET_BACKS);
     let overlaps = |(index, back_s): (usize, f64)| {
         let (before, after) = readings.split_at(index);
-        let from_s = after[0].time_s;
-        let common: Vec<f64> =
-            before.iter().rev().map(|m| m.time_s).take_while(|time_s| *time_s >= from_s).collect();
-        let until_s = common.first().copied().unwrap_or(from_s);
-        let later = after.iter().take_while(|m| m.time_s <= until_s);
-        let new = later.filter(|m| !common.contains(&m.time_s)).take(2).count();
-        if common.len() > 1 && new > 1 { back_s } else { 0.0 }
+        let span_s = |part: &[Measurement]| {
+            let times_s = part.iter().map(|m| m.time_s);
+            times_s.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
+                [low.min(t), high.max(t)]
+            })
+        };
+        let [[a_from, a_to], [b_from, b_to]] = [span_s(before), span_s(after)];
+        let common_s = a_from.max(b_from)..=a_to.min(b_to);
+        let within = |part: &[Measurement]| -> Vec<f64> {
+            part.iter().map(|m| m.time_s).filter(|time_s| common_s.contains(time_s)).collect()
+        };
+        let (earlier_s, later_s) = (within(before), within(after));
+        let new = later_s.iter().filter(|time_s| !earlier_s.contains(time_s)).take(2).count();
+        if earlier_s.len() > 1 && new > 1 { back_s } else { 0.0 }
     };
     steps.map(overlaps).fold(0.0, f64::max)
 }

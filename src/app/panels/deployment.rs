@@ -117,7 +117,7 @@ fn other_drive(
     ui.horizontal(|ui| {
         ui.add_space(BELOW_A_NAME);
         ui.small("same control points");
-        let label = format!("Solve together with {name}");
+        let label = format!("Solve together: {name}");
         let button = ui.small_button("Solve together");
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
         let hint = "Opens both as drives of one set-up. Each is evidence for the other, with its own clocks.";

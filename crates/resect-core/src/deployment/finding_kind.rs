@@ -113,7 +113,7 @@ finding_kinds! {
     /// The files number the stations other than 1, 2, 3.
     StationsRenumbered = "stations-renumbered", Note;
     /// The stamps of a recording jump by many hours; only the longest part is used.
-    ClockJumped = "clock-jumped", Warning;
+    StampsJumped = "stamps-jumped", Warning;
     /// Rows of a table, or poses of a bag, are not valid and were skipped.
     RowsSkipped = "rows-skipped", Warning;
     /// A bag is one of several files of a recording, and the others are not read.

@@ -1,6 +1,6 @@
 //! Findings about tracks as a whole: files, columns, prism constant, spans and masks, GNSS.
 
-use crate::format::table::SkippedRows;
+use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
 const DAY_S: f64 = 86_400.0;
@@ -74,10 +74,10 @@ pub struct ClockJump {
     pub unused: usize,
 }
 
-pub fn clock_jumped(jump: &ClockJump) -> Finding {
+pub fn stamps_jumped(jump: &ClockJump) -> Finding {
     let ClockJump { gap_s, used, unused } = *jump;
     Finding::new(
-        FindingKind::ClockJumped,
+        FindingKind::StampsJumped,
         format!(
             "the stamps jump by {:.1} days: the clock was set while recording, or the file has several drives. Only the \
              longest part is used ({used} readings); {unused} readings are not. Put the parts into separate files to use \
@@ -196,7 +196,7 @@ pub(super) fn examples() -> Vec<Finding> {
         )
         .expect("rows"),
         stations_renumbered(&[0, 1, 2]),
-        clock_jumped(&ClockJump { gap_s: 40.0 * DAY_S, used: 2790, unused: 206 }),
+        stamps_jumped(&ClockJump { gap_s: 40.0 * DAY_S, used: 2790, unused: 206 }),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),
         prism_constant_added(&[0.01; 3], "deployment.toml", false),

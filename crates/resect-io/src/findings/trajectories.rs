@@ -1,6 +1,6 @@
 //! Findings about files with trajectories.
 
-use crate::format::table::SkippedRows;
+use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
 pub fn estimate_out_of_order(file: &str) -> Finding {

@@ -13,25 +13,24 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Read;
 
-use self::head::first_rows;
+use self::head::{FEWEST_NUMBERS, are_names, first_rows, is_numeric};
 use self::stamps::Stamps;
 pub use self::stamps::calendar_s;
 pub use self::suggestion::{suggest, suggest_meanings};
 use self::values::{angle_rad, metres, station_number};
 use super::polar_csv;
-use super::table::{self, SkippedRows, number, separator, shown};
+use super::table::{self, number, separator, shown};
 use super::text_chunks::TextChunks;
 use super::text_encoding::utf8_or_latin1;
 use crate::error::OpenError;
 use crate::recording::Recording;
+use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::VerticalAngle;
 use resect_core::deployment::{Measurement, RawRecord};
 use resect_core::geometry::Polar;
 use resect_core::progress::Progress;
 
-/// Fewest named columns of an unknown table that may contain tracks: time, and three of a position.
-const FEWEST_COLUMNS: usize = 4;
 const REMEDY: &str = "correct the line, or [columns] in deployment.toml";
 
 /// The first rows of a table, as text and as records.
@@ -132,18 +131,10 @@ pub fn read(
 pub fn looks_like(head: &str) -> bool {
     let (header, rows) = first_rows(head);
     let Ok(names) = table::fields(&header, separator(&header)) else { return false };
-    let is_name = |name: &Cow<'_, str>| {
-        name.len() < 60 && name.chars().any(char::is_alphabetic) && name.parse::<f64>().is_err()
-    };
-    let is_numeric = |field: &Cow<'_, str>| {
-        let digits = field.trim_start_matches(['+', '-', '.']);
-        digits.starts_with(|c: char| c.is_ascii_digit())
-    };
     let Some((_, Ok(first))) = rows.first() else { return false };
-    names.len() >= FEWEST_COLUMNS
-        && names.iter().all(is_name)
+    are_names(&names)
         && first.len() == names.len()
-        && first.iter().filter(|field| is_numeric(field)).count() >= 3
+        && first.iter().filter(|field| is_numeric(field)).count() >= FEWEST_NUMBERS
 }
 
 /// Returns the header of a table that begins with `head`: the line that has all columns of a mapping.

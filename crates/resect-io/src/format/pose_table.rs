@@ -9,8 +9,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::joined_stamps::joined_s;
 use super::mapped_csv::calendar_s;
-use super::table::{self, SkippedRows, header_line, number, uncommented};
+use super::table::{self, header_line, number, uncommented};
 use crate::error::OpenError;
+use crate::skipped_rows::SkippedRows;
 use resect_core::estimates::EstimatedPose;
 use resect_core::statistics::median;
 

@@ -9,6 +9,7 @@ use std::io::Read;
 use super::text_chunks::TextChunks;
 use super::text_encoding::utf8_or_latin1;
 use crate::error::OpenError;
+use crate::skipped_rows::SkippedRows;
 use resect_core::progress::Progress;
 
 /// One row: the wanted columns in the order requested.
@@ -30,39 +31,10 @@ impl<const N: usize> Row<N> {
     }
 }
 
-/// Rows that are not valid and were skipped.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SkippedRows {
-    pub count: usize,
-    /// Line and reason of the first.
-    pub first: Option<(usize, String)>,
-}
-
-impl SkippedRows {
-    pub fn add(&mut self, line: usize, reason: String) {
-        self.count += 1;
-        self.first.get_or_insert((line, reason));
-    }
-
-    /// Returns the error of a table in which the rows that are not valid outnumber the others.
-    pub fn refuse_if_most(&self, file: &str, valid: usize, remedy: &str) -> Result<(), OpenError> {
-        match &self.first {
-            Some((line, reason)) if self.count > valid => {
-                let what = match self.count {
-                    1 => reason.clone(),
-                    count => format!("{reason}; {count} rows of {} are like that", count + valid),
-                };
-                Err(OpenError::line(file, *line, what, remedy))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
 pub const CORRECT: &str = "correct or delete the line";
 const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
 /// Number of lines among which the header is searched.
-const LINES_ABOVE: usize = 30;
+pub const LINES_ABOVE: usize = 30;
 /// Entries of tables for a missing number.
 const MISSING: [&str; 8] = ["", "-", "--", "---", "n/a", "na", "null", "none"];
 
@@ -108,7 +80,7 @@ pub fn for_each_row<const N: usize>(
     let names =
         fields(&header, separator).map_err(|what| OpenError::line(file, line, what, CORRECT))?;
     let wanted = positions(file, line, &names, columns)?;
-    let layout = Layout { separator, count: names.len(), wanted, columns };
+    let layout = TableLayout { separator, count: names.len(), wanted, columns };
     let mut slots = vec![None; names.len()];
     for (slot, position) in wanted.iter().enumerate() {
         slots[*position] = Some(slot);
@@ -197,7 +169,7 @@ fn positions<const N: usize>(
 }
 
 /// Parses the first row of a text and returns its length in bytes: the fast path, for rows of plain numbers. `None` for any other
-/// row, valid or not, which [`Layout::row`] parses.
+/// row, valid or not, which [`TableLayout::row`] parses.
 fn plain_row<const N: usize>(
     text: &[u8],
     separator: u8,
@@ -235,14 +207,14 @@ fn past_spaces(mut text: &[u8]) -> &[u8] {
 }
 
 /// The columns of a table.
-struct Layout<'a, const N: usize> {
+struct TableLayout<'a, const N: usize> {
     separator: char,
     count: usize,
     wanted: [usize; N],
     columns: &'a [&'a str; N],
 }
 
-impl<const N: usize> Layout<'_, N> {
+impl<const N: usize> TableLayout<'_, N> {
     /// Parses one line in general: quoted fields, blank lines (`None`), or the reason why it is not a row.
     fn row(&self, line: &[u8]) -> Result<Option<[f64; N]>, String> {
         let line = utf8_or_latin1(line);

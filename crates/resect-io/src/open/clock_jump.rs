@@ -1,6 +1,6 @@
 //! Recordings whose clock jumped.
 
-use crate::findings::tracks::{ClockJump, clock_jumped};
+use crate::findings::tracks::{ClockJump, stamps_jumped};
 use resect_core::deployment::{Finding, Measurement, Track};
 
 /// Pause of all stations (s) behind which stamps are of another clock or another drive.
@@ -35,7 +35,7 @@ pub fn keep_longest_part(tracks: &mut [Track; 3]) -> Option<Finding> {
         }
     }
     let used = longest.1 - longest.0;
-    Some(clock_jumped(&ClockJump { gap_s, used, unused: times_s.len() - used }))
+    Some(stamps_jumped(&ClockJump { gap_s, used, unused: times_s.len() - used }))
 }
 
 #[cfg(test)]

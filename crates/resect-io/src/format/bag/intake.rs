@@ -3,6 +3,7 @@
 use super::messages::StampedPose;
 use super::stream::{Heard, Stream};
 pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
+use super::transform_tree::TransformTree;
 use super::wire::Encoding;
 use crate::error::OpenError;
 use crate::findings::bags::{self, bag_damaged, bag_incomplete, bag_messages_malformed};
@@ -35,6 +36,7 @@ pub struct Intake<'a> {
     span_s: Option<[f64; 2]>,
     /// Poses by index of the topic; `None` if readings are wanted instead.
     pub(super) poses: Option<Vec<Vec<StampedPose>>>,
+    pub(super) transforms: TransformTree,
 }
 
 impl<'a> Intake<'a> {
@@ -54,6 +56,7 @@ impl<'a> Intake<'a> {
             losses: FileLosses::default(),
             span_s: None,
             poses: None,
+            transforms: TransformTree::default(),
         }
     }
 
@@ -121,6 +124,11 @@ impl<'a> Intake<'a> {
                     let stamp_s = pose.stamp_s.or(Some(recorded_s));
                     poses[topic].push(StampedPose { stamp_s, ..pose });
                 }
+            }
+            Ok(Heard::Transforms(transforms)) => {
+                transforms
+                    .into_iter()
+                    .for_each(|transform| self.transforms.add(transform, recorded_s));
             }
             Ok(_) => {}
             Err(why) => self.malformed(subscription, &why),

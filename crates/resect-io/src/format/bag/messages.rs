@@ -11,9 +11,11 @@
 //!   time zone. The header's stamp is used, since all stations share its clock.
 //! - `nav_msgs/Odometry`: `Header header; string child_frame_id`, then as `geometry_msgs/PoseStamped`: `Header header; float64 x, y, z;
 //!   float64 qx, qy, qz, qw`; `PoseWithCovarianceStamped` begins likewise. They are trajectories of other systems, not readings.
+//! - `geometry_msgs/TransformStamped`: as `Odometry`; `tf2_msgs/TFMessage` is a sequence of them.
 //!
 //! Time corrections and Leica points are tested only on messages written to these definitions, not on a real recording.
 
+use super::transform_tree::StampedTransform;
 use super::wire::{Encoding, Malformed, Wire, stamp};
 
 /// Kind of a message, by the name of its type.
@@ -25,6 +27,7 @@ pub enum Kind {
     LeicaPoint,
     PoseStamped,
     Odometry,
+    Transforms,
 }
 
 /// Type of the authors' readings, with its ROS 1 name.
@@ -43,7 +46,8 @@ impl Kind {
             "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => {
                 Some(Self::PoseStamped)
             }
-            "nav_msgs/Odometry" => Some(Self::Odometry),
+            "nav_msgs/Odometry" | "geometry_msgs/TransformStamped" => Some(Self::Odometry),
+            "tf2_msgs/TFMessage" | "tf/tfMessage" => Some(Self::Transforms),
             _ => None,
         }
     }
@@ -55,7 +59,7 @@ impl Kind {
 
     /// Returns true if its messages are poses estimated by another system.
     pub fn is_pose(self) -> bool {
-        matches!(self, Self::PoseStamped | Self::Odometry)
+        matches!(self, Self::PoseStamped | Self::Odometry | Self::Transforms)
     }
 }
 
@@ -65,12 +69,13 @@ pub fn short_type(name: &str) -> String {
 }
 
 /// Content of a message.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     Coords(Coords),
     Correction(Correction),
     Point(Point),
     Pose(StampedPose),
+    Transforms(Vec<StampedTransform>),
 }
 
 /// A pose of another system.
@@ -115,6 +120,9 @@ pub struct Point {
 /// Decodes a message of a recording or of a live stream.
 pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message, Malformed> {
     let mut wire = Wire::new(encoding, message)?;
+    if kind == Kind::Transforms {
+        return Ok(Message::Transforms(transforms(&mut wire)?));
+    }
     let stamp_s = wire.header_s()?;
     Ok(match kind {
         Kind::TheodoliteCoords => Message::Coords(Coords {
@@ -136,7 +144,7 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
             wire.string()?;
             Message::Point(Point { stamp_s, position_m: position_m(&mut wire)? })
         }
-        Kind::PoseStamped | Kind::Odometry => {
+        Kind::PoseStamped | Kind::Odometry | Kind::Transforms => {
             if kind == Kind::Odometry {
                 wire.string()?;
             }
@@ -170,6 +178,27 @@ pub fn encode_coords(coords: &Coords) -> Vec<u8> {
         bytes.extend(number.to_le_bytes());
     }
     bytes
+}
+
+/// Decodes `geometry_msgs/TransformStamped[]`.
+fn transforms(wire: &mut Wire<'_>) -> Result<Vec<StampedTransform>, Malformed> {
+    let count = wire.u32()?;
+    let mut transforms = Vec::new();
+    for _ in 0..count {
+        let (stamp_s, parent) = wire.header()?;
+        let child = wire.string()?;
+        let position_m = position_m(wire)?;
+        let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
+        let pose = StampedPose { stamp_s, position_m, orientation };
+        transforms.push(StampedTransform { parent: frame(parent), child: frame(child), pose });
+    }
+    Ok(transforms)
+}
+
+/// Returns the name of a frame without the slash of old ROS versions.
+fn frame(name: &[u8]) -> String {
+    let name = String::from_utf8_lossy(name);
+    name.trim_end_matches('\0').trim_start_matches('/').to_owned()
 }
 
 fn position_m(wire: &mut Wire<'_>) -> Result<[f64; 3], Malformed> {

@@ -25,6 +25,7 @@ mod outcome;
 mod ros1;
 mod sqlite;
 pub mod stream;
+mod transform_tree;
 pub mod wire;
 
 pub use self::bag::{

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use super::inflate::{self, ZSTD_MAGIC};
 use super::messages::{Coords, Kind, Message, Point, StampedPose, decode, short_type};
+use super::transform_tree::StampedTransform;
 use super::wire::Encoding;
 use crate::recording::Recording;
 use resect_core::deployment::station_clocks::Arrivals;
@@ -40,7 +41,7 @@ pub struct SeenTopic {
 }
 
 /// Content of one message.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
     /// A reading, or a station's report of none; the recording has stored it, or counted the reason why not.
     Record(RawRecord),
@@ -53,6 +54,7 @@ pub enum Heard {
         topic: usize,
         pose: StampedPose,
     },
+    Transforms(Vec<StampedTransform>),
     /// A position of an unknown station, or a reading replaced by those of the topics that the user names.
     NotTaken,
 }
@@ -181,6 +183,7 @@ impl Stream {
                 None => Heard::NotTaken,
             },
             Message::Pose(pose) => Heard::Pose { topic, pose },
+            Message::Transforms(transforms) => Heard::Transforms(transforms),
         })
     }
 

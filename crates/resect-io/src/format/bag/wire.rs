@@ -116,12 +116,15 @@ impl<'a> Wire<'a> {
 
     /// Reads a `std_msgs/Header` and returns its stamp (s), `None` if zero. In ROS 1, a sequence number precedes it.
     pub fn header_s(&mut self) -> Result<Option<f64>, Malformed> {
+        Ok(self.header()?.0)
+    }
+
+    /// Reads a header; returns its stamp (s), `None` if unset, and its frame.
+    pub fn header(&mut self) -> Result<(Option<f64>, &'a [u8]), Malformed> {
         if self.encoding == Encoding::Ros1 {
             self.u32()?;
         }
-        let stamp_s = self.time_s()?;
-        self.string()?;
-        Ok(stamp_s)
+        Ok((self.time_s()?, self.string()?))
     }
 }
 

@@ -2,9 +2,13 @@
 
 use std::borrow::Cow;
 
-use crate::format::table;
+use crate::format::table::{self, LINES_ABOVE};
 use crate::format::text_chunks::BYTE_ORDER_MARK;
 
+/// Fewest named columns of an unknown table that may contain tracks: time, and three of a position.
+const FEWEST_COLUMNS: usize = 4;
+/// Fewest numbers in a row of tracks.
+pub const FEWEST_NUMBERS: usize = 3;
 /// Number of rows in a preview.
 pub const PREVIEWED: usize = 20;
 
@@ -27,19 +31,28 @@ pub fn first_rows(head: &str) -> (String, Vec<NumberedRow<'_>>) {
     (header, rows.collect())
 }
 
-/// Returns the index of the header: the first line that is no comment, or the comment above it if that line is numbers.
+/// Returns the index of the header: names above a row of numbers, or else the first line that is no comment.
 fn header_index(lines: &[(usize, &str)]) -> usize {
-    let is_above = |line: &str| line.starts_with(['#', '%']) || line.starts_with("sep=");
-    let first = lines.iter().position(|(_, line)| !is_above(line)).unwrap_or(0);
-    let begins_with_number = |line: &str| {
-        let field = line.split([',', ';', '\t', '|', ' ']).next().unwrap_or_default();
-        field.trim().parse::<f64>().is_ok()
+    let is_header = |pair: &[(usize, &str)]| {
+        let header = table::uncommented(pair[0].1);
+        let separator = table::separator(header);
+        let names = table::fields(header, separator).unwrap_or_default();
+        let row = table::row_fields(pair[1].1, separator, names.len()).unwrap_or_default();
+        are_names(&names) && row.iter().filter(|field| is_numeric(field)).count() >= FEWEST_NUMBERS
     };
-    let is_comment = |at: usize| lines[at].1.starts_with(['#', '%']);
-    match lines.get(first) {
-        Some((_, line)) if first > 0 && begins_with_number(line) && is_comment(first - 1) => {
-            first - 1
-        }
-        _ => first,
-    }
+    let is_above = |line: &str| line.starts_with(['#', '%']) || line.starts_with("sep=");
+    let first = || lines.iter().position(|(_, line)| !is_above(line)).unwrap_or(0);
+    lines.windows(2).take(LINES_ABOVE).position(is_header).unwrap_or_else(first)
+}
+
+/// Returns true if all fields of a line are names of columns, and enough for tracks.
+pub fn are_names(fields: &[Cow<'_, str>]) -> bool {
+    let is_name = |name: &Cow<'_, str>| {
+        name.len() < 60 && name.chars().any(char::is_alphabetic) && name.parse::<f64>().is_err()
+    };
+    fields.len() >= FEWEST_COLUMNS && fields.iter().all(is_name)
+}
+
+pub fn is_numeric(field: &str) -> bool {
+    field.trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit())
 }
