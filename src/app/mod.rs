@@ -17,6 +17,7 @@
 //!       ├─ prepared           data computed for drawing, including statistics along the drive (`running.rs`); the thread
 //!       │                     that calibrates while a slider moves (`analyser.rs`)
 //!       ├─ jobs               other background work; the outcome is a function applied to the state
+//!       ├─ display_server     X11 where the Wayland server is dead
 //!       └─ file_dialog, theme, words, short   asking for a path; dark and light colours and sizes of the window itself (data
 //!                             colours are in `resect_core::palette`); terms explained on hover and by F1; shortened
 //!                             names
@@ -54,6 +55,8 @@
 //! | a button for the advice of a finding | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;
+#[cfg(target_os = "linux")]
+mod display_server;
 pub mod file_dialog;
 mod jobs;
 mod layout;

@@ -273,7 +273,9 @@ pub fn open_window(start: Start) -> eframe::Result {
     }
     // No gradients are drawn, so dithering would have no effect.
     let mut options = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
-    // SavedState this instance avoids loading the drivers twice.
+    #[cfg(target_os = "linux")]
+    super::display_server::choose(&mut options);
+    // Keeping this instance avoids loading the drivers twice.
     let _probe = match &mut options.wgpu_options.wgpu_setup {
         WgpuSetup::CreateNew(setup) => {
             Some(leave_opengl_out(&mut setup.instance_descriptor.backends))

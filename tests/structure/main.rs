@@ -311,6 +311,7 @@ const WINDOW: [&str; 17] = [
     "model",
     "prepared",
     "jobs",
+    "display_server",
     "file_dialog",
     "theme",
     "words",

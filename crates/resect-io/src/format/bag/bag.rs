@@ -107,11 +107,11 @@ pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses,
     let all_topics = intake.stream.topics.iter();
     let all_topics =
         all_topics.map(|topic| format!("{} ({})", topic.name, topic.message_type)).collect();
-    let transforms = std::mem::take(&mut intake.transforms).into_topics();
+    let transforms = std::mem::take(&mut intake.transforms).into_poses();
     drop(intake);
     let topics = names.into_iter().zip(poses).map(|(name, poses)| PoseTopic { name, poses });
     let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();
-    topics.extend(transforms);
+    topics.extend(transforms.into_iter().map(|(name, poses)| PoseTopic { name, poses }));
     topics.sort_by_cached_key(|topic| natural_key(&topic.name));
     Ok(RecordedPoses { topics, all_topics, findings: unused.findings })
 }

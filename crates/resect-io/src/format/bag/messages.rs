@@ -15,7 +15,6 @@
 //!
 //! Time corrections and Leica points are tested only on messages written to these definitions, not on a real recording.
 
-use super::transform_tree::StampedTransform;
 use super::wire::{Encoding, Malformed, Wire, stamp};
 
 /// Kind of a message, by the name of its type.
@@ -85,6 +84,15 @@ pub struct StampedPose {
     pub position_m: [f64; 3],
     /// x, y, z, w.
     pub orientation: [f64; 4],
+}
+
+/// A transform of a message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StampedTransform {
+    pub parent: String,
+    pub child: String,
+    /// Pose of the child in the parent.
+    pub pose: StampedPose,
 }
 
 /// A reading of a station, or its report of none.

@@ -7,8 +7,9 @@ use crate::findings::bags::{
 use nalgebra::Vector3;
 
 use super::inflate::{self, ZSTD_MAGIC};
-use super::messages::{Coords, Kind, Message, Point, StampedPose, decode, short_type};
-use super::transform_tree::StampedTransform;
+use super::messages::{
+    Coords, Kind, Message, Point, StampedPose, StampedTransform, decode, short_type,
+};
 use super::wire::Encoding;
 use crate::recording::Recording;
 use resect_core::deployment::station_clocks::Arrivals;

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::bag::PoseTopic;
-use super::messages::StampedPose;
+use super::messages::{StampedPose, StampedTransform};
 
 /// Fewest transforms of a frame that moves; static ones are published once, or now and then.
 const FEWEST_OF_A_MOVING_FRAME: usize = 10;
@@ -14,14 +13,8 @@ const LEAST_SHARE_OF_MOTION: f64 = 0.1;
 /// Longest chain of frames; a longer one is a loop.
 const LONGEST_CHAIN: usize = 50;
 
-/// A transform of a message.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StampedTransform {
-    pub parent: String,
-    pub child: String,
-    /// Pose of the child in the parent.
-    pub pose: StampedPose,
-}
+/// Name of a trajectory, and its poses.
+pub type NamedPoses = (String, Vec<StampedPose>);
 
 /// Transforms of a recording, by child frame.
 #[derive(Debug, Default)]
@@ -52,22 +45,22 @@ impl TransformTree {
         edge.poses.push((pose.stamp_s.unwrap_or(recorded_s), parent_from_child));
     }
 
-    /// Returns the poses of the frames that move, each in the root of its tree and at its own times.
-    pub fn into_topics(mut self) -> Vec<PoseTopic> {
+    /// Returns the poses of the frames that move, each in the root of its tree and at its own times, with a name.
+    pub fn into_poses(mut self) -> Vec<NamedPoses> {
         for edge in self.0.values_mut() {
             edge.poses.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         let is_moving = |edge: &Edge| edge.poses.len() >= FEWEST_OF_A_MOVING_FRAME;
         let moving = self.0.iter().filter(|(_, edge)| is_moving(edge));
-        let all: Vec<(PoseTopic, f64)> =
+        let all: Vec<(NamedPoses, f64)> =
             moving.filter_map(|(child, _)| self.in_root(child)).collect();
         let widest_m = all.iter().map(|(_, wide_m)| *wide_m).fold(0.0, f64::max);
-        let moves = |(_, wide_m): &(PoseTopic, f64)| *wide_m >= LEAST_SHARE_OF_MOTION * widest_m;
-        all.into_iter().filter(moves).map(|(topic, _)| topic).collect()
+        let moves = |(_, wide_m): &(NamedPoses, f64)| *wide_m >= LEAST_SHARE_OF_MOTION * widest_m;
+        all.into_iter().filter(moves).map(|(named, _)| named).collect()
     }
 
     /// Returns the poses of a frame in the root, and the diagonal of the box around its positions (m).
-    fn in_root(&self, child: &str) -> Option<(PoseTopic, f64)> {
+    fn in_root(&self, child: &str) -> Option<(NamedPoses, f64)> {
         let own = self.0.get(child)?;
         let (mut chain, mut root) = (Vec::new(), own.parent.as_str());
         while let Some(edge) = self.0.get(root) {
@@ -92,7 +85,7 @@ impl TransformTree {
             }
         });
         let poses: Vec<StampedPose> = poses.collect();
-        Some((PoseTopic { name: format!("/tf {root} → {child}"), poses }, (high_m - low_m).norm()))
+        Some(((format!("/tf {root} → {child}"), poses), (high_m - low_m).norm()))
     }
 }
 
@@ -131,10 +124,10 @@ mod tests {
             tree.add(transform("map", "odom", time_s, [0.01 * time_s, 5.0, 0.0]), 0.0);
         }
         tree.add(transform("base_link", "prism", 0.0, [0.0, 0.0, 1.0]), 0.0);
-        let topics = tree.into_topics();
-        let [topic] = &topics[..] else { panic!("{topics:?}") };
-        assert_eq!(topic.name, "/tf map → base_link");
-        let [x, y, _] = topic.poses[10].position_m;
+        let all = tree.into_poses();
+        let [(name, poses)] = &all[..] else { panic!("{all:?}") };
+        assert_eq!(name, "/tf map → base_link");
+        let [x, y, _] = poses[10].position_m;
         assert!((x - 10.105).abs() < 1e-12 && (y - 5.0).abs() < 1e-12, "{x} {y}");
     }
 
@@ -146,6 +139,6 @@ mod tests {
             tree.add(transform("b", "a", f64::from(k), [f64::NAN, 0.0, 0.0]), 0.0);
             tree.add(transform("b", "a", f64::from(k), [1.0, 0.0, 0.0]), 0.0);
         }
-        assert_eq!(tree.into_topics(), []);
+        assert_eq!(tree.into_poses(), []);
     }
 }
