@@ -243,7 +243,8 @@ fn what_is_not_there_is_named() {
     let metadata = b"rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n";
     let columns = b"[columns]\ntime = \"t\"\nstation = \"s\"\nrange = \"r\"\nazimuth = \"hzz\"\nvertical = \"v\"\n";
     let foreign = b"t,s,r,hz,v\n1,1,20,1,1.5\n2,2,20,1,1.5\n";
-    let cases: [(&[(&str, &[u8])], &str); 3] = [
+    type Files<'a> = &'a [(&'a str, &'a [u8])];
+    let cases: [(Files<'_>, &str); 3] = [
         (&[("drive.bag", pointer)], "a Git LFS pointer, not the file itself"),
         (&[("metadata.yaml", metadata)], "describes a bag whose files are missing here"),
         (

@@ -1,6 +1,6 @@
 //! Reading of trajectories of other systems: TUM, EuRoC, KITTI with times, CSV with a header, and bags of ROS 1 and ROS 2.
 //!
-//! [`pose_table`](crate::format::pose_table) reads the tables.
+//! [`pose_table`] reads the tables.
 
 use crate::findings::trajectories::{
     estimate_columns_guessed, estimate_orientations_missing, estimate_out_of_order,
