@@ -10,6 +10,7 @@ use resect_core::deployment::{
     AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
 use resect_core::geometry::Polar;
+use resect_core::statistics::median;
 
 /// Number of different station numbers that are remembered: more than three are no three stations.
 const MOST_NUMBERS: usize = 4;
@@ -17,6 +18,8 @@ const MOST_NUMBERS: usize = 4;
 const FEWEST_OF_A_STATION: usize = 10;
 /// Shortest step of a clock that is reported (s): recorders write readings a little out of order.
 const LEAST_SET_BACK_S: f64 = 0.5;
+/// Readings of a time that the clock showed twice are this many times denser than elsewhere, at least.
+const DENSER: f64 = 1.5;
 /// Number of steps of a track that are examined.
 const MOST_SET_BACKS: usize = 20;
 /// Number of reasons named in the error about a recording without a reading.
@@ -257,31 +260,32 @@ impl Recording {
     }
 }
 
-/// Returns the largest time by which stamps go back (s), if readings before and after the step share a time without being repeated: the
-/// clock was set back. Parts of a file in another order have no common time.
+/// Returns the largest time by which stamps go back (s), if readings before and after the step share a time in which they are denser
+/// than elsewhere: the clock was set back. Readings that arrive late, and parts of a file in another order, are not denser.
 fn largest_set_back_s(readings: &[Measurement]) -> f64 {
+    let ahead_s = readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+    let Some(interval_s) = median(ahead_s.filter(|ahead_s| *ahead_s > 0.0)) else { return 0.0 };
     let steps = (1..readings.len())
         .map(|index| (index, readings[index - 1].time_s - readings[index].time_s))
         .filter(|(_, back_s)| *back_s > LEAST_SET_BACK_S)
         .take(MOST_SET_BACKS);
-    let overlaps = |(index, back_s): (usize, f64)| {
-        let (before, after) = readings.split_at(index);
-        let span_s = |part: &[Measurement]| {
-            let times_s = part.iter().map(|m| m.time_s);
-            times_s.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
-                [low.min(t), high.max(t)]
-            })
-        };
-        let [[a_from, a_to], [b_from, b_to]] = [span_s(before), span_s(after)];
-        let common_s = a_from.max(b_from)..=a_to.min(b_to);
-        let within = |part: &[Measurement]| -> Vec<f64> {
-            part.iter().map(|m| m.time_s).filter(|time_s| common_s.contains(time_s)).collect()
-        };
-        let (earlier_s, later_s) = (within(before), within(after));
-        let new = later_s.iter().filter(|time_s| !earlier_s.contains(time_s)).take(2).count();
-        if earlier_s.len() > 1 && new > 1 { back_s } else { 0.0 }
+    let is_set_back = |(index, _): &(usize, f64)| {
+        let parts: [Vec<f64>; 2] = [&readings[..*index], &readings[*index..]].map(|part| {
+            let mut times_s: Vec<f64> = part.iter().map(|m| m.time_s).collect();
+            times_s.sort_by(f64::total_cmp);
+            times_s
+        });
+        let from_s = parts[0][0].max(parts[1][0]);
+        let to_s =
+            parts.iter().filter_map(|part| part.last()).copied().fold(f64::INFINITY, f64::min);
+        let within = |time_s: &&f64| (from_s..=to_s).contains(*time_s);
+        let is_new =
+            |time_s: &&f64| parts[0].binary_search_by(|own| own.total_cmp(time_s)).is_err();
+        let new = parts[1].iter().filter(within).filter(is_new).count();
+        let all = parts[0].iter().filter(within).count() + new;
+        new > 1 && all as f64 > DENSER * ((to_s - from_s) / interval_s + 1.0)
     };
-    steps.map(overlaps).fold(0.0, f64::max)
+    steps.filter(is_set_back).map(|(_, back_s)| back_s).fold(0.0, f64::max)
 }
 
 /// Sorts a track by time and removes repeated stamps; returns the number removed.
@@ -426,6 +430,28 @@ mod tests {
         let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
         assert!(said.iter().any(|line| line.contains("status 3")), "{said:?}");
         assert!(!said.iter().any(|line| line.contains("station 2: status 3")), "{said:?}");
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_is_told_from_late_readings() {
+        let set_back_s = |times_s: &[f64]| {
+            let readings = times_s.iter().map(|time_s| record(1, 2, *time_s).measurement);
+            largest_set_back_s(&readings.collect::<Vec<_>>())
+        };
+        let steady: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.4).collect();
+        assert_eq!(set_back_s(&steady), 0.0);
+        // The second half is stamped 3 s too early, between the stamps of the first.
+        let back: Vec<f64> = steady.iter().map(|t| if *t > 20.0 { t - 3.1 } else { *t }).collect();
+        assert!((set_back_s(&back) - 2.7).abs() < 1e-9, "{}", set_back_s(&back));
+        // Some readings of ten seconds arrive after the others.
+        let is_late = |t: &f64| (20.0..30.0).contains(t) && (t / 0.4).round() % 3.0 != 0.0;
+        let (late, mut in_time): (Vec<f64>, Vec<f64>) = steady.iter().partition(|t| is_late(t));
+        let at = in_time.partition_point(|t| *t < 30.0);
+        in_time.splice(at..at, late);
+        assert_eq!(set_back_s(&in_time), 0.0);
+        let mut twice = steady.clone();
+        twice.extend(&steady);
+        assert_eq!(set_back_s(&twice), 0.0);
     }
 
     #[test]
