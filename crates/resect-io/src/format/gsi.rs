@@ -118,6 +118,9 @@ fn blocks(line: &str) -> Result<Vec<Block<'_>>, String> {
     while !rest.is_empty() {
         // Names may contain characters of more than one byte.
         let end = rest.char_indices().map(|(at, _)| at).chain([rest.len()]).nth(length);
+        // A number with a decimal point may be a digit shorter.
+        let has_point = rest.get(7..).is_some_and(|data| data.contains('.') && !data.contains(' '));
+        let end = end.or(has_point.then_some(rest.len()));
         let end = end.ok_or_else(|| format!("the word `{rest}` is cut short"))?;
         let word = &rest[..end];
         rest = rest[end..].trim_start();
@@ -204,6 +207,13 @@ fn angle_rad(data: &str, unit: u8) -> Option<f64> {
 mod tests {
     use super::*;
     use resect_core::deployment::FindingKind;
+
+    #[test]
+    fn coordinates_with_a_decimal_point_are_read_as_written() {
+        let line = "*110099+00000000STATION1 81..06+0000008085.8440 82..06+0000000100.0000 83..06+0000000010.5000 \r\n";
+        let survey = read("a.gsi", line).expect("good");
+        assert_eq!(survey.coordinates[0].1, Vector3::new(8085.844, 100.0, 10.5));
+    }
 
     #[test]
     fn both_lengths_of_words_are_read() {
