@@ -95,7 +95,7 @@ fn read_bag(
             _ => all_topics.iter().take(LISTED_TOPICS).cloned().collect::<Vec<_>>().join(", "),
         };
         let what = format!(
-            "no topic of type nav_msgs/Odometry or geometry_msgs/PoseStamped; its topics: {topics}"
+            "no poses in Odometry, PoseStamped, TransformStamped or /tf; its topics: {topics}"
         );
         let remedy =
             "record the poses of the body as Odometry or PoseStamped, or export them as a table";

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 use serde_json::Value;
 
 use crate::error::OpenError;
-use crate::format::BYTE_ORDER_MARK;
+use crate::format::text_encoding::decode_text;
 use resect_core::geometry::Geodetic;
 use resect_core::planning::Plan;
 use resect_core::planning::way::{Piece, waypoints_along};
@@ -49,8 +49,8 @@ pub fn read(path: &Path) -> Result<WayFile, OpenError> {
     }
     let bytes = std::fs::read(path).map_err(io)?;
     let text =
-        String::from_utf8(bytes).map_err(|_| OpenError::file(&file, "not a text file", FORMATS))?;
-    parse(&file, text.trim_start_matches(BYTE_ORDER_MARK))
+        decode_text(&bytes).ok_or_else(|| OpenError::file(&file, "not a text file", FORMATS))?;
+    parse(&file, &text)
 }
 
 /// Parses a text; `file` is its name in errors.

@@ -13,6 +13,7 @@ use crate::app::model::{
 use resect_core::deployment::{AzimuthSense, ColumnMapping, Overrides};
 use resect_io::error::{Question, Topic};
 use resect_io::format::mapped_csv;
+use resect_io::format::text_encoding::decode;
 use resect_io::source::{Extras, Source};
 
 /// Bytes read from the head of a file, more than the preview shows.
@@ -206,7 +207,7 @@ fn read_head(path: &Path) -> Result<TableHead, String> {
         let file = std::fs::File::open(path)?;
         let whole = file.metadata()?.len() <= HEAD_BYTES;
         file.take(HEAD_BYTES).read_to_end(&mut bytes)?;
-        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let text = decode(&bytes).into_owned();
         // Drops an incomplete last line.
         let end =
             if whole { text.len() } else { text.rfind('\n').map_or(text.len(), |end| end + 1) };

@@ -22,13 +22,13 @@ const UNIT_SHARE: f64 = 0.9;
 /// Largest median interval between poses (s) of a unit of time that is guessed.
 const LONGEST_INTERVAL_S: f64 = 100.0;
 pub const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
-                       timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
+                       timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry, PoseStamped or /tf";
 const NAME_THE_COLUMNS: &str =
     "name the columns in a first line, such as timestamp,x,y,z,qx,qy,qz,qw";
 
 /// Indices of the columns of a pose.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PoseColumns {
+struct PoseColumns {
     time: TimeColumns,
     position: [usize; 3],
     /// x, y, z, w.
@@ -52,7 +52,7 @@ pub struct PoseLayout {
     /// Fields of the header; `None` if it is a comment, or without one.
     header_fields: Option<usize>,
     /// Name of a layout without a header.
-    pub guessed: Option<&'static str>,
+    guessed: Option<&'static str>,
 }
 
 /// The poses of a table.
