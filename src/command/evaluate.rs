@@ -1,4 +1,4 @@
-//! `resect evaluate`: errors of trajectories of other systems, with the deployment's own as ground truth.
+//! `resect evaluate`: errors of trajectories of other systems against a deployment or another trajectory.
 
 use std::path::PathBuf;
 
@@ -8,9 +8,10 @@ use super::judging_args::JudgingArguments;
 use super::output::{advised, spare};
 use super::remedy_flags::unjudged_flag;
 use super::settings_args::AnswerArguments;
-use super::{Failure, load, print};
+use super::truth_args::TruthArguments;
+use super::{Failure, print};
 use resect_core::analysis::Analyst;
-use resect_core::estimates::judge;
+use resect_core::estimates::{GroundTruth, judge};
 use resect_io::atomic;
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
@@ -21,9 +22,12 @@ pub struct EvaluateArguments {
     /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, or bags with Odometry or PoseStamped
     #[arg(required = true, value_name = "ESTIMATE")]
     trajectory: Vec<PathBuf>,
-    /// Folder or file with the stations' tracks: the ground truth
+    /// Ground truth: a folder or file with the stations' tracks, or a trajectory in any format of the estimates. It may have
+    /// orientations or positions only, and be dense or a few surveyed points
     #[arg(long, value_name = "PATH")]
     against: PathBuf,
+    #[command(flatten)]
+    truth: TruthArguments,
     #[command(flatten)]
     judging: JudgingArguments,
     /// Print one JSON object
@@ -32,6 +36,9 @@ pub struct EvaluateArguments {
     /// Write a line for each epoch: its error, and σ of the ground truth
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write the table of errors for LaTeX
+    #[arg(long, value_name = "FILE")]
+    latex: Option<PathBuf>,
     /// Write a plot of the errors over time
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
@@ -43,17 +50,20 @@ pub struct EvaluateArguments {
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
-    let settings = arguments.settings.settings()?;
     let mut read_estimates = Vec::new();
     let options = arguments.judging.options_of_each(arguments.trajectory.len())?;
     for (path, options) in arguments.trajectory.iter().zip(options) {
         read_estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
     }
-    let (deployment, _) = load(&arguments.against, arguments.settings.extras())?;
+    let settings = arguments.settings.settings()?;
+    let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let answer = analysis.answer.clone()?;
-    let calibration = &answer.calibration;
-    let judgement = judge(&deployment, &analysis, read_estimates);
+    let station = arguments.truth.truth_station.map(|number| usize::from(number) - 1);
+    let truth = GroundTruth::of(&deployment, &analysis, station);
+    if let GroundTruth::Deployment { .. } = truth {
+        analysis.answer.clone()?;
+    }
+    let judgement = judge(&truth, read_estimates);
     if judgement.judged.is_empty() {
         let whys: Vec<String> = judgement
             .unjudged
@@ -62,21 +72,23 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
             .collect();
         return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
     }
-    let start_s = deployment.start_s().unwrap_or_default();
-    let read_files =
-        || used_files(&deployment).chain(arguments.trajectory.iter().map(|path| &**path));
+    let start_s = truth.start_s().unwrap_or_default();
     let picture = || svg::to_svg(&estimates::draw(&judgement, start_s, WIDTH), svg::Colours::Light);
-    let files: [(&Option<PathBuf>, &dyn Fn() -> String); 2] =
-        [(&arguments.csv, &|| estimates::csv(&judgement)), (&arguments.svg, &picture)];
+    let files: [(&Option<PathBuf>, &dyn Fn() -> String); 3] = [
+        (&arguments.csv, &|| estimates::csv(&judgement)),
+        (&arguments.latex, &|| estimates::latex(&judgement)),
+        (&arguments.svg, &picture),
+    ];
     for (file, text) in files {
         if let Some(file) = file {
-            spare(file, read_files())?;
+            let estimates = arguments.trajectory.iter().map(|path| &**path);
+            spare(file, used_files(&deployment).chain(estimates))?;
             atomic::write(file, text())?;
         }
     }
     Ok(print(&if arguments.json {
-        format!("{:#}\n", estimates::json(&deployment.name, calibration, &judgement))
+        format!("{:#}\n", estimates::json(&truth, &judgement))
     } else {
-        estimates::text(&deployment.name, calibration, &judgement, start_s)
+        estimates::text(&truth, &judgement)
     })?)
 }

@@ -9,10 +9,11 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, complain, load, print};
 use resect_core::analysis::Analyst;
 use resect_io::file_mark::used_files;
+use resect_report::arrow;
 use resect_report::csv::TABLES;
 
 #[derive(Args)]
-#[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv"])))]
+#[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv", "arrow"]).multiple(true)))]
 pub struct ExportArguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
@@ -22,6 +23,9 @@ pub struct ExportArguments {
     /// Folder for readings.csv, triplets.csv, residuals.csv, transforms.csv, clocks.csv and answer.csv
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
+    /// Folder for the same tables as Arrow files (Feather) for pandas, polars and DuckDB
+    #[arg(long, value_name = "DIR")]
+    arrow: Option<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
@@ -30,7 +34,9 @@ pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let tables = arguments.csv.iter().flat_map(|folder| TABLES.map(|name| folder.join(name)));
-    for file in tables.chain(arguments.rrd.clone()) {
+    let arrow = arguments.arrow.iter();
+    let arrow = arrow.flat_map(|folder| TABLES.map(|name| folder.join(arrow::file_of(name))));
+    for file in tables.chain(arrow).chain(arguments.rrd.clone()) {
         spare(&file, used_files(&deployment))?;
     }
     let analysis = Analyst::new(deployment.clone()).run(&settings);
@@ -39,6 +45,11 @@ pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     }
     if let Some(folder) = &arguments.csv {
         for file in resect_report::csv::write_folder(&deployment, &analysis, folder)? {
+            print(&format!("{}\n", file.display()))?;
+        }
+    }
+    if let Some(folder) = &arguments.arrow {
+        for file in arrow::write_folder(&deployment, &analysis, folder)? {
             print(&format!("{}\n", file.display()))?;
         }
     }

@@ -20,6 +20,9 @@ pub struct JudgingArguments {
     /// or its known origin there; for one prism, the prism's position in the body's frame (m)
     #[arg(long, alias = "lever-arm", value_name = "found|same|X,Y,Z", default_value = "found", allow_hyphen_values = true, value_parser = body)]
     body: Vec<Body>,
+    /// Assume what evo assumes: equal clocks, one body frame, nearest stamps. The errors are then those of evo_ape and evo_rpe
+    #[arg(long)]
+    as_evo: bool,
 }
 
 impl JudgingArguments {
@@ -34,9 +37,14 @@ impl JudgingArguments {
         let time_offset_s = one_or_each("--time-offset", &self.time_offset, count)?;
         let body = one_or_each("--body", &self.body, count)?;
         let each = align.into_iter().zip(time_offset_s).zip(body);
-        Ok(each
-            .map(|((alignment, time_offset_s), body)| Options { alignment, time_offset_s, body })
-            .collect())
+        let options = each.map(|((alignment, time_offset_s), body)| Options {
+            alignment,
+            time_offset_s,
+            body,
+            ..Options::default()
+        });
+        let as_asked = |options: Options| if self.as_evo { options.as_evo() } else { options };
+        Ok(options.map(as_asked).collect())
     }
 }
 

@@ -26,6 +26,7 @@ mod simulate;
 mod study_args;
 mod sweep;
 mod trajectory;
+mod truth_args;
 mod validate;
 mod window;
 

@@ -12,7 +12,7 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{EstimatedTrajectory, Options, judge};
+use resect_core::estimates::{EstimatedTrajectory, GroundTruth, Options, judge};
 use resect_io::atomic;
 use resect_io::error::OpenError;
 use resect_io::estimate_file;
@@ -92,7 +92,10 @@ fn chapter(
         Ok(deployment) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             let files = marks_of(&deployment);
-            let judged = || judge(&deployment, &analysis, estimates.to_vec());
+            let judged = || {
+                let (deployment, analysis) = (&*deployment, &*analysis);
+                judge(&GroundTruth::of(deployment, analysis, None), estimates.to_vec())
+            };
             let judgement = (!estimates.is_empty()).then(|| Arc::new(judged()));
             Chapter::Analysed { deployment, analysis, files, judgement }
         }

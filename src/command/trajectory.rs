@@ -13,12 +13,14 @@ use resect_core::analysis::{Analysis, Analyst};
 use resect_core::calibration::joint::prism_motion::MotionInstant;
 use resect_core::calibration::{Calibration, Targets};
 use resect_core::deployment::Deployment;
+use resect_core::estimates::{EstimatedTrajectory, GroundTruth};
 use resect_core::evaluation::site::SiteFrame;
 use resect_core::evaluation::trajectory::Trajectory;
 use resect_core::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
 use resect_core::pipeline::Triplets;
+use resect_core::statistics::median;
 use resect_io::atomic;
 use resect_io::file_mark::used_files;
 use resect_report::trajectory as trajectory_file;
@@ -46,6 +48,10 @@ pub struct TrajectoryArguments {
     /// Poses of a sensor instead of the vehicle: its origin in the vehicle's frame (m), with parallel axes
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
     lever_arm: Option<Vector3<f64>>,
+    /// Positions of one station's prism in the station's own frame, as .tum or .csv with covariance. They need no calibration, and are
+    /// the answer for a deployment with one station
+    #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with_all = ["at", "at_readings", "lever_arm"])]
+    station: Option<u8>,
     /// The frame of the poses: station 1's, or the one in which the control points were surveyed
     #[arg(long, value_enum, default_value_t = FrameArgument::Station1)]
     frame: FrameArgument,
@@ -70,6 +76,10 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
+    let station = arguments.station.map(|number| usize::from(number) - 1);
+    if let GroundTruth::Trajectory(track) = GroundTruth::of(&deployment, &analysis, station) {
+        return one_station(arguments, &deployment, &track);
+    }
     let answer = analysis.answer.clone()?;
     let reading_s = arguments
         .at_readings
@@ -194,6 +204,33 @@ impl FramedTrajectory<'_> {
         }
         Ok(())
     }
+}
+
+/// Writes the positions of one station's prism in the station's own frame, or prints them if no file is named.
+fn one_station(
+    arguments: &TrajectoryArguments,
+    deployment: &Deployment,
+    track: &EstimatedTrajectory,
+) -> Result<(), Failure> {
+    if track.poses.is_empty() {
+        let why = "no interval is longer than τ_l; relax the outlier filter, τ_s or τ_l";
+        return Err(Failure::Input(anyhow::anyhow!("{}: {why}", track.name)));
+    }
+    let header = format!("{}: positions of its prism in its own frame", track.name);
+    let Some(file) = &arguments.out else {
+        return Ok(print(&trajectory_file::station_tum(track, &header))?);
+    };
+    let content = trajectory_file::station_file(kind_of(file)?, track, &header)
+        .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
+    spare(file, used_files(deployment))?;
+    atomic::write(file, content)?;
+    let sigmas_m = track.covariances.iter().map(|one| (one.position_m2.trace() / 3.0).sqrt());
+    Ok(print(&format!(
+        "{}: {} {header}\ntypical σ, from readings and the instrument's error sizes: {:.1} mm\n",
+        file.display(),
+        track.poses.len(),
+        1e3 * median(sigmas_m).unwrap_or_default(),
+    ))?)
 }
 
 /// Returns the positions of the one prism that all stations follow.

@@ -10,8 +10,10 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy};
 use resect_core::estimates::odd::{OddOne, OddSpan};
+use resect_core::estimates::ranking::ComparedError;
 use resect_core::estimates::{
-    Body, EstimatedTrajectory, EstimatesJudgement, Options, TrajectoryAlignment, Unjudged, judge,
+    Body, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, TrajectoryAlignment,
+    Unjudged, judge,
 };
 use resect_core::evaluation::vehicle::NoTrajectory;
 use resect_core::simulation::{
@@ -25,7 +27,8 @@ fn judged(
     options: &Options,
 ) -> EstimatesJudgement {
     let analysis: Analysis = analyse(deployment, &by(Method::Joint));
-    judge(deployment, &analysis, estimates.into_iter().map(|one| (one, *options)).collect())
+    let truth = GroundTruth::of(deployment, &analysis, None);
+    judge(&truth, estimates.into_iter().map(|one| (one, *options)).collect())
 }
 
 /// Corrupts a station's readings at some times: 30 cm too far, as from a wrong prism, or rotated by 5°, as after losing level.
@@ -123,7 +126,10 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
         for clock_s in [0.0, 0.237, -37.0] {
             let slam = Slam { seed, clock_s, lever_m, turn_rad, drift_m: 0.0, ..SLAM };
             let estimate = slam.drive(&simulated);
-            let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
+            let found = judge(
+                &GroundTruth::of(&deployment, &analysis, None),
+                vec![(estimate, Options::default())],
+            );
             assert!(found.unjudged.is_empty(), "{:?}", found.unjudged);
             let one = &found.judged[0];
             let fit = &one.fit;
@@ -171,7 +177,8 @@ fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
     assert!(refused.unjudged[0].1.to_string().contains("needs orientations"));
     // By the paper's method C there is no motion at an estimate's times, and the error says so.
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
-    let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
+    let found =
+        judge(&GroundTruth::of(&deployment, &analysis, None), vec![(estimate, Options::default())]);
     let why = &found.unjudged[0].1;
     let one_prism = matches!(why, Unjudged::NoReference(NoTrajectory::OnePrism(_)));
     assert!(one_prism && why.finding().remedies == [Remedy::JointEstimate], "{why}");
@@ -276,8 +283,9 @@ fn the_better_estimate_is_told_and_two_alike_are_not() {
     let worse = slam("worse", 3, 0.03).drive(&simulated);
     let found = judged(&deployment, vec![worse, good, alike], &Options::default());
     let names = |index: usize| &found.judged[index].estimate.name[..];
-    for two in &found.comparisons {
-        let ratio = two.rmse_m[0] / two.rmse_m[1];
+    let by_position = || found.comparisons.iter().filter(|two| two.kind == ComparedError::Position);
+    for two in by_position() {
+        let ratio = two.rmse[0] / two.rmse[1];
         let [low, high] = two.ratio_95.expect("long enough");
         assert!(low <= ratio && ratio <= high, "{two:?}");
         if names(two.worse) == "worse" {
@@ -286,7 +294,7 @@ fn the_better_estimate_is_told_and_two_alike_are_not() {
             assert!(!two.is_significant(), "{two:?}");
         }
     }
-    assert_eq!(found.comparisons.len(), 3);
+    assert_eq!(by_position().count(), 3);
 }
 
 #[test]
@@ -295,8 +303,9 @@ fn an_estimate_that_is_the_truth_is_not_told_from_none_by_its_errors() {
     let exact = Slam { noise_m: 0.0, drift_m: 0.0, ..SLAM }.drive(&simulated);
     let found = judged(&deployment, vec![exact], &Options::default());
     let one = &found.judged[0];
-    assert!(one.against_sigma.undecided > 0.9, "{:?}", one.against_sigma);
-    assert!(one.against_sigma.of_truth > 0.8, "{:?}", one.against_sigma);
+    let against_sigma = one.against_sigma.expect("a deployment states its σ");
+    assert!(against_sigma.undecided > 0.9, "{against_sigma:?}");
+    assert!(against_sigma.of_truth > 0.8, "{against_sigma:?}");
     assert!(one.odd.is_empty(), "{:?}", one.odd);
     assert!(one.position.rmse < 0.01, "{:?}", one.position);
 }

@@ -8,6 +8,7 @@ mod common;
 mod commands;
 mod evaluate;
 mod golden;
+mod ground_truths;
 mod live;
 mod report;
 mod studies;

@@ -7,7 +7,7 @@ use crate::common::{of_field, sample_folder};
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, Finding, FindingKind};
 use resect_core::estimates::{
-    EstimatedPose, EstimatedTrajectory, EstimatesJudgement, Options, judge,
+    EstimatedPose, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, judge,
 };
 use resect_core::evaluation::trajectory::Pose;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
@@ -276,13 +276,17 @@ fn no_name_can_break_the_page() {
         path: hostile.into(),
         topic: None,
         poses: Vec::new(),
+        covariances: Vec::new(),
         findings: Vec::new(),
     };
-    let few = judge(&deployment, &analysis, vec![(estimate.clone(), Options::default())]);
+    let few = judge(
+        &GroundTruth::of(&deployment, &analysis, None),
+        vec![(estimate.clone(), Options::default())],
+    );
     assert_eq!(few.unjudged.len(), 1);
     estimate.poses = own_poses(&deployment, &analysis);
     let all = vec![(estimate, Options::default()); 2];
-    let judgement = judge(&deployment, &analysis, all);
+    let judgement = judge(&GroundTruth::of(&deployment, &analysis, None), all);
     assert_eq!(judgement.judged.len(), 2);
     let judgement = Some(EstimatesJudgement { unjudged: few.unjudged, ..judgement }.into());
     let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files, judgement };

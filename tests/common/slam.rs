@@ -67,6 +67,7 @@ impl Slam {
             path,
             topic: None,
             poses: poses.collect(),
+            covariances: Vec::new(),
             findings: Vec::new(),
         }
     }

@@ -352,6 +352,7 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
         alignment: TrajectoryAlignment::Similarity,
         time_offset_s: None,
         body: Body::Same,
+        ..Options::default()
     };
     let options = |harness: &Window| -> Vec<Options> {
         shown(harness).judging.added.iter().map(|one| one.options).collect()

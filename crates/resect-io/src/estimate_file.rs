@@ -3,9 +3,9 @@
 //! [`pose_table`] reads the tables.
 
 use crate::findings::trajectories::{
-    estimate_columns_guessed, estimate_orientations_missing, estimate_out_of_order,
-    estimate_poses_skipped, estimate_quaternions_normalised, estimate_stamps_joined,
-    estimate_times_repeated,
+    estimate_columns_guessed, estimate_covariances_missing, estimate_orientations_constant,
+    estimate_orientations_missing, estimate_out_of_order, estimate_poses_skipped,
+    estimate_quaternions_normalised, estimate_stamps_joined, estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -18,28 +18,69 @@ use crate::format::Format;
 use crate::format::bag;
 use crate::format::bag::{Piece, RecordedPoses, natural_key};
 use crate::format::estimate::{KITTI_FIELDS, is_kitti};
+use crate::format::pose_covariance::{file_beside, of_message, read_beside};
 use crate::format::pose_table::{self, FORMATS};
 use crate::format::table::CORRECT;
 use crate::format::text_encoding::decode_text;
 use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::Finding;
-use resect_core::estimates::{EstimatedPose, EstimatedTrajectory};
+use resect_core::estimates::{EstimatedPose, EstimatedTrajectory, PoseCovariance};
 use resect_core::progress::Progress;
 
 /// Largest difference of a quaternion's length from one; larger ones are errors.
 const ROUNDED: f64 = 1e-2;
+
+/// A pose with its covariance, if the file states it.
+type StatedPose = (EstimatedPose, Option<PoseCovariance>);
 
 /// Number of topics that an error lists.
 const LISTED_TOPICS: usize = 8;
 /// Most different poses per time: two, of a path that is written twice.
 const MOST_AT_A_TIME: usize = 2;
 
+/// Topics of a bag that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum WantedTopics {
+    /// Poses; without any, positions.
+    PosesElsePoints,
+    PosesAndPoints,
+}
+
 /// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
 pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
+    read_wanted(path, WantedTopics::PosesElsePoints)
+}
+
+/// Reads the one trajectory of a file that is the ground truth; `topic` chooses among those of a bag.
+pub fn read_truth(path: &Path, topic: Option<&str>) -> Result<EstimatedTrajectory, OpenError> {
+    let wanted = match topic {
+        Some(_) => WantedTopics::PosesAndPoints,
+        None => WantedTopics::PosesElsePoints,
+    };
+    let mut all = read_wanted(path, wanted)?;
+    let topics: Vec<String> = all.iter().filter_map(|one| one.topic.clone()).collect();
+    // A single topic needs no choice, whatever its name.
+    if let Some(topic) = topic.filter(|_| !topics.is_empty()) {
+        all.retain(|one| one.topic.as_deref() == Some(topic));
+    }
+    match (all.pop(), all.is_empty()) {
+        (Some(only), true) => Ok(only),
+        _ => {
+            let what = match topic {
+                Some(topic) => format!("no poses or points in {topic}"),
+                None => format!("{} topics with poses", topics.len()),
+            };
+            let remedy = format!("name the topic of the ground truth: {}", topics.join(", "));
+            Err(OpenError::file(&path.display().to_string(), what, remedy))
+        }
+    }
+}
+
+fn read_wanted(path: &Path, wanted: WantedTopics) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let pieces = pieces_of_bag(path)?;
     if !pieces.is_empty() {
-        return read_bag(path, &name, &pieces);
+        return read_bag(path, &name, &pieces, wanted);
     }
     let text = read_text(path)?;
     let file = path.display().to_string();
@@ -83,11 +124,17 @@ fn read_bag(
     path: &Path,
     name: &str,
     pieces: &[PathBuf],
+    wanted: WantedTopics,
 ) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let names: Vec<String> = pieces.iter().map(|piece| piece.display().to_string()).collect();
     let pieces: Vec<Piece<'_>> =
         pieces.iter().zip(&names).map(|(path, file)| Piece { path, file }).collect();
-    let RecordedPoses { topics, all_topics, findings } = bag::poses(&pieces, &Progress::default())?;
+    let RecordedPoses { mut topics, all_topics, findings } =
+        bag::poses(&pieces, &Progress::default())?;
+    let has_poses = topics.iter().any(|topic| !topic.are_points);
+    if wanted == WantedTopics::PosesElsePoints && has_poses {
+        topics.retain(|topic| !topic.are_points);
+    }
     let file = path.display().to_string();
     if topics.is_empty() {
         let topics = match all_topics.len() {
@@ -95,7 +142,7 @@ fn read_bag(
             _ => all_topics.iter().take(LISTED_TOPICS).cloned().collect::<Vec<_>>().join(", "),
         };
         let what = format!(
-            "no poses in Odometry, PoseStamped, TransformStamped or /tf; its topics: {topics}"
+            "no poses in Odometry, PoseStamped, TransformStamped, PointStamped or /tf; its topics: {topics}"
         );
         let remedy =
             "record the poses of the body as Odometry or PoseStamped, or export them as a table";
@@ -106,8 +153,9 @@ fn read_bag(
         let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
         let (mut poses, mut skipped) = (Vec::new(), SkippedRows::default());
         for (index, pose) in topic.poses.iter().enumerate() {
+            let covariance = pose.covariance.and_then(|elements| of_message(&elements));
             match pose_of_message(pose) {
-                Ok(pose) => poses.push(pose),
+                Ok(pose) => poses.push((pose, covariance)),
                 Err(reason) => skipped.add(index + 1, reason),
             }
         }
@@ -147,18 +195,18 @@ fn pose_of_message(pose: &bag::messages::StampedPose) -> Result<EstimatedPose, S
 fn put_in_order(
     (name, topic): (String, Option<String>),
     path: &Path,
-    mut poses: Vec<EstimatedPose>,
+    mut poses: Vec<StatedPose>,
     mut findings: Vec<Finding>,
 ) -> Result<EstimatedTrajectory, OpenError> {
     let file = path.display().to_string();
-    if !poses.is_sorted_by(|a, b| a.time_s <= b.time_s) {
+    if !poses.is_sorted_by(|a, b| a.0.time_s <= b.0.time_s) {
         findings.push(estimate_out_of_order(&file));
-        poses.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        poses.sort_by(|a, b| a.0.time_s.total_cmp(&b.0.time_s));
     }
     let all = poses.len();
-    poses.dedup();
+    poses.dedup_by(|a, b| a.0 == b.0);
     let different = poses.len();
-    poses.dedup_by_key(|pose| pose.time_s);
+    poses.dedup_by_key(|(pose, _)| pose.time_s);
     if different > MOST_AT_A_TIME * poses.len() {
         let what = format!(
             "{different} poses have only {} different times: the stamps are rounded or missing",
@@ -169,13 +217,39 @@ fn put_in_order(
     if poses.len() < all {
         findings.push(estimate_times_repeated(&file, all - poses.len()));
     }
+    let (mut poses, stated): (Vec<EstimatedPose>, Vec<Option<PoseCovariance>>) =
+        poses.into_iter().unzip();
     let with = poses.iter().filter(|pose| pose.orientation.is_some()).count();
     if with > 0 && with < poses.len() {
         let without = poses.len() - with;
         findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
-    Ok(EstimatedTrajectory { name, path: path.to_owned(), topic, poses, findings })
+    if are_orientations_unset(&poses) {
+        findings.push(estimate_orientations_constant(&file));
+        poses.iter_mut().for_each(|pose| pose.orientation = None);
+    }
+    let covariances: Vec<PoseCovariance> = stated.iter().flatten().copied().collect();
+    let complete = covariances.len() == poses.len();
+    if !complete && !covariances.is_empty() {
+        let without = poses.len() - covariances.len();
+        findings.push(estimate_covariances_missing(&file, without, poses.len()));
+    }
+    let covariances = if complete { covariances } else { Vec::new() };
+    Ok(EstimatedTrajectory { name, path: path.to_owned(), topic, poses, covariances, findings })
+}
+
+/// Fewest poses and shortest extent of positions (m) that reveal an unset orientation.
+const FEWEST_UNSET: usize = 5;
+const LEAST_EXTENT_M: f64 = 0.1;
+
+/// Returns true if all orientations are equal although the positions move: files of positions have 0 0 0 1 in their columns.
+fn are_orientations_unset(poses: &[EstimatedPose]) -> bool {
+    let Some(first) = poses.first().filter(|_| poses.len() >= FEWEST_UNSET) else { return false };
+    let moves = |pose: &EstimatedPose| (pose.position_m - first.position_m).norm() > LEAST_EXTENT_M;
+    first.orientation.is_some()
+        && poses.iter().all(|pose| pose.orientation == first.orientation)
+        && poses.iter().any(moves)
 }
 
 fn read_text(path: &Path) -> Result<String, OpenError> {
@@ -195,9 +269,10 @@ fn poses(
     path: &Path,
     text: &str,
     findings: &mut Vec<Finding>,
-) -> Result<Vec<EstimatedPose>, OpenError> {
+) -> Result<Vec<StatedPose>, OpenError> {
     if is_kitti(text) {
-        return of_kitti(file, path, &rows_of_kitti(file, text)?);
+        let poses = of_kitti(file, path, &rows_of_kitti(file, text)?)?;
+        return with_covariances_beside(path, poses.into_iter().map(|pose| (pose, None)).collect());
     }
     let table = pose_table::read(file, text)?;
     findings.extend(rows_skipped(file, &table.skipped));
@@ -208,7 +283,19 @@ fn poses(
     if table.rough_quaternions > 0 {
         findings.push(estimate_quaternions_normalised(file, table.rough_quaternions));
     }
-    Ok(table.poses)
+    with_covariances_beside(path, table.poses)
+}
+
+/// Adds the covariances of a file beside the table, if there is one.
+fn with_covariances_beside(
+    path: &Path,
+    poses: Vec<StatedPose>,
+) -> Result<Vec<StatedPose>, OpenError> {
+    let Some(beside) = file_beside(path) else { return Ok(poses) };
+    let text = read_text(&beside)?;
+    let poses: Vec<EstimatedPose> = poses.into_iter().map(|(pose, _)| pose).collect();
+    let covariances = read_beside(&beside.display().to_string(), &text, &poses)?;
+    Ok(poses.into_iter().zip(covariances).collect())
 }
 
 fn rows_of_kitti(file: &str, text: &str) -> Result<Vec<[f64; KITTI_FIELDS]>, OpenError> {

@@ -1,10 +1,12 @@
 //! The source of a deployment: everything needed to open it again.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::OpenError;
+use crate::estimate_file;
 pub use crate::extras::Extras;
 use crate::open;
 use crate::sample::Sample;
@@ -26,6 +28,17 @@ pub enum Place {
     /// A folder, or a file of tracks with the rest of its folder.
     Path(PathBuf),
     Sample(Sample),
+    /// A trajectory of another system that is the ground truth.
+    #[serde(rename = "ground-truth")]
+    GroundTruth(TruthFile),
+}
+
+/// A file with a trajectory.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TruthFile {
+    pub path: PathBuf,
+    /// Topic in a bag of several trajectories.
+    pub topic: Option<String>,
 }
 
 impl Source {
@@ -37,6 +50,11 @@ impl Source {
         Self { place: Place::Sample(sample), extras: Extras::default() }
     }
 
+    pub fn ground_truth(path: impl Into<PathBuf>, topic: Option<String>) -> Self {
+        let file = TruthFile { path: path.into(), topic };
+        Self { place: Place::GroundTruth(file), extras: Extras::default() }
+    }
+
     pub fn with(self, extras: Extras) -> Self {
         Self { extras, ..self }
     }
@@ -44,7 +62,7 @@ impl Source {
     /// Returns the file or folder of the tracks; `None` for a sample.
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
-            Place::Path(path) => Some(path),
+            Place::Path(path) | Place::GroundTruth(TruthFile { path, .. }) => Some(path),
             Place::Sample(_) => None,
         }
     }
@@ -52,10 +70,12 @@ impl Source {
     /// Title before the deployment is open.
     pub fn title(&self) -> String {
         match &self.place {
-            Place::Path(path) => path.file_name().map_or_else(
-                || path.display().to_string(),
-                |name| name.to_string_lossy().into_owned(),
-            ),
+            Place::Path(path) | Place::GroundTruth(TruthFile { path, .. }) => {
+                path.file_name().map_or_else(
+                    || path.display().to_string(),
+                    |name| name.to_string_lossy().into_owned(),
+                )
+            }
             Place::Sample(sample) => sample.title().to_owned(),
         }
     }
@@ -63,6 +83,10 @@ impl Source {
     /// Reads everything. `progress` counts bytes of files; cancelling it returns [`OpenError::Cancelled`].
     pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut found = match &self.place {
+            Place::GroundTruth(TruthFile { path, topic }) => {
+                let truth = estimate_file::read_truth(path, topic.as_deref())?;
+                return Ok(Deployment::of_ground_truth(Arc::new(truth)));
+            }
             Place::Path(path) => open::find(path, progress)?,
             Place::Sample(sample) => open::in_memory(sample.title(), sample.files()),
         };

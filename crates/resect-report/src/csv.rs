@@ -28,21 +28,34 @@ pub fn write_folder(
     folder: &Path,
 ) -> Result<Vec<PathBuf>, WriteError> {
     atomic::make_folder(folder)?;
+    let mut ready = Vec::new();
+    for (name, text) in tables(deployment, analysis) {
+        ready.push(atomic::ready_with(&folder.join(name), |file| file.write_all(&text))?);
+    }
+    atomic::place_all(ready)
+}
+
+/// Returns the text of each of [`TABLES`], with its file name; without an answer, of readings and triplets only.
+pub fn tables(deployment: &Deployment, analysis: &Analysis) -> Vec<(&'static str, Vec<u8>)> {
     let mut all = Vec::new();
     let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks, of_rows] = TABLES;
-    let mut table = |name: &str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
-        all.push(ready_table(&folder.join(name), fill)?);
-        Ok::<(), WriteError>(())
+    let mut table = |name: &'static str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
+        let mut text: Vec<u8> = Vec::new();
+        let into: &mut dyn Write = &mut text;
+        let mut writer = ::csv::Writer::from_writer(into);
+        fill(&mut writer).and_then(|()| Ok(writer.flush()?)).expect("memory has no disk errors");
+        drop(writer);
+        all.push((name, text));
     };
-    table(of_readings, &|table| readings(deployment, analysis, table))?;
-    table(of_triplets, &|table| triplets(analysis, table))?;
+    table(of_readings, &|table| readings(deployment, analysis, table));
+    table(of_triplets, &|table| triplets(analysis, table));
     if let Ok(answer) = &analysis.answer {
-        table(of_residuals, &|table| residuals(analysis, answer, table))?;
-        table(of_transforms, &|table| transforms(answer, table))?;
-        table(of_clocks, &|table| clocks(answer, table))?;
-        table(of_rows, &|table| rows(&analysis.rows(deployment), table))?;
+        table(of_residuals, &|table| residuals(analysis, answer, table));
+        table(of_transforms, &|table| transforms(answer, table));
+        table(of_clocks, &|table| clocks(answer, table));
+        table(of_rows, &|table| rows(&analysis.rows(deployment), table));
     }
-    atomic::place_all(all)
+    all
 }
 
 /// Writes the triplets alone, as `triplets.csv` of [`write_folder`].

@@ -9,7 +9,7 @@
 //! | [`drawing`], [`axis`], [`frame`] | charts as one [`drawing::Drawing`], painted as SVG or by the window; their axes | |
 //! | [`svg`] | a drawing as SVG and PNG | |
 //! | [`box_chart`], [`residual_chart`], [`plan_view`] | the charts | |
-//! | [`rows`], [`summary`], [`csv`] | the rows of an answer as text; an answer as a summary, and as tables | |
+//! | [`rows`], [`summary`], [`csv`], [`arrow`] | the rows of an answer as text; an answer as a summary, and as tables | a table: a function in `csv.rs` |
 //! | [`of_run`], [`difference`] | the date and the durations of a run; the difference of two answers | |
 //! | [`text`] | an answer in the terminal | |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
@@ -19,6 +19,7 @@
 //! | [`report`] | the HTML report | a section: a file here |
 //! | [`rerun_error`], [`rerun`] | recordings for the Rerun viewer | |
 
+pub mod arrow;
 mod axis;
 pub mod box_chart;
 pub mod copy;

@@ -153,6 +153,8 @@ pub enum JudgingCommand {
     AddDialog,
     /// Sets the trajectories of the active deployment, each with its options.
     Set(Vec<Added>),
+    /// Opens the trajectory of this colour as the ground truth, and moves the others of the active deployment to it.
+    UseAsGroundTruth(usize),
 }
 
 /// Commands of the session and its file.

@@ -198,6 +198,7 @@ mod tests {
             path: path.into(),
             topic,
             poses: vec![],
+            covariances: vec![],
             findings: vec![],
         })
     }

@@ -11,7 +11,7 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Calibration;
 use resect_core::calibration::inter_prism::observability::Hold;
-use resect_core::deployment::{Severity, pair_label};
+use resect_core::deployment::{Deployment, Severity, pair_label};
 use resect_core::palette;
 use resect_report::glossary;
 
@@ -34,23 +34,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.label(format!("{duration_s:.0} s of measurements"));
         ui.add_space(2.0);
         stations(ui, state, open, commands);
-        corrections::ui(ui, state, open, commands);
-
-        heading(ui, "Rig");
-        match &deployment.rig {
-            None => {
-                ui.label("Inter-prism distances unknown.");
-            }
-            Some(rig) => {
-                egui::Grid::new("rig").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
-                    for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
-                        let name = ui.label(format!("Prisms {}", pair_label(pair)));
-                        words::explain(name, &glossary::INTER_PRISM_DISTANCES);
-                        ui.monospace(format!("{distance:.4} m"));
-                        ui.end_row();
-                    }
-                });
-            }
+        if deployment.ground_truth.is_none() {
+            corrections::ui(ui, state, open, commands);
+            rig(ui, deployment);
         }
         if let Some(antennas) = &deployment.gnss {
             let fixes: usize = antennas.iter().map(Vec::len).sum();
@@ -149,7 +135,36 @@ fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
+/// Shows the inter-prism distances.
+fn rig(ui: &mut egui::Ui, deployment: &Deployment) {
+    heading(ui, "Rig");
+    match &deployment.rig {
+        None => {
+            ui.label("Inter-prism distances unknown.");
+        }
+        Some(rig) => {
+            egui::Grid::new("rig").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+                for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
+                    let name = ui.label(format!("Prisms {}", pair_label(pair)));
+                    words::explain(name, &glossary::INTER_PRISM_DISTANCES);
+                    ui.monospace(format!("{distance:.4} m"));
+                    ui.end_row();
+                }
+            });
+        }
+    }
+}
+
 fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    if let Some(truth) = &open.deployment.ground_truth {
+        let kind = if truth.has_orientations() { "poses" } else { "positions" };
+        ui.label(format!("Ground truth of {} {kind} from another system", truth.poses.len()));
+        ui.label(match truth.covariances.is_empty() {
+            true => "The file states no σ.",
+            false => "The file states the covariance of each.",
+        });
+        return;
+    }
     let dark = ui.visuals().dark_mode;
     let mut visibility = state.scene.visibility;
     egui::Grid::new("stations").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {

@@ -13,9 +13,11 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Verdict;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{EstimatesJudgement, Judged, Unjudged};
+use resect_core::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
 use resect_core::palette;
-use resect_report::estimates::{Angles, compared, contradiction, rows};
+use resect_report::estimates::{
+    Angles, agreed, compared, contradiction, error_in_words, rows, stated,
+};
 
 /// Greatest width of a sentence (points).
 const SENTENCE: f32 = 620.0;
@@ -41,7 +43,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 });
             }
             let Some(judgement) = open.judging.judgement.newest.as_deref() else {
-                if let Some(Err(why)) = open.analysis.as_ref().map(|analysis| &analysis.answer) {
+                if GroundTruth::needs_answer(&open.deployment)
+                    && let Some(Err(why)) = open.analysis.as_ref().map(|analysis| &analysis.answer)
+                {
                     ui.label(format!("No ground truth: {why}"));
                 }
                 return;
@@ -81,6 +85,14 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             )
             .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
+            let name = format!("Use {} as the ground truth", estimate.name);
+            let hint =
+                format!("{name}: opens it beside this deployment, and compares the others with it");
+            let button = ui.small_button("ground truth").on_hover_text(hint);
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+            if button.clicked() {
+                commands.push(JudgingCommand::UseAsGroundTruth(one.colour).into());
+            }
             let name = format!("Remove {}", estimate.name);
             let button = ui.small_button("×").on_hover_text(&name);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
@@ -119,17 +131,21 @@ fn ranking(
     judgement: &EstimatesJudgement,
     commands: &mut Commands,
 ) {
+    let angles = angles(state.workspace.units);
     ui.add_space(4.0);
-    for two in &judgement.comparisons {
+    for two in stated(judgement) {
         let (word, verdict) = if two.is_significant() {
             let name = short::of_trajectory(ui, &judgement.judged[two.better].estimate.name);
-            (format!(" {name} is better "), Verdict::Good)
+            (format!(" {name} is better in {} ", error_in_words(two.kind)), Verdict::Good)
         } else {
             (" inconclusive ".to_owned(), Verdict::Weak)
         };
         let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
         ui.label(RichText::new(word).color(ink).background_color(ground).strong());
-        ui.add(egui::Label::new(compared(judgement, two)).wrap());
+        ui.add(egui::Label::new(compared(judgement, two, angles)).wrap());
+    }
+    for both in &judgement.agreements {
+        ui.add(egui::Label::new(agreed(judgement, both)).wrap());
     }
     // Each deficiency of the ground truth is reported once.
     let mut said: Vec<&Unjudged> = judgement.unjudged.iter().map(|(_, why)| why).collect();

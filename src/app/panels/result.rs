@@ -25,7 +25,8 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, Targets, Verdict};
-use resect_core::deployment::{Finding, Severity, doubts};
+use resect_core::deployment::{Deployment, Finding, Severity, doubts};
+use resect_core::evaluation::station_trajectory::stations_with_readings;
 use resect_core::palette;
 use resect_report::glossary;
 use resect_report::summary::ResultSummary;
@@ -57,11 +58,40 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             Ok(answer) => show(ui, state, (open, analysis, answer), commands),
             Err(error) => {
                 ui.heading("No result");
-                finding(ui, state, &error.finding(), commands);
-                missing_rig(ui, state, open, commands);
+                match not_calibrated(&open.deployment) {
+                    Some(why) => {
+                        ui.label(why);
+                    }
+                    None => {
+                        finding(ui, state, &error.finding(), commands);
+                        missing_rig(ui, state, open, commands);
+                    }
+                }
             }
         }
     });
+}
+
+/// Explains why a deployment needs no calibration, or cannot have one; `None` if it can.
+fn not_calibrated(deployment: &Deployment) -> Option<String> {
+    const USE: &str = "The Evaluation pane compares other trajectories with it.";
+    if deployment.ground_truth.is_some() {
+        return Some(format!("A trajectory of another system is the ground truth. {USE}"));
+    }
+    match stations_with_readings(deployment)[..] {
+        [only] => Some(format!(
+            "A calibration needs three stations, and only station {} has measurements. Its prism's positions are the ground \
+             truth. {USE}",
+            only + 1
+        )),
+        [first, second] => Some(format!(
+            "A calibration needs three stations, and only stations {} and {} have measurements. `resect trajectory --station` \
+             exports the positions of one prism with their σ.",
+            first + 1,
+            second + 1
+        )),
+        _ => None,
+    }
 }
 
 /// Lets the user enter missing inter-prism distances.

@@ -245,6 +245,7 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
         alignment: TrajectoryAlignment::None,
         time_offset_s: Some(0.5),
         body: Body::Same,
+        ..Options::default()
     };
     let of =
         |file: &str| SavedEstimate { path: folder.join(file), topic: None, options, shown: true };

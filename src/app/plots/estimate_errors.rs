@@ -203,13 +203,16 @@ impl ErrorStrip<'_> {
             errors.get(after).filter(|error| error.time_s - cursor_s < GAP_S)
         });
         let at = at.map_or("no value at the cursor".to_owned(), |error| {
-            let sigma_mm = 1e3 * error.sigma_m();
             let error_mm = 1e3 * error.position_m.norm();
-            match self.strip.is_tight() {
-                true => format!("cursor {error_mm:.1}\u{a0}mm (σ\u{a0}{sigma_mm:.1})"),
-                false => {
+            match (self.strip.is_tight(), error.sigma_m().map(|sigma_m| 1e3 * sigma_m)) {
+                (true, Some(sigma_mm)) => {
+                    format!("cursor {error_mm:.1}\u{a0}mm (σ\u{a0}{sigma_mm:.1})")
+                }
+                (true, None) => format!("cursor {error_mm:.1}\u{a0}mm"),
+                (false, Some(sigma_mm)) => {
                     format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1} mm)")
                 }
+                (false, None) => format!("at the cursor {error_mm:.1} mm"),
             }
         });
         let name = RichText::new(&self.one.estimate.name).color(self.colour).strong();
@@ -232,7 +235,7 @@ fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<St
 
 /// Spans in which the estimate, or the ground truth, is wrong; `place` maps times to the axis.
 fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
-    let of = |odd_one: OddOne| (odd_one == OddOne::Estimate) == estimate;
+    let of = |odd_one: OddOne| matches!(odd_one, OddOne::Estimate | OddOne::Undecided) == estimate;
     let spans = one.odd.iter().filter(|span| of(span.odd_one));
     let spans =
         spans.map(|span| Interval { start_s: place(span.span_s[0]), end_s: place(span.span_s[1]) });
@@ -254,7 +257,7 @@ impl ErrorCorner {
     fn of(some: &[EpochError], x: f64) -> Self {
         let all_mm = || some.iter().map(|error| 1e3 * error.position_m.norm());
         let mean = |sum: f64| sum / some.len() as f64;
-        let variance = some.iter().map(|error| error.sigma_m().powi(2)).sum();
+        let variance = some.iter().map(|error| error.sigma_m().unwrap_or_default().powi(2)).sum();
         Self {
             x,
             rms_mm: mean(all_mm().map(|mm| mm * mm).sum()).sqrt(),

@@ -2,14 +2,34 @@
 
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
+use resect_core::evaluation::station_trajectory::stations_with_readings;
 use resect_core::geometry::RigidTransform;
 
-/// Returns the transforms from the stations' frames to station 1's. Without
-/// a calibration only station 1 has one, since its frame is the world.
-pub fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
+/// Returns the transforms from the stations' frames to station 1's. Without a calibration only station 1 has one, since its frame
+/// is the world. If a station has no measurement, no calibration is possible, and each of the others is shown in its own frame.
+pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     match &analysis.answer {
         Ok(answer) => answer.calibration.station1_from_station.map(Some),
-        Err(_) => [Some(RigidTransform::IDENTITY), None, None],
+        Err(_) => {
+            let present = stations_with_readings(deployment);
+            let in_own_frame = |station: usize| match present.len() {
+                1 | 2 => present.contains(&station),
+                _ => station == 0,
+            };
+            [0, 1, 2].map(|station| in_own_frame(station).then_some(RigidTransform::IDENTITY))
+        }
+    }
+}
+
+/// Names the frame of the scene.
+pub fn frame_in_words(deployment: &Deployment, analysis: &Analysis) -> String {
+    if let Some(truth) = &deployment.ground_truth {
+        return format!("frame of {}, z up", truth.name);
+    }
+    match (&analysis.answer, &stations_with_readings(deployment)[..]) {
+        (Err(_), [only]) => format!("frame of station {}, z up", only + 1),
+        (Err(_), [_, _]) => "each station in its own frame: not calibrated".to_owned(),
+        _ => "frame of station 1, z up".to_owned(),
     }
 }
 
@@ -18,6 +38,6 @@ pub fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
 pub fn placed_tracks(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     match &analysis.answer {
         Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => [None; 3],
-        _ => placed(analysis),
+        _ => placed(deployment, analysis),
     }
 }

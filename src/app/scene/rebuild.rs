@@ -37,7 +37,7 @@ impl SceneContent {
         visibility: &Visibility,
         options: &SceneOptions,
     ) {
-        self.station1_from_station = placed(analysis);
+        self.station1_from_station = placed(deployment, analysis);
         self.station1_from_tracks = placed_tracks(deployment, analysis);
         self.data.clear();
         self.labels.clear();

@@ -7,6 +7,7 @@ use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;
 use crate::app::model::{OpenDeployment, Ruler, Units};
+use crate::app::prepared::placing::frame_in_words;
 use crate::app::prepared::rig_at::LAST_READ_S;
 use crate::app::state::State;
 use resect_core::analysis::Analysis;
@@ -43,7 +44,7 @@ pub fn texts(
     }
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
-    let frame = "frame of station 1, z up".to_owned();
+    let frame = frame_in_words(&open.deployment, analysis);
     let faint = grid.into_iter().chain([counts(analysis, content), frame]);
     let plain = plain.into_iter().map(|text| Text { text, faint: false });
     plain.chain(faint.into_iter().map(|text| Text { text, faint: true })).collect()

@@ -12,8 +12,10 @@ use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
-use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, judge};
+use resect_core::deployment::Deployment;
+use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, GroundTruth, judge};
 use resect_io::estimate_file;
+use resect_io::source::Source;
 
 impl State {
     pub(super) fn handle_judging(&mut self, command: JudgingCommand, moment: Moment) {
@@ -21,6 +23,7 @@ impl State {
             JudgingCommand::Add(paths) => self.add_estimates(paths),
             JudgingCommand::AddDialog => self.add_estimate_dialog(),
             JudgingCommand::Set(added) => self.judge(added, moment),
+            JudgingCommand::UseAsGroundTruth(colour) => self.use_as_ground_truth(colour),
         }
     }
 
@@ -54,7 +57,8 @@ impl State {
             open.way.start(number, of);
         }
         let of = (open.analysis_run, open.judging.version);
-        let any = !open.judging.added.is_empty() && analysis.answer.is_ok();
+        let any = !open.judging.added.is_empty()
+            && (analysis.answer.is_ok() || !GroundTruth::needs_answer(&open.deployment));
         if any && open.judging.judgement.is_wanted(of) {
             let deployment = Arc::clone(&open.deployment);
             let added = open.judging.added.clone();
@@ -62,7 +66,8 @@ impl State {
                 move || {
                     let own =
                         |one: &Added| (EstimatedTrajectory::clone(&one.estimate), one.options);
-                    judge(&deployment, &analysis, added.iter().map(own).collect())
+                    let truth = GroundTruth::of(&deployment, &analysis, None);
+                    judge(&truth, added.iter().map(own).collect())
                 },
                 move |state: &mut Self, number, judgement: EstimatesJudgement| {
                     state.with_open(id, |open| open.judging.judgement.take(number, judgement));
@@ -194,6 +199,22 @@ impl State {
             },
         );
         self.path_requests.push(number);
+    }
+
+    /// Opens a trajectory of the active deployment as the ground truth, and moves the others there.
+    fn use_as_ground_truth(&mut self, colour: usize) {
+        let Some(open) = self.deployments.active_mut() else { return };
+        let (chosen, others): (Vec<Added>, Vec<Added>) =
+            open.judging.added.iter().cloned().partition(|one| one.colour == colour);
+        let Some(chosen) = chosen.into_iter().next() else { return };
+        open.judging.set(Vec::new());
+        let truth = chosen.estimate;
+        let source = Source::ground_truth(&truth.path, truth.topic.clone());
+        self.add(Arc::new(Deployment::of_ground_truth(truth)), Some(source));
+        if let Some(open) = self.deployments.active_mut() {
+            open.judging.set(others);
+        }
+        self.workspace.layout.show(Pane::Evaluation);
     }
 
     /// Replaces the trajectories of the active deployment.

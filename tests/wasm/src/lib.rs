@@ -64,6 +64,7 @@ fn deployment(readings: &[[f64; 5]], inter_prism_m: [f64; 3]) -> Deployment {
         as_read: Default::default(),
         ingredients: Vec::new(),
         findings: Vec::new(),
+        ground_truth: None,
         restarts_s: Vec::new(),
     }
 }

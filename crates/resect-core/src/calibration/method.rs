@@ -192,6 +192,9 @@ fn lack(
 
 /// Returns the reason why there are no triplets, with a remedy.
 pub fn why_no_triplets(deployment: &Deployment) -> String {
+    if deployment.ground_truth.is_some() {
+        return "it is a trajectory of another system, without readings of stations".to_owned();
+    }
     let is_cause = |finding: &&Finding| finding.kind == FindingKind::StationsWithoutCommonTime;
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
         Some(station) => format!("station {} has no measurement; all three are needed", station + 1),

@@ -1,6 +1,9 @@
 //! The measurements of one field session.
 
+use std::sync::Arc;
+
 use super::control_points::ControlPointSet;
+use super::estimated_trajectory::EstimatedTrajectory;
 use super::finding::Finding;
 use super::gnss::GnssFix;
 use super::ingredient::Ingredient;
@@ -10,7 +13,7 @@ use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
 
 /// One field session: measurements of three stations, control points and the prism rig.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deployment {
     pub name: String,
     /// Tracks of stations 1, 2 and 3; a missing station has an empty track.
@@ -35,11 +38,30 @@ pub struct Deployment {
     pub ingredients: Vec<Ingredient>,
     /// Findings of the readers.
     pub findings: Vec<Finding>,
+    /// A trajectory of another system that is the ground truth in place of readings.
+    pub ground_truth: Option<Arc<EstimatedTrajectory>>,
     /// Start of each further drive of the same set-up (s); empty for a single drive.
     pub restarts_s: Vec<f64>,
 }
 
 impl Deployment {
+    /// Returns a deployment without readings whose ground truth is a trajectory of another system.
+    pub fn of_ground_truth(truth: Arc<EstimatedTrajectory>) -> Self {
+        let ingredient = Ingredient {
+            file: truth.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            path: Some(truth.path.clone()),
+            what: "ground truth, a trajectory of another system",
+            used: true,
+        };
+        Self {
+            name: truth.name.clone(),
+            ingredients: vec![ingredient],
+            findings: truth.findings.clone(),
+            ground_truth: Some(truth),
+            ..Self::default()
+        }
+    }
+
     /// Control points that can be compared with an answer from the tracks; their own answer can then be compared with the
     /// tracks. Empty if the tracks are in another frame.
     pub fn comparable_control_points(&self) -> &[ControlPointSet] {
@@ -49,21 +71,25 @@ impl Deployment {
         }
     }
 
-    /// Time of the first measurement of any station (s, in the stations' common clock).
+    /// Time of the first measurement of any station, or pose of the ground truth (s, in the stations' common clock).
     pub fn start_s(&self) -> Option<f64> {
+        let truth = self.ground_truth.iter().filter_map(|truth| truth.poses.first());
         self.tracks
             .iter()
             .filter_map(|track| track.measurements.first())
             .map(|m| m.time_s)
+            .chain(truth.map(|pose| pose.time_s))
             .min_by(f64::total_cmp)
     }
 
-    /// Time of the last measurement of any station (s).
+    /// Time of the last measurement of any station, or pose of the ground truth (s).
     pub fn end_s(&self) -> Option<f64> {
+        let truth = self.ground_truth.iter().filter_map(|truth| truth.poses.last());
         self.tracks
             .iter()
             .filter_map(|track| track.measurements.last())
             .map(|m| m.time_s)
+            .chain(truth.map(|pose| pose.time_s))
             .max_by(f64::total_cmp)
     }
 }

@@ -228,6 +228,10 @@ finding_kinds! {
     EstimateTimesRepeated = "estimate-times-repeated", Warning;
     /// Some poses of a trajectory have no orientation, so none is used.
     EstimateOrientationsMissing = "estimate-orientations-missing", Warning;
+    /// All poses of a trajectory have the same orientation.
+    EstimateOrientationsConstant = "estimate-orientations-constant", Note;
+    /// Some poses of a trajectory have no covariance.
+    EstimateCovariancesMissing = "estimate-covariances-missing", Warning;
     /// Quaternions of a trajectory were normalised.
     EstimateQuaternionsNormalised = "estimate-quaternions-normalised", Warning;
 
@@ -431,6 +435,8 @@ finding_kinds! {
     EstimateClockFarOff = "estimate-clock-far-off", Warning;
     /// A trajectory has another scale than the ground truth.
     EstimateScaleOff = "estimate-scale-off", Warning;
+    /// A trajectory has too few common times with the ground truth to estimate its clock and lever arm.
+    EstimateFewPoints = "estimate-few-points", Note;
     /// A trajectory cannot be compared with the ground truth.
     EstimateNotJudged = "estimate-not-judged", Problem;
     /// A deployment of a study cannot be judged, and was left out.

@@ -7,6 +7,7 @@ mod column_mapping;
 mod control_points;
 mod deployment;
 mod drives;
+mod estimated_trajectory;
 mod finding;
 mod finding_advice;
 mod finding_kind;
@@ -31,6 +32,9 @@ pub use column_mapping::{ColumnMapping, TableAngle, TableLength, TimeFormat, Ver
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use deployment::Deployment;
 pub use drives::OtherSetUp;
+pub use estimated_trajectory::{
+    EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories,
+};
 pub use finding::{Finding, FindingIdentity, Subject, doubts};
 pub use finding_advice::{ADVICE, Advice};
 pub use finding_kind::FindingKind;

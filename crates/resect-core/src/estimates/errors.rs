@@ -2,12 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::estimate::EstimatedPose;
 use super::fit::Fit;
-use super::reference::True;
+use super::matched_pose::MatchedPose;
 use crate::statistics::tables::CHI_SQUARE_95_OF_3;
 
-/// Error of an estimate at one instant, in station 1's frame.
+/// Error of an estimate at one instant, in the ground truth's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpochError {
     /// Time (s, in the ground truth's time).
@@ -17,22 +16,23 @@ pub struct EpochError {
     /// Estimate minus truth (m), and the rotation vector from the truth to the estimate (rad).
     pub position_m: Vector3<f64>,
     pub rotation_rad: Option<Vector3<f64>>,
-    /// Covariances of the ground truth itself: of the body's position (m²) and rotation (rad²).
-    pub covariance_m2: Matrix3<f64>,
+    /// Covariances of the ground truth itself: of the body's position (m²) and rotation (rad²); `None` if it states none.
+    pub covariance_m2: Option<Matrix3<f64>>,
     pub covariance_rad2: Option<Matrix3<f64>>,
-    /// Largest contradiction of the readings around the instant with the rig (m).
-    pub contradiction_m: f64,
+    /// Largest contradiction of the readings around the instant with the rig (m); `None` for a trajectory.
+    pub contradiction_m: Option<f64>,
 }
 
 impl EpochError {
-    /// Root of the mean variance of the three axes (m).
-    pub fn sigma_m(&self) -> f64 {
-        (self.covariance_m2.trace() / 3.0).max(0.0).sqrt()
+    /// Root of the ground truth's mean variance of the three axes (m); `None` if it states none.
+    pub fn sigma_m(&self) -> Option<f64> {
+        Some((self.covariance_m2?.trace() / 3.0).max(0.0).sqrt())
     }
 
     /// Returns true if the position error is not significant: it is within the ground truth's own 95 % confidence region.
-    pub fn is_undecided(&self) -> bool {
-        is_within(&self.position_m, &self.covariance_m2)
+    /// `None` if the ground truth states no uncertainty.
+    pub fn is_undecided(&self) -> Option<bool> {
+        Some(is_within(&self.position_m, &self.covariance_m2?))
     }
 }
 
@@ -49,32 +49,42 @@ pub struct AgainstSigma {
     pub of_truth: f64,
 }
 
-struct Rotation {
+/// An error, and the covariance of the ground truth there.
+struct Significance {
     error: Vector3<f64>,
     covariance: Matrix3<f64>,
 }
 
-/// Summarises errors and the covariance of the ground truth at each.
-pub fn against_sigma(errors: &[EpochError]) -> AgainstSigma {
-    let count = errors.len().max(1) as f64;
-    let mean = |of: &dyn Fn(&EpochError) -> f64| errors.iter().map(of).sum::<f64>() / count;
-    let rotations: Vec<Rotation> = errors
+/// Summarises errors and the covariance of the ground truth at each; `None` if it states no uncertainty.
+pub fn against_sigma(errors: &[EpochError]) -> Option<AgainstSigma> {
+    let positions: Vec<Significance> = errors
         .iter()
-        .filter_map(|e| Some(Rotation { error: e.rotation_rad?, covariance: e.covariance_rad2? }))
+        .filter_map(|e| Some(Significance { error: e.position_m, covariance: e.covariance_m2? }))
         .collect();
-    let turned = |of: &dyn Fn(&Rotation) -> f64| {
+    if positions.is_empty() {
+        return None;
+    }
+    let count = positions.len() as f64;
+    let mean = |of: &dyn Fn(&Significance) -> f64| positions.iter().map(of).sum::<f64>() / count;
+    let rotations: Vec<Significance> = errors
+        .iter()
+        .filter_map(|e| {
+            Some(Significance { error: e.rotation_rad?, covariance: e.covariance_rad2? })
+        })
+        .collect();
+    let turned = |of: &dyn Fn(&Significance) -> f64| {
         let sum: f64 = rotations.iter().map(of).sum();
         (!rotations.is_empty()).then(|| sum / rotations.len() as f64)
     };
-    let open = mean(&|error| error.covariance_m2.trace());
-    let square = mean(&|error| error.position_m.norm_squared());
-    AgainstSigma {
+    let open = mean(&|position| position.covariance.trace());
+    let square = mean(&|position| position.error.norm_squared());
+    Some(AgainstSigma {
         sigma_m: (open / 3.0).sqrt(),
         sigma_rad: turned(&|turn| turn.covariance.trace() / 3.0).map(f64::sqrt),
-        undecided: mean(&|error| f64::from(error.is_undecided())),
+        undecided: mean(&|position| f64::from(is_within(&position.error, &position.covariance))),
         undecided_rotation: turned(&|turn| f64::from(is_within(&turn.error, &turn.covariance))),
         of_truth: if square > 0.0 { (open / square).min(1.0) } else { 1.0 },
-    }
+    })
 }
 
 fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
@@ -97,33 +107,29 @@ pub fn driven_m(errors: &[EpochError]) -> Vec<f64> {
 }
 
 /// Errors of an estimate at each of the matched poses.
-pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError> {
-    let error = |(pose, truth): &(&EstimatedPose, &True)| {
+pub fn errors(matched: &[MatchedPose], fit: &Fit) -> Vec<EpochError> {
+    let error = |MatchedPose { pose, truth, .. }: &MatchedPose| {
         let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);
-        let turned = truth.turned.as_ref();
-        let rotation_rad = turned.and_then(|turned| {
+        let rotation = truth.rotation.as_ref();
+        let rotation_rad = rotation.and_then(|rotation| {
             let own = fit.placed_orientation(pose)?;
-            Some((own * (turned.orientation * fit.body_rotation?).inverse()).scaled_axis())
+            Some((own * (rotation.orientation * fit.body_rotation?).inverse()).scaled_axis())
         });
         // A rotation of the vehicle moves the body by its lever arm: δ(p + R l) = δp − [R l]× θ.
-        let covariance_m2 = match (turned, fit.lever_arm_m) {
-            (Some(turned), Some(lever_m)) => {
-                let by_turn = -(turned.orientation * lever_m).cross_matrix();
-                let common = by_turn * turned.with_position;
-                truth.covariance_m2
-                    + by_turn * turned.covariance_rad2 * by_turn.transpose()
-                    + common
-                    + common.transpose()
-            }
-            _ => truth.covariance_m2,
-        };
+        let by_lever_arm = rotation.zip(fit.lever_arm_m).and_then(|(rotation, lever_m)| {
+            let by_turn = -(rotation.orientation * lever_m).cross_matrix();
+            let common = by_turn * rotation.with_position;
+            let turning = by_turn * rotation.covariance_rad2? * by_turn.transpose();
+            Some(turning + common + common.transpose())
+        });
+        let covariance_m2 = truth.covariance_m2.map(|own| own + by_lever_arm.unwrap_or_default());
         EpochError {
             time_s: truth.time_s,
             true_position_m,
             position_m: placed_m - true_position_m,
             rotation_rad,
             covariance_m2,
-            covariance_rad2: turned.map(|turned| turned.covariance_rad2),
+            covariance_rad2: rotation.and_then(|rotation| rotation.covariance_rad2),
             contradiction_m: truth.contradiction_m,
         }
     };
@@ -141,9 +147,9 @@ mod tests {
             true_position_m: Vector3::new(x, y, 0.0),
             position_m: Vector3::repeat(9.0),
             rotation_rad: None,
-            covariance_m2: Matrix3::identity(),
+            covariance_m2: None,
             covariance_rad2: None,
-            contradiction_m: 0.0,
+            contradiction_m: None,
         };
         assert_eq!(
             driven_m(&[at(0.0, 0.0), at(3.0, 4.0), at(3.0, 4.0), at(4.0, 4.0)]),

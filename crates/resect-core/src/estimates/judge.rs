@@ -1,101 +1,74 @@
 //! Judgement of estimates against the ground truth.
 
+use nalgebra::{Rotation3, Vector3};
+
+use super::agreement::{Agreement, agreements};
+use super::association::is_denser;
 use super::errors::{self, EpochError};
-use super::estimate::{EstimatedTrajectory, names};
 use super::fit::{self, Fit};
-use super::metrics::{self, Ape, RelativeErrors};
+use super::ground_truth::GroundTruth;
+use super::judged::{Coverage, Judged, UnalignedErrors};
+use super::matched_pose::{MatchedPose, TruePose, consistent};
+use super::metrics::{self, Ape, RELATIVE_M};
 use super::odd::{self, OddOne, OddSpan};
-use super::options::{Options, TrajectoryAlignment};
+use super::options::Options;
 use super::ranking::{self, PairComparison};
-use super::reference::{GroundTruthSource, True, matched, sound};
 use super::unjudged::Unjudged;
-use crate::analysis::Analysis;
-use crate::deployment::Deployment;
-
-/// An estimate compared with the ground truth.
-#[derive(Clone, Debug)]
-pub struct Judged {
-    pub estimate: EstimatedTrajectory,
-    pub alignment: TrajectoryAlignment,
-    pub fit: Fit,
-    /// Errors of the poses with ground truth, in order of time.
-    pub errors: Vec<EpochError>,
-    /// Number of poses without ground truth: before, after, and in its gaps.
-    pub without_truth: usize,
-    pub position: Ape,
-    /// Angles between orientations (rad); `None` without orientations.
-    pub rotation: Option<Ape>,
-    /// Relative errors over paths of these lengths, the shortest first; empty without orientations.
-    pub relative: Vec<RelativeErrors>,
-    pub against_sigma: errors::AgainstSigma,
-    /// Spans in which the estimate and the ground truth contradict each other, in order of time.
-    pub odd: Vec<OddSpan>,
-}
-
-impl Judged {
-    /// Times of poses without ground truth (s, in the ground truth's time).
-    fn times_without_truth_s(&self) -> Vec<f64> {
-        let all_s = self.estimate.poses.iter().map(|pose| pose.time_s + self.fit.time_offset_s);
-        let mut with = self.errors.iter().map(|error| error.time_s).peekable();
-        all_s.filter(|time_s| with.next_if(|with_s| with_s <= time_s).is_none()).collect()
-    }
-}
+use crate::deployment::{EstimatedTrajectory, names_of_trajectories};
+use crate::geometry::RigidTransform;
 
 /// All estimates, and the comparisons between them.
 #[derive(Clone, Debug)]
 pub struct EstimatesJudgement {
     pub judged: Vec<Judged>,
-    /// Every pair of estimates, compared by position, the better one first.
+    /// Every pair of estimates by every kind of error, the better one first.
     pub comparisons: Vec<PairComparison>,
+    /// Pairs of estimates that agree with each other against the ground truth.
+    pub agreements: Vec<Agreement>,
     /// Names of the estimates that could not be judged, with the reason.
     pub unjudged: Vec<(String, Unjudged)>,
 }
 
-/// Lengths of the paths of relative errors (m).
-pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
-
-/// Compares estimates with the deployment's own trajectory by its answer, each with its options.
+/// Compares estimates with the ground truth, each with its options.
 pub fn judge(
-    deployment: &Deployment,
-    analysis: &Analysis,
+    truth: &GroundTruth<'_>,
     estimates: Vec<(EstimatedTrajectory, Options)>,
 ) -> EstimatesJudgement {
-    let reference = GroundTruthSource::new(deployment, analysis);
     let mut compared: Vec<FittedEstimate> = Vec::new();
     let mut unjudged = Vec::new();
-    let names = names(estimates.iter().map(|(estimate, _)| estimate));
+    let names = names_of_trajectories(estimates.iter().map(|(estimate, _)| estimate));
     for ((mut estimate, options), name) in estimates.into_iter().zip(names) {
         estimate.name.clone_from(&name);
-        match judge_one(&reference, estimate, options) {
+        match judge_one(truth, estimate, options) {
             Ok(one) => compared.push(one),
             Err(why) => unjudged.push((name, why)),
         }
     }
     let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
+    let agreements = agreements(&by_sound);
     let mut odd: Vec<Vec<OddSpan>> =
         (0..by_sound.len()).map(|own| odd::spans(own, &by_sound, &compared[own].truths)).collect();
-    let by_readings =
-        |span: &&mut OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
-    if let Ok(answer) = &analysis.answer {
-        let triplet_s = &analysis.triplets().time_s;
-        for (one, odd) in compared.iter().zip(&mut odd) {
-            let (without_s, by_rig) =
-                (one.judged.times_without_truth_s(), reference.has_orientation());
-            odd.extend(odd::left_out_spans(&without_s, triplet_s, by_rig));
-            odd.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
-        }
-        for span in odd.iter_mut().flatten().filter(by_readings) {
+    for (one, odd) in compared.iter().zip(&mut odd) {
+        attribute_to_stations(truth, &one.judged, odd);
+    }
+    let judged: Vec<Judged> =
+        compared.into_iter().zip(odd).map(|(one, odd)| Judged { odd, ..one.judged }).collect();
+    EstimatesJudgement { comparisons: ranking::compare(&judged), agreements, judged, unjudged }
+}
+
+/// Adds the spans in which the readings of a deployment were rejected, and names the station whose readings are wrong.
+fn attribute_to_stations(truth: &GroundTruth<'_>, judged: &Judged, odd: &mut Vec<OddSpan>) {
+    let GroundTruth::Deployment { analysis, .. } = truth else { return };
+    let Ok(answer) = &analysis.answer else { return };
+    let triplet_s = &analysis.triplets().time_s;
+    let without_s = judged.times_without_truth_s();
+    odd.extend(odd::left_out_spans(&without_s, triplet_s, truth.has_orientation()));
+    odd.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
+    for span in odd {
+        if matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut) {
             let errors_mm = &answer.evaluation.distance_errors_mm;
             span.station = odd::station_at_fault(span.span_s, triplet_s, errors_mm);
         }
-    }
-    let all: Vec<&[EpochError]> = compared.iter().map(|one| &one.judged.errors[..]).collect();
-    let comparisons = ranking::compare(&all);
-    let judged = compared.into_iter().zip(odd);
-    EstimatesJudgement {
-        judged: judged.map(|(one, odd)| Judged { odd, ..one.judged }).collect(),
-        comparisons,
-        unjudged,
     }
 }
 
@@ -103,44 +76,69 @@ pub fn judge(
 struct FittedEstimate {
     judged: Judged,
     /// Ground truth at each of the errors.
-    truths: Vec<True>,
+    truths: Vec<TruePose>,
     /// Errors after aligning on self-consistent epochs only. A ground truth that is metres off for some seconds rotates the
     /// frame of evo's alignment, and would make the estimate seem wrong elsewhere.
     by_sound: Vec<EpochError>,
 }
 
 fn judge_one(
-    reference: &GroundTruthSource<'_>,
+    truth: &GroundTruth<'_>,
     estimate: EstimatedTrajectory,
     options: Options,
 ) -> Result<FittedEstimate, Unjudged> {
-    let (fit, truths) = fit::fit(reference, &estimate, &options)?;
-    let matched = matched(&estimate.poses, &truths, fit.time_offset_s);
-    let without_truth = estimate.poses.len() - matched.len();
+    let (fit, matched) = fit::fit(truth, &estimate, &options)?;
+    let coverage = match truth {
+        GroundTruth::Trajectory(truth) if !is_denser(&truth.poses, &estimate.poses) => {
+            Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
+        }
+        _ => Coverage::PosesWithoutTruth(estimate.poses.len() - matched.len()),
+    };
     let errors = errors::errors(&matched, &fit);
-    let position = Ape::of(errors.iter().map(|error| error.position_m.norm()));
+    let position = ape_of(&errors);
     let rotation = fit
         .body_rotation
         .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
     let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
     let mut by_sound = fit.clone();
     // With too few self-consistent epochs, the alignment on all epochs is used.
-    if fit::align(&mut by_sound, &sound(&matched), options.alignment).is_err() {
+    if fit::align(&mut by_sound, &consistent(&matched), options.alignment).is_err() {
         by_sound = fit.clone();
     }
     let by_sound = errors::errors(&matched, &by_sound);
-    let truths = matched.into_iter().map(|(_, truth)| truth.clone()).collect();
     let judged = Judged {
         against_sigma: errors::against_sigma(&errors),
         odd: Vec::new(),
+        unaligned: unaligned(&matched, &fit),
         estimate,
         alignment: options.alignment,
         fit,
         errors,
-        without_truth,
+        coverage,
         position,
         rotation,
         relative,
     };
+    let truths = matched.into_iter().map(|pair| pair.truth).collect();
     Ok(FittedEstimate { judged, truths, by_sound })
+}
+
+fn ape_of(errors: &[EpochError]) -> Ape {
+    Ape::of(errors.iter().map(|error| error.position_m.norm()))
+}
+
+/// Errors in the frames as they are, and with these aligned by the first pose.
+fn unaligned(matched: &[MatchedPose], fit: &Fit) -> UnalignedErrors {
+    let by = |truth_from_estimate: RigidTransform| {
+        ape_of(&errors::errors(matched, &Fit { truth_from_estimate, scale: 1.0, ..fit.clone() }))
+    };
+    let own_frame =
+        RigidTransform { rotation: Rotation3::identity(), translation_m: Vector3::zeros() };
+    let first = matched.first().and_then(|MatchedPose { pose, truth, .. }| {
+        let orientation = truth.rotation.as_ref()?.orientation * fit.body_rotation?;
+        let rotation = (orientation * pose.orientation?.inverse()).to_rotation_matrix();
+        let true_m = fit.both_positions_m(pose, truth)[1];
+        Some(RigidTransform { rotation, translation_m: true_m - rotation * pose.position_m })
+    });
+    UnalignedErrors { in_own_frame: by(own_frame), at_first_pose: first.map(by) }
 }

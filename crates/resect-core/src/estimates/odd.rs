@@ -1,12 +1,13 @@
 //! Spans in which an estimate and the ground truth contradict each other, and the one of the two that is wrong.
 //!
 //! Two signs show that the ground truth is wrong; no error of an estimate causes them. The readings contradict the rig, or
-//! several estimates agree with each other against the ground truth. Without either sign the estimate is taken to be wrong.
+//! several estimates agree with each other against the ground truth. Without either sign the estimate is taken to be wrong, if
+//! the readings are redundant or another estimate agrees with the ground truth. Otherwise it is inconclusive.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
-use super::reference::{True, contradiction_limit_m};
+use super::matched_pose::{TruePose, contradiction_limit_m};
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
@@ -29,7 +30,10 @@ const AGREE: f64 = 0.4;
 /// The one that is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OddOne {
+    /// The readings agree with the rig there, or other estimates agree with the ground truth.
     Estimate,
+    /// A single estimate contradicts a trajectory, which has no redundant readings.
+    Undecided,
     /// The readings contradict the rig, or each other if all are of one prism.
     Readings,
     /// Number of estimates that agree with each other against the ground truth.
@@ -47,6 +51,8 @@ pub struct OddSpan {
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
+    /// True if the ground truth has redundant readings. A trajectory has none.
+    pub by_readings: bool,
     /// True if the readings are compared with the rig. Readings of one prism are compared with each other.
     pub by_rig: bool,
     /// The station (0 to 2) whose distances contradict the rig; `None` if it is no single one.
@@ -75,6 +81,7 @@ pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64], by_rig: bool) 
             position_m: 0.0,
             rotation_rad: None,
             odd_one: OddOne::LeftOut,
+            by_readings: true,
             by_rig,
             station: None,
         })
@@ -110,7 +117,7 @@ pub fn station_at_fault(
 /// Spans in which one of the estimates contradicts the ground truth, without stations; `truths` are at the times of its errors.
 ///
 /// Estimates drift, so the drift is subtracted from their errors.
-pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan> {
+pub fn spans(own: usize, all: &[&[EpochError]], truths: &[TruePose]) -> Vec<OddSpan> {
     let all: Vec<Vec<EpochError>> = all.iter().map(|errors| without_drift(errors)).collect();
     let errors = &all[own][..];
     let usual = Usual::of(errors);
@@ -125,7 +132,8 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
             _ => spans.push(vec![index]),
         }
     }
-    let by_rig = truths.iter().any(|truth| truth.turned.is_some());
+    let by_rig = truths.iter().any(|truth| truth.rotation.is_some());
+    let is_redundant = truths.iter().any(|truth| truth.contradiction_m.is_some());
     let limit_m = contradiction_limit_m(truths.iter());
     spans
         .into_iter()
@@ -137,10 +145,15 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
             let turned = errors[span[0]].rotation_rad.is_some();
             let rotation = |e: &EpochError| e.rotation_rad.map_or(0.0, |turn| turn.norm());
             let contradiction_m =
-                median(span.iter().map(|index| errors[*index].contradiction_m)).unwrap_or_default();
-            let agreeing = (0..all.len())
-                .filter(|other| *other != own && agrees(&span, errors, &all[*other]))
-                .count();
+                median(span.iter().filter_map(|index| errors[*index].contradiction_m))
+                    .unwrap_or_default();
+            let others: Vec<f64> = (0..all.len())
+                .filter(|other| *other != own)
+                .filter_map(|other| difference(&span, errors, &all[other]))
+                .collect();
+            let agreeing = others.iter().filter(|apart| **apart < AGREE).count();
+            // Without an error, an estimate differs from this one by its whole error.
+            let with_truth = others.iter().filter(|apart| (**apart - 1.0).abs() < AGREE).count();
             OddSpan {
                 span_s: [errors[span[0]].time_s, errors[span[span.len() - 1]].time_s],
                 position_m: largest(&|error| error.position_m.norm()),
@@ -149,9 +162,12 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
                     OddOne::Readings
                 } else if agreeing > 0 {
                     OddOne::TruthAgainst(agreeing + 1)
-                } else {
+                } else if is_redundant || with_truth > 0 {
                     OddOne::Estimate
+                } else {
+                    OddOne::Undecided
                 },
+                by_readings: is_redundant,
                 by_rig,
                 station: None,
             }
@@ -203,9 +219,9 @@ impl Usual {
     }
 
     fn is_odd(&self, error: &EpochError) -> bool {
-        let turn = error.rotation_rad.zip(error.covariance_rad2);
-        is_odd(&error.position_m, error.covariance_m2, self.position_m)
-            || turn.is_some_and(|(turn, open)| is_odd(&turn, open, self.rotation_rad))
+        let open_rad2 = error.covariance_rad2.unwrap_or_default();
+        is_odd(&error.position_m, error.covariance_m2.unwrap_or_default(), self.position_m)
+            || error.rotation_rad.is_some_and(|turn| is_odd(&turn, open_rad2, self.rotation_rad))
     }
 }
 
@@ -214,8 +230,8 @@ fn is_odd(error: &Vector3<f64>, open: Matrix3<f64>, usual: f64) -> bool {
     expected.cholesky().is_some_and(|root| error.dot(&root.solve(error)) > ODD)
 }
 
-/// Returns true if another estimate has the same errors in a span; false if it has none there.
-fn agrees(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> bool {
+/// Returns the median difference from another estimate's errors in a span, as a share of this one's; `None` if it has none there.
+fn difference(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> Option<f64> {
     let apart = span.iter().filter_map(|index| {
         let error = &errors[*index];
         let after = other.partition_point(|e| e.time_s < error.time_s);
@@ -225,7 +241,7 @@ fn agrees(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> bool {
         let moved = (near.position_m - error.position_m).norm() / error.position_m.norm();
         (gap(near, error) < TOGETHER_S).then_some(moved)
     });
-    median(apart).is_some_and(|apart| apart < AGREE)
+    median(apart)
 }
 
 fn gap(a: &EpochError, b: &EpochError) -> f64 {

@@ -10,11 +10,30 @@ pub struct Options {
     /// Added to the estimate's times (s); estimated if `None`.
     pub time_offset_s: Option<f64>,
     pub body: Body,
+    #[serde(default)]
+    pub association: Association,
+}
+
+impl Options {
+    /// Returns what evo assumes: equal clocks, one body frame, and the nearest stamps. Results then equal those of `evo_ape`.
+    pub fn as_evo(self) -> Self {
+        Self {
+            time_offset_s: Some(0.0),
+            body: Body::Same,
+            association: Association::Nearest,
+            ..self
+        }
+    }
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { alignment: TrajectoryAlignment::Rigid, time_offset_s: None, body: Body::Found }
+        Self {
+            alignment: TrajectoryAlignment::Rigid,
+            time_offset_s: None,
+            body: Body::Found,
+            association: Association::Interpolated,
+        }
     }
 }
 
@@ -51,4 +70,17 @@ pub enum Body {
     Same,
     /// Known lever arm (m): the body's origin in the vehicle's frame, or the single prism in the body's.
     Lever(Vector3<f64>),
+}
+
+/// Association of the poses of an estimate with those of a trajectory that is the ground truth.
+///
+/// A deployment's ground truth is computed at the times of the estimate, so both are the same for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Association {
+    /// The trajectory with the shorter intervals is interpolated at the times of the other.
+    #[default]
+    Interpolated,
+    /// The pose of the longer trajectory that is nearest in time, at most 10 ms apart (evo's default).
+    Nearest,
 }

@@ -126,6 +126,7 @@ fn without_tracks(deployment: &Deployment) -> Deployment {
         overrides: deployment.overrides.clone(),
         ingredients: Vec::new(),
         findings: Vec::new(),
+        ground_truth: None,
         restarts_s: deployment.restarts_s.clone(),
     }
 }

@@ -37,6 +37,7 @@ impl Simulated {
             as_read: Overrides::default(),
             ingredients: Vec::new(),
             findings: Vec::new(),
+            ground_truth: None,
             restarts_s: Vec::new(),
         }
     }

@@ -28,6 +28,23 @@ pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> 
         .count("poses", all)
 }
 
+/// All poses have the same orientation, although they move.
+pub fn estimate_orientations_constant(file: &str) -> Finding {
+    let message = format!("{file}: all orientations are equal and taken as unknown");
+    Finding::new(FindingKind::EstimateOrientationsConstant, message)
+        .about(Subject::File(file.to_owned()))
+}
+
+/// `without` of `all` poses have no covariance.
+pub fn estimate_covariances_missing(file: &str, without: usize, all: usize) -> Finding {
+    let message =
+        format!("{file}: {without} of {all} poses have no valid covariance; no covariance is used");
+    Finding::new(FindingKind::EstimateCovariancesMissing, message)
+        .about(Subject::File(file.to_owned()))
+        .count("without_covariance", without)
+        .count("poses", all)
+}
+
 pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
     let message = format!("{file}: {count} quaternions without unit length were normalised");
     Finding::new(FindingKind::EstimateQuaternionsNormalised, message)
@@ -63,6 +80,8 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_out_of_order("slam.tum"),
         estimate_times_repeated("slam.tum", 3),
         estimate_orientations_missing("slam.tum", 3, 90),
+        estimate_orientations_constant("gt.txt"),
+        estimate_covariances_missing("gt.csv", 3, 90),
         estimate_quaternions_normalised("slam.tum", 7),
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),

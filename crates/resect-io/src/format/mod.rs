@@ -17,6 +17,7 @@ pub mod joined_stamps;
 pub mod mapped_csv;
 pub mod pillars;
 pub mod polar_csv;
+pub mod pose_covariance;
 pub mod pose_table;
 mod recognise;
 pub mod rig_files;

@@ -9,10 +9,11 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::joined_stamps::joined_s;
 use super::mapped_csv::calendar_s;
+use super::pose_covariance::CovarianceColumns;
 use super::table::{self, header_line, number, uncommented};
 use crate::error::OpenError;
 use crate::skipped_rows::SkippedRows;
-use resect_core::estimates::EstimatedPose;
+use resect_core::estimates::{EstimatedPose, PoseCovariance};
 use resect_core::statistics::median;
 
 /// Largest difference of a quaternion's length from one; larger ones are reported.
@@ -33,6 +34,7 @@ struct PoseColumns {
     position: [usize; 3],
     /// x, y, z, w.
     orientation: Option<[usize; 4]>,
+    covariance: Option<CovarianceColumns>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +60,8 @@ pub struct PoseLayout {
 /// The poses of a table.
 #[derive(Debug)]
 pub struct PoseTable {
-    pub poses: Vec<EstimatedPose>,
+    /// Each pose with its covariance, if the table states it.
+    pub poses: Vec<(EstimatedPose, Option<PoseCovariance>)>,
     /// Number of quaternions without unit length, which were normalised.
     pub rough_quaternions: usize,
     pub skipped: SkippedRows,
@@ -146,10 +149,13 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         TimeColumns::One(_, unit) => counts_per_second(&rows, unit),
         TimeColumns::SecondsAndNanoseconds(..) => 1,
     };
-    let pose = |row: PoseRow| EstimatedPose {
-        time_s: row.stamp.seconds(per_second),
-        position_m: row.position_m,
-        orientation: row.orientation,
+    let pose = |row: PoseRow| {
+        let pose = EstimatedPose {
+            time_s: row.stamp.seconds(per_second),
+            position_m: row.position_m,
+            orientation: row.orientation,
+        };
+        (pose, row.covariance)
     };
     let poses = rows.into_iter().map(pose).collect();
     Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed, are_joined })
@@ -210,6 +216,7 @@ struct PoseRow {
     orientation: Option<UnitQuaternion<f64>>,
     /// Length before normalisation; 1 without an orientation.
     quaternion_length: f64,
+    covariance: Option<PoseCovariance>,
 }
 
 impl PoseLayout {
@@ -261,8 +268,19 @@ impl PoseColumns {
         };
         let [x, y, z] = self.position;
         let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
+        let covariance = match &self.covariance {
+            Some(columns) => columns.covariance(fields, separator)?,
+            None => None,
+        };
         let Some([x, y, z, w]) = self.orientation else {
-            return Ok(PoseRow { stamp, position_m, orientation: None, quaternion_length: 1.0 });
+            let quaternion_length = 1.0;
+            return Ok(PoseRow {
+                stamp,
+                position_m,
+                orientation: None,
+                quaternion_length,
+                covariance,
+            });
         };
         let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
         let quaternion_length = raw.norm();
@@ -270,7 +288,7 @@ impl PoseColumns {
             return Err("the quaternion is zero".to_owned());
         }
         let orientation = Some(UnitQuaternion::from_quaternion(raw));
-        Ok(PoseRow { stamp, position_m, orientation, quaternion_length })
+        Ok(PoseRow { stamp, position_m, orientation, quaternion_length, covariance })
     }
 }
 
@@ -377,7 +395,8 @@ fn named(header: &str) -> Option<PoseColumns> {
         [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
         _ => None,
     };
-    Some(PoseColumns { time, position: [x, y, z], orientation })
+    let covariance = CovarianceColumns::named(&find);
+    Some(PoseColumns { time, position: [x, y, z], orientation, covariance })
 }
 
 /// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `field.x` and `x_m` become `x`.
@@ -386,7 +405,7 @@ fn plain(name: &str) -> String {
     let name = name.replace(['.', '/', ' '], "_");
     let name = name.trim_start_matches(['#', '%', '_']);
     let name = name.strip_prefix("field_").unwrap_or(name);
-    let units = ["_m", "_ns", "_us", "_ms"];
+    let units = ["_m", "_rad", "_ns", "_us", "_ms"];
     units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name).to_owned()
 }
 
@@ -414,6 +433,7 @@ fn without_header(
         time,
         position: [first, first + 1, first + 2],
         orientation,
+        covariance: None,
     };
     let one = TimeColumns::One(0, None);
     let pair = TimeColumns::SecondsAndNanoseconds(0, 1);

@@ -105,6 +105,7 @@ fn put_together<'a>(
         as_read,
         ingredients,
         findings,
+        ground_truth: None,
         restarts_s: Vec::new(),
     })
 }

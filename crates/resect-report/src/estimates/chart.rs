@@ -39,7 +39,7 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
         for span in &one.odd {
             let [start, end] = span.span_s.map(|time_s| plot.place(time_s - start_s, 0.0)[0]);
             let ink = match span.odd_one {
-                OddOne::Estimate => Ink::Rgb(palette::METRICS[1]),
+                OddOne::Estimate | OddOne::Undecided => Ink::Rgb(palette::METRICS[1]),
                 OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => {
                     Ink::Rgb(palette::METRICS[0])
                 }
@@ -53,10 +53,15 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
         let within = |value: f64| value.min(most);
         let sizes: Vec<f64> =
             one.errors.iter().map(|error| within(1e3 * error.position_m.norm())).collect();
-        let open: Vec<f64> =
-            one.errors.iter().map(|error| within(1e3 * NORMAL_95 * error.sigma_m())).collect();
+        let open: Option<Vec<f64>> = one
+            .errors
+            .iter()
+            .map(|error| Some(within(1e3 * NORMAL_95 * error.sigma_m()?)))
+            .collect();
         draw_strokes(&sizes, &times_s, &plot, Ink::Rgb(palette::estimate(index)), &mut marks);
-        draw_strokes(&open, &times_s, &plot, Ink::Weak, &mut marks);
+        if let Some(open) = open {
+            draw_strokes(&open, &times_s, &plot, Ink::Weak, &mut marks);
+        }
     }
     let height = TOP + judged.len() as f32 * (ROW_GAP + ROW) + BOTTOM;
     let middle = TOP + 0.5 * judged.len() as f32 * (ROW_GAP + ROW);

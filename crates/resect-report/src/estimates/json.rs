@@ -2,29 +2,44 @@
 
 use serde_json::{Value, json};
 
+use super::text::error_in_words;
 use crate::json::{SCHEMA, findings};
-use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::Ape;
+use resect_core::estimates::metrics::RelativeErrors;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{EstimatesJudgement, Judged};
+use resect_core::estimates::{Coverage, EstimatesJudgement, GroundTruth, Judged};
 
 /// Returns everything as one object; lengths in metres, angles in radians, times in seconds.
-pub fn json(deployment: &str, calibration: &Calibration, judgement: &EstimatesJudgement) -> Value {
+pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
     let name = |index: usize| &judgement.judged[index].estimate.name;
+    let calibration = match truth {
+        GroundTruth::Deployment { analysis, .. } => {
+            analysis.answer.as_ref().ok().map(|answer| &answer.calibration)
+        }
+        GroundTruth::Trajectory(_) => None,
+    };
     json!({
         "schema": SCHEMA,
-        "deployment": deployment,
-        "method": calibration.answered_by(),
-        "verdict": calibration.verdict.name(),
+        "ground_truth": ground_truth(truth),
+        "deployment": calibration.map(|_| truth.name()),
+        "method": calibration.map(|calibration| calibration.answered_by()),
+        "verdict": calibration.map(|calibration| calibration.verdict.name()),
         "estimates": judgement.judged.iter().map(estimate).collect::<Vec<_>>(),
         "comparisons": judgement.comparisons.iter().map(|two| json!({
+            "by": error_in_words(two.kind),
+            "unit": if two.kind.is_rotation() { "rad" } else { "m" },
             "better": name(two.better),
             "worse": name(two.worse),
-            "rmse_m": two.rmse_m,
-            "ratio": two.rmse_m[0] / two.rmse_m[1],
+            "rmse": two.rmse,
+            "ratio": two.rmse[0] / two.rmse[1],
             "ratio_95": two.ratio_95,
             "confidence": two.confidence,
             "significant": two.is_significant(),
+        })).collect::<Vec<_>>(),
+        "agreements": judgement.agreements.iter().map(|both| json!({
+            "estimates": both.estimates.map(name),
+            "difference_m": both.apart_m,
+            "rmse_m": both.rmse_m,
         })).collect::<Vec<_>>(),
         "not_judged": judgement.unjudged.iter().map(|(name, why)| json!({
             "name": name,
@@ -33,42 +48,76 @@ pub fn json(deployment: &str, calibration: &Calibration, judgement: &EstimatesJu
     })
 }
 
+fn ground_truth(truth: &GroundTruth<'_>) -> Value {
+    match truth {
+        GroundTruth::Deployment { deployment, .. } => json!({
+            "kind": "deployment",
+            "name": deployment.name,
+        }),
+        GroundTruth::Trajectory(truth) => json!({
+            "kind": "trajectory",
+            "name": truth.name,
+            "file": truth.path,
+            "topic": truth.topic,
+            "poses": truth.poses.len(),
+            "states_covariance": !truth.covariances.is_empty(),
+            "findings": findings(truth.findings.iter()),
+        }),
+    }
+}
+
 fn estimate(judged: &Judged) -> Value {
-    let Judged { estimate, fit, against_sigma, .. } = judged;
+    let Judged { estimate, fit, .. } = judged;
+    let against_sigma = judged.against_sigma;
+    let (without_truth, without_pose) = match judged.coverage {
+        Coverage::PosesWithoutTruth(count) => (Some(count), None),
+        Coverage::TruthsWithoutPose(count) => (None, Some(count)),
+    };
     let quaternion = |q: nalgebra::UnitQuaternion<f64>| [q.i, q.j, q.k, q.w];
-    let turn = nalgebra::UnitQuaternion::from(fit.station1_from_estimate.rotation);
+    let turn = nalgebra::UnitQuaternion::from(fit.truth_from_estimate.rotation);
     json!({
         "name": estimate.name,
         "file": estimate.path,
         "poses": estimate.poses.len(),
         "poses_with_ground_truth": judged.errors.len(),
-        "poses_without_ground_truth": judged.without_truth,
+        "poses_without_ground_truth": without_truth,
+        "ground_truth_without_poses": without_pose,
         "alignment": {
             "by": judged.alignment,
-            "translation_m": fit.station1_from_estimate.translation_m.as_slice(),
+            "translation_m": fit.truth_from_estimate.translation_m.as_slice(),
             "quaternion_xyzw": quaternion(turn),
             "scale": fit.scale,
         },
         "time_offset_s": fit.time_offset_s,
         "time_offset_sigma_s": fit.time_offset_sigma_s,
+        "time_offset_determined": fit.determines_time_offset,
         "lever_arm_m": fit.lever_arm_m.map(|lever| lever.data.0[0]),
         "lever_arm_sigma_m": fit.lever_arm_sigma_m.map(|sigma| sigma.data.0[0]),
         "body_quaternion_xyzw": fit.body_rotation.map(quaternion),
         "body_rotation_sigma_rad": fit.body_rotation_sigma_rad,
         "ape_position_m": ape(&judged.position),
+        "ape_position_at_first_pose_m": judged.unaligned.at_first_pose.as_ref().map(ape),
+        "ape_position_not_aligned_m": ape(&judged.unaligned.in_own_frame),
         "ape_rotation_rad": judged.rotation.as_ref().map(ape),
-        "rpe": judged.relative.iter().map(|relative| json!({
-            "path_m": relative.path_m,
-            "position_m": ape(&relative.position),
-            "rotation_rad": ape(&relative.rotation),
-        })).collect::<Vec<_>>(),
-        "ground_truth_sigma_m": against_sigma.sigma_m,
-        "ground_truth_sigma_rad": against_sigma.sigma_rad,
-        "undecided_share": against_sigma.undecided,
-        "undecided_rotation_share": against_sigma.undecided_rotation,
-        "ground_truth_share_of_square": against_sigma.of_truth,
+        "rpe": judged.relative.iter().map(relative).collect::<Vec<_>>(),
+        "ground_truth_sigma_m": against_sigma.map(|it| it.sigma_m),
+        "ground_truth_sigma_rad": against_sigma.and_then(|it| it.sigma_rad),
+        "undecided_share": against_sigma.map(|it| it.undecided),
+        "undecided_rotation_share": against_sigma.and_then(|it| it.undecided_rotation),
+        "ground_truth_share_of_square": against_sigma.map(|it| it.of_truth),
         "odd_spans": judged.odd.iter().map(odd).collect::<Vec<_>>(),
         "findings": findings(estimate.findings.iter().chain(&fit.findings)),
+    })
+}
+
+/// Without orientations, only the distances between the ends of the paths are compared.
+fn relative(errors: &RelativeErrors) -> Value {
+    json!({
+        "path_m": errors.path_m,
+        "length_m": errors.length_m,
+        "of": if errors.rotation.is_some() { "pose" } else { "distance" },
+        "position_m": ape(&errors.position),
+        "rotation_rad": errors.rotation.as_ref().map(ape),
     })
 }
 
@@ -91,12 +140,15 @@ fn odd(span: &OddSpan) -> Value {
         "rotation_rad": span.rotation_rad,
         "wrong": match span.odd_one {
             OddOne::Estimate => "estimate",
+            OddOne::Undecided => "undecided",
             OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => "ground-truth",
         },
         "station": span.station.map(|station| station + 1),
         "because": match span.odd_one {
-            OddOne::Estimate if span.by_rig => "the readings agree with the rig",
-            OddOne::Estimate => "the readings agree with each other",
+            OddOne::Estimate if span.by_readings && span.by_rig => "the readings agree with the rig",
+            OddOne::Estimate if span.by_readings => "the readings agree with each other",
+            OddOne::Estimate => "another estimate agrees with the ground truth",
+            OddOne::Undecided => "neither has redundant readings",
             OddOne::Readings if span.by_rig => "the readings contradict the rig",
             OddOne::Readings => "the readings contradict each other",
             OddOne::TruthAgainst(_) => "several estimates agree against it",

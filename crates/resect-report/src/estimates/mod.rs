@@ -1,11 +1,15 @@
-//! Estimates compared with a deployment's trajectory, as plain text, JSON, CSV and a picture.
+//! Estimates compared with a ground truth, as plain text, JSON, CSV, LaTeX and a picture.
 
 mod chart;
 mod csv;
 mod json;
+mod latex;
 mod text;
 
 pub use chart::draw;
 pub use csv::csv;
 pub use json::json;
-pub use text::{Angles, compared, contradiction, rows, text};
+pub use latex::latex;
+pub use text::{
+    Angles, agreed, compared, contradiction, error_in_words, rows, stated, text, truth_in_words,
+};

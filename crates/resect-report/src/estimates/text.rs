@@ -1,28 +1,44 @@
 //! A judgement for the terminal: a column for each estimate, then the ranking and the odd spans.
 
-use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::RelativeErrors;
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::ranking::PairComparison;
-use resect_core::estimates::{EstimatesJudgement, Judged};
+use resect_core::estimates::ranking::{ComparedError, PairComparison};
+use resect_core::estimates::{Agreement, Coverage, EstimatesJudgement, GroundTruth, Judged};
 
-const LABEL: usize = 30;
+const LABEL: usize = 40;
+/// Larger lengths are given in metres (m): frames that differ by map coordinates.
+const LARGEST_IN_MM_M: f64 = 1e3;
 
-/// Formats tables and lines; `start_s` is the start of the drive, to which spans are relative.
-pub fn text(
-    deployment: &str,
-    calibration: &Calibration,
-    judgement: &EstimatesJudgement,
-    start_s: f64,
-) -> String {
-    let mut lines = vec![
-        format!(
-            "{deployment} · ground truth by {}, verdict {}",
-            calibration.method_in_words(),
-            calibration.verdict_in_words()
-        ),
-        String::new(),
-    ];
+/// Names the ground truth and its quality.
+pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
+    match truth {
+        GroundTruth::Deployment { deployment, analysis } => match &analysis.answer {
+            Ok(answer) => format!(
+                "{} · ground truth by {}, verdict {}",
+                deployment.name,
+                answer.calibration.method_in_words(),
+                answer.calibration.verdict_in_words()
+            ),
+            Err(why) => format!("{} · no ground truth: {why}", deployment.name),
+        },
+        GroundTruth::Trajectory(truth) => {
+            let kind = match truth.poses.iter().all(|pose| pose.orientation.is_some()) {
+                true => "poses",
+                false => "positions",
+            };
+            let sigma = match truth.covariances.is_empty() {
+                true => "it states no σ: give one if you know it",
+                false => "with its covariance",
+            };
+            format!("{} · ground truth of {} {kind}, {sigma}", truth.name, truth.poses.len())
+        }
+    }
+}
+
+/// Formats tables and lines.
+pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
+    let start_s = truth.start_s().unwrap_or_default();
+    let mut lines = vec![truth_in_words(truth), String::new()];
     let all = &judgement.judged;
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
     let names = all.iter().map(|one| one.estimate.name.clone()).collect();
@@ -31,9 +47,13 @@ pub fn text(
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));
         lines.push(format!("{label:<LABEL$}{}", cells.collect::<String>()).trim_end().to_owned());
     }
-    if !judgement.comparisons.is_empty() {
+    let ranking: Vec<String> = stated(judgement)
+        .map(|two| compared(judgement, two, Angles::DEGREES))
+        .chain(judgement.agreements.iter().map(|both| agreed(judgement, both)))
+        .collect();
+    if !ranking.is_empty() {
         lines.push(String::new());
-        lines.extend(judgement.comparisons.iter().map(|two| compared(judgement, two)));
+        lines.extend(ranking);
     }
     let time = |time_s: f64| format!("{:.1}", time_s - start_s);
     let spans = all.iter().flat_map(|one| one.odd.iter().map(move |span| (one, span)));
@@ -87,8 +107,21 @@ pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<(String, Vec<
             rows.push((label.to_owned(), cells));
         }
     };
-    row("poses with ground truth", &|one| Some(one.errors.len().to_string()));
-    row("poses without", &|one| Some(one.without_truth.to_string()));
+    let counted = |poses: bool, without: bool| {
+        move |one: &Judged| match one.coverage {
+            Coverage::PosesWithoutTruth(count) if poses => {
+                Some(if without { count } else { one.errors.len() }.to_string())
+            }
+            Coverage::TruthsWithoutPose(count) if !poses => {
+                Some(if without { count } else { one.errors.len() }.to_string())
+            }
+            _ => None,
+        }
+    };
+    row("poses with ground truth", &counted(true, false));
+    row("poses without", &counted(true, true));
+    row("ground-truth points with a pose", &counted(false, false));
+    row("ground-truth points without", &counted(false, true));
     // This row is only needed if the alignments differ.
     let is_one_way = judgement.judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
     row("aligned by", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
@@ -97,18 +130,27 @@ pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<(String, Vec<
         format!("{:+.1}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
     };
     row("time offset (ms)", &|one| {
-        Some(with_sigma(one.fit.time_offset_s, one.fit.time_offset_sigma_s))
+        Some(match one.fit.determines_time_offset {
+            true => with_sigma(one.fit.time_offset_s, one.fit.time_offset_sigma_s),
+            false => "not determined".to_owned(),
+        })
     });
     for (axis, name) in
         ["lever arm, x (mm)", "lever arm, y (mm)", "lever arm, z (mm)"].iter().enumerate()
     {
         row(name, &|one| {
             let lever_m = one.fit.lever_arm_m?;
+            if !one.fit.determines_lever_arm(axis) {
+                return Some("not determined".to_owned());
+            }
             Some(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
         });
     }
     row("scale", &|one| (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale)));
-    let millimetres = |value: f64| format!("{:.1}", 1e3 * value);
+    let millimetres = |value_m: f64| match value_m < LARGEST_IN_MM_M {
+        true => format!("{:.1}", 1e3 * value_m),
+        false => format!("{value_m:.0} m"),
+    };
     for name in ["rmse", "mean", "median", "std", "min", "max"] {
         row(&format!("APE position, {name} (mm)"), &|one| {
             let ape = &one.position;
@@ -122,59 +164,105 @@ pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<(String, Vec<
             }))
         });
     }
+    row("  aligned at the first pose, rmse (mm)", &|one| {
+        Some(millimetres(one.unaligned.at_first_pose?.rmse))
+    });
+    row("  not aligned, rmse (mm)", &|one| Some(millimetres(one.unaligned.in_own_frame.rmse)));
     row(&format!("APE rotation, rmse ({unit})"), &|one| {
         Some(format!("{:.3}", per_radian * one.rotation?.rmse))
     });
-    // Errors of fewer pairs are mostly chance; the JSON has all, with their count.
-    const FEWEST: usize = 10;
-    let well = |relative: RelativeErrors| (relative.position.count >= FEWEST).then_some(relative);
+    // The JSON has the inconclusive ones too, with their count.
     for path_m in resect_core::estimates::RELATIVE_M {
-        let of = |one: &Judged| one.relative.iter().find(|r| r.path_m == path_m).copied();
+        let of = |one: &Judged, poses: bool| -> Option<RelativeErrors> {
+            let relative = one.relative.iter().find(|relative| relative.path_m == path_m)?;
+            let wanted = relative.are_conclusive() && relative.rotation.is_some() == poses;
+            wanted.then(|| relative.clone())
+        };
         row(&format!("RPE over {path_m} m, rmse (mm)"), &|one| {
-            Some(millimetres(well(of(one)?)?.position.rmse))
+            Some(millimetres(of(one, true)?.position.rmse))
         });
         row(&format!("RPE over {path_m} m, rmse ({unit})"), &|one| {
-            Some(format!("{:.3}", per_radian * well(of(one)?)?.rotation.rmse))
+            Some(format!("{:.3}", per_radian * of(one, true)?.rotation?.rmse))
+        });
+        row(&format!("RPE over {path_m} m, distance (mm)"), &|one| {
+            Some(millimetres(of(one, false)?.position.rmse))
         });
     }
-    row("ground truth's σ (mm)", &|one| Some(millimetres(one.against_sigma.sigma_m)));
+    row("ground truth's σ (mm)", &|one| Some(millimetres(one.against_sigma?.sigma_m)));
     row(&format!("ground truth's σ ({unit})"), &|one| {
-        Some(format!("{:.3}", per_radian * one.against_sigma.sigma_rad?))
+        Some(format!("{:.3}", per_radian * one.against_sigma?.sigma_rad?))
     });
     row("error not significant", &|one| {
-        Some(format!("{:.0} % of poses", 100.0 * one.against_sigma.undecided))
+        Some(format!("{:.0} % of poses", 100.0 * one.against_sigma?.undecided))
     });
     row("ground truth's share of error²", &|one| {
-        Some(format!("up to {:.0} %", 100.0 * one.against_sigma.of_truth))
+        Some(format!("up to {:.0} %", 100.0 * one.against_sigma?.of_truth))
     });
     rows
 }
 
-/// States the better of two estimates, by how much, and if the difference is significant.
-pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison) -> String {
+/// Comparisons that are stated in words: by absolute errors always, by relative errors if they are significant.
+pub fn stated(judgement: &EstimatesJudgement) -> impl Iterator<Item = &PairComparison> {
+    judgement.comparisons.iter().filter(|two| match two.kind {
+        ComparedError::Position | ComparedError::Rotation => true,
+        ComparedError::PositionOverPath(_) | ComparedError::RotationOverPath(_) => {
+            two.is_significant()
+        }
+    })
+}
+
+/// Short name of a kind of error: "position", "rotation over 5 m".
+pub fn error_in_words(kind: ComparedError) -> String {
+    match kind {
+        ComparedError::Position => "position".to_owned(),
+        ComparedError::Rotation => "rotation".to_owned(),
+        ComparedError::PositionOverPath(path_m) => format!("position over {path_m} m"),
+        ComparedError::RotationOverPath(path_m) => format!("rotation over {path_m} m"),
+    }
+}
+
+/// States the better of two estimates by one kind of error, by how much, and if the difference is significant.
+pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison, angles: Angles) -> String {
     const ALIKE: f64 = 1e-3;
     let name = |index: usize| &judgement.judged[index].estimate.name;
     let (better, worse) = (name(two.better), name(two.worse));
-    let [a, b] = two.rmse_m.map(|rmse| 1e3 * rmse);
-    let apart = format!("{a:.1} against {b:.1} mm rmse over their common poses");
+    let kind = error_in_words(two.kind);
+    let ratio = two.rmse[0] / two.rmse[1];
+    let apart = if two.kind.is_rotation() {
+        let [a, b] = two.rmse.map(|rmse| angles.per_radian * rmse);
+        format!("{a:.3} against {b:.3} {} rmse", angles.unit)
+    } else {
+        let [a, b] = two.rmse.map(|rmse| 1e3 * rmse);
+        format!("{a:.1} against {b:.1} mm rmse")
+    };
     match (two.ratio_95, two.confidence) {
         (Some([low, high]), _) if low > 1.0 - ALIKE && high < 1.0 + ALIKE => {
-            format!("no difference between {better} and {worse}: {apart}")
+            format!("no difference in {kind} between {better} and {worse}: {apart}")
         }
         (Some([low, high]), Some(_)) if two.is_significant() => format!(
-            "{better} is significantly better than {worse}: {apart}, ratio {:.2} (95 %: {low:.2} to {high:.2})",
-            a / b
+            "{better} is significantly better than {worse} in {kind}: {apart} over their common times, ratio {ratio:.2} \
+             (95 %: {low:.2} to {high:.2})"
         ),
         (Some([low, high]), Some(confidence)) => format!(
-            "no significant difference between {better} and {worse}: {apart}, ratio {:.2} (95 %: {low:.2} to {high:.2}); \
-             {better} is better in {:.0} % of the bootstrap samples",
-            a / b,
+            "no significant difference in {kind} between {better} and {worse}: {apart}, ratio {ratio:.2} (95 %: {low:.2} to \
+             {high:.2}); {better} is better in {:.0} % of the bootstrap samples",
             100.0 * confidence
         ),
         _ => format!(
-            "inconclusive for {better} and {worse}: {apart}; their common time is too short"
+            "inconclusive in {kind} for {better} and {worse}: {apart}; their common time is too short"
         ),
     }
+}
+
+/// States that two estimates agree with each other against the ground truth.
+pub fn agreed(judgement: &EstimatesJudgement, both: &Agreement) -> String {
+    let [a, b] = both.estimates.map(|index| &judgement.judged[index].estimate.name);
+    let [of_a, of_b] = both.rmse_m.map(|rmse_m| 1e3 * rmse_m);
+    format!(
+        "{a} and {b} differ by {:.1} mm from each other and by {of_a:.1} and {of_b:.1} mm from the ground truth: the ground truth \
+         is the odd one out, unless both share an error",
+        1e3 * both.apart_m
+    )
 }
 
 /// States the size of a contradiction in a span, and its cause.
@@ -183,7 +271,15 @@ pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> Str
     let turn = turn.map(|turn| format!(", {:.1} {unit}", per_radian * turn));
     let what = if span.by_rig { "the rig" } else { "each other" };
     let who = match span.odd_one {
-        OddOne::Estimate => format!("the estimate is wrong: the readings agree with {what}"),
+        OddOne::Estimate if span.by_readings => {
+            format!("the estimate is wrong: the readings agree with {what}")
+        }
+        OddOne::Estimate => {
+            "the estimate is wrong: another estimate agrees with the ground truth".to_owned()
+        }
+        OddOne::Undecided => {
+            "one of the two is wrong; another estimate at these times would show which".to_owned()
+        }
         OddOne::Readings => match span.station {
             Some(station) => format!(
                 "the ground truth is wrong: the readings of station {} contradict {} there",

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::charts::figure;
 use super::findings::findings;
-use crate::estimates::{Angles, compared, contradiction, draw, rows};
+use crate::estimates::{Angles, agreed, compared, contradiction, draw, rows, stated};
 use resect_core::deployment::Finding;
 use resect_core::estimates::EstimatesJudgement;
 
@@ -20,7 +20,8 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
         .collect();
     html! {
         h3 { "Trajectories of other systems" }
-        @for two in &judgement.comparisons { p { (compared(judgement, two)) } }
+        @for two in stated(judgement) { p { (compared(judgement, two, Angles::DEGREES)) } }
+        @for both in &judgement.agreements { p { (agreed(judgement, both)) } }
         (findings(&notes))
         @if !judged.is_empty() {
             div.wide { table {

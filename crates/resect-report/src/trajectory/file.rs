@@ -7,6 +7,7 @@ use super::ply::{self, PlyPoint};
 use super::{mcap_bag, ros1_bag};
 
 use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::trajectory::{Pose, PoseSigma, Trajectory};
 
 /// Format of a trajectory file, by the extension of its name.
@@ -177,6 +178,66 @@ pub fn prism_tum(positions: &[MotionInstant<3>], header: &str) -> String {
     for at in positions {
         let t = &at.position_m;
         _ = writeln!(text, "{:.6} {:.6} {:.6} {:.6} 0 0 0 1", at.time_s, t.x, t.y, t.z);
+    }
+    text
+}
+
+/// Returns the content of a file of one station's positions.
+pub fn station_file(
+    kind: FileKind,
+    track: &EstimatedTrajectory,
+    header: &str,
+) -> Result<Vec<u8>, Unwritable> {
+    match kind {
+        FileKind::Tum => Ok(station_tum(track, header).into_bytes()),
+        FileKind::Csv => Ok(station_csv(track).into_bytes()),
+        FileKind::Ply => {
+            let each = track.poses.iter().zip(&track.covariances);
+            let points: Vec<PlyPoint> = each
+                .map(|(pose, covariance)| PlyPoint {
+                    time_s: pose.time_s,
+                    position_m: pose.position_m,
+                    sigma_m: (covariance.position_m2.trace() / 3.0).max(0.0).sqrt(),
+                    turn_sigma_rad: None,
+                })
+                .collect();
+            Ok(ply::ply(&points, header).into_bytes())
+        }
+        FileKind::Mcap | FileKind::Ros1Bag => Err(Unwritable::NoOrientation),
+    }
+}
+
+/// Formats positions of one station as TUM, with 0 0 0 1 in place of the unknown orientation.
+pub fn station_tum(track: &EstimatedTrajectory, header: &str) -> String {
+    let mut text = format!("# {header}, no orientation\n# timestamp tx ty tz qx qy qz qw\n");
+    for EstimatedPose { time_s, position_m: t, .. } in &track.poses {
+        _ = writeln!(text, "{time_s:.6} {:.6} {:.6} {:.6} 0 0 0 1", t.x, t.y, t.z);
+    }
+    text
+}
+
+/// Formats positions of one station with standard deviations and the upper triangle of the covariance.
+fn station_csv(track: &EstimatedTrajectory) -> String {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let mut text = "timestamp_s,x_m,y_m,z_m".to_owned();
+    AXES.iter().for_each(|axis| text += &format!(",sigma_{axis}_m"));
+    for row in 0..3 {
+        AXES[row..].iter().for_each(|column| text += &format!(",cov_{}_{column}", AXES[row]));
+    }
+    text.push('\n');
+    for (pose, covariance) in track.poses.iter().zip(&track.covariances) {
+        let t = pose.position_m;
+        _ = write!(text, "{:.6},{:.6},{:.6},{:.6}", pose.time_s, t.x, t.y, t.z);
+        let covariance = &covariance.position_m2;
+        for axis in 0..3 {
+            _ = write!(text, ",{:.7}", covariance[(axis, axis)].max(0.0).sqrt());
+        }
+        for row in 0..3 {
+            for column in row..3 {
+                _ = write!(text, ",{:.6e}", covariance[(row, column)]);
+            }
+        }
+        text.push('\n');
     }
     text
 }

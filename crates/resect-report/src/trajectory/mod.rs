@@ -7,4 +7,7 @@ mod odometry;
 mod ply;
 mod ros1_bag;
 
-pub use file::{FileKind, STATION1, Unwritable, csv, file, prism_csv, prism_file, prism_tum, tum};
+pub use file::{
+    FileKind, STATION1, Unwritable, csv, file, prism_csv, prism_file, prism_tum, station_file,
+    station_tum, tum,
+};

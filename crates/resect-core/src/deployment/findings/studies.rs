@@ -22,6 +22,18 @@ pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Findi
         .quantity("times_longer", times_longer, Unit::Ratio)
 }
 
+/// `points` is the number of times at which both are known.
+pub fn estimate_few_points(estimate: &str, points: usize) -> Finding {
+    Finding::new(
+        FindingKind::EstimateFewPoints,
+        format!(
+            "{estimate}: time offset and lever arm are taken as zero, because only {points} of its times have ground truth"
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("points", points as f64, Unit::Count)
+}
+
 pub fn estimate_not_judged(why: &str, remedy: Option<Remedy>) -> Finding {
     let finding = Finding::new(FindingKind::EstimateNotJudged, format!("not judged: {why}"))
         .about(Subject::Named(why.to_owned()));
@@ -37,6 +49,7 @@ pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_clock_far_off("slam", 120.0),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
+        estimate_few_points("slam", 7),
         estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),
         deployment_left_out("drive: method B needs control points"),
     ]

@@ -4,17 +4,16 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::fit::Fit;
 use super::pieces::{BLOCKS, SHORTEST_BLOCK_S};
-use crate::estimates::estimate::EstimatedPose;
-use crate::estimates::reference::True;
+use crate::estimates::matched_pose::MatchedPose;
 use crate::statistics::median;
 
 /// Estimates the body's rotation in the vehicle: the median over epochs, with σ from the means of blocks of time.
-pub fn turn_body(fit: &mut Fit, pairs: &[(&EstimatedPose, &True)], is_same: bool) {
+pub fn turn_body(fit: &mut Fit, pairs: &[MatchedPose], is_same: bool) {
     let each: Option<Vec<(f64, UnitQuaternion<f64>)>> = pairs
         .iter()
-        .map(|(pose, truth)| {
-            let turned = truth.turned.as_ref()?;
-            Some((truth.time_s, turned.orientation.inverse() * fit.placed_orientation(pose)?))
+        .map(|MatchedPose { pose, truth, .. }| {
+            let rotation = truth.rotation.as_ref()?;
+            Some((truth.time_s, rotation.orientation.inverse() * fit.placed_orientation(pose)?))
         })
         .collect();
     let Some(each) = each else { return };

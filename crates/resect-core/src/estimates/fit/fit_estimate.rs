@@ -5,56 +5,59 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use super::body::turn_body;
 use super::fit::Fit;
 use super::pieces::{Pieces, by_common};
-use super::state::{CLOCK, FitState, LEVER, SCALE, UNKNOWNS, prior_of};
-use crate::deployment::findings::studies::{estimate_clock_far_off, estimate_scale_off};
-use crate::estimates::estimate::{EstimatedPose, EstimatedTrajectory};
-use crate::estimates::options::{Body, Options, TrajectoryAlignment};
-use crate::estimates::reference::{GroundTruthSource, True, matched, sound};
-use crate::estimates::time_offset;
+use super::state::{CLOCK, FitState, LEVER, SCALE, UNKNOWNS};
+use crate::calibration::Estimate;
+use crate::deployment::findings::studies::{
+    estimate_clock_far_off, estimate_few_points, estimate_scale_off,
+};
+use crate::deployment::{EstimatedPose, EstimatedTrajectory};
+use crate::estimates::ground_truth::GroundTruth;
+use crate::estimates::matched_pose::{MatchedPose, consistent};
+use crate::estimates::options::{Association, Body, Options, TrajectoryAlignment};
+use crate::estimates::time_offset::{self, CoarseOffset};
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
-use crate::evaluation::vehicle::Instants;
 use crate::geometry::{RigidTransform, align_rigid, align_similar};
 use crate::statistics::{median, sandwich};
 
 /// Largest number of epochs in a fit, evenly spread.
 const MOST_EPOCHS: usize = 4000;
-const MOST_STEPS: usize = 40;
+const MOST_STEPS: usize = 300;
 /// Clock and lever arm have converged if a step is smaller than this (s, m).
 const SETTLED: f64 = 1e-5;
+/// Steps that shrink less than this ratio oscillate, such as where the estimate stands still, and are damped.
+const OSCILLATES: f64 = 0.98;
 /// Change of the time offset (s) above which the ground truth is recomputed, and not moved along its velocity: during the
 /// iteration, and before its end.
 const LINEAR_S: f64 = 0.01;
 const EXACT_S: f64 = 1e-4;
 const FEWEST_EPOCHS: usize = 10;
+/// Fewest pairs by which a frame is aligned, if clock and lever arm are not estimated.
+const FEWEST_POINTS: usize = 4;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
 
 /// Positions that fit this many times better with one axis reversed are left-handed.
 const MIRRORED: f64 = 3.0;
 
-/// Fits an estimate to the ground truth, and returns the ground truth at its times as well.
+/// Fits an estimate to the ground truth, and returns the pairs of its poses and the ground truth as well.
 pub fn fit(
-    reference: &GroundTruthSource<'_>,
+    truth: &GroundTruth<'_>,
     estimate: &EstimatedTrajectory,
     options: &Options,
-) -> Result<(Fit, Vec<True>), Unjudged> {
+) -> Result<(Fit, Vec<MatchedPose>), Unjudged> {
     let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
     let poses = &estimate.poses;
     if poses.len() < FEWEST_EPOCHS {
         return Err(unfit(Unfit::FewPoses(poses.len())));
     }
-    let turning =
-        reference.has_orientation() || poses.iter().all(|pose| pose.orientation.is_some());
+    let turning = truth.has_orientation() || poses.iter().all(|pose| pose.orientation.is_some());
     if matches!(options.body, Body::Lever(_)) && !turning {
         return Err(unfit(Unfit::NoOrientation));
     }
-    let offset_s = match options.time_offset_s {
-        Some(given_s) => given_s,
-        None => {
-            let truths = reference.at(Instants::Rate(time_offset::RATE_HZ))?;
-            time_offset::coarse(poses, &truths).ok_or_else(|| unfit(Unfit::NoOverlap))?
-        }
+    let CoarseOffset { offset_s, sigma_s } = match options.time_offset_s {
+        Some(offset_s) => CoarseOffset { offset_s, sigma_s: None },
+        None => time_offset::coarse(poses, truth)?.ok_or_else(|| unfit(Unfit::NoOverlap))?,
     };
     let mut sought = Sought {
         frame: options.alignment,
@@ -62,50 +65,44 @@ pub fn fit(
         lever: options.body == Body::Found && turning,
     };
     let mut state = FitState {
-        fit: Fit {
-            station1_from_estimate: RigidTransform {
-                rotation: Rotation3::identity(),
-                translation_m: Vector3::zeros(),
-            },
-            scale: 1.0,
-            time_offset_s: offset_s,
-            time_offset_sigma_s: None,
-            lever_arm_m: turning.then(|| match options.body {
-                Body::Lever(lever_m) => lever_m,
-                Body::Found | Body::Same => Vector3::zeros(),
-            }),
-            lever_arm_sigma_m: None,
-            body_rotation: None,
-            body_rotation_sigma_rad: None,
-            findings: Vec::new(),
-        },
+        fit: initial(offset_s, options.body, turning),
         later_s: 0.0,
+        offset_prior: sigma_s.map(|sigma_s| Estimate { value: offset_s, sigma: sigma_s }),
+        pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
+            / poses.len() as f64,
     };
-    let thinned = thinned(poses);
+    let association = options.association;
     if sought.clock || sought.lever {
-        let truths = at(reference, &thinned, offset_s)?;
-        // Selected once: a set that changes with the clock would prevent convergence.
-        let pairs = matched(&thinned, &truths, offset_s);
+        let pairs = truth.matched(poses, offset_s, (association, MOST_EPOCHS))?;
         refuse_mirrored(&pairs, options.alignment).map_err(unfit)?;
-        let sound = sound(&pairs);
-        align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
-        let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
-        let longer = times_longer(&sound).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
-        refine(&mut state, reference, &poses, &mut sought, estimate).map_err(|why| {
-            match (&why, longer) {
-                (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
-                    unfit(Unfit::OtherScale(longer))
-                }
-                _ => why,
-            }
-        })?;
+        if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
+            let point = estimate_few_points(&estimate.name, pairs.len());
+            state.fit.findings.push(point);
+        } else {
+            // Selected once: a set that changes with the clock would prevent convergence.
+            let pairs = consistent(&pairs);
+            align(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+            let chosen: Vec<EstimatedPose> = match truth {
+                GroundTruth::Deployment { .. } => pairs.iter().map(|pair| pair.pose).collect(),
+                GroundTruth::Trajectory(_) => poses.clone(),
+            };
+            let longer =
+                times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
+            refine(&mut state, (truth, association), &chosen, &mut sought, estimate).map_err(
+                |why| match (&why, longer) {
+                    (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
+                        unfit(Unfit::OtherScale(longer))
+                    }
+                    _ => why,
+                },
+            )?;
+        }
     }
     let mut fit = state.fit;
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
         fit.findings.push(estimate_clock_far_off(&estimate.name, -fit.time_offset_s));
     }
-    let truths = at(reference, poses, fit.time_offset_s)?;
-    let pairs = matched(poses, &truths, fit.time_offset_s);
+    let pairs = truth.matched(poses, fit.time_offset_s, (association, usize::MAX))?;
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
     if let Some(longer) =
         times_longer(&pairs).filter(|_| options.alignment == TrajectoryAlignment::Rigid)
@@ -114,7 +111,29 @@ pub fn fit(
         fit.findings.push(estimate_scale_off(&estimate.name, longer, &why));
     }
     turn_body(&mut fit, &pairs, options.body == Body::Same);
-    Ok((fit, truths))
+    Ok((fit, pairs))
+}
+
+/// The fit before any estimation; `turning` is true if anything has orientations.
+fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
+    Fit {
+        truth_from_estimate: RigidTransform {
+            rotation: Rotation3::identity(),
+            translation_m: Vector3::zeros(),
+        },
+        scale: 1.0,
+        time_offset_s,
+        time_offset_sigma_s: None,
+        determines_time_offset: true,
+        lever_arm_m: turning.then(|| match body {
+            Body::Lever(lever_m) => lever_m,
+            Body::Found | Body::Same => Vector3::zeros(),
+        }),
+        lever_arm_sigma_m: None,
+        body_rotation: None,
+        body_rotation_sigma_rad: None,
+        findings: Vec::new(),
+    }
 }
 
 /// Unknowns to estimate.
@@ -124,28 +143,16 @@ struct Sought {
     lever: bool,
 }
 
-fn at(
-    reference: &GroundTruthSource<'_>,
-    poses: &[EstimatedPose],
-    offset_s: f64,
-) -> Result<Vec<True>, Unjudged> {
-    let times_s: Vec<f64> = poses.iter().map(|pose| pose.time_s + offset_s).collect();
-    Ok(reference.at(Instants::At(&times_s))?)
-}
-
 /// Returns an error if the positions fit much better with one axis reversed: they are left-handed. The fits ignore the lever arm.
-fn refuse_mirrored(
-    pairs: &[(&EstimatedPose, &True)],
-    alignment: TrajectoryAlignment,
-) -> Result<(), Unfit> {
+fn refuse_mirrored(pairs: &[MatchedPose], alignment: TrajectoryAlignment) -> Result<(), Unfit> {
     if alignment == TrajectoryAlignment::None {
         return Ok(());
     }
-    let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|(_, truth)| truth.position_m).collect();
+    let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.truth.position_m).collect();
     let fit_m = |up: f64| {
         let own_m: Vec<Vector3<f64>> = pairs
             .iter()
-            .map(|(pose, _)| pose.position_m.component_mul(&Vector3::new(1.0, 1.0, up)))
+            .map(|pair| pair.pose.position_m.component_mul(&Vector3::new(1.0, 1.0, up)))
             .collect();
         let (transform, scale) = align_similar(&truth_m, &own_m)?;
         let off_m = |(truth_m, own_m): (&Vector3<f64>, &Vector3<f64>)| {
@@ -164,12 +171,12 @@ fn refuse_mirrored(
 /// Returns the ratio of the estimate's path lengths to the ground truth's; `None` if it is within drift. A larger ratio is
 /// another unit, or the scale of a single camera. It is the median over paths of some metres, which does not depend on frames
 /// and errors.
-fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
+fn times_longer(pairs: &[MatchedPose]) -> Option<f64> {
     const WAY_M: f64 = 2.0;
     const DRIFT: f64 = 1.1;
     let (mut from, mut ratios) = (0, Vec::new());
-    for (to, (pose, truth)) in pairs.iter().enumerate() {
-        let (first, first_true) = pairs[from];
+    for (to, MatchedPose { pose, truth, .. }) in pairs.iter().enumerate() {
+        let MatchedPose { pose: first, truth: first_true, .. } = &pairs[from];
         let true_m = (truth.position_m - first_true.position_m).norm();
         if true_m >= WAY_M {
             ratios.push((pose.position_m - first.position_m).norm() / true_m);
@@ -179,17 +186,13 @@ fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
     median(ratios).filter(|longer| *longer > 0.0 && !(DRIFT.recip()..DRIFT).contains(longer))
 }
 
-fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
-    poses.iter().step_by(poses.len().div_ceil(MOST_EPOCHS).max(1)).copied().collect()
-}
-
 /// Aligns the frame by plain least squares, with fixed clock and lever arm.
 pub fn align(
     fit: &mut Fit,
-    pairs: &[(&EstimatedPose, &True)],
+    pairs: &[MatchedPose],
     alignment: TrajectoryAlignment,
 ) -> Result<(), Unfit> {
-    if pairs.len() < FEWEST_EPOCHS {
+    if pairs.len() < FEWEST_POINTS {
         return Err(Unfit::FewEpochs);
     }
     if alignment == TrajectoryAlignment::None {
@@ -198,14 +201,14 @@ pub fn align(
     let lever_m = fit.lever_arm_m.unwrap_or_default();
     let of_truth: Vec<Vector3<f64>> = pairs
         .iter()
-        .map(|(_, truth)| match &truth.turned {
-            Some(turned) => truth.position_m + turned.orientation * lever_m,
+        .map(|MatchedPose { truth, .. }| match &truth.rotation {
+            Some(rotation) => truth.position_m + rotation.orientation * lever_m,
             None => truth.position_m,
         })
         .collect();
     let own: Vec<Vector3<f64>> = pairs
         .iter()
-        .map(|(pose, truth)| match (&truth.turned, pose.orientation) {
+        .map(|MatchedPose { pose, truth, .. }| match (&truth.rotation, pose.orientation) {
             // The length of the lever arm does not depend on the scale.
             (None, Some(own)) => pose.position_m + own * lever_m / fit.scale,
             _ => pose.position_m,
@@ -215,14 +218,14 @@ pub fn align(
         TrajectoryAlignment::Similarity => align_similar(&of_truth, &own),
         _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
     };
-    (fit.station1_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
+    (fit.truth_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
     Ok(())
 }
 
 /// Estimates frame, lever arm and clock together, with σ of the latter two.
 fn refine(
     state: &mut FitState,
-    reference: &GroundTruthSource<'_>,
+    (truth, association): (&GroundTruth<'_>, Association),
     poses: &[EstimatedPose],
     sought: &mut Sought,
     estimate: &EstimatedTrajectory,
@@ -240,14 +243,15 @@ fn refine(
     };
     let open = open(sought);
     let mut asked_s = state.fit.time_offset_s;
-    let mut truths = at(reference, poses, asked_s)?;
+    let matched = |offset_s: f64| truth.matched(poses, offset_s, (association, MOST_EPOCHS));
+    let mut pairs = matched(asked_s)?;
+    let (mut damping, mut last_change) = (1.0, f64::INFINITY);
     for _ in 0..MOST_STEPS {
-        let pairs = matched(poses, &truths, asked_s);
         if pairs.len() < FEWEST_EPOCHS {
             return Err(unfit(Unfit::FewEpochs));
         }
         let pieces = Pieces::of(&pairs, state);
-        let (blocks, prior) = (pieces.blocks(&open), prior_of(&open));
+        let (blocks, prior) = (pieces.blocks(&open), state.prior_precision(&open));
         let mut information = DMatrix::from_diagonal(&prior);
         let mut gradient = DVector::zeros(open.len());
         for block in &blocks {
@@ -258,18 +262,22 @@ fn refine(
         gradient -= prior.component_mul(&now);
         let root = information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
         let step = root.solve(&gradient);
-        let change = state.step(&open, &step);
+        let change = state.step(&open, &(damping * step));
+        if change > OSCILLATES * last_change {
+            damping *= 0.5;
+        }
+        last_change = change;
         let settled = change < SETTLED;
         if state.later_s.abs() > if settled { EXACT_S } else { LINEAR_S } {
             state.later_s = 0.0;
             asked_s = state.fit.time_offset_s;
-            truths = at(reference, poses, asked_s)?;
+            pairs = matched(asked_s)?;
         } else if settled {
             let prior = sandwich::Prior { precision: prior, weight: 1.0 };
             let mut covariance = sandwich::covariance(&blocks, Some(&prior))
                 .ok_or_else(|| unfit(Unfit::Undetermined))?;
-            let times_s: Vec<f64> = pairs.iter().map(|(_, truth)| truth.time_s).collect();
-            if let Some(common) = reference.common_errors(&times_s) {
+            let times_s: Vec<f64> = pairs.iter().map(|pair| pair.truth.time_s).collect();
+            if let Some(common) = truth.common_errors(&times_s) {
                 let moved = root.solve(&by_common(&pieces, &open, state, &common));
                 covariance += &moved * &common.covariance * moved.transpose();
             }

@@ -4,8 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::state::{CLOCK, FitState, LEVER, SCALE, TRANSLATION, UNKNOWNS};
 use crate::calibration::joint::prism_motion::ConstantsJacobian;
-use crate::estimates::estimate::EstimatedPose;
-use crate::estimates::reference::True;
+use crate::estimates::matched_pose::{MatchedPose, TruePose};
 use crate::statistics::robust::huber;
 use crate::statistics::{median, sandwich};
 
@@ -17,6 +16,8 @@ const PIECE_S: f64 = 3.0;
 /// Threshold of Huber's loss (σ), and the median length of a vector of three errors over their σ.
 const BEND: f64 = 2.0;
 const MEDIAN_LENGTH: f64 = 1.538;
+/// Smallest number of differences within segments that determines the noise.
+const FEWEST_WITHIN: usize = 20;
 
 /// An error (m), and its derivative with respect to each unknown.
 type Row = (Vector3<f64>, [Vector3<f64>; UNKNOWNS]);
@@ -35,34 +36,39 @@ pub struct Pieces<'a> {
 /// Epochs of one segment, which have a common error.
 struct EpochGroup<'a> {
     block: usize,
-    truths: Vec<&'a True>,
+    truths: Vec<&'a TruePose>,
     mean: Row,
     /// The rows minus their mean.
     within: Vec<Row>,
 }
 
 impl<'a> Pieces<'a> {
-    pub fn of(pairs: &[(&EstimatedPose, &'a True)], state: &FitState) -> Self {
-        let (from_s, to_s) = (pairs[0].1.time_s, pairs[pairs.len() - 1].1.time_s);
+    pub fn of(pairs: &'a [MatchedPose], state: &FitState) -> Self {
+        let (from_s, to_s) = (pairs[0].truth.time_s, pairs[pairs.len() - 1].truth.time_s);
         let block_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
         let piece_s = block_s / (block_s / PIECE_S).ceil();
-        let place = |truth: &True, length_s: f64| ((truth.time_s - from_s) / length_s) as usize;
+        let place = |truth: &TruePose, length_s: f64| ((truth.time_s - from_s) / length_s) as usize;
         let all: Vec<EpochGroup<'a>> = pairs
-            .chunk_by(|a, b| place(a.1, piece_s) == place(b.1, piece_s))
+            .chunk_by(|a, b| place(&a.truth, piece_s) == place(&b.truth, piece_s))
             .map(|pairs| EpochGroup {
-                block: place(pairs[0].1, block_s),
-                truths: pairs.iter().map(|(_, truth)| *truth).collect(),
-                ..EpochGroup::of(
-                    pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect(),
-                )
+                block: place(&pairs[0].truth, block_s),
+                truths: pairs.iter().map(|pair| &pair.truth).collect(),
+                ..EpochGroup::of(pairs.iter().map(|pair| row(pair, state)).collect())
             })
             .collect();
         let axis_sigma_m = |lengths: &mut dyn Iterator<Item = f64>| {
             (median(lengths).unwrap_or(1.0) / MEDIAN_LENGTH).max(1e-9)
         };
-        let noise_m =
-            axis_sigma_m(&mut all.iter().flat_map(|p| p.within.iter().map(|row| row.0.norm())));
         let drift_m = axis_sigma_m(&mut all.iter().map(|piece| piece.mean.0.norm()));
+        let several = all.iter().filter(|piece| piece.within.len() > 1);
+        let within_m: Vec<f64> =
+            several.flat_map(|piece| piece.within.iter().map(|row| row.0.norm())).collect();
+        // Few differences within segments do not determine the noise. Surveyed points are single in their segments.
+        let noise_m = if within_m.len() < FEWEST_WITHIN {
+            drift_m
+        } else {
+            axis_sigma_m(&mut within_m.into_iter())
+        };
         Self { all, blocks: ((to_s - from_s) / block_s) as usize + 1, noise_m, drift_m }
     }
 
@@ -124,8 +130,8 @@ pub fn by_common(
                     return DMatrix::zeros(3, constants);
                 };
                 let mut body = by.rows(0, 3).into_owned();
-                if let (Some(turned), Some(lever_m)) = (&truth.turned, state.fit.lever_arm_m) {
-                    let by_turn = -(turned.orientation * lever_m).cross_matrix();
+                if let (Some(rotation), Some(lever_m)) = (&truth.rotation, state.fit.lever_arm_m) {
+                    let by_turn = -(rotation.orientation * lever_m).cross_matrix();
                     body += by_turn * by.rows(3, 3);
                 }
                 body
@@ -163,28 +169,38 @@ impl EpochGroup<'_> {
 }
 
 /// Truth minus estimate (m), and its derivative with respect to each unknown.
-fn row(pose: &EstimatedPose, truth: &True, state: &FitState) -> Row {
+fn row(MatchedPose { pose, truth, pose_twist }: &MatchedPose, state: &FitState) -> Row {
     let fit = &state.fit;
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
     let mut velocity = truth.velocity_m_per_s;
     let mut lever_axes = Matrix3::zeros();
-    if let Some(turned) = &truth.turned {
-        lever_axes = turned.orientation.to_rotation_matrix().into_inner();
-        velocity += turned.rate_rad_per_s.cross(&(true_m - truth.position_m));
-    } else if let Some(own) = fit.placed_orientation(pose) {
+    let own = fit.placed_orientation(pose);
+    if let Some(rotation) = &truth.rotation {
+        lever_axes = rotation.orientation.to_rotation_matrix().into_inner();
+        velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
+    } else if let Some(own) = own {
         lever_axes = -own.to_rotation_matrix().into_inner();
     }
+    if let Some(twist) = pose_twist {
+        // The estimate is interpolated: a later ground truth is an earlier estimate.
+        let arm_m = own.map_or(Vector3::zeros(), |own| own * fit.lever_arm_m.unwrap_or_default());
+        let rate = fit.truth_from_estimate.rotate(&twist.rate_rad_per_s);
+        velocity = fit.truth_from_estimate.rotate(&(fit.scale * twist.velocity_m_per_s));
+        if truth.rotation.is_none() {
+            velocity += rate.cross(&arm_m);
+        }
+    }
     true_m += velocity * state.later_s;
-    let turned_m = placed_m - fit.station1_from_estimate.translation_m;
-    let scaled_m = fit.station1_from_estimate.rotate(&(fit.scale * pose.position_m));
+    let pivot_m = fit.truth_from_estimate.apply(&(fit.scale * state.pivot_m));
     let mut design = [Vector3::zeros(); UNKNOWNS];
     for axis in 0..3 {
         let unit = Vector3::ith(axis, 1.0);
-        design[axis] = -unit.cross(&turned_m);
+        design[axis] = -unit.cross(&(placed_m - pivot_m));
         design[TRANSLATION + axis] = -unit;
         design[LEVER + axis] = lever_axes.column(axis).into_owned();
     }
-    design[SCALE] = -scaled_m;
+    let from_pivot_m = pose.position_m - state.pivot_m;
+    design[SCALE] = -fit.truth_from_estimate.rotate(&(fit.scale * from_pivot_m));
     design[CLOCK] = velocity;
     (true_m - placed_m, design)
 }

@@ -35,6 +35,7 @@ fn deployment(tracks: [Track; 3]) -> Deployment {
         track_frame: Default::default(),
         as_read: Default::default(),
         overrides: Default::default(),
+        ground_truth: None,
         restarts_s: Vec::new(),
     }
 }

@@ -39,8 +39,8 @@ pub fn interpolate(
     Ok(Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) })
 }
 
-/// Returns the instants (s) and the interval of each.
-fn grid(intervals: &[Interval], rate_hz: f64) -> (Vec<f64>, Vec<u32>) {
+/// Returns instants (s) at a rate from the start of each interval, and the index of the interval of each.
+pub fn grid(intervals: &[Interval], rate_hz: f64) -> (Vec<f64>, Vec<u32>) {
     let (mut time_s, mut owner) = (Vec::new(), Vec::new());
     for (index, interval) in intervals.iter().enumerate() {
         let steps = (interval.length_s() * rate_hz).floor() as usize;

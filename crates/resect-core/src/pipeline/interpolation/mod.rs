@@ -15,5 +15,5 @@ pub mod squared_exponential;
 mod tests;
 pub mod white_noise_on_acceleration;
 
-pub use interpolate::interpolate;
+pub use interpolate::{grid, interpolate};
 pub use series::InterpolatedTrack;

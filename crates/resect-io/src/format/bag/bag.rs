@@ -6,7 +6,7 @@ use std::path::Path;
 use super::container::Positioned;
 use super::inflate::Budget;
 use super::intake::{Intake, natural_key};
-use super::messages::StampedPose;
+use super::messages::{Kind, StampedPose};
 use super::{inflate, mcap, ros1, sqlite};
 use crate::error::OpenError;
 use crate::format::format::Format;
@@ -81,6 +81,8 @@ pub struct PoseTopic {
     pub name: String,
     /// Poses in the order of the recording, each with a stamp.
     pub poses: Vec<StampedPose>,
+    /// True if the messages are positions: points may also be anything else.
+    pub are_points: bool,
 }
 
 /// The poses of other systems in a recording.
@@ -94,7 +96,7 @@ pub struct RecordedPoses {
     pub findings: Vec<Finding>,
 }
 
-/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic.
+/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`, `PointStamped`) in one recording, by topic.
 pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses, OpenError> {
     let mut unused = Recording::default();
     let mut intake = Intake::of_poses(&mut unused, progress);
@@ -103,15 +105,22 @@ pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses,
         intake.end_file()?;
     }
     let poses = intake.poses.take().unwrap_or_default();
-    let names: Vec<String> = intake.stream.topics.iter().map(|topic| topic.name.clone()).collect();
+    let names: Vec<(String, bool)> = (intake.stream.topics.iter())
+        .map(|topic| (topic.name.clone(), topic.kind.is_some_and(Kind::is_position)))
+        .collect();
     let all_topics = intake.stream.topics.iter();
     let all_topics =
         all_topics.map(|topic| format!("{} ({})", topic.name, topic.message_type)).collect();
     let transforms = std::mem::take(&mut intake.transforms).into_poses();
     drop(intake);
-    let topics = names.into_iter().zip(poses).map(|(name, poses)| PoseTopic { name, poses });
+    let topics = names.into_iter().zip(poses);
+    let topics = topics.map(|((name, are_points), poses)| PoseTopic { name, poses, are_points });
     let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();
-    topics.extend(transforms.into_iter().map(|(name, poses)| PoseTopic { name, poses }));
+    topics.extend(transforms.into_iter().map(|(name, poses)| PoseTopic {
+        name,
+        poses,
+        are_points: false,
+    }));
     topics.sort_by_cached_key(|topic| natural_key(&topic.name));
     Ok(RecordedPoses { topics, all_topics, findings: unused.findings })
 }

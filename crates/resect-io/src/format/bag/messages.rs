@@ -82,8 +82,10 @@ pub enum Message {
 pub struct StampedPose {
     pub stamp_s: Option<f64>,
     pub position_m: [f64; 3],
-    /// x, y, z, w.
+    /// x, y, z, w; zeros if unset.
     pub orientation: [f64; 4],
+    /// 36 elements, row by row; `None` for messages without.
+    pub covariance: Option<[f64; 36]>,
 }
 
 /// A transform of a message.
@@ -158,7 +160,8 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
             }
             let position_m = position_m(&mut wire)?;
             let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
-            Message::Pose(StampedPose { stamp_s, position_m, orientation })
+            let covariance = covariance(&mut wire)?;
+            Message::Pose(StampedPose { stamp_s, position_m, orientation, covariance })
         }
     })
 }
@@ -197,10 +200,22 @@ fn transforms(wire: &mut Wire<'_>) -> Result<Vec<StampedTransform>, Malformed> {
         let child = wire.string()?;
         let position_m = position_m(wire)?;
         let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
-        let pose = StampedPose { stamp_s, position_m, orientation };
+        let pose = StampedPose { stamp_s, position_m, orientation, covariance: None };
         transforms.push(StampedTransform { parent: frame(parent), child: frame(child), pose });
     }
     Ok(transforms)
+}
+
+/// Reads the covariance behind a pose; `None` in messages that end there.
+fn covariance(wire: &mut Wire<'_>) -> Result<Option<[f64; 36]>, Malformed> {
+    if wire.rest().len() < size_of::<[f64; 36]>() {
+        return Ok(None);
+    }
+    let mut elements = [0.0; 36];
+    for element in &mut elements {
+        *element = wire.f64()?;
+    }
+    Ok(Some(elements))
 }
 
 /// Returns the name of a frame without the slash of old ROS versions.

@@ -105,7 +105,11 @@ impl Stream {
         encoding: Encoding,
     ) -> Option<Subscription> {
         let kind = Kind::of_type(message_type);
-        let kind = kind.filter(|kind| kind.is_pose() == self.wants_poses);
+        // Positions alone may be the trajectory of a prism or an antenna.
+        let kind = kind.filter(|kind| match self.wants_poses {
+            true => kind.is_pose() || kind.is_position(),
+            false => !kind.is_pose(),
+        });
         let known = self.topics.iter().position(|t| t.name == name && t.kind == kind);
         if known.is_none() && self.topics.len() >= MOST_TOPICS {
             return None;
@@ -181,6 +185,15 @@ impl Stream {
                     into.push(&record);
                     Heard::Record(record)
                 }
+                None if self.wants_poses => Heard::Pose {
+                    topic,
+                    pose: StampedPose {
+                        stamp_s: point.stamp_s,
+                        position_m: point.position_m,
+                        orientation: [0.0; 4],
+                        covariance: None,
+                    },
+                },
                 None => Heard::NotTaken,
             },
             Message::Pose(pose) => Heard::Pose { topic, pose },

@@ -82,6 +82,7 @@ impl TransformTree {
                 stamp_s: Some(*time_s),
                 position_m: position_m.into(),
                 orientation: [x, y, z, w],
+                covariance: None,
             }
         });
         let poses: Vec<StampedPose> = poses.collect();
@@ -110,8 +111,12 @@ mod tests {
     use super::*;
 
     fn transform(parent: &str, child: &str, time_s: f64, position_m: [f64; 3]) -> StampedTransform {
-        let pose =
-            StampedPose { stamp_s: Some(time_s), position_m, orientation: [0.0, 0.0, 0.0, 1.0] };
+        let pose = StampedPose {
+            stamp_s: Some(time_s),
+            position_m,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            covariance: None,
+        };
         StampedTransform { parent: parent.to_owned(), child: child.to_owned(), pose }
     }
 

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::deployment::Finding;
-use crate::deployment::names::told_apart;
+use super::finding::Finding;
+use super::names::told_apart;
 
 /// A trajectory estimated by another system.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +17,17 @@ pub struct EstimatedTrajectory {
     pub topic: Option<String>,
     /// Poses in strictly increasing order of time.
     pub poses: Vec<EstimatedPose>,
+    /// Covariance of each pose; empty if the file states none.
+    pub covariances: Vec<PoseCovariance>,
     pub findings: Vec<Finding>,
 }
 
 impl EstimatedTrajectory {
+    /// Returns true if every pose has an orientation.
+    pub fn has_orientations(&self) -> bool {
+        self.poses.iter().all(|pose| pose.orientation.is_some())
+    }
+
     /// Returns true if both were read from the same file and topic.
     pub fn is_same(&self, other: &Self) -> bool {
         self.path == other.path && self.topic == other.topic
@@ -28,7 +35,9 @@ impl EstimatedTrajectory {
 }
 
 /// Unique names of estimates, with as many folder names as needed: systems often name their files alike.
-pub fn names<'a>(estimates: impl Iterator<Item = &'a EstimatedTrajectory>) -> Vec<String> {
+pub fn names_of_trajectories<'a>(
+    estimates: impl Iterator<Item = &'a EstimatedTrajectory>,
+) -> Vec<String> {
     let named: Vec<(&str, PathBuf)> =
         estimates.map(|one| (&*one.name, one.path.with_extension(""))).collect();
     let named = named.iter().map(|(name, path)| ((*name).to_owned(), Some(&**path)));
@@ -42,4 +51,26 @@ pub struct EstimatedPose {
     pub position_m: Vector3<f64>,
     /// `None` if the file has positions only.
     pub orientation: Option<UnitQuaternion<f64>>,
+}
+
+/// Covariance of a pose, in the frame of the trajectory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseCovariance {
+    /// Of the position (m²).
+    pub position_m2: Matrix3<f64>,
+    /// Of the rotation vector (rad²): the true orientation is exp(θ) times this one. `None` if it is not known.
+    pub rotation_rad2: Option<Matrix3<f64>>,
+    /// Between rotation (rows) and position (rad m).
+    pub rotation_with_position: Matrix3<f64>,
+}
+
+impl PoseCovariance {
+    /// Returns independent errors of a position with these standard deviations (m).
+    pub fn of_position(sigma_m: &Vector3<f64>) -> Self {
+        Self {
+            position_m2: Matrix3::from_diagonal(&sigma_m.component_mul(sigma_m)),
+            rotation_rad2: None,
+            rotation_with_position: Matrix3::zeros(),
+        }
+    }
 }

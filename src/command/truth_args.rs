@@ -1,0 +1,76 @@
+//! Options of the ground truth: of a trajectory, or of one station of a deployment.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clap::Args;
+use nalgebra::Vector3;
+
+use super::settings_args::metres;
+use super::{Failure, load};
+use resect_core::deployment::{Deployment, PoseCovariance};
+use resect_core::progress::Progress;
+use resect_io::source::{Extras, Source};
+use resect_io::what_is::{Dropped, what_is};
+
+#[derive(Args)]
+pub struct TruthArguments {
+    /// Standard deviation of the positions of a trajectory that is the ground truth (m), along each axis or along x, y, z. It replaces
+    /// the covariances in the file
+    #[arg(long, value_name = "S|X,Y,Z", value_parser = sigma)]
+    truth_sigma: Option<Vector3<f64>>,
+    /// Topic of the ground truth in a bag of several trajectories
+    #[arg(long, value_name = "TOPIC")]
+    truth_topic: Option<String>,
+    /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
+    #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub truth_station: Option<u8>,
+}
+
+impl TruthArguments {
+    /// Opens a deployment, or a trajectory as the ground truth of one.
+    ///
+    /// # Errors
+    /// If the path is neither, or if an option does not apply to it.
+    pub fn open(&self, path: &Path, extras: Extras) -> Result<Arc<Deployment>, Failure> {
+        let truth =
+            || Source::ground_truth(path, self.truth_topic.clone()).open(&Progress::default());
+        let mut deployment = if self.truth_topic.is_some() || what_is(path) == Dropped::Estimate {
+            Arc::new(truth()?)
+        } else {
+            match load(path, extras) {
+                Ok((deployment, _)) => deployment,
+                // Positions of one prism, or poses in a bag, are no deployment.
+                Err(error) => Arc::new(truth().map_err(|_| error)?),
+            }
+        };
+        match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
+            (Some(truth), Some(sigma_m)) => {
+                let truth = Arc::make_mut(truth);
+                let covariance = PoseCovariance::of_position(sigma_m);
+                truth.covariances = vec![covariance; truth.poses.len()];
+            }
+            (None, Some(_)) => {
+                let line = "--truth-sigma is for a trajectory; a deployment estimates its own σ";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+            (Some(_), None) if self.truth_station.is_some() => {
+                let line =
+                    "--truth-station is for a deployment, and the ground truth is a trajectory";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+            _ => {}
+        }
+        Ok(deployment)
+    }
+}
+
+fn sigma(text: &str) -> Result<Vector3<f64>, String> {
+    const ASKED: &str = "give a positive number of metres, or three separated by commas";
+    let sigma_m = match text.trim().parse() {
+        Ok(sigma_m) => Vector3::repeat(sigma_m),
+        Err(_) => metres(text).map_err(|_| ASKED.to_owned())?,
+    };
+    let is_valid = sigma_m.iter().all(|sigma_m| sigma_m.is_finite() && *sigma_m > 0.0);
+    is_valid.then_some(sigma_m).ok_or_else(|| ASKED.to_owned())
+}

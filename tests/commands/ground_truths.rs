@@ -1,0 +1,389 @@
+//! Trajectories compared with ground truths that are no deployments: trajectories with and without orientation and covariance,
+//! surveyed points, and the track of one station. The data of other groups is in `../shared/datasets/others`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::common::slam::{SLAM, Slam, driven, true_pose, write_tum};
+use crate::common::{field_data, of_field};
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use resect_core::simulation::{EPOCH_S, Preset, Simulated, simulate};
+use serde_json::Value;
+
+/// Clock and body of the estimates: 59 ms late, 0.4 m away from the vehicle's origin.
+const CLOCK_S: f64 = 0.059;
+const LEVER_M: Vector3<f64> = Vector3::new(0.3, -0.2, 0.15);
+/// Map coordinates, such as UTM.
+const MAP_M: Vector3<f64> = Vector3::new(255_855.0, 5_242_729.0, 643.0);
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        std::fs::write(self.at(name), text).expect("written");
+        self.at(name)
+    }
+}
+
+fn run(arguments: &[&str]) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_resect")).args(arguments).output().expect("runs")
+}
+
+fn said(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// Evaluates estimates against a ground truth as JSON.
+fn evaluated(estimates: &[&Path], truth: &Path, more: &[&str]) -> Value {
+    let paths: Vec<&str> = estimates.iter().map(|path| path.to_str().expect("UTF-8")).collect();
+    let truth = ["--against", truth.to_str().expect("UTF-8"), "--json"];
+    let text = said(&[&["evaluate"], &paths[..], &truth, more].concat());
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is a number"))
+}
+
+/// Times of a simulated drive (s) at a rate.
+fn times_s(rate_hz: f64) -> impl Iterator<Item = f64> {
+    (0..(150.0 * rate_hz) as usize).map(move |step| EPOCH_S + 5.0 + step as f64 / rate_hz)
+}
+
+/// Lines of TUM with the true poses and noise of 1 mm, without orientations as 0 0 0 1.
+fn truth_tum(simulated: &Simulated, times_s: impl Iterator<Item = f64>, turned: bool) -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    times_s
+        .map(|time_s| {
+            let (position_m, orientation) = true_pose(simulated, time_s);
+            let noise_m = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng)) * 1e-3;
+            let (t, q) = (position_m + noise_m + MAP_M, orientation);
+            let q = if turned { q } else { UnitQuaternion::identity() };
+            let [x, y, z] = [t.x, t.y, t.z];
+            format!("{time_s:.6} {x:.5} {y:.5} {z:.5} {} {} {} {}\n", q.i, q.j, q.k, q.w)
+        })
+        .collect()
+}
+
+/// A simulated drive, and an estimate of it with another clock and body.
+fn estimated(folder: &Folder) -> (Simulated, PathBuf) {
+    let (simulated, _) = driven(4);
+    let slam = Slam { noise_m: 0.005, clock_s: CLOCK_S, lever_m: LEVER_M, ..SLAM };
+    write_tum(&slam.drive(&simulated), &folder.at("slam.tum"));
+    (simulated, folder.at("slam.tum"))
+}
+
+#[test]
+fn clock_and_lever_arm_are_estimated_against_poses_and_against_positions() {
+    let folder = Folder::new();
+    let (simulated, slam) = estimated(&folder);
+    for (turned, rate_hz) in [(true, 100.0), (true, 4.0), (false, 20.0), (false, 4.0)] {
+        let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(rate_hz), turned));
+        let found = evaluated(&[&slam], &truth, &[]);
+        let one = &found["estimates"][0];
+        let what = format!("turned {turned}, {rate_hz} Hz: {one:#}");
+        let offset_s = number(&one["time_offset_s"]);
+        assert!((offset_s + CLOCK_S).abs() < 0.002, "{what}");
+        assert!((offset_s + CLOCK_S).abs() < 4.0 * number(&one["time_offset_sigma_s"]), "{what}");
+        // Against positions, the lever arm is that of the antenna in the estimate's body.
+        let expected = if turned { LEVER_M } else { -LEVER_M };
+        for axis in 0..2 {
+            let lever_m = number(&one["lever_arm_m"][axis]);
+            assert!((lever_m - expected[axis]).abs() < 0.02, "{what}");
+        }
+        assert!(number(&one["ape_position_m"]["rmse"]) < 0.05, "{what}");
+        assert_eq!(one["ape_rotation_rad"].is_object(), turned, "{what}");
+        assert_eq!(one["rpe"][0]["of"], if turned { "pose" } else { "distance" });
+        // The frames differ by map coordinates, which the alignment hides.
+        assert!(number(&one["ape_position_not_aligned_m"]["rmse"]) > 5e6, "{what}");
+        // Nothing states an uncertainty.
+        assert!(one["ground_truth_sigma_m"].is_null() && one["undecided_share"].is_null());
+    }
+}
+
+#[test]
+fn the_uncertainty_of_a_trajectory_is_read_from_columns_a_file_or_an_option() {
+    let folder = Folder::new();
+    let (simulated, slam) = estimated(&folder);
+    let tum = truth_tum(&simulated, times_s(20.0), true);
+    let rows = || tum.lines().map(|line| line.split(' ').collect::<Vec<_>>());
+    let columns = rows().map(|row| format!("{},0.001,0.002,0.002\n", row.join(",")));
+    let columns = columns.collect::<String>();
+    let csv = format!("t,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z\n{columns}");
+    let beside = rows().map(|row| format!("{},1e-6,0,0,0,4e-6,0,0,0,4e-6\n", row[0]));
+    let beside = beside.collect::<String>();
+    let with_columns = folder.write("columns.csv", &csv);
+    let plain = folder.write("plain.tum", &tum);
+    let with_file = folder.write("gt.txt", &tum);
+    folder.write("gt_covariance.csv", &beside);
+    for (truth, more) in [
+        (&with_columns, &[][..]),
+        (&with_file, &[]),
+        (&plain, &["--truth-sigma", "0.001,0.002,0.002"]),
+    ] {
+        let found = evaluated(&[&slam], truth, more);
+        let sigma_m = number(&found["estimates"][0]["ground_truth_sigma_m"]);
+        assert!((sigma_m - 0.003_f64.sqrt() * 0.001_f64.sqrt()).abs() < 1e-6, "{sigma_m}");
+        assert_eq!(found["ground_truth"]["states_covariance"], true);
+    }
+    // A pose without covariance, and a line that is none, are errors of that file.
+    let first = beside.lines().next().expect("a line");
+    folder.write("gt_covariance.csv", &format!("{first}\n"));
+    for (text, part) in
+        [(first.to_owned(), "no covariance for"), ("1,2,3\n".to_owned(), "gt_covariance.csv:1: 3")]
+    {
+        folder.write("gt_covariance.csv", &text);
+        let paths = [&slam, &with_file].map(|path| path.to_str().expect("UTF-8"));
+        let output = run(&["evaluate", paths[0], "--against", paths[1]]);
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && why.contains(part), "{why}");
+    }
+}
+
+#[test]
+fn surveyed_points_judge_an_estimate_without_claiming_its_clock() {
+    let folder = Folder::new();
+    let (simulated, slam) = estimated(&folder);
+    // A point every 10 s; the vehicle moves, so the clock is determined. Standing, it would not be.
+    let truth = folder.write("points.txt", &truth_tum(&simulated, times_s(0.1), false));
+    let found = evaluated(&[&slam], &truth, &[]);
+    let one = &found["estimates"][0];
+    assert_eq!(one["poses_with_ground_truth"], 15, "{one:#}");
+    assert_eq!(one["ground_truth_without_poses"], 0, "{one:#}");
+    assert!(number(&one["ape_position_m"]["rmse"]) < 0.05, "{one:#}");
+    let over_sigma =
+        (number(&one["time_offset_s"]) + CLOCK_S) / number(&one["time_offset_sigma_s"]);
+    assert!(over_sigma.abs() < 4.0, "{over_sigma}: {one:#}");
+    // Few points align the frame, and nothing else is claimed.
+    let lines = truth_tum(&simulated, times_s(0.1), false);
+    let few: String = lines.lines().take(6).map(|line| format!("{line}\n")).collect();
+    let truth = folder.write("few.txt", &few);
+    let one = &evaluated(&[&slam], &truth, &[])["estimates"][0];
+    assert!(one["time_offset_sigma_s"].is_null() && one["lever_arm_sigma_m"].is_null(), "{one:#}");
+    assert_eq!(one["findings"][0]["code"], "estimate-few-points", "{one:#}");
+    // Points of another clock: the offset is found by positions.
+    let shifted = slam.with_file_name("shifted.tum");
+    let late = Slam { noise_m: 0.005, clock_s: -37.0, ..SLAM };
+    write_tum(&late.drive(&simulated), &shifted);
+    let one = &evaluated(&[&shifted], &folder.at("points.txt"), &[])["estimates"][0];
+    assert!((number(&one["time_offset_s"]) - 37.0).abs() < 0.05, "{one:#}");
+}
+
+#[test]
+fn one_station_is_a_ground_truth_and_exports_positions_with_sigma() {
+    let folder = Folder::new();
+    let simulated = simulate(Preset::Warthog, 4);
+    resect_io::simulation_files::write_folder(&simulated, &folder.at("all")).expect("written");
+    let mut csv = std::fs::read_to_string(folder.at("all/inter_prism.csv")).expect("readings");
+    let rows = csv.lines().enumerate();
+    let rows = rows.filter(|(line, row)| *line == 0 || row.split(',').nth(1) == Some("2"));
+    csv = rows.map(|(_, row)| format!("{row}\n")).collect();
+    std::fs::create_dir(folder.at("one")).expect("made");
+    folder.write("one/inter_prism.csv", &csv);
+    write_tum(
+        &Slam { noise_m: 0.005, clock_s: CLOCK_S, ..SLAM }.drive(&simulated),
+        &folder.at("slam.tum"),
+    );
+    let one = &evaluated(&[&folder.at("slam.tum")], &folder.at("one"), &[])["estimates"][0];
+    // The lever arm is that of prism 2.
+    let prism_m = simulated.truth.prisms_m[1];
+    for axis in 0..2 {
+        assert!((number(&one["lever_arm_m"][axis]) - prism_m[axis]).abs() < 0.05, "{one:#}");
+    }
+    assert!((number(&one["time_offset_s"]) + CLOCK_S).abs() < 0.03, "{one:#}");
+    assert!((0.001..0.02).contains(&number(&one["ground_truth_sigma_m"])), "{one:#}");
+    let path = |name: &str| folder.at(name).to_str().expect("UTF-8").to_owned();
+    let text = said(&["trajectory", &path("one"), "--out", &path("track.csv")]);
+    assert!(text.contains("station 2") && text.contains("typical σ"), "{text}");
+    let track = std::fs::read_to_string(folder.at("track.csv")).expect("written");
+    let header = track.lines().next().expect("a header");
+    assert!(header.starts_with("timestamp_s,x_m,y_m,z_m,sigma_x_m"), "{header}");
+    // That export is a ground truth with covariance itself.
+    let again = evaluated(&[&folder.at("slam.tum")], &folder.at("track.csv"), &[]);
+    let sigmas = [one, &again["estimates"][0]].map(|one| number(&one["ground_truth_sigma_m"]));
+    assert!((sigmas[0] - sigmas[1]).abs() < 1e-5, "{sigmas:?}");
+    // Each of three stations can be chosen; options that do not apply are refused.
+    let found = evaluated(&[&folder.at("slam.tum")], &folder.at("all"), &["--truth-station", "3"]);
+    assert_eq!(found["ground_truth"]["kind"], "trajectory");
+    for (truth, option) in [
+        (path("track.csv"), &["--truth-station", "1"][..]),
+        (path("all"), &["--truth-sigma", "0.01"]),
+        (path("all"), &["--truth-sigma", "0"]),
+    ] {
+        let slam = path("slam.tum");
+        let arguments = [&["evaluate", &slam, "--against", &truth], option].concat();
+        assert_eq!(run(&arguments).status.code(), Some(2), "{option:?}");
+    }
+}
+
+#[test]
+fn estimates_are_ranked_by_each_kind_of_error() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(4);
+    let drive =
+        |name, seed, noise_m| Slam { name, seed, noise_m, drift_m: 0.0, ..SLAM }.drive(&simulated);
+    write_tum(&drive("a", 1, 0.01), &folder.at("a.tum"));
+    // Better in position, worse in rotation.
+    let mut b = drive("b", 2, 0.005);
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for pose in &mut b.poses {
+        let turn = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng)) * 0.01;
+        pose.orientation = pose.orientation.map(|own| own * UnitQuaternion::from_scaled_axis(turn));
+    }
+    write_tum(&b, &folder.at("b.tum"));
+    let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(50.0), true));
+    let found = evaluated(&[&folder.at("a.tum"), &folder.at("b.tum")], &truth, &[]);
+    let comparisons = found["comparisons"].as_array().expect("comparisons");
+    let better = |by: &str| {
+        let two = comparisons.iter().find(|two| two["by"] == by).expect(by);
+        assert_eq!(two["significant"], true, "{two:#}");
+        two["better"].as_str().expect("a name").to_owned()
+    };
+    assert_eq!([better("position"), better("rotation")], ["b", "a"]);
+    assert_eq!(better("rotation over 5 m"), "a");
+    let paths = ["a.tum", "b.tum", "truth.tum"].map(|name| folder.at(name).display().to_string());
+    let latex = folder.at("table.tex").display().to_string();
+    let text = said(&["evaluate", &paths[0], &paths[1], "--against", &paths[2], "--latex", &latex]);
+    for part in [
+        "b is significantly better than a in position",
+        "a is significantly better than b in rotation",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    let latex = std::fs::read_to_string(latex).expect("written");
+    assert!(latex.contains("\\toprule") && latex.contains(" & a & b \\\\"), "{latex}");
+}
+
+#[test]
+fn a_ground_truth_that_several_estimates_contradict_is_named() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(4);
+    let drive = |name, seed| Slam { name, seed, noise_m: 0.003, drift_m: 0.0, ..SLAM };
+    for (name, seed) in [("a", 1), ("b", 2)] {
+        write_tum(&drive(name, seed).drive(&simulated), &folder.at(&format!("{name}.tum")));
+    }
+    // The ground truth drifts by decimetres and jumps for two seconds.
+    let wrong = |text: String| -> String {
+        let lines = text.lines().enumerate().map(|(index, line)| {
+            let mut fields: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            let x: f64 = fields[1].parse().expect("a number");
+            let drift_m = 0.1 * (index as f64 * 0.002).sin();
+            let jump_m = if (1000..1100).contains(&index) { 0.8 } else { 0.0 };
+            fields[1] = format!("{}", x + drift_m + jump_m);
+            fields.join(" ") + "\n"
+        });
+        lines.collect()
+    };
+    let text = truth_tum(&simulated, times_s(50.0), true);
+    let truth = folder.write("truth.tum", &wrong(text));
+    let both = evaluated(&[&folder.at("a.tum"), &folder.at("b.tum")], &truth, &[]);
+    assert_eq!(both["agreements"].as_array().map(Vec::len), Some(1), "{both:#}");
+    let blamed = |found: &Value| {
+        let spans = found["estimates"][0]["odd_spans"].as_array().expect("spans").clone();
+        spans.iter().map(|span| span["wrong"].clone()).collect::<Vec<Value>>()
+    };
+    assert_eq!(blamed(&both), ["ground-truth"]);
+    // One estimate alone does not decide.
+    assert_eq!(blamed(&evaluated(&[&folder.at("a.tum")], &truth, &[])), ["undecided"]);
+}
+
+/// Pairs of `../shared/datasets/others`: estimate, ground truth, and the alignment that it needs.
+const PAIRS: [(&str, &str, &str); 9] = [
+    ("evo/freiburg1_xyz-rgbdslam.txt", "evo/freiburg1_xyz-groundtruth.txt", "rigid"),
+    ("evo/freiburg1_xyz-rgbdslam_drift.txt", "evo/freiburg1_xyz-groundtruth.txt", "rigid"),
+    ("euroc/MH_05_svo_stereo.txt", "euroc/MH_05_groundtruth.txt", "rigid"),
+    ("euroc/MH_05_svo_mono.txt", "euroc/MH_05_groundtruth.txt", "similarity"),
+    ("hilti2021/Basement_4_svo2.txt", "hilti2021/Basement_4_prism.txt", "similarity"),
+    ("hilti2021/Basement_4_hdl_graph_slam.txt", "hilti2021/Basement_4_prism.txt", "rigid"),
+    ("hilti2021/Campus_2_hdl_graph_slam.txt", "hilti2021/Campus_2_prism.txt", "rigid"),
+    ("fomo/odom.csv", "fomo/gt.txt", "rigid"),
+    ("ntu_viral/leica_pose.csv", "ntu_viral/leica_pose.csv", "rigid"),
+];
+
+#[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
+fn files_of_other_groups_are_judged_without_preparation() {
+    for (estimate, truth, align) in PAIRS {
+        let path = |name: &str| of_field(&format!("others/{name}"));
+        let found = evaluated(&[&path(estimate)], &path(truth), &["--align", align]);
+        let one = &found["estimates"][0];
+        let limit_m = match estimate {
+            "fomo/odom.csv" => 40.0,
+            "ntu_viral/leica_pose.csv" => 1e-6,
+            _ if estimate.starts_with("hilti") => 0.5,
+            _ => 0.2,
+        };
+        assert!(number(&one["ape_position_m"]["rmse"]) < limit_m, "{estimate}: {one:#}");
+        assert!(number(&one["time_offset_s"]).abs() < 0.2, "{estimate}: {one:#}");
+    }
+    let path = |name: &str| of_field(&format!("others/{name}"));
+    let fomo = evaluated(&[&path("fomo/odom.csv")], &path("fomo/gt.txt"), &[]);
+    let sigma_m = number(&fomo["estimates"][0]["ground_truth_sigma_m"]);
+    assert!((0.002..0.003).contains(&sigma_m), "{sigma_m}");
+    // A single camera has no scale.
+    let mono = evaluated(
+        &[&path("hilti2021/Campus_2_svo2.txt")],
+        &path("hilti2021/Campus_2_prism.txt"),
+        &[],
+    );
+    assert_eq!(mono["estimates"][0]["findings"][0]["code"], "estimate-scale-off");
+}
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn errors_against_trajectories_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    if field_data("others").is_none() {
+        return;
+    }
+    for (estimate, truth, align) in &PAIRS[..4] {
+        let path = |name: &str| of_field(&format!("others/{name}"));
+        let found = evaluated(&[&path(estimate)], &path(truth), &["--as-evo", "--align", align]);
+        let own = &found["estimates"][0];
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 1.0);
+        let rpe = rpe.expect("over 1 m");
+        let aligned: &[&str] =
+            if *align == "rigid" { &["--align"] } else { &["--align", "--correct_scale"] };
+        for (program, options, values) in [
+            ("evo_ape", [aligned, &["-r", "trans_part"]].concat(), &own["ape_position_m"]),
+            ("evo_ape", [aligned, &["-r", "angle_rad"]].concat(), &own["ape_rotation_rad"]),
+            ("evo_ape", vec!["--align_origin"], &own["ape_position_at_first_pose_m"]),
+            ("evo_ape", vec![], &own["ape_position_not_aligned_m"]),
+            ("evo_rpe", [aligned, &["-r", "trans_part"]].concat(), &rpe["position_m"]),
+            ("evo_rpe", [aligned, &["-r", "angle_rad"]].concat(), &rpe["rotation_rad"]),
+        ] {
+            let mut command = Command::new(program);
+            command.arg("tum").arg(path(truth)).arg(path(estimate)).args(&options);
+            if program == "evo_rpe" {
+                command.args(["--delta", "1", "--delta_unit", "m"]);
+            }
+            let output = command.env("HOME", folder.0.path()).output().expect("evo on the path");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let printed = String::from_utf8_lossy(&output.stdout);
+            let stats: Vec<(&str, f64)> = printed
+                .lines()
+                .filter_map(|line| line.trim().split_once('\t'))
+                .filter_map(|(key, value)| Some((key, value.trim().parse().ok()?)))
+                .collect();
+            assert!(stats.len() >= 6, "{printed}");
+            for (key, theirs) in stats {
+                let Some(ours) = values[key].as_f64() else { continue };
+                let what = format!("{program} {options:?} {estimate} {key}: {ours} {theirs}");
+                assert!((ours - theirs).abs() < 1e-6, "{what}");
+            }
+        }
+    }
+}
