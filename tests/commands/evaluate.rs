@@ -134,7 +134,10 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
             let one = &found.judged[0];
             let fit = &one.fit;
             assert!(one.rotation.is_none() && fit.body_rotation.is_none(), "{fit:?}");
-            assert!(fit.body_rotation_sigma_rad.is_none() && one.relative.is_empty());
+            assert!(
+                fit.body_rotation_sigma_rad.is_none()
+                    && one.relative.iter().all(|path| path.rotation.is_none())
+            );
             assert!(one.errors.iter().all(|e| e.rotation_rad.is_none()));
             // The prism's position in the body.
             let prism_m = turn.inverse() * (simulated.truth.prisms_m[0] - lever_m);

@@ -108,8 +108,8 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     // Reading, evaluation and drawing are sequential.
     settle(&mut harness);
     assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
-    harness.get_by_label(" lio is better ");
-    harness.get_by_label_contains("lio is significantly better than vio: ");
+    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("lio is significantly better than vio in position: ");
     harness.get_by_label("position errors of lio over time");
     harness.get_by_label_contains("the estimate is wrong: the readings agree with the rig");
     let judged: Vec<&str> =
@@ -397,7 +397,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
     send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
-    harness.get_by_label(" lio is better ");
+    harness.get_by_label(" lio is better in position ");
     harness.get_by_label("lever arm, z (mm)");
     assert!(harness.query_by_label_contains("APE rotation").is_none());
     for (_, one) in shown(&harness).judging.judged() {
@@ -425,7 +425,7 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     settle(&mut harness);
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
-    harness.get_by_label(" lio is better ");
+    harness.get_by_label(" lio is better in position ");
     harness.get_by_label_contains("is significantly better than");
     let judging = &shown(&harness).judging;
     let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
@@ -448,7 +448,9 @@ fn trajectories_of_one_name_are_told_apart_by_their_folders() {
     harness.get_by_label("Remove trajectory");
     send(&mut harness, JudgingCommand::Add(vec![vio, lio]));
     settle(&mut harness);
-    harness.get_by_label_contains("lio/trajectory is significantly better than vio/trajectory: ");
+    harness.get_by_label_contains(
+        "lio/trajectory is significantly better than vio/trajectory in position: ",
+    );
     assert_eq!(shown(&harness).judging.added.len(), 2, "none is there twice");
     click(&mut harness, "Remove vio/trajectory");
     settle(&mut harness);
@@ -469,7 +471,7 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     settle(&mut harness);
     click(&mut harness, "Use the joint estimate");
     settle(&mut harness);
-    harness.get_by_label(" lio is better ");
+    harness.get_by_label(" lio is better in position ");
 }
 
 /// Runs of one set-up are drawn in one frame, and so are runs that share control points; others give the reason.

@@ -26,7 +26,6 @@ use crate::app::words;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, Targets, Verdict};
 use resect_core::deployment::{Deployment, Finding, Severity, doubts};
-use resect_core::evaluation::station_trajectory::stations_with_readings;
 use resect_core::palette;
 use resect_report::glossary;
 use resect_report::summary::ResultSummary;
@@ -78,7 +77,7 @@ fn not_calibrated(deployment: &Deployment) -> Option<String> {
     if deployment.ground_truth.is_some() {
         return Some(format!("A trajectory of another system is the ground truth. {USE}"));
     }
-    match stations_with_readings(deployment)[..] {
+    match deployment.stations_with_readings()[..] {
         [only] => Some(format!(
             "A calibration needs three stations, and only station {} has measurements. Its prism's positions are the ground \
              truth. {USE}",

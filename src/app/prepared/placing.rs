@@ -2,7 +2,6 @@
 
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
-use resect_core::evaluation::station_trajectory::stations_with_readings;
 use resect_core::geometry::RigidTransform;
 
 /// Returns the transforms from the stations' frames to station 1's. Without a calibration only station 1 has one, since its frame
@@ -11,7 +10,7 @@ pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTran
     match &analysis.answer {
         Ok(answer) => answer.calibration.station1_from_station.map(Some),
         Err(_) => {
-            let present = stations_with_readings(deployment);
+            let present = deployment.stations_with_readings();
             let in_own_frame = |station: usize| match present.len() {
                 1 | 2 => present.contains(&station),
                 _ => station == 0,
@@ -26,7 +25,7 @@ pub fn frame_in_words(deployment: &Deployment, analysis: &Analysis) -> String {
     if let Some(truth) = &deployment.ground_truth {
         return format!("frame of {}, z up", truth.name);
     }
-    match (&analysis.answer, &stations_with_readings(deployment)[..]) {
+    match (&analysis.answer, &deployment.stations_with_readings()[..]) {
         (Err(_), [only]) => format!("frame of station {}, z up", only + 1),
         (Err(_), [_, _]) => "each station in its own frame: not calibrated".to_owned(),
         _ => "frame of station 1, z up".to_owned(),

@@ -62,6 +62,12 @@ impl Deployment {
         }
     }
 
+    /// Returns the stations (0 to 2) that have measurements.
+    pub fn stations_with_readings(&self) -> Vec<usize> {
+        let has_readings = |station: &usize| !self.tracks[*station].measurements.is_empty();
+        (0..3).filter(has_readings).collect()
+    }
+
     /// Control points that can be compared with an answer from the tracks; their own answer can then be compared with the
     /// tracks. Empty if the tracks are in another frame.
     pub fn comparable_control_points(&self) -> &[ControlPointSet] {

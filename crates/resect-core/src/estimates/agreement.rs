@@ -1,4 +1,4 @@
-//! Agreement of estimates with each other against the ground truth, over the whole drive.
+//! AgreeingPair of estimates with each other against the ground truth, over the whole drive.
 
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ const FEWEST: usize = 10;
 
 /// Two estimates that differ less from each other than each from the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Agreement {
+pub struct AgreeingPair {
     /// Indices of the estimates.
     pub estimates: [usize; 2],
     /// Root mean square difference between the two over their common times (m).
@@ -28,7 +28,7 @@ pub struct Agreement {
 ///
 /// Errors of independent estimates do not agree. Either the ground truth is wrong, or the estimates share an error, such as the
 /// scale of a wheel or the calibration of one sensor.
-pub fn agreements(all: &[&[EpochError]]) -> Vec<Agreement> {
+pub fn agreements(all: &[&[EpochError]]) -> Vec<AgreeingPair> {
     let mut agreements = Vec::new();
     for first in 0..all.len() {
         for second in first + 1..all.len() {
@@ -38,7 +38,7 @@ pub fn agreements(all: &[&[EpochError]]) -> Vec<Agreement> {
     agreements
 }
 
-fn agreement(estimates: [usize; 2], [first, second]: [&[EpochError]; 2]) -> Option<Agreement> {
+fn agreement(estimates: [usize; 2], [first, second]: [&[EpochError]; 2]) -> Option<AgreeingPair> {
     let mut after = 0;
     let both: Vec<[Vector3<f64>; 2]> = first
         .iter()
@@ -59,7 +59,7 @@ fn agreement(estimates: [usize; 2], [first, second]: [&[EpochError]; 2]) -> Opti
     let apart_m = rms(&|[a, b]| a - b);
     let rmse_m = [rms(&|[a, _]| *a), rms(&|[_, b]| *b)];
     let smaller_m = rmse_m[0].min(rmse_m[1]);
-    (COPIES * smaller_m..AGREE * smaller_m).contains(&apart_m).then_some(Agreement {
+    (COPIES * smaller_m..AGREE * smaller_m).contains(&apart_m).then_some(AgreeingPair {
         estimates,
         apart_m,
         rmse_m,

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::association::{associate, thinned};
 use super::matched_pose::{MatchedPose, TruePose, TrueRotation};
 use super::options::Association;
+use super::station_trajectory::station_trajectory;
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::joint::prism_motion::ConstantsJacobian;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::deployment::{EstimatedPose, EstimatedTrajectory};
-use crate::evaluation::station_trajectory::{station_trajectory, stations_with_readings};
 use crate::evaluation::vehicle::{
     Instants, NoTrajectory, common_errors, largest_about, prism_by, trajectory_by,
 };
@@ -112,7 +112,7 @@ impl<'a> GroundTruth<'a> {
 
 /// Returns the station (0 to 2) that alone has measurements.
 fn only_station(deployment: &Deployment) -> Option<usize> {
-    match stations_with_readings(deployment)[..] {
+    match deployment.stations_with_readings()[..] {
         [only] => Some(only),
         _ => None,
     }

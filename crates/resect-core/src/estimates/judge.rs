@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::agreement::{Agreement, agreements};
+use super::agreement::{AgreeingPair, agreements};
 use super::association::is_denser;
 use super::errors::{self, EpochError};
 use super::fit::{self, Fit};
@@ -24,7 +24,7 @@ pub struct EstimatesJudgement {
     /// Every pair of estimates by every kind of error, the better one first.
     pub comparisons: Vec<PairComparison>,
     /// Pairs of estimates that agree with each other against the ground truth.
-    pub agreements: Vec<Agreement>,
+    pub agreements: Vec<AgreeingPair>,
     /// Names of the estimates that could not be judged, with the reason.
     pub unjudged: Vec<(String, Unjudged)>,
 }

@@ -24,6 +24,7 @@ pub mod odd;
 mod options;
 mod pose_interpolation;
 pub mod ranking;
+mod station_trajectory;
 mod time_offset;
 pub mod unfit;
 mod unjudged;
@@ -31,7 +32,7 @@ mod unjudged;
 pub use crate::deployment::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories as names,
 };
-pub use agreement::Agreement;
+pub use agreement::AgreeingPair;
 pub use ground_truth::GroundTruth;
 pub use judge::{EstimatesJudgement, judge};
 pub use judged::{Coverage, Judged, UnalignedErrors};

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_is_followed_to_micrometres_and_gaps_are_none() {
+    fn a_curve_is_followed_to_hundredths_of_a_millimetre_and_gaps_are_none() {
         let times_s = (0..60).map(|i| 0.1 * f64::from(i) + 0.01 * f64::from(i % 3));
         let poses: Vec<EstimatedPose> =
             times_s.filter(|t| !(3.0..4.0).contains(t)).map(circle).collect();
@@ -151,7 +151,7 @@ mod tests {
             let found = curve.at(time_s).expect("within the trajectory");
             let truth = circle(time_s);
             let off_m = (found.pose.position_m - truth.position_m).norm();
-            assert!(off_m < 3e-5, "{time_s}: {off_m}");
+            assert!(off_m < 5e-5, "{time_s}: {off_m}");
             let turn = found.pose.orientation.expect("turned").inverse()
                 * truth.orientation.expect("turned");
             assert!(turn.angle() < 1e-5, "{time_s}: {}", turn.angle());

@@ -7,7 +7,6 @@ pub mod gnss;
 pub mod rig_motion;
 pub mod site;
 mod spread;
-pub mod station_trajectory;
 pub mod trajectory;
 pub mod vehicle;
 

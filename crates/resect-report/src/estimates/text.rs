@@ -3,7 +3,7 @@
 use resect_core::estimates::metrics::RelativeErrors;
 use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::ranking::{ComparedError, PairComparison};
-use resect_core::estimates::{Agreement, Coverage, EstimatesJudgement, GroundTruth, Judged};
+use resect_core::estimates::{AgreeingPair, Coverage, EstimatesJudgement, GroundTruth, Judged};
 
 const LABEL: usize = 40;
 /// Larger lengths are given in metres (m): frames that differ by map coordinates.
@@ -255,7 +255,7 @@ pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison, angles: An
 }
 
 /// States that two estimates agree with each other against the ground truth.
-pub fn agreed(judgement: &EstimatesJudgement, both: &Agreement) -> String {
+pub fn agreed(judgement: &EstimatesJudgement, both: &AgreeingPair) -> String {
     let [a, b] = both.estimates.map(|index| &judgement.judged[index].estimate.name);
     let [of_a, of_b] = both.rmse_m.map(|rmse_m| 1e3 * rmse_m);
     format!(

@@ -13,12 +13,6 @@ use crate::progress::Progress;
 /// Largest rate of the positions (Hz), above that of any total station.
 const MOST_HZ: f64 = 10.0;
 
-/// Returns the stations (0 to 2) that have measurements.
-pub fn stations_with_readings(deployment: &Deployment) -> Vec<usize> {
-    let has_readings = |station: &usize| !deployment.tracks[*station].measurements.is_empty();
-    (0..3).filter(has_readings).collect()
-}
-
 /// Returns positions of a station's prism in its own frame, with covariance; without poses if no interval is long enough.
 ///
 /// The motion model (white noise on acceleration) smooths the readings that pass the outlier filter, in intervals by τ_s and
