@@ -178,6 +178,7 @@ pub const ADVICE: [Advice; 19] = [
             Kind::ReadingsWithoutTime,
             Kind::StampsCoarse,
             Kind::ClockSetBack,
+            Kind::StationClockOff,
             Kind::StampsContradictRecorder,
             Kind::TimeCorrectionsContradictStamps,
             Kind::StationsWithoutCommonTime,
@@ -188,6 +189,7 @@ pub const ADVICE: [Advice; 19] = [
         meaning: "Some readings or file names are wrong. If no correction helps, copy the data from the instruments again.",
         step: "Check under Corrections that each file belongs to this day and is read with the right units.",
         kinds: &[
+            Kind::CartesianOriginDoubtful,
             Kind::FolderDateContradictsStamps,
             Kind::ReadingsImplausible,
             Kind::SurveyAnglesSeemElevations,

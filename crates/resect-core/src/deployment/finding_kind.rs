@@ -426,6 +426,12 @@ finding_kinds! {
     ResectionUnchecked = "resection-unchecked", Warning;
     /// The stations disagree at the points that the resection does not use.
     ResectionInconsistent = "resection-inconsistent", Warning;
+    /// Cartesian positions are far from the station compared with their extent.
+    CartesianOriginDoubtful = "cartesian-origin-doubtful", Doubt;
+    /// A station repeated an old range while its prism moved.
+    RangesRepeated = "ranges-repeated", Warning;
+    /// The stamps of a station differ from those of the others by seconds.
+    StationClockOff = "station-clock-off", Doubt;
     /// A known point lies elsewhere than the other points place it.
     KnownPointMisplaced = "known-point-misplaced", Warning;
     /// Measured distances between known points have a scale error.

@@ -38,4 +38,5 @@ pub use judge::{EstimatesJudgement, judge};
 pub use judged::{Coverage, Judged, UnalignedErrors};
 pub use metrics::RELATIVE_M;
 pub use options::{Association, Body, Options, TrajectoryAlignment};
+pub use time_offset::offset_by_speeds_s;
 pub use unjudged::Unjudged;

@@ -5,7 +5,7 @@ use super::pose_interpolation::{PoseInterpolation, median_interval_s};
 use crate::deployment::EstimatedPose;
 use crate::evaluation::vehicle::{Instants, NoTrajectory};
 use crate::geometry::align_similar;
-use crate::statistics::median;
+use crate::statistics::{median, quantiles};
 use nalgebra::Vector3;
 
 /// Rate at which speeds are compared (Hz).
@@ -65,6 +65,34 @@ pub fn coarse(
             Ok(by_speeds(poses, [first.time_s, last.time_s], &speeds(truth)).map(exact))
         }
     }
+}
+
+/// Correlation of the speeds of two prisms of one vehicle: above the first, their clocks agree; above the second at another time,
+/// they do not.
+const CLOCKS_AGREE: f64 = 0.6;
+const CLOCKS_DIFFER: f64 = 0.8;
+
+/// Returns the offset to add to the first times (s) at which the speeds of two prisms of one vehicle match, within a minute; `None`
+/// if they match as they are, or nowhere.
+pub fn offset_by_speeds_s(poses: &[EstimatedPose], known: &[EstimatedPose]) -> Option<f64> {
+    let (own, beside) = (limited(speeds(poses)), limited(speeds(known)));
+    let zero = ((poses.first()?.time_s - known.first()?.time_s) * RATE_HZ).round() as i64;
+    if correlation(&own, &beside, zero).is_none_or(|alike| alike > CLOCKS_AGREE) {
+        return None;
+    }
+    let usual = (USUAL_S * RATE_HZ) as i64;
+    let (alike, lag) = (-usual..=usual)
+        .filter_map(|lag| Some((correlation(&own, &beside, zero + lag)?, lag)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (alike > CLOCKS_DIFFER).then_some(lag as f64 / RATE_HZ)
+}
+
+/// Limits speeds to their 90 % quantile: raw readings have outliers.
+fn limited(mut speeds: Vec<Option<f64>>) -> Vec<Option<f64>> {
+    if let Some([most]) = quantiles(speeds.iter().copied().flatten(), [0.9]) {
+        speeds.iter_mut().flatten().for_each(|speed| *speed = speed.min(most));
+    }
+    speeds
 }
 
 /// Step of the offsets that are compared by positions (s), and the largest number of points.

@@ -4,6 +4,8 @@ use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
 const DAY_S: f64 = 86_400.0;
+/// Leap seconds between GPS time and UTC since 2017.
+const GPS_MINUS_UTC_S: f64 = 18.0;
 
 pub fn file_unreadable(file: &str) -> Finding {
     Finding::new(
@@ -181,6 +183,56 @@ pub fn gnss_stamps_repeated(file: &str, count: usize, line: usize) -> Finding {
         .count("fixes", count)
 }
 
+/// `station` is 0 to 2; `ranges_m` are the distances of nearly all positions from its origin.
+pub fn cartesian_origin_doubtful(station: usize, ranges_m: [f64; 2], extent_m: f64) -> Finding {
+    let [near_m, far_m] = ranges_m;
+    let message = format!(
+        "the positions of station {} lie {near_m:.0} to {far_m:.0} m from its origin and span only {extent_m:.0} m: if \
+         coordinates of the set-up were added to them, subtract these, because errors of ranges and angles depend on the \
+         distance",
+        station + 1
+    );
+    Finding::new(FindingKind::CartesianOriginDoubtful, message)
+        .about(Subject::Station(station))
+        .quantity("nearest", near_m, Unit::Metre)
+        .quantity("extent", extent_m, Unit::Metre)
+}
+
+/// `station` is 0 to 2; `first_s` is the stamp of the first reading whose range was repeated.
+pub fn ranges_repeated(station: usize, count: usize, first_s: f64) -> Finding {
+    let message = format!(
+        "station {} repeated an old range in {count} readings while its prism moved, first after {first_s:.2} s; these \
+         readings are left out",
+        station + 1
+    );
+    Finding::new(FindingKind::RangesRepeated, message)
+        .about(Subject::Station(station))
+        .count("readings", count)
+}
+
+/// `station` is 0 to 2; its stamps are `ahead_s` later than those of the others for the same motion.
+pub fn station_clock_off(station: usize, ahead_s: f64) -> Finding {
+    let size_s = ahead_s.abs();
+    let (later, cause) = (
+        if ahead_s > 0.0 { "later" } else { "earlier" },
+        if (size_s - GPS_MINUS_UTC_S).abs() < 0.5 {
+            " (GPS time is 18 s ahead of UTC)"
+        } else {
+            ""
+        },
+    );
+    let message = format!(
+        "the stamps of station {} are {size_s:.1} s {later} than those of the others{cause}: its speeds match theirs only \
+         then; correct its stamps",
+        station + 1
+    );
+    Finding::new(FindingKind::StationClockOff, message).about(Subject::Station(station)).quantity(
+        "ahead",
+        ahead_s,
+        Unit::Second,
+    )
+}
+
 pub(super) fn examples() -> Vec<Finding> {
     let other =
         OtherDate { folder: "20220711", date: "2022-07-11", days: -3.0, stations: &[0, 1, 2] };
@@ -200,6 +252,9 @@ pub(super) fn examples() -> Vec<Finding> {
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),
         prism_constant_added(&[0.01; 3], "deployment.toml", false),
+        cartesian_origin_doubtful(1, [242.0, 288.0], 46.0),
+        ranges_repeated(1, 40, 1_657_569_010.25),
+        station_clock_off(2, 18.0),
         span_selected(10.0, 70.0),
         readings_masked(3),
         masked_readings_missing(1),

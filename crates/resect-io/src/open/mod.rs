@@ -14,6 +14,7 @@ mod rig;
 mod station_in_name;
 mod surveys;
 mod tables;
+mod track_checks;
 mod tracks;
 
 pub use collection::holds_many;

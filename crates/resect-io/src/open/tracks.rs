@@ -1,7 +1,7 @@
 //! The tracks of a deployment: their files, their readings, and the readings that the user leaves out.
 
 use super::found::{Found, FoundFile};
-use super::{bags, dated, tables};
+use super::{bags, dated, tables, track_checks};
 use super::{cartesian, clock_jump};
 use crate::error::{OpenError, Question};
 use crate::findings::tracks::{
@@ -99,7 +99,12 @@ pub fn of_recording<'a>(
     for (track, constant_m) in tracks.iter_mut().zip(constants_m) {
         track.prism_constant_m = if include_constant { 0.0 } else { *constant_m };
     }
+    if include_constant {
+        findings.extend(track_checks::cartesian_origins(&tracks));
+    }
+    findings.extend(track_checks::clock_offsets(&tracks));
     leave_out(&mut tracks, overrides, &mut findings);
+    findings.extend(track_checks::leave_out_repeated_ranges(&mut tracks));
     let about = about_prism_constant(constants_m, include_constant, corrections, overrides);
     Ok(TracksRead { tracks, time_corrections, findings, about_prism_constant: Some(about), ..none })
 }
