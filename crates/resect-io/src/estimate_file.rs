@@ -5,7 +5,8 @@
 use crate::findings::trajectories::{
     estimate_columns_guessed, estimate_covariances_missing, estimate_orientations_constant,
     estimate_orientations_missing, estimate_out_of_order, estimate_poses_skipped,
-    estimate_quaternions_normalised, estimate_stamps_joined, estimate_times_repeated,
+    estimate_positions_rounded, estimate_quaternions_normalised, estimate_stamps_joined,
+    estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -214,6 +215,13 @@ fn put_in_order(
         );
         return Err(OpenError::file(&file, what, "write the stamps with more digits"));
     }
+    if let (Some((first, _)), Some((last, _))) = (poses.first(), poses.last())
+        && poses.len() >= FEWEST_UNSET
+        && last.time_s - first.time_s < SHORTEST_SPAN_S
+    {
+        let what = format!("no pose has a time: all {} lie within a millisecond", poses.len());
+        return Err(OpenError::file(&file, what, "record the stamps of the poses"));
+    }
     if poses.len() < all {
         findings.push(estimate_times_repeated(&file, all - poses.len()));
     }
@@ -225,6 +233,10 @@ fn put_in_order(
         findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
+    findings
+        .extend(rounded_axis(&poses).map(|(axis, step_m)| {
+            estimate_positions_rounded(&file, ["x", "y", "z"][axis], step_m)
+        }));
     if are_orientations_unset(&poses) {
         findings.push(estimate_orientations_constant(&file));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
@@ -237,6 +249,29 @@ fn put_in_order(
     }
     let covariances = if complete { covariances } else { Vec::new() };
     Ok(EstimatedTrajectory { name, path: path.to_owned(), topic, poses, covariances, findings })
+}
+
+/// Shortest span of a trajectory (s).
+const SHORTEST_SPAN_S: f64 = 1e-3;
+/// Smallest step of rounded coordinates that is reported (m), and the fewest poses that reveal it.
+const LEAST_STEP_M: f64 = 0.02;
+const FEWEST_ROUNDED: usize = 50;
+
+/// Returns the axis whose coordinates are rounded most, and their step (m); `None` if none is rounded to centimetres.
+fn rounded_axis(poses: &[EstimatedPose]) -> Option<(usize, f64)> {
+    if poses.len() < FEWEST_ROUNDED {
+        return None;
+    }
+    let step_m = |axis: usize| {
+        let mut values: Vec<f64> = poses.iter().map(|pose| pose.position_m[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let step_m = values.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        // Measured coordinates hardly ever repeat.
+        let repeat = values.len() > 1 && 2 * values.len() < poses.len();
+        (repeat && step_m >= LEAST_STEP_M).then_some((axis, step_m))
+    };
+    (0..3).filter_map(step_m).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Fewest poses and shortest extent of positions (m) that reveal an unset orientation.

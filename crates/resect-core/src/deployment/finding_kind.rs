@@ -230,6 +230,8 @@ finding_kinds! {
     EstimateOrientationsMissing = "estimate-orientations-missing", Warning;
     /// All poses of a trajectory have the same orientation.
     EstimateOrientationsConstant = "estimate-orientations-constant", Note;
+    /// The coordinates of a trajectory are rounded to centimetres or more.
+    EstimatePositionsRounded = "estimate-positions-rounded", Warning;
     /// Some poses of a trajectory have no covariance.
     EstimateCovariancesMissing = "estimate-covariances-missing", Warning;
     /// Quaternions of a trajectory were normalised.

@@ -1,7 +1,7 @@
 //! Findings about files with trajectories.
 
 use crate::skipped_rows::SkippedRows;
-use resect_core::deployment::{Finding, FindingKind, Subject};
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
 
 pub fn estimate_out_of_order(file: &str) -> Finding {
     Finding::new(
@@ -33,6 +33,16 @@ pub fn estimate_orientations_constant(file: &str) -> Finding {
     let message = format!("{file}: all orientations are equal and taken as unknown");
     Finding::new(FindingKind::EstimateOrientationsConstant, message)
         .about(Subject::File(file.to_owned()))
+}
+
+/// The coordinates of an axis have steps of `step_m`.
+pub fn estimate_positions_rounded(file: &str, axis: &str, step_m: f64) -> Finding {
+    let message = format!(
+        "{file}: the positions are rounded to {step_m:.2} m in {axis}, and all errors are as large; write them with more digits"
+    );
+    Finding::new(FindingKind::EstimatePositionsRounded, message)
+        .about(Subject::File(file.to_owned()))
+        .quantity("step", step_m, Unit::Metre)
 }
 
 /// `without` of `all` poses have no covariance.
@@ -82,6 +92,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_orientations_missing("slam.tum", 3, 90),
         estimate_orientations_constant("gt.txt"),
         estimate_covariances_missing("gt.csv", 3, 90),
+        estimate_positions_rounded("slam.tum", "y", 10.0),
         estimate_quaternions_normalised("slam.tum", 7),
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),

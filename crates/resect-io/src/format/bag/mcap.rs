@@ -221,6 +221,7 @@ impl McapRecording<'_, '_> {
                     let subscription = match wire.string()? {
                         b"cdr" => self.intake.topic(&topic, message_type, Encoding::Cdr),
                         b"ros1" => self.intake.topic(&topic, message_type, Encoding::Ros1),
+                        b"json" => self.intake.topic(&topic, message_type, Encoding::Json),
                         other => {
                             // Listed by errors; its messages are not decoded.
                             let other = String::from_utf8_lossy(other);

@@ -42,9 +42,9 @@ impl Kind {
             "leica_streaming_msgs/LeicaPoint" | "leica_streaming_app/LeicaPoint" => {
                 Some(Self::LeicaPoint)
             }
-            "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => {
-                Some(Self::PoseStamped)
-            }
+            "geometry_msgs/PoseStamped"
+            | "geometry_msgs/PoseWithCovarianceStamped"
+            | "foxglove.PoseInFrame" => Some(Self::PoseStamped),
             "nav_msgs/Odometry" | "geometry_msgs/TransformStamped" => Some(Self::Odometry),
             "tf2_msgs/TFMessage" | "tf/tfMessage" => Some(Self::Transforms),
             _ => None,
@@ -127,7 +127,7 @@ pub struct Point {
     pub position_m: [f64; 3],
 }
 
-/// Decodes a message of a recording or of a live stream.
+/// Decodes a binary message of a recording or of a live stream.
 pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message, Malformed> {
     let mut wire = Wire::new(encoding, message)?;
     if kind == Kind::Transforms {
@@ -238,7 +238,7 @@ mod tests {
     impl Writer {
         fn new(encoding: Encoding, big_endian: bool) -> Self {
             let head = match encoding {
-                Encoding::Ros1 => vec![],
+                Encoding::Ros1 | Encoding::Json => vec![],
                 Encoding::Cdr => vec![0, u8::from(!big_endian), 0, 0],
             };
             Self(head, encoding, big_endian)

@@ -6,7 +6,7 @@
 //! | [`sqlite`], [`mcap`] | the containers of ROS 2 |
 //! | [`container`] | bytes with a position, and continuation after damage |
 //! | [`inflate`] | bz2, lz4, zstd, with a limit |
-//! | [`messages`], [`wire`] | fields of the messages, and their encoding |
+//! | [`messages`], [`wire`], [`json_messages`] | fields of the messages, and their encoding |
 //! | [`stream`] | conversion of messages into readings, from a recording or live |
 //! | [`intake`], [`outcome`] | adding messages to the recording; the final findings |
 //!
@@ -19,6 +19,7 @@ mod bag;
 mod container;
 mod inflate;
 mod intake;
+mod json_messages;
 mod mcap;
 pub mod messages;
 mod outcome;

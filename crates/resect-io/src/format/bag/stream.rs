@@ -7,6 +7,7 @@ use crate::findings::bags::{
 use nalgebra::Vector3;
 
 use super::inflate::{self, ZSTD_MAGIC};
+use super::json_messages;
 use super::messages::{
     Coords, Kind, Message, Point, StampedPose, StampedTransform, decode, short_type,
 };
@@ -158,7 +159,11 @@ impl Stream {
             Ok(data)
         };
         let decoded = message.and_then(|message| {
-            decode(kind, encoding, message).map_err(|error| format!("is malformed: {error}"))
+            let decoded = match encoding {
+                Encoding::Json => json_messages::decode(kind, message),
+                Encoding::Ros1 | Encoding::Cdr => decode(kind, encoding, message),
+            };
+            decoded.map_err(|error| format!("is malformed: {error}"))
         });
         self.inflated = inflated;
         Ok(match decoded? {

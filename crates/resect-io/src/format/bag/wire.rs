@@ -5,11 +5,12 @@
 //! these four bytes. The length of a string includes its terminating zero. Tested on little-endian recordings; big-endian ones only
 //! on messages written for the tests, because ROS 2 on today's machines does not write them.
 
-/// Encoding of a message.
+/// Encoding of a message. JSON has no fields that follow each other; [`json_messages`](super::json_messages) decodes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     Ros1,
     Cdr,
+    Json,
 }
 
 /// Reason why bytes are not the expected message.
@@ -19,6 +20,10 @@ pub enum Malformed {
     Short,
     #[error("its encapsulation {0:#06x} is not plain CDR")]
     Encapsulation(u16),
+    #[error("it is not JSON")]
+    NotJson,
+    #[error("its JSON has no valid `{0}`")]
+    Field(&'static str),
 }
 
 /// Decodes one field after the other.
@@ -33,7 +38,7 @@ pub struct Wire<'a> {
 impl<'a> Wire<'a> {
     pub fn new(encoding: Encoding, message: &'a [u8]) -> Result<Self, Malformed> {
         let (data, big_endian) = match encoding {
-            Encoding::Ros1 => (message, false),
+            Encoding::Ros1 | Encoding::Json => (message, false),
             Encoding::Cdr => {
                 let (head, data) = message.split_first_chunk::<4>().ok_or(Malformed::Short)?;
                 match u16::from_be_bytes([head[0], head[1]]) {
@@ -49,7 +54,7 @@ impl<'a> Wire<'a> {
     /// Returns the bytes of one number, least significant first.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
         let start = match self.encoding {
-            Encoding::Ros1 => self.at,
+            Encoding::Ros1 | Encoding::Json => self.at,
             Encoding::Cdr => self.at.next_multiple_of(N),
         };
         let rest = self.data.get(start..).ok_or(Malformed::Short)?;
@@ -102,7 +107,7 @@ impl<'a> Wire<'a> {
     /// Reads a time (s since 1970); `None` if it is zero, which means unset.
     pub fn time_s(&mut self) -> Result<Option<f64>, Malformed> {
         let seconds = match self.encoding {
-            Encoding::Ros1 => f64::from(self.u32()?),
+            Encoding::Ros1 | Encoding::Json => f64::from(self.u32()?),
             Encoding::Cdr => f64::from(self.i32()?),
         };
         let time_s = seconds + f64::from(self.u32()?) * 1e-9;
