@@ -55,7 +55,7 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
             Unfit::Undetermined => Some("--body same"),
             Unfit::OtherScale(_) => Some("--align similarity"),
             Unfit::NoOrientation => Some("--body found"),
-            Unfit::FewEpochs | Unfit::FewPoses(_) | Unfit::Mirrored(_) => None,
+            Unfit::FewEpochs | Unfit::FewPoses(_) | Unfit::Mirrored(_) | Unfit::Inverse(_) => None,
         },
     }
 }

@@ -33,6 +33,10 @@ pub enum Unfit {
          for example that east and north are not exchanged"
     )]
     Mirrored(f64),
+    #[error(
+        "its poses are inverse: those of the world in the body fit {0:.0} times better; write the poses of the body in the world"
+    )]
+    Inverse(f64),
     #[error("a lever arm needs orientations; neither the estimate nor the ground truth has any")]
     NoOrientation,
 }

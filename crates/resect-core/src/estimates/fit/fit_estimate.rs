@@ -37,8 +37,8 @@ const FEWEST_POINTS: usize = 4;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
 
-/// Positions that fit this many times better with one axis reversed are left-handed.
-const MIRRORED: f64 = 3.0;
+/// Poses that fit this many times better in another convention are in that one.
+const OTHER_CONVENTION: f64 = 3.0;
 
 /// Fits an estimate to the ground truth, and returns the pairs of its poses and the ground truth as well.
 pub fn fit(
@@ -74,7 +74,7 @@ pub fn fit(
     let association = options.association;
     if sought.clock || sought.lever {
         let pairs = truth.matched(poses, offset_s, (association, MOST_EPOCHS))?;
-        refuse_mirrored(&pairs, options.alignment).map_err(unfit)?;
+        refuse_other_conventions(&pairs, options.alignment).map_err(unfit)?;
         if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
             let point = estimate_few_points(&estimate.name, pairs.len());
             state.fit.findings.push(point);
@@ -143,28 +143,38 @@ struct Sought {
     lever: bool,
 }
 
-/// Returns an error if the positions fit much better with one axis reversed: they are left-handed. The fits ignore the lever arm.
-fn refuse_mirrored(pairs: &[MatchedPose], alignment: TrajectoryAlignment) -> Result<(), Unfit> {
+/// Returns an error if the positions fit much better with one axis reversed (they are left-handed) or with the inverse of each pose
+/// (they are those of the world in the body). The fits ignore the lever arm.
+fn refuse_other_conventions(
+    pairs: &[MatchedPose],
+    alignment: TrajectoryAlignment,
+) -> Result<(), Unfit> {
     if alignment == TrajectoryAlignment::None {
         return Ok(());
     }
     let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.truth.position_m).collect();
-    let fit_m = |up: f64| {
-        let own_m: Vec<Vector3<f64>> = pairs
-            .iter()
-            .map(|pair| pair.pose.position_m.component_mul(&Vector3::new(1.0, 1.0, up)))
-            .collect();
+    let misfit_m = |position: &dyn Fn(&EstimatedPose) -> Option<Vector3<f64>>| {
+        let own_m: Option<Vec<Vector3<f64>>> =
+            pairs.iter().map(|pair| position(&pair.pose)).collect();
+        let own_m = own_m?;
         let (transform, scale) = align_similar(&truth_m, &own_m)?;
         let off_m = |(truth_m, own_m): (&Vector3<f64>, &Vector3<f64>)| {
             (truth_m - transform.apply(&(own_m * scale))).norm()
         };
         median(truth_m.iter().zip(&own_m).map(off_m))
     };
-    match fit_m(1.0).zip(fit_m(-1.0)) {
-        Some((as_read_m, mirrored_m)) if as_read_m > MIRRORED * mirrored_m => {
-            Err(Unfit::Mirrored(as_read_m / mirrored_m))
-        }
-        _ => Ok(()),
+    let Some(as_read_m) = misfit_m(&|pose| Some(pose.position_m)) else { return Ok(()) };
+    let is_better = |other_m: &f64| as_read_m > OTHER_CONVENTION * other_m;
+    let up = Vector3::new(1.0, 1.0, -1.0);
+    if let Some(mirrored_m) =
+        misfit_m(&|pose| Some(pose.position_m.component_mul(&up))).filter(is_better)
+    {
+        return Err(Unfit::Mirrored(as_read_m / mirrored_m));
+    }
+    match misfit_m(&|pose| Some(-(pose.orientation?.inverse() * pose.position_m))).filter(is_better)
+    {
+        Some(inverse_m) => Err(Unfit::Inverse(as_read_m / inverse_m)),
+        None => Ok(()),
     }
 }
 
