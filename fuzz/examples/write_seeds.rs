@@ -84,7 +84,18 @@ fn main() {
 }
 
 /// Target, name and content of formats that the program does not write.
-const TEXTS: [(&str, &str, &str); 10] = [
+const TEXTS: [(&str, &str, &str); 12] = [
+    (
+        "trajectory",
+        "gt.txt",
+        "# t x y z qx qy qz qw\n1 1 2 3 0 0 0 1\n1.1 1 2.1 3 0 0 0 1\n\x0c1,1e-6,0,0,0,1e-6,0,0,0,1e-6\n1.1,1e-6,0,0,0,1e-6,0,0,0,1e-6\n",
+    ),
+    (
+        "mcap_json",
+        "pose.json",
+        "{\"timestamp\":{\"sec\":1,\"nsec\":2},\"pose\":{\"position\":{\"x\":1,\"y\":2,\"z\":3},\
+         \"orientation\":{\"x\":0,\"y\":0,\"z\":0,\"w\":1}}}",
+    ),
     (
         "bonn_csv",
         "raw.csv",

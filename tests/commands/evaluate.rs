@@ -643,3 +643,17 @@ fn mirrored_positions_are_named_and_others_are_not() {
         assert!(why.contains("its positions are mirrored"), "{why}");
     }
 }
+
+#[test]
+fn poses_of_the_world_in_the_body_are_named() {
+    let (simulated, deployment) = driven(3);
+    let mut estimate = Slam { drift_m: 0.0, ..SLAM }.drive(&simulated);
+    for pose in &mut estimate.poses {
+        let inverse = pose.orientation.expect("turned").inverse();
+        pose.position_m = -(inverse * pose.position_m);
+        pose.orientation = Some(inverse);
+    }
+    let found = judged(&deployment, vec![estimate], &Options::default());
+    let why = found.unjudged.first().expect("inverse").1.to_string();
+    assert!(why.contains("its poses are inverse"), "{why}");
+}

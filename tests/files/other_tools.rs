@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::common::{analyse, by, sample_folder};
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, FindingKind, OneOrMany, Overrides};
+use resect_core::estimates::EstimatedTrajectory;
 use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::source::{Extras, Source};
@@ -275,4 +276,93 @@ fn a_mapped_table_has_its_header_anywhere_near_the_top() {
     let path: &Path = folder.path();
     let read = Source::at(path).with(extras).open(&Progress::default()).expect("opens");
     assert_eq!(read.tracks[0].measurements.len(), 977);
+}
+
+#[test]
+fn a_station_whose_clock_is_seconds_off_is_named_and_equal_clocks_are_not() {
+    for (station, shift_s) in [("2", 18.0), ("1", -7.5), ("3", 37.0)] {
+        let shifted = rows().into_iter().map(|mut row| {
+            if row[1] == station {
+                row[0] = format!("{:.6}", number(&row[0]) + shift_s);
+            }
+            row
+        });
+        let deployment = tracks(&table(&shifted.collect::<Vec<Row>>())).expect("opens");
+        let off = deployment.findings.iter().filter(|f| f.kind == FindingKind::StationClockOff);
+        let said: Vec<String> = off.map(ToString::to_string).collect();
+        let expected = format!("station {station} are {:.1} s", f64::abs(shift_s));
+        assert!(said.len() == 1 && said[0].contains(&expected), "{said:?}");
+    }
+    assert!(!has(&tracks(&table(&rows())).expect("opens"), FindingKind::StationClockOff));
+}
+
+#[test]
+fn ranges_that_were_repeated_while_the_prism_moved_are_left_out() {
+    let mut frozen = rows();
+    let of_station_2: Vec<usize> = (0..frozen.len()).filter(|row| frozen[*row][1] == "2").collect();
+    let range = frozen[of_station_2[300]][2].clone();
+    for row in &of_station_2[301..340] {
+        frozen[*row][2].clone_from(&range);
+    }
+    let deployment = tracks(&table(&frozen)).expect("opens");
+    assert!(has(&deployment, FindingKind::RangesRepeated));
+    assert_eq!(deployment.tracks[1].left_out.iter().filter(|left_out| **left_out).count(), 39);
+    assert!(!has(&tracks(&table(&rows())).expect("opens"), FindingKind::RangesRepeated));
+}
+
+#[test]
+fn coordinates_of_the_set_up_in_cartesian_tracks_are_a_doubt() {
+    let own = tracks(&table(&rows())).expect("opens");
+    for (origin_m, is_doubt) in [([0.0; 3], false), ([100.0, 200.0, 10.0], true)] {
+        let files: Vec<(String, String)> = (1..4)
+            .zip(&own.tracks)
+            .map(|(number, track)| {
+                let row = |m| {
+                    let at = track.position_m(m);
+                    let [x, y, z] = [0, 1, 2].map(|axis| at[axis] + origin_m[axis]);
+                    format!("{:.6},{x:.5},{y:.5},{z:.5}\n", m.time_s)
+                };
+                let rows: String = track.measurements.iter().map(row).collect();
+                (format!("rts{number}.csv"), format!("time,x,y,z\n{rows}"))
+            })
+            .collect();
+        let toml = "tracks = [\"rts1.csv\", \"rts2.csv\", \"rts3.csv\"]\n[columns]\ntime = \"time\"\nx = \"x\"\ny = \"y\"\nz = \"z\"\n";
+        let mut all: Vec<(&str, &[u8])> =
+            files.iter().map(|(name, text)| (&**name, text.as_bytes())).collect();
+        all.push(("deployment.toml", toml.as_bytes()));
+        let deployment = opened(&all).expect("opens");
+        assert_eq!(has(&deployment, FindingKind::CartesianOriginDoubtful), is_doubt);
+    }
+}
+
+/// Reads a trajectory that is written to a file of this name.
+fn trajectory(name: &str, text: &str) -> Result<EstimatedTrajectory, OpenError> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("writable");
+    resect_io::estimate_file::read_truth(&path, None)
+}
+
+#[test]
+fn rounded_positions_unset_orientations_and_missing_times_are_named() {
+    let along = |digits: usize, time: fn(f64) -> f64, turned: bool| -> String {
+        let line = |index: u32| {
+            let s = 0.1 * f64::from(index);
+            let (x, y) = (388_096.0 + 20.0 * s.sin(), 5_184_990.0 + 30.0 * s.cos());
+            let q = if turned { [(0.5 * s).sin(), (0.5 * s).cos()] } else { [0.0, 1.0] };
+            format!("{} {x:.digits$} {y:.digits$} {s:.3} 0 0 {:.6} {:.6}\n", time(s), q[0], q[1])
+        };
+        (0..200).map(line).collect()
+    };
+    let codes = |text: &str| -> Vec<&str> {
+        let read = trajectory("slam.tum", text).expect("a trajectory");
+        read.findings.iter().map(|finding| finding.kind.code()).collect()
+    };
+    assert_eq!(codes(&along(0, |s| s, true)), ["estimate-positions-rounded"]);
+    assert_eq!(codes(&along(4, |s| s, false)), ["estimate-orientations-constant"]);
+    assert!(codes(&along(4, |s| s, true)).is_empty());
+    let why = trajectory("slam.tum", &along(4, |s| 1e-8 * s, true)).expect_err("no time");
+    assert!(why.to_string().contains("no pose has a time"), "{why}");
+    let far = along(4, |s| s, true).replace("388", "9e388");
+    assert!(trajectory("slam.tum", &far).is_err());
 }

@@ -22,6 +22,7 @@ use resect_core::simulation::{Preset, simulate};
 use resect_core::validation::one_frame::PlacedBy;
 use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
+use resect_io::source::Place;
 
 use crate::common::slam::{SLAM, Slam, write_tum};
 use crate::common::{knock, two_runs};
@@ -426,11 +427,64 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
     harness.get_by_label(" lio is better in position ");
-    harness.get_by_label_contains("is significantly better than");
+    harness.get_by_label_contains("lio is significantly better than vio in position");
     let judging = &shown(&harness).judging;
     let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
     let off_s = lio.fit.time_offset_s + 0.4;
     assert!(off_s.abs() < 4.0 * lio.fit.time_offset_sigma_s.expect("found"), "{off_s}");
+}
+
+/// Without a deployment: one of the dropped trajectories is the ground truth of the others.
+#[test]
+fn one_of_the_dropped_trajectories_becomes_the_ground_truth() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let simulated = simulate(Preset::FigureEight, 4);
+    let files = ["truth.txt", "lio.txt", "vio.tum"].map(|name| folder.path().join(name));
+    let exact = Slam { noise_m: 0.001, drift_m: 0.0, rate_hz: 100.0, ..SLAM };
+    write_tum(&exact.drive(&simulated), &files[0]);
+    write_tum(&Slam { drift_m: 0.0, clock_s: 0.4, ..SLAM }.drive(&simulated), &files[1]);
+    let vio = Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM };
+    write_tum(&vio.drive(&simulated), &files[2]);
+    send(&mut harness, DeploymentCommand::OpenPaths(files.to_vec()));
+    settle(&mut harness);
+    click(&mut harness, "Use truth as the ground truth");
+    settle(&mut harness);
+    settle(&mut harness);
+    let open = shown(&harness);
+    assert_eq!((&*open.deployment.name, open.judging.added.len()), ("truth", 2));
+    let (_, lio) =
+        open.judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
+    assert!((lio.fit.time_offset_s + 0.4).abs() < 0.002, "{:?}", lio.fit);
+    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("Ground truth of");
+    // A session names the file of the ground truth.
+    let place = shown(&harness).source.as_ref().map(|source| source.place.clone());
+    assert!(matches!(place, Some(Place::GroundTruth(_))), "{place:?}");
+}
+
+/// One station is no calibration, but its readings are shown, and its prism is a ground truth.
+#[test]
+fn a_deployment_of_one_station_is_shown_and_judges() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(SMALL, Theme::Light);
+    let simulated = simulate(Preset::FigureEight, 4);
+    write_folder(&simulated, folder.path()).expect("written");
+    let tracks = folder.path().join("inter_prism.csv");
+    let text = std::fs::read_to_string(&tracks).expect("written");
+    let of_station_2 =
+        |line: &&str| line.starts_with("timestamp") || line.split(',').nth(1) == Some("2");
+    let rows: String = text.lines().filter(of_station_2).map(|row| format!("{row}\n")).collect();
+    std::fs::write(&tracks, rows).expect("written");
+    let slam = folder.path().join("slam.tum");
+    write_tum(&Slam { drift_m: 0.0, ..SLAM }.drive(&simulated), &slam);
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![folder.path().to_owned()]));
+    settle(&mut harness);
+    harness.get_by_label_contains("only station 2 has measurements");
+    send(&mut harness, JudgingCommand::Add(vec![slam]));
+    settle(&mut harness);
+    let (_, one) = shown(&harness).judging.judged().next().expect("judged");
+    assert!(one.position.rmse < 0.05 && one.against_sigma.is_some(), "{:?}", one.position);
 }
 
 /// Systems often use the same file names: their folders distinguish them.

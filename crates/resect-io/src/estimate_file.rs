@@ -20,7 +20,7 @@ use crate::format::bag;
 use crate::format::bag::{Piece, RecordedPoses, natural_key};
 use crate::format::estimate::{KITTI_FIELDS, is_kitti};
 use crate::format::pose_covariance::{file_beside, of_message, read_beside};
-use crate::format::pose_table::{self, FORMATS};
+use crate::format::pose_table::{self, FORMATS, LARGEST_M};
 use crate::format::table::CORRECT;
 use crate::format::text_encoding::decode_text;
 use crate::skipped_rows::SkippedRows;
@@ -154,7 +154,8 @@ fn read_bag(
         let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
         let (mut poses, mut skipped) = (Vec::new(), SkippedRows::default());
         for (index, pose) in topic.poses.iter().enumerate() {
-            let covariance = pose.covariance.and_then(|elements| of_message(&elements));
+            let covariance =
+                pose.covariance.as_ref().and_then(|elements| of_message(&elements[..]));
             match pose_of_message(pose) {
                 Ok(pose) => poses.push((pose, covariance)),
                 Err(reason) => skipped.add(index + 1, reason),
@@ -180,6 +181,9 @@ fn pose_of_message(pose: &bag::messages::StampedPose) -> Result<EstimatedPose, S
     let quaternion = Quaternion::new(w, x, y, z);
     if !pose.position_m.iter().chain(&pose.orientation).all(|number| number.is_finite()) {
         return Err("has no finite numbers".to_owned());
+    }
+    if pose.position_m.iter().any(|coordinate| coordinate.abs() > LARGEST_M) {
+        return Err("has a position farther away than any planet".to_owned());
     }
     let orientation = if quaternion.norm() == 0.0 {
         None

@@ -14,6 +14,7 @@
 //! | [`reading_sense`] | plausibility of numbers as radians, metres and seconds | |
 //! | [`recording`] | conversion of records into tracks: impossible readings are counted and left out | |
 //! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
+//! | [`estimate_file`] | trajectories of other systems | a format: a layout in `format/pose_table.rs` |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
 //! | [`open`](mod@open) | opening of a folder as a deployment: the role of each file | |
 //! | [`sample`], [`source`] | the built-in deployments; the source of a deployment | |
@@ -21,7 +22,7 @@
 //! | [`what_is`] | recognition of a dropped path | |
 //! | [`override_changes`] | changed overrides in words | |
 //! | [`file_mark`] | hashes by which a session recognises its files | |
-//! | [`estimate_file`], [`plan_file`], [`way_file`], [`settings_file`] | trajectories of other systems, plans, driven paths, settings | |
+//! | [`plan_file`], [`way_file`], [`settings_file`] | plans, driven paths, settings | |
 //! | [`simulation_files`] | a simulated deployment as the files of a real one | |
 
 pub mod atomic;

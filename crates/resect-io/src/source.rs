@@ -30,12 +30,12 @@ pub enum Place {
     Sample(Sample),
     /// A trajectory of another system that is the ground truth.
     #[serde(rename = "ground-truth")]
-    GroundTruth(TruthFile),
+    GroundTruth(TrajectoryFile),
 }
 
 /// A file with a trajectory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TruthFile {
+pub struct TrajectoryFile {
     pub path: PathBuf,
     /// Topic in a bag of several trajectories.
     pub topic: Option<String>,
@@ -51,7 +51,7 @@ impl Source {
     }
 
     pub fn ground_truth(path: impl Into<PathBuf>, topic: Option<String>) -> Self {
-        let file = TruthFile { path: path.into(), topic };
+        let file = TrajectoryFile { path: path.into(), topic };
         Self { place: Place::GroundTruth(file), extras: Extras::default() }
     }
 
@@ -62,7 +62,7 @@ impl Source {
     /// Returns the file or folder of the tracks; `None` for a sample.
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
-            Place::Path(path) | Place::GroundTruth(TruthFile { path, .. }) => Some(path),
+            Place::Path(path) | Place::GroundTruth(TrajectoryFile { path, .. }) => Some(path),
             Place::Sample(_) => None,
         }
     }
@@ -70,7 +70,7 @@ impl Source {
     /// Title before the deployment is open.
     pub fn title(&self) -> String {
         match &self.place {
-            Place::Path(path) | Place::GroundTruth(TruthFile { path, .. }) => {
+            Place::Path(path) | Place::GroundTruth(TrajectoryFile { path, .. }) => {
                 path.file_name().map_or_else(
                     || path.display().to_string(),
                     |name| name.to_string_lossy().into_owned(),
@@ -83,7 +83,7 @@ impl Source {
     /// Reads everything. `progress` counts bytes of files; cancelling it returns [`OpenError::Cancelled`].
     pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut found = match &self.place {
-            Place::GroundTruth(TruthFile { path, topic }) => {
+            Place::GroundTruth(TrajectoryFile { path, topic }) => {
                 let truth = estimate_file::read_truth(path, topic.as_deref())?;
                 return Ok(Deployment::of_ground_truth(Arc::new(truth)));
             }

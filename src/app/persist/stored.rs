@@ -12,7 +12,7 @@ use resect_core::analysis::Settings;
 use resect_core::deployment::Finding;
 use resect_core::estimates::Options;
 use resect_core::planning::Plan;
-use resect_io::source::{Extras, Place, Source, TruthFile};
+use resect_io::source::{Extras, Place, Source, TrajectoryFile};
 
 /// Format version that this program writes.
 pub const VERSION: u32 = 1;
@@ -220,7 +220,7 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
     Source {
         place: match &source.place {
             Place::Path(path) => Place::Path(change(path)),
-            Place::GroundTruth(file) => Place::GroundTruth(TruthFile {
+            Place::GroundTruth(file) => Place::GroundTruth(TrajectoryFile {
                 path: change(&file.path),
                 topic: file.topic.clone(),
             }),

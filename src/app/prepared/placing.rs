@@ -9,6 +9,7 @@ use resect_core::geometry::RigidTransform;
 pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     match &analysis.answer {
         Ok(answer) => answer.calibration.station1_from_station.map(Some),
+        Err(_) if deployment.ground_truth.is_some() => [None; 3],
         Err(_) => {
             let present = deployment.stations_with_readings();
             let in_own_frame = |station: usize| match present.len() {
@@ -23,7 +24,7 @@ pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTran
 /// Names the frame of the scene.
 pub fn frame_in_words(deployment: &Deployment, analysis: &Analysis) -> String {
     if let Some(truth) = &deployment.ground_truth {
-        return format!("frame of {}, z up", truth.name);
+        return format!("frame of {}, from its first position", truth.name);
     }
     match (&analysis.answer, &deployment.stations_with_readings()[..]) {
         (Err(_), [only]) => format!("frame of station {}, z up", only + 1),

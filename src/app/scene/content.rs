@@ -43,6 +43,10 @@ pub struct SceneContent {
     pub advised: Layer,
     /// Paths of the vehicle in other open runs.
     pub beside: Layer,
+    /// Positions of a ground truth of another system, thinned, and its origin (m). Map coordinates are too large for the scene's
+    /// numbers, so everything is drawn relative to the first position.
+    pub(super) truth_m: Vec<Vector3<f32>>,
+    pub(super) truth_origin_m: Vector3<f64>,
     /// Trajectories of other systems, coloured by their errors.
     pub estimates: Layer,
     /// Names of these trajectories, each at its end.

@@ -2,6 +2,8 @@
 
 use super::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, f32s, opaque};
+use nalgebra::Vector3;
+use resect_core::deployment::{Deployment, EstimatedPose};
 use resect_core::estimates::Judged;
 use resect_core::estimates::errors::EpochError;
 use resect_core::palette;
@@ -17,7 +19,35 @@ const MOST_LINES: usize = 20_000;
 const WIDTH_POINTS: f32 = 5.0;
 const OUTLINE_POINTS: f32 = 8.0;
 
+/// Width of the ground truth's line, and its colour.
+const TRUTH_POINTS: f32 = 2.0;
+const TRUTH_COLOUR: palette::Rgb = [150, 150, 150];
+
 impl SceneContent {
+    /// Draws a ground truth of another system as a line; nothing for a deployment with readings.
+    pub fn set_ground_truth(&mut self, deployment: &Deployment) {
+        let truth = deployment.ground_truth.as_ref();
+        let poses = truth.map_or(&[][..], |truth| &truth.poses);
+        self.truth_origin_m = poses.first().map_or(Vector3::zeros(), |pose| pose.position_m);
+        let stride = poses.len().div_ceil(MOST_LINES).max(1);
+        let place_m = |pose: &EstimatedPose| (pose.position_m - self.truth_origin_m).cast();
+        let some = || poses.iter().step_by(stride);
+        let drawn_m: Vec<Vector3<f32>> = some().map(place_m).collect();
+        for (times, pair) in some().zip(some().skip(1)).zip(drawn_m.windows(2)) {
+            if times.1.time_s - times.0.time_s <= GAP_S * stride as f64 {
+                self.data.lines.push(LineVertex {
+                    from_m: pair[0].into(),
+                    from_frame: WORLD,
+                    to_m: pair[1].into(),
+                    to_frame: WORLD,
+                    colour: opaque(TRUTH_COLOUR),
+                    width_points: TRUTH_POINTS,
+                });
+            }
+        }
+        self.truth_m = drawn_m;
+    }
+
     /// Draws evaluated trajectories, aligned, where there is ground truth; each with the number of its colour.
     pub fn set_estimates(&mut self, judged: &[(usize, &Judged)]) {
         self.estimates.clear();
@@ -39,7 +69,7 @@ impl SceneContent {
         self.estimate_labels.extend(judged.iter().filter_map(|(number, one)| {
             let last = one.errors.last()?;
             Some(Label {
-                position_m: (last.true_position_m + last.position_m).cast(),
+                position_m: (last.true_position_m + last.position_m - self.truth_origin_m).cast(),
                 text: one.estimate.name.clone(),
                 colour: palette::estimate(*number),
                 rank: Rank::Trajectory,
@@ -55,15 +85,18 @@ impl SceneContent {
     ) {
         let stride = errors.len().div_ceil(MOST_LINES).max(1);
         let some: Vec<&EpochError> = errors.iter().step_by(stride).collect();
+        let place_m = |error: &EpochError| {
+            f32s(&(error.true_position_m + error.position_m - self.truth_origin_m))
+        };
         for pair in some.windows(2) {
             let [a, b] = [pair[0], pair[1]];
             if b.time_s - a.time_s > GAP_S * stride as f64 {
                 continue;
             }
             self.estimates.lines.push(LineVertex {
-                from_m: f32s(&(a.true_position_m + a.position_m)),
+                from_m: place_m(a),
                 from_frame: WORLD,
-                to_m: f32s(&(b.true_position_m + b.position_m)),
+                to_m: place_m(b),
                 to_frame: WORLD,
                 colour: opaque(colour(b)),
                 width_points,

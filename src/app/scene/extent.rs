@@ -22,6 +22,7 @@ impl SceneContent {
             let sane = |index: usize| none_kept || !self.is_wild(analysis, station, index);
             all.extend(self.readings_m(station, sane));
         }
+        all.extend(&self.truth_m);
         let corners = all.into_iter().map(|p| (p, p));
         self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
     }
@@ -32,6 +33,7 @@ impl SceneContent {
         let mut seen: Vec<Vector3<f32>> =
             fitted_in.map(|landmark| landmark.position_m.cast::<f32>()).collect();
         let landmarks = seen.len();
+        seen.extend(&self.truth_m);
         let mut wild = Vec::new();
         for station in 0..3 {
             if self.tracks_shown[station] {

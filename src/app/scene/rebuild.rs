@@ -42,6 +42,7 @@ impl SceneContent {
         self.data.clear();
         self.labels.clear();
         self.landmarks.clear();
+        self.set_ground_truth(deployment);
         self.find_bounds(analysis);
         (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
         self.residuals = None;

@@ -19,6 +19,8 @@ const BLOCKS: f64 = 24.0;
 const SHORTEST_BLOCK_S: f64 = 5.0;
 const FEWEST_BLOCKS: usize = 6;
 const DRAWS: usize = 4000;
+/// Smallest error in a draw, as a share of the larger of both.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// A kind of error by which estimates are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +148,7 @@ fn compare_two(
     };
     let both = [rmse(0), rmse(1)];
     let [better, worse] = if both[0] <= both[1] { [0, 1] } else { [1, 0] };
-    let ratios = (blocks.len() >= FEWEST_BLOCKS).then(|| ratios(&blocks, better, worse));
+    let ratios = (blocks.len() >= FEWEST_BLOCKS).then(|| ratios(&blocks, better, worse, both));
     let count = DRAWS as f64;
     Some(PairComparison {
         kind,
@@ -193,7 +195,8 @@ fn blocks(both: [&[TimedError]; 2]) -> Option<Vec<BlockErrors>> {
 }
 
 /// Ratios of the better one's error to the worse one's, in draws of blocks.
-fn ratios(blocks: &[BlockErrors], better: usize, worse: usize) -> Vec<f64> {
+fn ratios(blocks: &[BlockErrors], better: usize, worse: usize, rmse: [f64; 2]) -> Vec<f64> {
+    let least = LEAST_SHARE * rmse[0].max(rmse[1]);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let roots: Vec<Option<Matrix3<f64>>> =
         blocks.iter().map(|block| block.covariance.cholesky().map(|root| root.l())).collect();
@@ -212,7 +215,8 @@ fn ratios(blocks: &[BlockErrors], better: usize, worse: usize) -> Vec<f64> {
                     counts[k] += block.counts[k];
                 }
             }
-            let mean = |k: usize| (squares[k] / counts[k]).max(0.0).sqrt();
+            // A ground truth that is worse than both estimates may exceed their errors.
+            let mean = |k: usize| (squares[k] / counts[k]).sqrt().max(least);
             mean(better) / mean(worse)
         })
         .collect()

@@ -10,6 +10,11 @@ use nalgebra::Vector3;
 
 /// Rate at which speeds are compared (Hz).
 const RATE_HZ: f64 = 10.0;
+/// Largest number of speeds: a day. One wrong stamp may be years away.
+const MOST_SPEEDS: usize = 864_000;
+/// Largest number of products of speeds in a search over all offsets, and of offsets in one by positions.
+const MOST_PRODUCTS: usize = 10_000_000_000;
+const MOST_OFFSETS: usize = 100_000;
 /// Usual limit of the offset between clocks of one robot (s); GPS and UTC differ by 18 s, TAI and UTC by 37 s.
 const USUAL_S: f64 = 60.0;
 /// Shortest common time of a lag (s).
@@ -125,7 +130,7 @@ fn by_positions(poses: &[EstimatedPose], truth: &[EstimatedPose]) -> Option<f64>
         median(truth_m.iter().zip(&own_m).map(off_m))
     };
     let best = |from_s: f64, to_s: f64| {
-        let steps = ((to_s - from_s) / STEP_S) as usize;
+        let steps = (((to_s - from_s) / STEP_S) as usize).min(MOST_OFFSETS);
         let offsets = (0..=steps).map(|step| from_s + step as f64 * STEP_S);
         offsets
             .filter_map(|offset_s| Some((misfit_m(offset_s)?, offset_s)))
@@ -164,6 +169,7 @@ fn by_speeds(
         Some((_, lag)) => Some(lag as f64 / RATE_HZ),
         None if overlap(0.0) > LEAST_COMMON_S => Some(0.0),
         // The stamps have different origins.
+        None if own.len().saturating_mul(known.len()) > MOST_PRODUCTS => None,
         None => best(far, 0)
             .filter(|(alike, _)| *alike > LEAST_CORRELATION)
             .map(|(_, lag)| from_s - first.time_s + lag as f64 / RATE_HZ),
@@ -173,7 +179,7 @@ fn by_speeds(
 /// Speeds of the estimate (m/s) at even steps from its first time; `None` without poses nearby.
 fn speeds(poses: &[EstimatedPose]) -> Vec<Option<f64>> {
     let (Some(first), Some(last)) = (poses.first(), poses.last()) else { return Vec::new() };
-    let count = ((last.time_s - first.time_s) * RATE_HZ) as usize + 1;
+    let count = (((last.time_s - first.time_s) * RATE_HZ) as usize).min(MOST_SPEEDS) + 1;
     let place = |time_s: f64| {
         let after = poses.partition_point(|pose| pose.time_s < time_s);
         let (a, b) = (poses.get(after.checked_sub(1)?)?, poses.get(after)?);

@@ -22,6 +22,8 @@ const ROUNDED: f64 = 1e-2;
 const UNIT_SHARE: f64 = 0.9;
 /// Largest median interval between poses (s) of a unit of time that is guessed.
 const LONGEST_INTERVAL_S: f64 = 100.0;
+/// Largest coordinate (m).
+pub const LARGEST_M: f64 = 1e12;
 pub const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
                        timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry, PoseStamped or /tf";
 const NAME_THE_COLUMNS: &str =
@@ -268,6 +270,9 @@ impl PoseColumns {
         };
         let [x, y, z] = self.position;
         let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
+        if position_m.amax() > LARGEST_M {
+            return Err("the position is farther away than any planet".to_owned());
+        }
         let covariance = match &self.covariance {
             Some(columns) => columns.covariance(fields, separator)?,
             None => None,

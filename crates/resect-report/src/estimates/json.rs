@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::text::error_in_words;
 use crate::json::{SCHEMA, findings};
+use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::Ape;
 use resect_core::estimates::metrics::RelativeErrors;
 use resect_core::estimates::odd::{OddOne, OddSpan};
@@ -22,7 +23,7 @@ pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
         "schema": SCHEMA,
         "ground_truth": ground_truth(truth),
         "deployment": calibration.map(|_| truth.name()),
-        "method": calibration.map(|calibration| calibration.answered_by()),
+        "method": calibration.map(Calibration::answered_by),
         "verdict": calibration.map(|calibration| calibration.verdict.name()),
         "estimates": judgement.judged.iter().map(estimate).collect::<Vec<_>>(),
         "comparisons": judgement.comparisons.iter().map(|two| json!({

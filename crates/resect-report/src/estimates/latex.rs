@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use resect_core::estimates::EstimatesJudgement;
 
-use super::text::{Angles, rows};
+use super::rows::{Angles, rows};
 
 /// Formats the rows of the terminal's table with a column for each estimate (package `booktabs`).
 pub fn latex(judgement: &EstimatesJudgement) -> String {

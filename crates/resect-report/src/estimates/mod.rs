@@ -4,12 +4,12 @@ mod chart;
 mod csv;
 mod json;
 mod latex;
+mod rows;
 mod text;
 
 pub use chart::draw;
 pub use csv::csv;
 pub use json::json;
 pub use latex::latex;
-pub use text::{
-    Angles, agreed, compared, contradiction, error_in_words, rows, stated, text, truth_in_words,
-};
+pub use rows::{Angles, rows};
+pub use text::{agreed, compared, contradiction, error_in_words, stated, text, truth_in_words};

@@ -1,13 +1,11 @@
 //! A judgement for the terminal: a column for each estimate, then the ranking and the odd spans.
 
-use resect_core::estimates::metrics::RelativeErrors;
+use super::rows::{Angles, rows};
 use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::ranking::{ComparedError, PairComparison};
-use resect_core::estimates::{AgreeingPair, Coverage, EstimatesJudgement, GroundTruth, Judged};
+use resect_core::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
 
 const LABEL: usize = 40;
-/// Larger lengths are given in metres (m): frames that differ by map coordinates.
-const LARGEST_IN_MM_M: f64 = 1e3;
 
 /// Names the ground truth and its quality.
 pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
@@ -84,130 +82,21 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     lines.join("\n")
 }
 
-/// Unit of rotations: its number in a radian, and its name.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Angles {
-    pub per_radian: f64,
-    pub unit: &'static str,
-}
-
-impl Angles {
-    /// Degrees, as in evo.
-    pub const DEGREES: Self = Self { per_radian: 180.0 / std::f64::consts::PI, unit: "°" };
-}
-
-/// Returns the rows: a label with its unit, and a cell for each estimate. Rows without any value are left out.
-pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<(String, Vec<String>)> {
-    let Angles { per_radian, unit } = angles;
-    let mut rows = Vec::new();
-    let mut row = |label: &str, cell: &dyn Fn(&Judged) -> Option<String>| {
-        let cells: Vec<Option<String>> = judgement.judged.iter().map(cell).collect();
-        if cells.iter().any(Option::is_some) {
-            let cells = cells.into_iter().map(|cell| cell.unwrap_or("–".into())).collect();
-            rows.push((label.to_owned(), cells));
-        }
-    };
-    let counted = |poses: bool, without: bool| {
-        move |one: &Judged| match one.coverage {
-            Coverage::PosesWithoutTruth(count) if poses => {
-                Some(if without { count } else { one.errors.len() }.to_string())
-            }
-            Coverage::TruthsWithoutPose(count) if !poses => {
-                Some(if without { count } else { one.errors.len() }.to_string())
-            }
-            _ => None,
-        }
-    };
-    row("poses with ground truth", &counted(true, false));
-    row("poses without", &counted(true, true));
-    row("ground-truth points with a pose", &counted(false, false));
-    row("ground-truth points without", &counted(false, true));
-    // This row is only needed if the alignments differ.
-    let is_one_way = judgement.judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
-    row("aligned by", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
-    let with_sigma = |value: f64, sigma: Option<f64>| {
-        let sigma = sigma.map(|sigma| format!(" ± {:.1}", 1e3 * sigma));
-        format!("{:+.1}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
-    };
-    row("time offset (ms)", &|one| {
-        Some(match one.fit.determines_time_offset {
-            true => with_sigma(one.fit.time_offset_s, one.fit.time_offset_sigma_s),
-            false => "not determined".to_owned(),
-        })
-    });
-    for (axis, name) in
-        ["lever arm, x (mm)", "lever arm, y (mm)", "lever arm, z (mm)"].iter().enumerate()
-    {
-        row(name, &|one| {
-            let lever_m = one.fit.lever_arm_m?;
-            if !one.fit.determines_lever_arm(axis) {
-                return Some("not determined".to_owned());
-            }
-            Some(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
-        });
-    }
-    row("scale", &|one| (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale)));
-    let millimetres = |value_m: f64| match value_m < LARGEST_IN_MM_M {
-        true => format!("{:.1}", 1e3 * value_m),
-        false => format!("{value_m:.0} m"),
-    };
-    for name in ["rmse", "mean", "median", "std", "min", "max"] {
-        row(&format!("APE position, {name} (mm)"), &|one| {
-            let ape = &one.position;
-            Some(millimetres(match name {
-                "rmse" => ape.rmse,
-                "mean" => ape.mean,
-                "median" => ape.median,
-                "std" => ape.std,
-                "min" => ape.min,
-                _ => ape.max,
-            }))
-        });
-    }
-    row("  aligned at the first pose, rmse (mm)", &|one| {
-        Some(millimetres(one.unaligned.at_first_pose?.rmse))
-    });
-    row("  not aligned, rmse (mm)", &|one| Some(millimetres(one.unaligned.in_own_frame.rmse)));
-    row(&format!("APE rotation, rmse ({unit})"), &|one| {
-        Some(format!("{:.3}", per_radian * one.rotation?.rmse))
-    });
-    // The JSON has the inconclusive ones too, with their count.
-    for path_m in resect_core::estimates::RELATIVE_M {
-        let of = |one: &Judged, poses: bool| -> Option<RelativeErrors> {
-            let relative = one.relative.iter().find(|relative| relative.path_m == path_m)?;
-            let wanted = relative.are_conclusive() && relative.rotation.is_some() == poses;
-            wanted.then(|| relative.clone())
-        };
-        row(&format!("RPE over {path_m} m, rmse (mm)"), &|one| {
-            Some(millimetres(of(one, true)?.position.rmse))
-        });
-        row(&format!("RPE over {path_m} m, rmse ({unit})"), &|one| {
-            Some(format!("{:.3}", per_radian * of(one, true)?.rotation?.rmse))
-        });
-        row(&format!("RPE over {path_m} m, distance (mm)"), &|one| {
-            Some(millimetres(of(one, false)?.position.rmse))
-        });
-    }
-    row("ground truth's σ (mm)", &|one| Some(millimetres(one.against_sigma?.sigma_m)));
-    row(&format!("ground truth's σ ({unit})"), &|one| {
-        Some(format!("{:.3}", per_radian * one.against_sigma?.sigma_rad?))
-    });
-    row("error not significant", &|one| {
-        Some(format!("{:.0} % of poses", 100.0 * one.against_sigma?.undecided))
-    });
-    row("ground truth's share of error²", &|one| {
-        Some(format!("up to {:.0} %", 100.0 * one.against_sigma?.of_truth))
-    });
-    rows
-}
-
-/// Comparisons that are stated in words: by absolute errors always, by relative errors if they are significant.
+/// Comparisons that are stated in words: by absolute errors always, by relative errors if they significantly favour another
+/// estimate than the absolute ones.
 pub fn stated(judgement: &EstimatesJudgement) -> impl Iterator<Item = &PairComparison> {
-    judgement.comparisons.iter().filter(|two| match two.kind {
-        ComparedError::Position | ComparedError::Rotation => true,
-        ComparedError::PositionOverPath(_) | ComparedError::RotationOverPath(_) => {
-            two.is_significant()
-        }
+    judgement.comparisons.iter().filter(|two| {
+        let absolute = match two.kind {
+            ComparedError::Position | ComparedError::Rotation => return true,
+            ComparedError::PositionOverPath(_) => ComparedError::Position,
+            ComparedError::RotationOverPath(_) => ComparedError::Rotation,
+        };
+        let is_same_winner = |other: &PairComparison| {
+            other.kind == absolute
+                && other.is_significant()
+                && (other.better, other.worse) == (two.better, two.worse)
+        };
+        two.is_significant() && !judgement.comparisons.iter().any(is_same_winner)
     })
 }
 

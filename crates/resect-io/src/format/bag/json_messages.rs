@@ -55,7 +55,7 @@ fn pose(value: &Value, stamp_s: Option<f64>) -> Result<StampedPose, Malformed> {
     };
     let covariance = outer["covariance"].as_array().and_then(|elements| {
         let elements: Option<Vec<f64>> = elements.iter().map(Value::as_f64).collect();
-        <[f64; 36]>::try_from(elements?).ok()
+        <[f64; 36]>::try_from(elements?).ok().map(Box::new)
     });
     let position_m = position_m(&named("position", "translation"))?;
     Ok(StampedPose { stamp_s, position_m, orientation, covariance })
@@ -137,7 +137,7 @@ mod tests {
         ] {
             assert_eq!(
                 decode(Kind::PoseStamped, text.as_bytes()),
-                Ok(Message::Pose(expected)),
+                Ok(Message::Pose(expected.clone())),
                 "{text}"
             );
         }

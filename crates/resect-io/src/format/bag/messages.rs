@@ -78,14 +78,14 @@ pub enum Message {
 }
 
 /// A pose of another system.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StampedPose {
     pub stamp_s: Option<f64>,
     pub position_m: [f64; 3],
     /// x, y, z, w; zeros if unset.
     pub orientation: [f64; 4],
     /// 36 elements, row by row; `None` for messages without.
-    pub covariance: Option<[f64; 36]>,
+    pub covariance: Option<Box<[f64; 36]>>,
 }
 
 /// A transform of a message.
@@ -207,7 +207,7 @@ fn transforms(wire: &mut Wire<'_>) -> Result<Vec<StampedTransform>, Malformed> {
 }
 
 /// Reads the covariance behind a pose; `None` in messages that end there.
-fn covariance(wire: &mut Wire<'_>) -> Result<Option<[f64; 36]>, Malformed> {
+fn covariance(wire: &mut Wire<'_>) -> Result<Option<Box<[f64; 36]>>, Malformed> {
     if wire.rest().len() < size_of::<[f64; 36]>() {
         return Ok(None);
     }
@@ -215,7 +215,7 @@ fn covariance(wire: &mut Wire<'_>) -> Result<Option<[f64; 36]>, Malformed> {
     for element in &mut elements {
         *element = wire.f64()?;
     }
-    Ok(Some(elements))
+    Ok(Some(Box::new(elements)))
 }
 
 /// Returns the name of a frame without the slash of old ROS versions.

@@ -19,7 +19,7 @@ mod bag;
 mod container;
 mod inflate;
 mod intake;
-mod json_messages;
+pub mod json_messages;
 mod mcap;
 pub mod messages;
 mod outcome;
