@@ -11,7 +11,7 @@ use crate::geometry::RigidTransform;
 /// the lever arm, such as its height on level ground.
 pub const LEVER_SIGMA_M: f64 = 1.0;
 /// A time offset or a component of the lever arm is determined if its σ is below this share of the prior's.
-pub const LEAST_GAIN: f64 = 0.9;
+pub const LEAST_GAIN: f64 = 0.5;
 
 /// Transform and time offset between an estimate and the ground truth.
 #[derive(Clone, Debug, PartialEq)]
