@@ -66,7 +66,7 @@ pub const ALIGNMENTS: Choices<Alignment> = &[
 ];
 
 pub const ESTIMATE_ALIGNMENTS: Choices<TrajectoryAlignment> = &[
-    (TrajectoryAlignment::None, "none", "Nothing: the estimate is in station 1's frame"),
+    (TrajectoryAlignment::None, "none", "Nothing: the estimate is in the ground truth's frame"),
     (TrajectoryAlignment::Rigid, "rigid", "A rotation and a translation (evo's `--align`)"),
     (
         TrajectoryAlignment::Similarity,

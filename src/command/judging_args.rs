@@ -9,7 +9,7 @@ use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {
-    /// Alignment of an estimate's frame: rotation, translation and scale; with none it is in station 1's. This flag and the next two are
+    /// Alignment of an estimate's frame: rotation, translation and scale; with none it is in the ground truth's. This flag and the next two are
     /// given once for all estimates, or once for each in their order
     #[arg(long, value_parser = choice(ESTIMATE_ALIGNMENTS), default_values = ["rigid"])]
     align: Vec<TrajectoryAlignment>,

@@ -10,6 +10,7 @@ use super::settings_args::metres;
 use super::{Failure, load};
 use resect_core::deployment::{Deployment, PoseCovariance};
 use resect_core::progress::Progress;
+use resect_io::estimate_file;
 use resect_io::source::{Extras, Source};
 use resect_io::what_is::{Dropped, what_is};
 
@@ -41,7 +42,11 @@ impl TruthArguments {
             match load(path, extras) {
                 Ok((deployment, _)) => deployment,
                 // Positions of one prism, or poses in a bag, are no deployment.
-                Err(error) => Arc::new(truth().map_err(|_| error)?),
+                Err(error) => Arc::new(truth().map_err(|why| match estimate_file::read(path) {
+                    // Several trajectories: a topic must be chosen.
+                    Ok(_) => Failure::from(why),
+                    Err(_) => Failure::from(error),
+                })?),
             }
         };
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {

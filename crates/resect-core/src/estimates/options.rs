@@ -41,7 +41,7 @@ impl Default for Options {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TrajectoryAlignment {
-    /// No transform: the estimate is in station 1's frame.
+    /// No transform: the estimate is in the ground truth's frame.
     None,
     /// A rotation and a translation (evo's `--align`).
     Rigid,

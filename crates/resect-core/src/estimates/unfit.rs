@@ -15,12 +15,12 @@ pub enum Unfit {
     #[error("it has only {0} poses; at least ten are needed")]
     FewPoses(usize),
     #[error(
-        "its positions lie on a line, so the alignment is not determined; align it by nothing if it is in station 1's frame"
+        "its positions lie on a line, so the alignment is not determined; align it by nothing if it is in the ground truth's frame"
     )]
     OnALine,
     #[error(
-        "this drive does not determine time offset, lever arm and frame, or the estimate is not in station 1's frame; take \
-         its body for the vehicle's frame, or align it by rotation and translation"
+        "this drive does not determine time offset, lever arm and frame, or the estimate is not in the ground truth's frame; \
+         take both bodies as one, or align it by rotation and translation"
     )]
     Undetermined,
     #[error(
