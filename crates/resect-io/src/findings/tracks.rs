@@ -210,7 +210,7 @@ pub fn ranges_repeated(station: usize, count: usize, first_s: f64) -> Finding {
         .count("readings", count)
 }
 
-/// `station` is 0 to 2; its stamps are `ahead_s` later than those of the others for the same motion.
+/// `station` is 0 to 2; its stamps are `ahead_s` (to a third of a second) later than those of the others for the same motion.
 pub fn station_clock_off(station: usize, ahead_s: f64) -> Finding {
     let size_s = ahead_s.abs();
     let (later, cause) = (
@@ -222,7 +222,7 @@ pub fn station_clock_off(station: usize, ahead_s: f64) -> Finding {
         },
     );
     let message = format!(
-        "the stamps of station {} are {size_s:.1} s {later} than those of the others{cause}: its speeds match theirs only \
+        "the stamps of station {} are about {size_s:.0} s {later} than those of the others{cause}: its speeds match theirs only \
          then; correct its stamps",
         station + 1
     );
