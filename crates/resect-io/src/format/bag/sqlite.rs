@@ -120,16 +120,32 @@ fn open(path: &Path, is_own_copy: bool) -> rusqlite::Result<Connection> {
 
 /// `immutable` keeps SQLite from writing files beside the database.
 fn uri(path: &Path) -> String {
+    let path = path.to_string_lossy();
+    let path = if cfg!(windows) { with_slashes(&path) } else { path.into_owned() };
     let mut uri = "file:".to_owned();
-    for byte in path.to_string_lossy().bytes() {
+    for byte in path.bytes() {
         match byte {
             b'/' | b'.' | b'-' | b'_' | b':' => uri.push(char::from(byte)),
             _ if byte.is_ascii_alphanumeric() => uri.push(char::from(byte)),
-            b'\\' if cfg!(windows) => uri.push('/'),
             _ => uri.push_str(&format!("%{byte:02x}")),
         }
     }
     uri + "?immutable=1"
+}
+
+/// Returns a Windows path as SQLite's URIs have it: slashes, one before a drive's letter (sqlite.org/uri.html), and without the
+/// `\\?\` of canonical paths, whose question mark would begin the URI's query.
+fn with_slashes(path: &str) -> String {
+    let plain = match path.strip_prefix(r"\\?\UNC\") {
+        Some(share) => format!(r"\\{share}"),
+        None => path.strip_prefix(r"\\?\").unwrap_or(path).to_owned(),
+    };
+    let plain = plain.replace('\\', "/");
+    match plain.as_bytes() {
+        [_, b':', ..] => format!("/{plain}"),
+        [b'/', b'/', ..] => format!("//{plain}"),
+        _ => plain,
+    }
 }
 
 /// Returns the number of bytes missing from the size in the file's header (sqlite.org/fileformat2.html, 1.3); 0 if complete.
@@ -298,4 +314,22 @@ impl Rows<'_> {
 
 fn one_line(error: &rusqlite::Error) -> String {
     error.to_string().replace('\n', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_paths_become_paths_of_uris() {
+        for (path, expected) in [
+            (r"\\?\C:\drives\a.db3", "/C:/drives/a.db3"),
+            (r"C:\drives\a.db3", "/C:/drives/a.db3"),
+            (r"\\?\UNC\server\share\a.db3", "////server/share/a.db3"),
+            (r"\\server\share\a.db3", "////server/share/a.db3"),
+            (r"drives\a.db3", "drives/a.db3"),
+        ] {
+            assert_eq!(with_slashes(path), expected);
+        }
+    }
 }
