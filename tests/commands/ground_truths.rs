@@ -140,6 +140,11 @@ fn the_uncertainty_of_a_trajectory_is_read_from_columns_a_file_or_an_option() {
         assert_eq!(found["ground_truth"]["states_covariance"], true);
     }
     // A pose without covariance, and a line that is none, are errors of that file.
+    // Findings about the ground truth are printed with the errors.
+    let broken = folder.write("broken.tum", &format!("{tum}nan 1 2 3 0 0 0 1\n"));
+    let paths = [&slam, &broken].map(|path| path.to_str().expect("UTF-8"));
+    let text = said(&["evaluate", paths[0], "--against", paths[1]]);
+    assert!(text.contains("broken.tum: 1 row is not valid"), "{text}");
     let first = beside.lines().next().expect("a line");
     folder.write("gt_covariance.csv", &format!("{first}\n"));
     for (text, part) in

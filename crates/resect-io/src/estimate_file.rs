@@ -71,7 +71,10 @@ pub fn read_truth(path: &Path, topic: Option<&str>) -> Result<EstimatedTrajector
                 Some(topic) => format!("no poses or points in {topic}"),
                 None => format!("{} topics with poses", topics.len()),
             };
-            let remedy = format!("name the topic of the ground truth: {}", topics.join(", "));
+            let remedy = format!(
+                "name the topic of the ground truth (--truth-topic): {}",
+                topics.join(", ")
+            );
             Err(OpenError::file(&path.display().to_string(), what, remedy))
         }
     }

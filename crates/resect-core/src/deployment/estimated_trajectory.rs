@@ -56,11 +56,11 @@ pub struct EstimatedPose {
 /// Covariance of a pose, in the frame of the trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseCovariance {
-    /// Of the position (m²).
+    /// Covariance of the position (m²).
     pub position_m2: Matrix3<f64>,
-    /// Of the rotation vector (rad²): the true orientation is exp(θ) times this one. `None` if it is not known.
+    /// Covariance of the rotation vector θ (rad²): the true orientation is exp(θ) times this one. `None` if it is not known.
     pub rotation_rad2: Option<Matrix3<f64>>,
-    /// Between rotation (rows) and position (rad m).
+    /// Covariance between rotation (rows) and position (rad m).
     pub rotation_with_position: Matrix3<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! AgreeingPair of estimates with each other against the ground truth, over the whole drive.
+//! Agreement of estimates with each other against the ground truth, over the whole drive.
 
 use nalgebra::Vector3;
 

@@ -85,7 +85,7 @@ struct BothPoses {
     time_s: f64,
     estimate_m: Vector3<f64>,
     truth_m: Vector3<f64>,
-    /// Of the estimate and the ground truth; `None` if one of the two has no orientation.
+    /// Orientations by the estimate and by the ground truth; `None` if one of the two has no orientation.
     orientations: Option<[UnitQuaternion<f64>; 2]>,
 }
 

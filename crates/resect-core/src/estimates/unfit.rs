@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     #[error(
-        "its times do not overlap the readings, and its speeds match no part of the drive; check that both are of one \
+        "its times do not overlap those of the ground truth, and its speeds match no part of them; check that both are of one \
          drive, or give its time offset"
     )]
     NoOverlap,

@@ -25,7 +25,7 @@ pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
                 false => "positions",
             };
             let sigma = match truth.covariances.is_empty() {
-                true => "it states no σ: give one if you know it",
+                true => "it states no σ (give one by --truth-sigma)",
                 false => "with its covariance",
             };
             format!("{} · ground truth of {} {kind}, {sigma}", truth.name, truth.poses.len())
@@ -69,9 +69,16 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
         lines.push(String::new());
         lines.extend(odd);
     }
+    let of_truth = match truth {
+        GroundTruth::Trajectory(truth) => &truth.findings[..],
+        GroundTruth::Deployment { .. } => &[],
+    };
     let findings = all.iter().flat_map(|one| one.estimate.findings.iter().chain(&one.fit.findings));
-    let said: Vec<String> =
-        findings.map(|finding| format!("{} {finding}", finding.severity.mark())).collect();
+    let said: Vec<String> = of_truth
+        .iter()
+        .chain(findings)
+        .map(|finding| format!("{} {finding}", finding.severity.mark()))
+        .collect();
     let left_out = judgement.unjudged.iter().map(|(_, why)| format!("x {why}"));
     let said: Vec<String> = said.into_iter().chain(left_out).collect();
     if !said.is_empty() {
