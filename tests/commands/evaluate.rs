@@ -553,6 +553,20 @@ fn odometry_of_bags_is_an_estimate() {
     assert!((1..tum.poses.len()).contains(&cut.poses.len()) && !cut.findings.is_empty());
 }
 
+/// Runs a program of evo and returns the statistics that it prints; it keeps its settings in a home of its own.
+pub fn evo_statistics(command: &mut Command, home: &Path) -> Vec<(String, f64)> {
+    let output = command.env("HOME", home).output().expect("evo on the path");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let statistics: Vec<(String, f64)> = printed
+        .lines()
+        .filter_map(|line| line.trim().split_once('\t'))
+        .filter_map(|(key, value)| Some((key.to_owned(), value.trim().parse().ok()?)))
+        .collect();
+    assert!(statistics.len() >= 6, "{printed}");
+    statistics
+}
+
 /// Compares the numbers with evo's for the same alignment and association: the ground truth at the estimate's own times.
 #[test]
 #[ignore = "needs evo: tests/run --peers"]
@@ -606,17 +620,9 @@ fn the_command_agrees_with_its_peer_evo() {
             if program == "evo_rpe" {
                 command.args(["--delta", "5", "--delta_unit", "m"]);
             }
-            let output = command.env("HOME", folder.path()).output().expect("evo on the path");
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            let printed = String::from_utf8_lossy(&output.stdout);
-            let stats: Vec<(&str, f64)> = printed
-                .lines()
-                .filter_map(|line| line.trim().split_once('\t'))
-                .filter_map(|(key, value)| Some((key, value.trim().parse().ok()?)))
-                .collect();
-            assert!(stats.len() >= 6, "{printed}");
+            let stats = evo_statistics(&mut command, folder.path());
             for (key, theirs) in stats {
-                let Some(ours) = values[key].as_f64() else { continue };
+                let Some(ours) = values[&key].as_f64() else { continue };
                 let what = format!("{program} {relation} {name} {key}: {ours} {theirs}");
                 assert!((ours - theirs).abs() < 1e-6, "{what}");
             }

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use crate::common::slam::{SLAM, Slam, driven, true_pose, write_tum};
 use crate::common::{field_data, of_field};
+use crate::evaluate::evo_statistics;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -375,17 +376,9 @@ fn errors_against_trajectories_agree_with_the_peer_evo() {
             if program == "evo_rpe" {
                 command.args(["--delta", "1", "--delta_unit", "m"]);
             }
-            let output = command.env("HOME", folder.0.path()).output().expect("evo on the path");
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            let printed = String::from_utf8_lossy(&output.stdout);
-            let stats: Vec<(&str, f64)> = printed
-                .lines()
-                .filter_map(|line| line.trim().split_once('\t'))
-                .filter_map(|(key, value)| Some((key, value.trim().parse().ok()?)))
-                .collect();
-            assert!(stats.len() >= 6, "{printed}");
+            let stats = evo_statistics(&mut command, folder.0.path());
             for (key, theirs) in stats {
-                let Some(ours) = values[key].as_f64() else { continue };
+                let Some(ours) = values[&key].as_f64() else { continue };
                 let what = format!("{program} {options:?} {estimate} {key}: {ours} {theirs}");
                 assert!((ours - theirs).abs() < 1e-6, "{what}");
             }
