@@ -83,7 +83,7 @@ pub use model::{
     StudyKind, StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset,
     Visibility, WorkspaceCommand, toasts,
 };
-pub use picture::{offscreen_renderer, picture};
+pub use picture::{offscreen_renderer, picture, without_graphics};
 pub use prepared::channels::Channel;
 pub use scene::SceneView;
 pub use state::State;

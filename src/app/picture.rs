@@ -70,14 +70,17 @@ fn offscreen_state() -> anyhow::Result<RenderState> {
         pollster::block_on(RenderState::create(&configuration, &instance, None, options))
     };
     // OpenGL is tried last, because probing it prints errors about missing displays.
-    render_state(wgpu::Backends::PRIMARY).or_else(|_| render_state(wgpu::Backends::all())).map_err(
-        |error| {
-            let remedy = if cfg!(target_os = "linux") {
-                "on Debian and Ubuntu: apt install mesa-vulkan-drivers"
-            } else {
-                "install the driver of the graphics card's manufacturer"
-            };
-            anyhow::anyhow!("no graphics driver ({error}); {remedy}")
-        },
-    )
+    render_state(wgpu::Backends::PRIMARY)
+        .or_else(|_| render_state(wgpu::Backends::all()))
+        .map_err(|error| anyhow::anyhow!(without_graphics(&error)))
+}
+
+/// Message for a machine without a graphics driver, and its remedy.
+pub fn without_graphics(error: &dyn std::fmt::Display) -> String {
+    let remedy = if cfg!(target_os = "linux") {
+        "on Debian and Ubuntu: apt install mesa-vulkan-drivers"
+    } else {
+        "install the driver of the graphics card's manufacturer"
+    };
+    format!("no graphics driver ({error}); {remedy}")
 }

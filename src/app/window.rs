@@ -9,6 +9,7 @@ use eframe::egui_wgpu::WgpuSetup;
 
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
+use super::file_dialog::system::SystemDialog;
 use super::layout::Layout;
 use super::model::View;
 use super::panels;
@@ -289,6 +290,7 @@ pub fn open_window(start: Start) -> eframe::Result {
             let mut window =
                 ResectWindow::with_saved_state(creation, &start, Settings::default(), saved_state);
             window.shell = Shell::of_system();
+            window.state.dialogs.system = SystemDialog::of_system();
             Ok(Box::new(window))
         }),
     )

@@ -69,7 +69,21 @@ fn window(start: app::Start) -> Result<(), String> {
     if !has_display() {
         return Err("no display".to_owned());
     }
-    app::open_window(start).map_err(|error| format!("the window did not open ({error})"))
+    app::open_window(start).map_err(|error| match error {
+        eframe::Error::Wgpu(error) => app::without_graphics(&error),
+        eframe::Error::Winit(error) => format!("the window did not open ({})", reason(&error)),
+        eframe::Error::WinitEventLoop(error) => {
+            format!("the window did not open ({})", reason(&error))
+        }
+        other => format!("the window did not open ({other})"),
+    })
+}
+
+/// Message of the window's library without the place in its source.
+fn reason(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let after_place = text.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    after_place.map_or(text.as_str(), |(_, reason)| reason).to_owned()
 }
 
 /// Returns true if there is a display; systems other than Linux always have one.

@@ -41,7 +41,6 @@ pub fn window_from(
             ResectWindow::with_saved_state(creation, &start, Settings::default(), saved_state)
         });
     harness.state_mut().state.workspace.fixed_elapsed_ms = Some(1.0);
-    harness.state_mut().state.dialogs.asks_in_window = true;
     settle(&mut harness);
     harness
 }

@@ -353,20 +353,28 @@ fn rows_of_kitti(file: &str, text: &str) -> Result<Vec<[f64; KITTI_FIELDS]>, Ope
     rows.map(row).collect()
 }
 
+fn names_of_times(path: &Path) -> [String; 2] {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    [format!("{stem}_times.txt"), "times.txt".to_owned()]
+}
+
+/// Returns the file of times beside KITTI poses, if there is one.
+pub fn times_beside(path: &Path) -> Option<PathBuf> {
+    names_of_times(path).iter().map(|name| path.with_file_name(name)).find(|path| path.is_file())
+}
+
 /// Poses of KITTI, whose times are in a separate file in the same folder.
 fn of_kitti(
     file: &str,
     path: &Path,
     rows: &[[f64; KITTI_FIELDS]],
 ) -> Result<Vec<EstimatedPose>, OpenError> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let beside = [format!("{stem}_times.txt"), "times.txt".to_owned()];
-    let found = beside.iter().map(|name| path.with_file_name(name)).find(|path| path.is_file());
-    let times_file = found.ok_or_else(|| {
+    let times_file = times_beside(path).ok_or_else(|| {
+        let [own, common] = names_of_times(path);
         OpenError::file(
             file,
             "KITTI poses have no times",
-            format!("put {} beside it", beside.join(" or ")),
+            format!("put {own} or {common} beside it"),
         )
     })?;
     let name = times_file.display().to_string();

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::estimate_file::times_beside;
 use crate::extras::Extras;
+use crate::format::pose_covariance::file_beside as covariances_beside;
 use crate::format::{Format, SESSION_KEY, deployment_toml::parse_toml};
 use crate::open::{FoundFile, list_folder};
 use resect_core::progress::Progress;
@@ -82,7 +84,7 @@ pub fn what_is(path: &Path) -> Dropped {
         | Format::SurveyedPoints => Dropped::ControlPoints,
         Format::RigReading | Format::SensorPositions | Format::RigDistances => Dropped::Rig,
         // Poses of KITTI have the same columns, and a file of times in the same folder.
-        Format::AppliedTransforms if has_times_beside(path) => Dropped::Estimate,
+        Format::AppliedTransforms if times_beside(path).is_some() => Dropped::Estimate,
         Format::AppliedTransforms => Dropped::Unknown(format!(
             "{}: {}; open the folder with the transformed tracks",
             file.file,
@@ -104,13 +106,6 @@ pub fn what_is(path: &Path) -> Dropped {
             }
         }
     }
-}
-
-/// Returns true if a file of times for KITTI poses is in the same folder.
-fn has_times_beside(path: &Path) -> bool {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let names = [format!("{stem}_times.txt"), "times.txt".to_owned()];
-    names.iter().any(|name| path.with_file_name(name).is_file())
 }
 
 fn what_folder_is(path: &Path) -> Dropped {
@@ -177,6 +172,7 @@ pub struct Sorted {
 
 pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
     let mut sorted = Sorted::default();
+    let mut unknown = Vec::new();
     for path in paths {
         let own = path.to_owned();
         match what_is(path) {
@@ -194,9 +190,17 @@ pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
             Dropped::Session => sorted.sessions.push(own),
             Dropped::Settings => sorted.settings.push(own),
             Dropped::Estimate => sorted.estimates.push(own),
-            Dropped::Unknown(why) => sorted.unknown.push(why),
+            Dropped::Unknown(why) => unknown.push((own, why)),
         }
     }
+    // Times and covariances of a trajectory are read with it.
+    let estimates = sorted.estimates.iter();
+    let beside: Vec<PathBuf> = estimates
+        .flat_map(|path| [times_beside(path), covariances_beside(path)])
+        .flatten()
+        .collect();
+    unknown.retain(|(path, _)| !beside.contains(path));
+    sorted.unknown = unknown.into_iter().map(|(_, why)| why).collect();
     // The window system passes the paths in arbitrary order; antennas are numbered by their names.
     sorted.extras.gnss.sort();
     sorted.estimates.sort();
@@ -247,6 +251,26 @@ mod tests {
         assert_eq!(what_is(&folder.path().join("rig")), rig);
         assert_eq!(what_is(folder.path()), Dropped::Deployment);
         assert!(matches!(what_is(&folder.path().join("absent")), Dropped::Unknown(_)));
+    }
+
+    #[test]
+    fn times_and_covariances_belong_to_their_trajectory() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        for (name, text) in [
+            ("gt.txt", "1.5 1 2 3 0 0 0.6 0.8\n"),
+            ("gt_covariance.csv", "1.5,1,0,0,0,1,0,0,0,1\n"),
+            ("poses.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n"),
+            ("times.txt", "0.1\n"),
+        ] {
+            std::fs::write(path(name), text).expect("writable");
+        }
+        let paths = ["times.txt", "gt_covariance.csv", "gt.txt", "poses.txt"].map(path);
+        let sorted = sort(paths.iter().map(PathBuf::as_path));
+        assert_eq!(sorted.estimates, [path("gt.txt"), path("poses.txt")]);
+        assert_eq!(sorted.unknown, [String::new(); 0]);
+        let alone = sort([paths[1].as_path()]);
+        assert_eq!(alone.unknown, ["gt_covariance.csv: not recognised"]);
     }
 
     #[cfg(unix)]

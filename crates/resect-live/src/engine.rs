@@ -126,6 +126,7 @@ impl Engine {
     fn channel(&mut self, channel: &Channel) {
         let encoding = match channel.encoding.as_str() {
             "ros1" => Encoding::Ros1,
+            "json" => Encoding::Json,
             _ => Encoding::Cdr,
         };
         let wanted = self.growing.topic(&channel.topic, &channel.message_type, encoding);

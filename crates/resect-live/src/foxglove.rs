@@ -46,9 +46,9 @@ struct Advertised {
     id: u64,
     topic: String,
     encoding: String,
-    schema_name: String,
-    #[serde(default)]
-    schema: String,
+    /// Channels without a schema have none of the three; some servers write null.
+    schema_name: Option<String>,
+    schema: Option<String>,
     schema_encoding: Option<String>,
 }
 
@@ -88,29 +88,36 @@ impl FoxgloveProtocol {
         let mut events = Vec::new();
         let mut asked = Vec::new();
         for channel in channels {
-            let is_wanted = Kind::of_type(&channel.schema_name).is_some_and(|k| !k.is_pose());
+            let message_type = channel.schema_name.unwrap_or_default();
+            let is_wanted = Kind::of_type(&message_type).is_some_and(|kind| !kind.is_pose());
             if !is_wanted || self.channels.values().any(|known| *known == channel.id) {
                 continue;
             }
-            if !["cdr", "ros1"].contains(&channel.encoding.as_str()) {
-                let first = format!(
-                    "{} ({}) is in encoding `{}`; cdr and ros1 are read",
-                    channel.topic, channel.schema_name, channel.encoding
-                );
-                events.push(Event::LeftOut { what: LeftOut::Encoding, count: 1, first });
-                continue;
-            }
+            let schema_encoding = match channel.encoding.as_str() {
+                "cdr" => "ros2msg",
+                "ros1" => "ros1msg",
+                "json" => "jsonschema",
+                other => {
+                    let topic = channel.topic;
+                    let first = format!(
+                        "{topic} ({message_type}) is in encoding `{other}`; cdr, ros1 and json are read"
+                    );
+                    events.push(Event::LeftOut { what: LeftOut::Encoding, count: 1, first });
+                    continue;
+                }
+            };
             self.next += 1;
             self.channels.insert(self.next, channel.id);
             asked.push(json!({ "id": self.next, "channelId": channel.id }));
-            let by_encoding = if channel.encoding == "cdr" { "ros2msg" } else { "ros1msg" };
             events.push(Event::Channel(Channel {
                 id: channel.id,
                 topic: channel.topic,
-                message_type: channel.schema_name,
+                message_type,
                 encoding: channel.encoding,
-                schema: channel.schema.into_bytes(),
-                schema_encoding: channel.schema_encoding.unwrap_or_else(|| by_encoding.to_owned()),
+                schema: channel.schema.unwrap_or_default().into_bytes(),
+                schema_encoding: channel
+                    .schema_encoding
+                    .unwrap_or_else(|| schema_encoding.to_owned()),
             }));
         }
         let ask = json!({ "op": "subscribe", "subscriptions": asked });
@@ -176,6 +183,20 @@ mod tests {
     }
 
     #[test]
+    fn schemas_that_are_missing_or_null_cost_no_other_channel() {
+        let channels = json!([
+            { "id": 1, "topic": "/json", "encoding": "json", "schemaName": null, "schema": null },
+            { "id": 2, "topic": "/bare", "encoding": "cdr" },
+            { "id": 7, "topic": "/t", "encoding": "json", "schemaName": THEODOLITE, "schema": null },
+        ]);
+        let text = json!({ "op": "advertise", "channels": channels }).to_string();
+        let (events, ask) = FoxgloveProtocol::default().text(&text);
+        let [Event::Channel(channel)] = &events[..] else { panic!("{events:?}") };
+        assert_eq!((channel.id, channel.schema_encoding.as_str()), (7, "jsonschema"));
+        assert!(ask.is_some_and(|ask| ask.contains(r#""channelId":7"#)));
+    }
+
+    #[test]
     fn messages_come_with_their_channel_and_time() {
         let mut protocol = FoxgloveProtocol::default();
         protocol.text(&advertised("cdr", THEODOLITE));
@@ -214,9 +235,9 @@ mod tests {
             assert_eq!(what, LeftOut::Frame, "{text}");
             assert!(!line.contains('\n'), "{line}");
         }
-        let (what, line) = said(&advertised("json", THEODOLITE));
+        let (what, line) = said(&advertised("protobuf", THEODOLITE));
         assert_eq!(what, LeftOut::Encoding);
-        assert!(line.contains("/t") && line.contains("`json`"), "{line}");
+        assert!(line.contains("/t") && line.contains("`protobuf`"), "{line}");
         let (what, line) = said(r#"{"op":"status","level":2,"message":"buffer is full"}"#);
         assert_eq!((what, line.contains("buffer is full")), (LeftOut::Warned, true));
         assert_eq!(protocol.text(r#"{"op":"connectionGraphUpdate","x":1}"#), (Vec::new(), None));

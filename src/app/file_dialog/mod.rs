@@ -1,7 +1,9 @@
-//! Asks for a path: by the system's dialog if there is one ([`system`]), otherwise inside the window ([`PathPrompt`], drawn by
+//! Asks for a path: by the system's dialog if there is one ([`system`], and on Linux `linux.rs` finds out), otherwise inside the window ([`PathPrompt`], drawn by
 //! `panels/path_prompt.rs`). Both answer the same [`Question`].
 
 mod answer;
+#[cfg(target_os = "linux")]
+mod linux;
 mod listing;
 mod prompt;
 mod question;

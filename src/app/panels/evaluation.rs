@@ -151,6 +151,11 @@ fn ranking(
     let mut said: Vec<&Unjudged> = judgement.unjudged.iter().map(|(_, why)| why).collect();
     said.dedup();
     said.into_iter().for_each(|why| finding(ui, state, &why.finding(), commands));
+    if judgement.judged.is_empty() && judgement.unjudged.len() > 1 {
+        ui.label(
+            "If one of these trajectories is the ground truth, press “ground truth” beside it.",
+        );
+    }
 }
 
 /// Lists the spans in which the estimate and the ground truth contradict each other; a click selects them.

@@ -12,7 +12,7 @@ use crate::app::file_dialog::{
 impl State {
     /// Asks for a path. Cancels a prompt that is still open.
     pub(super) fn ask(&mut self, question: Question) -> Answer {
-        if !self.dialogs.asks_in_window {
+        if self.dialogs.system.is_ready() {
             return Answer::OfSystem(system::ask(&question));
         }
         let (answer, receiver) = channel();

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 
 use super::deployments::Then;
-use crate::app::file_dialog::{self, PathPrompt};
+use crate::app::file_dialog::PathPrompt;
+use crate::app::file_dialog::system::SystemDialog;
 use crate::app::model::{Asked, Overlay};
 use resect_io::source::Source;
 use resect_io::what_is::Sorted;
 
+#[derive(Default)]
 pub struct Dialogs {
     /// The command palette, the shortcut sheet or the glossary.
     pub overlay: Overlay,
@@ -17,27 +19,13 @@ pub struct Dialogs {
     pub prompt: Option<OpenPrompt>,
     /// Pending questions to the user, answered in turn.
     pub(super) asked: VecDeque<PendingQuestion>,
-    /// True if path dialogs are inside the window, because the system has none.
-    pub asks_in_window: bool,
+    /// Path dialogs are inside the window until this one is ready.
+    pub system: SystemDialog,
     /// Folder of the last path chosen for opening.
     pub(super) last_folder_opened: Option<PathBuf>,
     /// Folder of the last path chosen for saving.
     pub(super) last_folder_saved: Option<PathBuf>,
     pub hovering: Hovering,
-}
-
-impl Default for Dialogs {
-    fn default() -> Self {
-        Self {
-            overlay: Overlay::None,
-            prompt: None,
-            asked: VecDeque::new(),
-            asks_in_window: !file_dialog::system::is_there(),
-            last_folder_opened: None,
-            last_folder_saved: None,
-            hovering: Hovering::default(),
-        }
-    }
 }
 
 /// The path dialog inside the window, and the channel for its answer.

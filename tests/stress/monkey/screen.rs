@@ -95,7 +95,6 @@ impl Screen {
         let start = Start::Sample(Sample::Warthog);
         let mut window =
             ResectWindow::with_saved_state(&creation, &start, Settings::default(), Some(keeping));
-        window.state.dialogs.asks_in_window = true;
         self.window = Some(window);
         self.frame(Vec::new());
     }

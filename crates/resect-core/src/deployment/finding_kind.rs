@@ -120,6 +120,8 @@ finding_kinds! {
     BagSplitsUnread = "bag-splits-unread", Warning;
     /// Several bags are read as one drive.
     BagsJoined = "bags-joined", Note;
+    /// Files contain the same readings as another, and are not read.
+    CopiesLeftOut = "copies-left-out", Note;
     /// One of the numbered bags of a recording is missing.
     BagMissing = "bag-missing", Warning;
     /// Readings have no synchronised stamp, so the clock of the station is used.

@@ -49,6 +49,15 @@ pub fn bag_incomplete(file: &str, remark: &str) -> Finding {
         .within(file)
 }
 
+/// `others` contain the same readings as `file`.
+pub fn copies_left_out<'a>(file: &str, others: impl Iterator<Item = &'a str>) -> Finding {
+    let others: Vec<&str> = others.collect();
+    let message = format!("{file} is read; the same readings are in {}", others.join(", "));
+    Finding::new(FindingKind::CopiesLeftOut, message)
+        .about(Subject::File(file.to_owned()))
+        .count("files", others.len())
+}
+
 pub fn bag_splits_unread(file: &str, others: &[&str]) -> Finding {
     Finding::new(
         FindingKind::BagSplitsUnread,

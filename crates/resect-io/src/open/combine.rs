@@ -113,14 +113,16 @@ fn put_together<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_core::deployment::FindingKind;
 
     const TRACKS: &str =
         "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";
 
     #[test]
     fn two_representations_are_a_question() {
+        let others = TRACKS.replace("0.1,2,11", "0.1,2,12");
         let error =
-            open_files("d", &[("a.csv", TRACKS), ("b.csv", TRACKS)]).expect_err("ambiguous");
+            open_files("d", &[("a.csv", TRACKS), ("b.csv", &others)]).expect_err("ambiguous");
         assert!(
             error.to_string().contains("several files contain tracks: a.csv, b.csv"),
             "{error}"
@@ -133,6 +135,17 @@ mod tests {
         let unused: Vec<_> = deployment.ingredients.iter().filter(|i| !i.used).collect();
         assert_eq!(unused.len(), 1);
         assert_eq!(unused[0].file, "a.csv");
+    }
+
+    #[test]
+    fn copies_are_read_once_and_told() {
+        let rounded = TRACKS.replace("0.1,1.5", "0.1000001,1.5000000");
+        let files = [("a (1).csv", TRACKS), ("a.csv", TRACKS), ("b.csv", &rounded)];
+        let deployment = open_files("d", &files).expect("opens");
+        assert_eq!(deployment.tracks.each_ref().map(|track| track.measurements.len()), [1; 3]);
+        let told = deployment.findings.iter().find(|f| f.kind == FindingKind::CopiesLeftOut);
+        let told = told.expect("told").message().to_string();
+        assert_eq!(told, "a.csv is read; the same readings are in b.csv, a (1).csv");
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod clock_jump;
 mod collection;
 mod combine;
 mod control_points;
+mod copies;
 mod dated;
 mod found;
 mod gnss;

@@ -1,9 +1,11 @@
 //! The tracks of a deployment: their files, their readings, and the readings that the user leaves out.
 
+use super::copies::{self, SAME_STAMP_S};
 use super::found::{Found, FoundFile};
 use super::{bags, dated, tables, track_checks};
 use super::{cartesian, clock_jump};
 use crate::error::{OpenError, Question};
+use crate::findings::bags::copies_left_out;
 use crate::findings::tracks::{
     masked_readings_missing, prism_constant_added, readings_masked, span_selected,
     stations_renumbered,
@@ -17,9 +19,6 @@ use resect_core::deployment::{
     station_clocks,
 };
 use resect_core::progress::Progress;
-
-/// Largest difference of stamps of one reading (s): text files round them to microseconds.
-const SAME_STAMP_S: f64 = 2e-6;
 
 /// Contents of the files with tracks.
 pub struct TracksRead<'a> {
@@ -49,7 +48,27 @@ pub fn read<'a>(
     let named = overrides.tracks.as_ref().map(OneOrMany::as_slice);
     let chosen = answered.or(found.chosen.as_ref().map(std::slice::from_ref)).or(named);
     let columns = overrides.columns.as_ref();
-    let track_files = choose_tracks(name, chosen, columns, files, progress)?;
+    let track_files = match choose_tracks(name, chosen, columns, files, progress)? {
+        Choice::Files(chosen) => chosen,
+        Choice::OneOf(mut candidates) => {
+            let read = |file: &FoundFile| {
+                let stations = tables::stations(name, &[file], columns, files, false)?;
+                let mut recording =
+                    Recording::new(overrides.stations, overrides.is_counter_clockwise());
+                read_files(&[file], &stations, overrides, progress, &mut recording)?;
+                Ok(recording.finish(&file.file)?.0)
+            };
+            if !copies::are_copies(&candidates, read)? {
+                let files = candidates.iter().map(|f| f.file.clone()).collect();
+                return Err(Question::Tracks { folder: name.to_owned(), files }.into());
+            }
+            // Copies have the longer names: "tracks (1).csv", "drive.orig.bag".
+            candidates.sort_by_key(|file| file.file.len());
+            let (first, others) = candidates.split_at(1);
+            findings.push(copies_left_out(&first[0].file, others.iter().map(|f| f.file.as_str())));
+            first.to_vec()
+        }
+    };
     findings.extend(bags::finding(&track_files, files));
     let stations = tables::stations(name, &track_files, columns, files, chosen.is_some())?;
     let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
@@ -169,21 +188,29 @@ fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<
     }
 }
 
-/// Chooses the files with tracks; asks the user if a folder has two representations.
+/// Files with tracks in a folder.
+enum Choice<'a> {
+    /// All of them are read.
+    Files(Vec<&'a FoundFile>),
+    /// Representations of one drive, or different drives.
+    OneOf(Vec<&'a FoundFile>),
+}
+
+/// Chooses the files with tracks.
 fn choose_tracks<'a>(
     name: &str,
     chosen: Option<&[String]>,
     columns: Option<&ColumnMapping>,
     files: &'a [FoundFile],
     progress: &Progress,
-) -> Result<Vec<&'a FoundFile>, OpenError> {
+) -> Result<Choice<'a>, OpenError> {
     // A file that may be a track is used only if it was named, or if there is no other.
     let is_asked_for = |f: &FoundFile| chosen.is_some() && f.format.may_be_track();
     let candidates: Vec<_> =
         files.iter().filter(|f| f.format.is_track() || is_asked_for(f)).collect();
     let names = || candidates.iter().map(|f| f.file.clone()).collect::<Vec<_>>();
     if let Some(positions) = cartesian::choose(name, chosen, &candidates)? {
-        return Ok(positions);
+        return Ok(Choice::Files(positions));
     }
     if let Some(chosen) = chosen {
         let find = |chosen: &String| {
@@ -195,11 +222,11 @@ fn choose_tracks<'a>(
                 )
             })
         };
-        return chosen.iter().map(find).collect();
+        return chosen.iter().map(find).collect::<Result<_, _>>().map(Choice::Files);
     }
     match candidates[..] {
-        [only] => Ok(vec![only]),
-        [] if let Some(unknown) = tables::unknown(columns, files)? => Ok(unknown),
+        [only] => Ok(Choice::Files(vec![only])),
+        [] if let Some(unknown) = tables::unknown(columns, files)? => Ok(Choice::Files(unknown)),
         [] if let Some(columns) = columns
             && let Some(table) = files.iter().find(|f| f.format == Format::UnknownTable) =>
         {
@@ -221,9 +248,13 @@ fn choose_tracks<'a>(
                 "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 or ROS 2 bag",
             ))
         }
-        _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => Ok(pieces),
-        _ if candidates.iter().all(|f| tables::is_one_stations(f, columns)) => Ok(candidates),
-        _ => Err(Question::Tracks { folder: name.to_owned(), files: names() }.into()),
+        _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => {
+            Ok(Choice::Files(pieces))
+        }
+        _ if candidates.iter().all(|f| tables::is_one_stations(f, columns)) => {
+            Ok(Choice::Files(candidates))
+        }
+        _ => Ok(Choice::OneOf(candidates)),
     }
 }
 
