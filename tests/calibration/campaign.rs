@@ -8,6 +8,7 @@
 
 mod beyond;
 mod cramer_rao;
+mod inter_prism_ratio;
 mod poses;
 mod surveys;
 
