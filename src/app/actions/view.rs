@@ -208,9 +208,11 @@ fn hiding(state: &State) -> Vec<Action> {
         set("Ellipsoids", &format!("Ellipsoids ×{scale}"), options)
             .one_of(scene.ellipsoid_scale == scale)
     }));
-    actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
+    let scales = SceneOptions::ERROR_SCALES.map(Some);
+    actions.extend([None].into_iter().chain(scales).map(|scale| {
         let options = SceneOptions { residual_scale: scale, ..scene };
-        set("Residual arrows", &format!("Residual arrows ×{scale}"), options)
+        let name = scale.map_or("to fit the view".to_owned(), |scale| format!("×{scale}"));
+        set("Residual arrows", &format!("Residual arrows {name}"), options)
             .one_of(scene.residual_scale == scale)
     }));
     actions.extend(SceneOptions::HEIGHT_SCALES.into_iter().map(|scale| {

@@ -111,6 +111,8 @@ pub enum SceneCommand {
         file: String,
         marker: i64,
     },
+    /// Ends the emphasis of that control point.
+    ForgetPoint,
     Picture(PictureTo),
 }
 

@@ -11,8 +11,9 @@ pub struct SceneOptions {
     pub legend_open: Option<bool>,
     /// Magnification of the ellipsoids of stations and tracks.
     pub ellipsoid_scale: u32,
-    /// Magnification of the residual arrows at the control points.
-    pub residual_scale: u32,
+    /// Magnification of the residual arrows at the control points; `None` for the one that suits the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual_scale: Option<u32>,
     /// Vertical exaggeration of the whole scene, which makes the relief of flat ground visible.
     pub height_scale: u32,
     /// Length of the trail behind each prism at the time cursor (s); 0 for none.
@@ -22,7 +23,7 @@ pub struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Fixed scales of ellipsoids and arrows; scales that depend on the result could make a better result look worse.
+    /// Scales of ellipsoids and arrows. Those of ellipsoids do not depend on the result, which could make a better result look worse.
     pub const ERROR_SCALES: [u32; 5] = [1, 10, 100, 1000, 10_000];
     pub const HEIGHT_SCALES: [u32; 4] = [1, 2, 5, 10];
     pub const TRAILS_S: [u32; 4] = [0, 10, 30, 60];
@@ -38,7 +39,7 @@ impl Default for SceneOptions {
         Self {
             legend_open: None,
             ellipsoid_scale: 100,
-            residual_scale: 1000,
+            residual_scale: None,
             height_scale: 1,
             trail_s: 0,
             follow: false,

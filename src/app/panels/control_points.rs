@@ -2,7 +2,7 @@
 
 use egui::{RichText, Role, WidgetInfo};
 
-use crate::app::model::{Commands, Pane, SceneCommand, WorkspaceCommand};
+use crate::app::model::{Commands, SceneCommand};
 use crate::app::prepared::control_points::{PointResidual, residuals};
 use crate::app::state::State;
 use crate::app::theme;
@@ -87,8 +87,8 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
             let name = format!("Go to control point {}", point.name);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
             if button.on_hover_text(name).clicked() {
-                commands.push(WorkspaceCommand::ShowPane(Pane::Scene).into());
-                commands.push(SceneCommand::ComeTo(point.mean_m).into());
+                let (file, marker) = (point.file.clone(), point.marker);
+                commands.push(SceneCommand::LookAtPoint { file, marker }.into());
             }
         } else {
             ui.weak(&point.name);

@@ -12,6 +12,8 @@ pub struct PointResidual {
     /// Letter of the point's set, and its number in the set: "P3".
     pub name: String,
     pub file: String,
+    /// Number of the point in its file.
+    pub marker: i64,
     pub pillar: bool,
     /// Mean of its positions by the stations (m, station 1's frame).
     pub mean_m: Vector3<f64>,
@@ -57,6 +59,7 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResid
             all.push(PointResidual {
                 name: point_name(deployment, number, point.marker),
                 file: set.file.clone(),
+                marker: point.marker,
                 pillar: set.pillars,
                 mean_m,
                 residuals_m: placed_m.map(|placed_m| Some(placed_m? - mean_m)),

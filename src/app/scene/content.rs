@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::colouring::{Colours, fate_of};
+use super::control_points::DrawnArrows;
 use super::ghosts::Ghost;
 use super::grid::Grid;
 use super::trail::Trail;
@@ -85,8 +86,8 @@ pub struct SceneContent {
     /// True if ellipsoids of the interpolation, and of the stations, are drawn.
     pub track_ellipsoids: bool,
     pub station_ellipsoids: bool,
-    /// Number of residual arrows of control points that are cut short; `None` without arrows.
-    pub residuals: Option<usize>,
+    /// The residual arrows of control points; `None` without arrows.
+    pub arrows: Option<DrawnArrows>,
 }
 
 impl SceneContent {

@@ -11,13 +11,25 @@ use resect_core::geometry::RigidTransform;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
+use resect_core::statistics::quantile_of_sorted;
 
 /// Half the length of a cross (m); constant, so that the stations' observations of a point can be distinguished.
 const ARM_M: f32 = 0.35;
 /// Length of an arrow's head relative to the arrow.
 const HEAD: f32 = 0.2;
-/// Greatest length of an arrow relative to the extent of all points.
-const LONGEST: f64 = 0.05;
+/// Length of the longest arrow relative to the extent of the scene, and that at which arrows are cut.
+const LONG: f64 = 0.05;
+const LONGEST: f64 = 0.075;
+/// Share of the arrows that the automatic scale leaves uncut: a point that was confused with another must not hide the others.
+const UNCUT: f64 = 0.95;
+
+/// Residual arrows in the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawnArrows {
+    pub scale: u32,
+    /// Number of arrows that are cut short.
+    pub cut: usize,
+}
 
 impl SceneContent {
     /// Adds the positions of the control points as observed by a station, each with its name.
@@ -40,8 +52,7 @@ impl SceneContent {
                 let kind = if set.pillars { "pillar" } else { "control point" };
                 let (marker, file) = (point.marker, &set.file);
                 let name = format!("{kind} {marker} of {file} from station {}", station + 1);
-                let fitted_in = !set.pillars;
-                self.landmarks.push(Landmark { position_m, name, fitted_in });
+                self.landmarks.push(Landmark { position_m, name });
                 if station == 0 {
                     let name = point_name(deployment, number, marker);
                     self.labels.push(Label {
@@ -55,27 +66,28 @@ impl SceneContent {
         }
     }
 
-    /// Adds arrows from each point's mean to its position by each visible station, enlarged by a factor.
+    /// Adds arrows from each point's mean to its position by each visible station, enlarged by a factor. Without one, the factor
+    /// makes the longest arrow about a twentieth of the scene.
     ///
-    /// Arrows of a wrong calibration would cover everything: longer ones are cut
-    /// and have no head. Returns the number of cut arrows; `None` without arrows.
+    /// Arrows of a wrong calibration would cover everything: longer ones are cut and have no head. Returns `None` without arrows.
     pub fn add_residuals(
         &mut self,
         deployment: &Deployment,
         analysis: &Analysis,
         shown: &[bool; 3],
-        scale: f64,
-    ) -> Option<usize> {
+        scale: Option<u32>,
+    ) -> Option<DrawnArrows> {
         let points = residuals(deployment, analysis);
-        let corners = points.iter().map(|point| (point.mean_m, point.mean_m));
-        let (low, high) = corners.reduce(|(low, high), (a, b)| (low.inf(&a), high.sup(&b)))?;
-        let longest_m = (LONGEST * (high - low).norm()).max(f64::from(ARM_M));
+        let (low_m, high_m) = self.bounds_m.filter(|_| !points.is_empty())?;
+        let extent_m = f64::from((high_m - low_m).norm());
+        let longest_m = (LONGEST * extent_m).max(f64::from(ARM_M));
+        let scale = scale.unwrap_or_else(|| suitable_scale(&points, LONG * extent_m));
         let mut cut = 0;
         for PointResidual { mean_m, residuals_m, .. } in &points {
             for station in (0..3).filter(|station| shown[*station]) {
                 let Some(residual_m) = residuals_m[station] else { continue };
                 let (from, colour) = (mean_m.cast::<f32>(), palette::STATIONS[station]);
-                let arrow_m = scale * residual_m;
+                let arrow_m = f64::from(scale) * residual_m;
                 if arrow_m.norm() > longest_m {
                     let end_m = mean_m + arrow_m.normalize() * longest_m;
                     self.add_arrow_line([from, end_m.cast()], colour);
@@ -85,7 +97,7 @@ impl SceneContent {
                 }
             }
         }
-        shown.contains(&true).then_some(cut)
+        shown.contains(&true).then_some(DrawnArrows { scale, cut })
     }
 
     fn add_arrow(&mut self, [from, tip]: [Vector3<f32>; 2], colour: Rgb) {
@@ -108,5 +120,44 @@ impl SceneContent {
             colour: opaque(colour),
             width_points: 1.5,
         });
+    }
+}
+
+/// Returns the largest scale of the series 1, 2, 5, 10 … with which nearly all residuals are at most this long (m).
+fn suitable_scale(points: &[PointResidual], long_m: f64) -> u32 {
+    let lengths_m = points.iter().flat_map(|point| point.residuals_m.iter().flatten());
+    let mut lengths_m: Vec<f64> = lengths_m.map(Vector3::norm).collect();
+    lengths_m.sort_by(f64::total_cmp);
+    let largest_m = quantile_of_sorted(&lengths_m, UNCUT).unwrap_or_default();
+    let scales = (0..6).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u32.pow(power)));
+    scales.take_while(|scale| f64::from(*scale) * largest_m <= long_m).last().unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrows_suit_the_scene_whatever_the_residuals() {
+        let point = |residual_m: f64| PointResidual {
+            name: "1".to_owned(),
+            file: "GCP.txt".to_owned(),
+            marker: 1,
+            pillar: false,
+            mean_m: Vector3::zeros(),
+            residuals_m: [Some(Vector3::x() * residual_m), None, None],
+            used: true,
+        };
+        let scale = |residuals_m: &[f64]| {
+            suitable_scale(&residuals_m.iter().copied().map(point).collect::<Vec<_>>(), 5.0)
+        };
+        assert_eq!(scale(&[0.001, 0.002]), 2000);
+        assert_eq!(scale(&[0.030]), 100);
+        assert_eq!(scale(&[60.0]), 1);
+        assert_eq!(scale(&[0.0]), 500_000);
+        // One confused point among many is cut.
+        let mut many = vec![0.002; 60];
+        many.push(30.0);
+        assert_eq!(scale(&many), 2000);
     }
 }

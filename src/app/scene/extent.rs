@@ -29,10 +29,12 @@ impl SceneContent {
 
     /// Samples the outline of the visible points; of all points if none is visible.
     pub fn find_outline(&mut self, analysis: &Analysis, visibility: &Visibility) {
-        let fitted_in = self.landmarks.iter().filter(|landmark| landmark.fitted_in);
+        // Control points are far from some drives, and would make the rest small.
+        let shown = |station: &usize| visibility.stations[*station];
+        let placed = (0..3).filter(shown).filter_map(|k| self.station1_from_station[k]);
         let mut seen: Vec<Vector3<f32>> =
-            fitted_in.map(|landmark| landmark.position_m.cast::<f32>()).collect();
-        let landmarks = seen.len();
+            placed.map(|transform| transform.translation_m.cast::<f32>()).collect();
+        let stations = seen.len();
         seen.extend(&self.truth_m);
         let mut wild = Vec::new();
         for station in 0..3 {
@@ -46,16 +48,19 @@ impl SceneContent {
             wild.extend(self.readings_m(station, |index| shown(index) && is_wild(index)));
         }
         // Outliers may be at any position; they count only if there is nothing else.
-        if seen.len() == landmarks {
+        if seen.len() == stations {
             seen.append(&mut wild);
+        }
+        if seen.len() == stations {
+            seen.extend(self.landmarks.iter().map(|landmark| landmark.position_m.cast::<f32>()));
         }
         if seen.is_empty() {
             seen.extend(self.bounds_m.iter().flat_map(|(low, high)| [*low, *high]));
         }
         let step = seen.len().div_ceil(OUTLINE_POINTS).max(1);
-        // Thinning must keep every station and control point: they come first.
-        let (landmarks, points) = seen.split_at(landmarks);
-        self.outline_m = landmarks.iter().chain(points.iter().step_by(step)).copied().collect();
+        // Thinning must keep every station: they come first.
+        let (stations, points) = seen.split_at(stations);
+        self.outline_m = stations.iter().chain(points.iter().step_by(step)).copied().collect();
     }
 
     fn shows_reading_of(&self, analysis: &Analysis, visibility: &Visibility, at: Picked) -> bool {

@@ -130,7 +130,10 @@ pub fn click(
                 track.time_s(open, analysis).map(|time_s| TimeCommand::MoveCursor(time_s).into()),
             );
         }
-        None if open.timeline.picked.is_some() => commands.push(TimeCommand::Unpick.into()),
-        None => {}
+        None => {
+            commands.extend(open.timeline.picked.map(|_| TimeCommand::Unpick.into()));
+            let point = state.scene.shown_point.as_ref();
+            commands.extend(point.map(|_| SceneCommand::ForgetPoint.into()));
+        }
     }
 }

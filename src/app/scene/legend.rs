@@ -2,8 +2,8 @@
 
 use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
+use super::SceneContent;
 use super::legend_rows::{self, LegendRow, Swatch};
-use super::{SceneContent, labels};
 use crate::app::model::{
     Added, Commands, JudgingCommand, OpenDeployment, SceneCommand, SceneOptions,
 };
@@ -57,8 +57,10 @@ pub fn ui(
             }
         });
         let place = inside.response.rect;
-        let shape = labels::ground_shape(place, ui.visuals().dark_mode);
-        ui.painter().set(ground, shape);
+        // A frame shows that the lines of the scene go on below.
+        let (fill, line) = (ui.visuals().panel_fill, ui.visuals().window_stroke);
+        let frame = egui::epaint::RectShape::new(place, 4.0, fill, line, egui::StrokeKind::Inside);
+        ui.painter().set(ground, frame);
         place
     });
     response.response.widget_info(|| WidgetInfo::labeled(Role::Group, true, "Key of the scene"));
@@ -146,12 +148,18 @@ fn rows(
     }
     let scene = state.scene.options;
     if legend_rows::states_errors(analysis) {
-        let set = |scale| SceneOptions { ellipsoid_scale: scale, ..scene };
-        scale(ui, ("ellipsoids", "Scale of the ellipsoids"), scene.ellipsoid_scale, set, commands);
+        let set = |scale: Option<u32>| SceneOptions {
+            ellipsoid_scale: scale.unwrap_or(scene.ellipsoid_scale),
+            ..scene
+        };
+        let names = ("ellipsoids", "Scale of the ellipsoids");
+        scale(ui, names, (Some(scene.ellipsoid_scale), None), set, commands);
     }
     if legend_rows::has_residuals(open, analysis) {
         let set = |scale| SceneOptions { residual_scale: scale, ..scene };
-        scale(ui, ("arrows", "Scale of the residuals"), scene.residual_scale, set, commands);
+        let names = ("arrows", "Scale of the residuals");
+        let drawn = content.arrows.map(|arrows| arrows.scale);
+        scale(ui, names, (scene.residual_scale, drawn), set, commands);
     }
 }
 
@@ -230,23 +238,25 @@ fn row(ui: &mut egui::Ui, row: &LegendRow, size: Vec2, commands: &mut Commands) 
     }
 }
 
-/// Lets the user choose the enlargement of the drawn errors.
+/// Lets the user choose the enlargement of the drawn errors: the chosen one, and the drawn one where the program may choose.
 fn scale(
     ui: &mut egui::Ui,
     (what, name): (&str, &str),
-    now: u32,
-    set: impl Fn(u32) -> SceneOptions,
+    (now, drawn): (Option<u32>, Option<u32>),
+    set: impl Fn(Option<u32>) -> SceneOptions,
     commands: &mut Commands,
 ) {
     ui.horizontal(|ui| {
         ui.add_sized(Vec2::new(92.0, ROW), egui::Label::new(small(&format!("{what} drawn"))));
         let mut scale = now;
-        let combo = egui::ComboBox::from_id_salt(name)
-            .width(72.0)
-            .selected_text(format!("×{scale}"))
-            .show_ui(ui, |ui| {
+        let shown = now.or(drawn).map_or("–".to_owned(), |scale| format!("×{scale}"));
+        let combo =
+            egui::ComboBox::from_id_salt(name).width(72.0).selected_text(shown).show_ui(ui, |ui| {
+                if drawn.is_some() {
+                    ui.selectable_value(&mut scale, None, "to fit the view");
+                }
                 for choice in SceneOptions::ERROR_SCALES {
-                    ui.selectable_value(&mut scale, choice, format!("×{choice}"));
+                    ui.selectable_value(&mut scale, Some(choice), format!("×{choice}"));
                 }
             });
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));

@@ -8,7 +8,7 @@
 //!   built by [`refresh`] and [`rebuild`] when the state changes; [`extent`] computes the extent of all of it.
 //!
 //! [`camera`] defines the view ([`flight`] moves it, [`input`] steers it). [`renderer`] draws it with wgpu into a texture of its own
-//! (depth, four samples). [`projection`] gives the positions on the screen of everything written over the picture: [`labels`] and the item
+//! (depth, four samples). [`projection`] gives the positions on the screen of everything written over the picture: [`labels`], [`edge_marks`], the [`shown_point`] and the item
 //! [`under_pointer`]. [`legend`] and [`controls`] lie over it and leave a [`free_part`]; the [`strip`] under it shows further text.
 //!
 //! The [`trail`] is a segment of the tracks, drawn a second time.
@@ -24,6 +24,7 @@ mod content;
 mod control_points;
 mod controls;
 mod cursor;
+mod edge_marks;
 mod estimates;
 mod extent;
 mod free_part;
@@ -40,6 +41,7 @@ mod rebuild;
 mod refresh;
 mod renderer;
 mod ruler;
+mod shown_point;
 mod station_uncertainty;
 mod strip;
 mod strip_text;

@@ -42,6 +42,15 @@ impl Projection {
         Some(self.rect.center() + 0.5 * ndc * self.rect.size())
     }
 
+    /// Returns the direction on the screen from the centre of the picture to a point, which may be behind the camera; `None`
+    /// in the centre.
+    pub fn direction(&self, position_m: &Vector3<f32>) -> Option<Vec2> {
+        let clip =
+            self.clip_from_world * Vector4::new(position_m.x, position_m.y, position_m.z, 1.0);
+        let towards = Vec2::new(clip.x * self.rect.width(), -clip.y * self.rect.height());
+        (towards.length() > 0.0).then(|| towards.normalized())
+    }
+
     /// Returns the screen position of a point; `None` outside of the picture.
     pub fn visible(&self, position_m: &Vector3<f64>) -> Option<Pos2> {
         self.screen(&position_m.cast::<f32>()).filter(|at| self.rect.contains(*at))

@@ -45,7 +45,7 @@ impl SceneContent {
         self.set_ground_truth(deployment);
         self.find_bounds(analysis);
         (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
-        self.residuals = None;
+        self.arrows = None;
         let transforms = self.station1_from_station;
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
         let tracks = self.station1_from_tracks;
@@ -75,8 +75,7 @@ impl SceneContent {
         }
         if visibility.control_points && visibility.residuals {
             let shown = [0, 1, 2].map(shown);
-            let scale = f64::from(options.residual_scale);
-            self.residuals = self.add_residuals(deployment, analysis, &shown, scale);
+            self.arrows = self.add_residuals(deployment, analysis, &shown, options.residual_scale);
         }
         self.poses =
             if visibility.poses { vehicle::poses_along(deployment, analysis) } else { Vec::new() };
@@ -151,7 +150,6 @@ impl SceneContent {
         self.landmarks.push(Landmark {
             position_m: transform.translation_m,
             name: format!("station {}", station + 1),
-            fitted_in: true,
         });
     }
 

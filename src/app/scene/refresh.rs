@@ -44,7 +44,7 @@ impl SceneView {
             deployment: open.id,
             analysis: run,
             visibility: state.scene.visibility,
-            scales: [state.scene.options.ellipsoid_scale, state.scene.options.residual_scale],
+            scales: (state.scene.options.ellipsoid_scale, state.scene.options.residual_scale),
             dark,
         };
         let rebuilt = self.built.as_ref() != Some(&wanted);

@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::SceneContent;
+use super::control_points::DrawnArrows;
 use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;
@@ -38,9 +39,9 @@ pub fn texts(
         plain.push(format!("heights drawn ×{}", state.scene.options.height_scale));
     }
     plain.extend(ellipsoids(state, content));
-    if let Some(cut) = content.residuals {
+    if let Some(DrawnArrows { scale, cut }) = content.arrows {
         let cut = if cut > 0 { format!(", {cut} truncated") } else { String::new() };
-        plain.push(format!("residuals ×{}{cut}", state.scene.options.residual_scale));
+        plain.push(format!("residuals ×{scale}{cut}"));
     }
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));

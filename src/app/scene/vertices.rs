@@ -53,8 +53,6 @@ pub struct Landmark {
     /// Position of the landmark (m, station 1's frame).
     pub position_m: Vector3<f64>,
     pub name: String,
-    /// True if the camera fits it in; geodetic pillars are excluded, since distant ones would make the rest small.
-    pub fitted_in: bool,
 }
 
 /// A list of vertices, and a number that changes with them.

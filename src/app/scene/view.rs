@@ -10,7 +10,10 @@ use super::input::{click, move_camera, take_keys};
 use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
-use super::{SceneContent, SceneRenderer, controls, free_part, ghosts, legend, strip};
+use super::{
+    SceneContent, SceneRenderer, controls, edge_marks, free_part, ghosts, legend, shown_point,
+    strip,
+};
 use crate::app::model::follow::Follow;
 use crate::app::model::{
     Camera, Colouring, Commands, Frame, Look, OpenDeployment, Picked, SceneCommand, SceneOptions,
@@ -59,8 +62,8 @@ pub struct Built {
     pub(super) deployment: u64,
     pub(super) analysis: u64,
     pub(super) visibility: Visibility,
-    /// Enlargement of ellipsoids, and of residual arrows.
-    pub(super) scales: [u32; 2],
+    /// Enlargement of ellipsoids, and the chosen one of residual arrows.
+    pub(super) scales: (u32, Option<u32>),
     pub(super) dark: bool,
 }
 
@@ -131,8 +134,10 @@ impl SceneView {
             let mut placer = Placer::new(rect, over);
             let eye_m = view.camera.eye_m();
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
+            edge_marks::paint(&painter, &projection, &self.content, &mut placer, dark);
             ghosts::paint(&painter, &projection, &self.content.ghosts, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
+            shown_point::paint(&painter, &projection, (open, analysis), state, dark);
             self.show_hovered(ui, &response, &projection, state, commands);
             click(&self.content, &response, &projection, state, commands);
             if !under_pointer::is_anything_in_sight(&self.content, &projection) {

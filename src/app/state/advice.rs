@@ -1,6 +1,7 @@
 //! Display of the subject of a finding.
 
 use super::State;
+use super::scene_state::ShownPoint;
 use crate::app::model::{Pane, Picked};
 
 impl State {
@@ -43,5 +44,6 @@ impl State {
         self.scene.visibility.control_points = true;
         self.workspace.layout.show(Pane::Scene);
         self.come_to(&position_m);
+        self.scene.shown_point = Some(ShownPoint { file: file.to_owned(), marker, position_m });
     }
 }

@@ -15,6 +15,7 @@ impl State {
             Command::Measure(ruler) => self.scene.ruler = ruler,
             Command::Look(preset) => self.look(preset),
             Command::ComeTo(position_m) => self.come_to(&position_m),
+            Command::ForgetPoint => self.scene.shown_point = None,
             Command::LookAtPoint { file, marker } => self.look_at_point(&file, marker),
             Command::Picture(to) => {
                 self.workspace.layout.show(Pane::Scene);
@@ -27,6 +28,7 @@ impl State {
     /// Applies a view preset. While the camera follows the rig, a direction only rotates it; fitting or a station's view
     /// ends the following.
     pub(super) fn look(&mut self, preset: ViewPreset) {
+        self.scene.shown_point = None;
         use ViewPreset::{Fit, Front, Side, Slanted, Station, Top};
         match preset {
             Slanted | Top | Front | Side if self.scene.options.follow => {
@@ -42,6 +44,7 @@ impl State {
     /// Moves the camera smoothly to a position (m, station 1's frame), and stops following the rig.
     pub(super) fn come_to(&mut self, position_m: &Vector3<f64>) {
         self.scene.options.follow = false;
+        self.scene.shown_point = None;
         self.scene.view.fly_to(position_m);
     }
 
