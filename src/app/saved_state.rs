@@ -74,6 +74,7 @@ impl SavedState {
         state.workspace.in_the_sun = self.preferences.in_the_sun;
         theme::in_the_sun(ctx, state.workspace.in_the_sun);
         state.workspace.units = self.preferences.units;
+        state.workspace.asks_before_closing = !self.preferences.closes_unasked;
         state.session.recent = self.preferences.recent.clone();
         state.session.last = Some(self.last.clone());
         state.session.share(Arc::clone(&self.cache));
@@ -142,6 +143,8 @@ impl SavedState {
             layout: Some(state.workspace.layout.describe())
                 .filter(|it| *it != Layout::default().describe()),
             window_points: size.or(self.preferences.window_points),
+            closes_unasked: !state.workspace.asks_before_closing,
+            maximized: ctx.input(|input| input.viewport().maximized).unwrap_or(false),
             recent: state.session.recent.clone(),
         };
         self.file.keep(&self.preferences);

@@ -38,9 +38,11 @@ pub fn apply(ctx: &egui::Context) {
     });
     ctx.style_mut_of(egui::Theme::Light, |style| {
         style.visuals.override_text_color = Some(TEXT_LIGHT);
+        style.visuals.weak_text_color = Some(faint(false));
     });
     ctx.style_mut_of(egui::Theme::Dark, |style| {
         style.visuals.override_text_color = Some(TEXT_DARK);
+        style.visuals.weak_text_color = Some(faint(true));
     });
 }
 
@@ -49,6 +51,21 @@ pub fn keep_handle(ui: &mut egui::Ui) {
     const HANDLE: f32 = 12.0;
     let is_long = ui.available_size().min_elem() > 10.0 * HANDLE;
     ui.spacing_mut().scroll.handle_min_length = if is_long { HANDLE } else { 0.0 };
+}
+
+/// Smallest and largest zoom factor by Ctrl and + or −.
+const ZOOM: [f32; 2] = [0.5, 3.0];
+
+/// Limits the zoom factor; returns a message if the user reached the limit.
+pub fn limit_zoom(ctx: &egui::Context) -> Option<String> {
+    let (zoom, [least, most]) = (ctx.zoom_factor(), ZOOM);
+    let limited = zoom.clamp(least, most);
+    if limited == zoom {
+        return None;
+    }
+    ctx.set_zoom_factor(limited);
+    let end = if zoom > most { "largest" } else { "smallest" };
+    Some(format!("{:.0} % is the {end} scale", 100.0 * limited))
 }
 
 /// Zoom factor in sunlight.
@@ -72,8 +89,9 @@ pub fn in_the_sun(ctx: &egui::Context, on: bool) {
             visuals.override_text_color = Some(if on { ink } else { text });
             (visuals.panel_fill, visuals.window_fill) =
                 if on { (ground, ground) } else { (usual.panel_fill, usual.window_fill) };
-            let (weak, width) = if on { (Some(ink), 1.5) } else { (usual.weak_text_color, 1.0) };
-            visuals.weak_text_color = weak;
+            let is_dark = theme == egui::Theme::Dark;
+            let (weak, width) = if on { (ink, 1.5) } else { (faint(is_dark), 1.0) };
+            visuals.weak_text_color = Some(weak);
             let lines = &mut visuals.widgets.noninteractive.bg_stroke;
             let colour = if on { ink } else { usual.widgets.noninteractive.bg_stroke.color };
             *lines = egui::Stroke::new(width, colour);
@@ -104,7 +122,7 @@ pub fn cursor(dark: bool) -> Rgb {
     if dark { [245, 245, 245] } else { [30, 30, 30] }
 }
 
-/// Colour of secondary text.
+/// Colour of secondary text; its contrast to the panels is at least 4.5 (WCAG 2, level AA).
 pub fn faint(dark: bool) -> Color32 {
     if dark { Color32::from_gray(140) } else { Color32::from_gray(105) }
 }
@@ -135,6 +153,41 @@ mod tests {
         });
         output.textures_delta.clear();
         assert_eq!(output.pixels_per_point, IN_THE_SUN);
+    }
+
+    #[test]
+    fn the_zoom_has_limits_and_they_are_told() {
+        let ctx = egui::Context::default();
+        let after = |zoom: f32| {
+            ctx.set_zoom_factor(zoom);
+            ctx.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
+            let message = limit_zoom(&ctx);
+            ctx.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
+            (ctx.zoom_factor(), message)
+        };
+        assert_eq!(after(2.5), (2.5, None));
+        assert_eq!(after(3.1), (3.0, Some("300 % is the largest scale".to_owned())));
+        assert_eq!(after(0.4), (0.5, Some("50 % is the smallest scale".to_owned())));
+    }
+
+    #[test]
+    fn secondary_text_has_enough_contrast() {
+        // Relative luminance and contrast by WCAG 2.2.
+        let luminance = |colour: Color32| {
+            let [r, g, b, _] = egui::Rgba::from(colour).to_array();
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        let ctx = egui::Context::default();
+        apply(&ctx);
+        for theme in [egui::Theme::Light, egui::Theme::Dark] {
+            let style = ctx.style_of(theme);
+            let weak = luminance(style.visuals.weak_text_color());
+            for ground in [style.visuals.panel_fill, style.visuals.extreme_bg_color] {
+                let ground = luminance(ground);
+                let contrast = (weak.max(ground) + 0.05) / (weak.min(ground) + 0.05);
+                assert!(contrast >= 4.5, "{theme:?}: {contrast}");
+            }
+        }
     }
 
     #[test]

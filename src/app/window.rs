@@ -118,6 +118,12 @@ impl eframe::App for ResectWindow {
         let mut commands = Commands::new();
         commands.extend(dropped(ui));
         let ctx = ui.ctx().clone();
+        if ctx.input(|input| input.viewport().close_requested())
+            && self.state.must_ask_before_closing()
+        {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.state.dialogs.overlay = Overlay::Closing;
+        }
         let is_asking = self.state.dialogs.overlay != Overlay::None
             || self.state.dialogs.prompt.is_some()
             || self.state.asked().is_some();
@@ -159,6 +165,9 @@ impl eframe::App for ResectWindow {
             // Repaints to dim the old result, and to animate the spinner.
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
+        if let Some(message) = theme::limit_zoom(&ctx) {
+            self.state.toasts.done(message);
+        }
         self.shell.frame(&ctx, self.state.title());
         if let Some((saved_state, _)) = &mut self.saved_state {
             saved_state.frame(&ctx, &mut self.state);
@@ -195,6 +204,7 @@ fn dialogs(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         }
         Overlay::Shortcuts => panels::shortcuts::ui(ctx, state, commands),
         Overlay::Glossary(lookup) => panels::glossary::ui(ctx, lookup, commands),
+        Overlay::Closing => panels::closing::ui(ctx, state, commands),
     }
     if let Some(prompt) = &state.dialogs.prompt {
         panels::path_prompt::ui(ctx, &prompt.shown, commands);
@@ -250,6 +260,7 @@ impl Panes<'_> {
 }
 
 fn add_each(state: &mut State, deployments: &[(Arc<Deployment>, Source)]) {
+    state.workspace.layout.bring_forward(Pane::Result);
     for (deployment, source) in deployments {
         state.add(Arc::clone(deployment), Some(source.clone()));
     }
@@ -262,11 +273,13 @@ pub fn open_window(start: Start) -> eframe::Result {
         egui::IconData { width: icon.width(), height: icon.height(), rgba: icon.into_raw() }
     });
     let saved_state = Folders::of_user().map(|folders| SavedState::start(&folders));
-    let size = saved_state.as_ref().and_then(|saved_state| saved_state.preferences().window_points);
+    let preferences = saved_state.as_ref().map(SavedState::preferences);
+    let size = preferences.and_then(|preferences| preferences.window_points);
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("resect")
         .with_app_id("resect")
         .with_inner_size(size.unwrap_or(FIRST_POINTS))
+        .with_maximized(preferences.is_some_and(|preferences| preferences.maximized))
         .with_min_inner_size(LEAST_POINTS)
         .with_drag_and_drop(true);
     if let Some(icon) = icon {

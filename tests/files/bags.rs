@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use crate::common::{analyse, answer, assert_close, sample_folder};
 use resect_core::analysis::Settings;
-use resect_core::deployment::{Deployment, OneOrMany, Overrides};
+use resect_core::deployment::{Deployment, Finding, FindingKind, OneOrMany, Overrides};
 use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
@@ -245,12 +245,15 @@ fn a_foreign_database_is_passed_over_with_a_reason() {
 }
 
 #[test]
-fn the_same_drive_in_two_containers_stays_a_question() {
-    let error = open(&fixtures()).expect_err("eight times the same drive");
-    assert!(
-        matches!(&error, OpenError::Question(question) if matches!(**question, Question::Tracks { .. })),
-        "{error}"
-    );
+fn the_same_drive_in_two_containers_is_read_once() {
+    let all = open(&fixtures()).expect("eight times the same drive");
+    let alone = open(&fixtures().join("ros1-plain.bag")).expect("one of them");
+    let counts = |deployment: &Deployment| {
+        deployment.tracks.each_ref().map(|track| track.measurements.len())
+    };
+    assert_eq!(counts(&all), counts(&alone));
+    let told = |f: &&Finding| f.kind == FindingKind::CopiesLeftOut;
+    assert_eq!(all.findings.iter().filter(told).count(), 1);
 }
 
 /// Bags of whole drives, as `tests/peers/write_bags.py` writes them to the folder in RESECT_BAGS.

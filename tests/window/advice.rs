@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{
     AngleUnit, DeploymentCommand, DialogCommand, Pane, SceneCommand, TimeCommand, Units,
-    WorkspaceCommand,
+    ViewPreset, WorkspaceCommand,
 };
 use resect_core::calibration::Method;
 use resect_core::deployment::Remedy;
@@ -126,6 +126,10 @@ fn a_point_and_a_time_that_a_finding_names_are_shown() {
     send(&mut harness, SceneCommand::Show(visibility));
     press_first(&mut harness, &name);
     assert!(harness.state().state.scene.visibility.control_points);
+    let point = harness.state().state.scene.shown_point.as_ref().map(|point| point.marker);
+    assert_eq!(point.map(|marker| format!("Show point {marker}")), Some(name));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
+    assert!(harness.state().state.scene.shown_point.is_none());
 
     let [start_s, _] = shown(&harness).timeline.whole_s;
     send(&mut harness, TimeCommand::LookAtTimes([start_s + 20.0, start_s + 40.0]));

@@ -42,6 +42,13 @@ fn copy(name: &str, to: &Path) {
     std::fs::copy(sample_folder("warthog").join(name), to).expect("copied");
 }
 
+/// Copies a file without its last line, so that the two are different recordings.
+fn copy_without_end(name: &str, to: &Path) {
+    let text = std::fs::read_to_string(sample_folder("warthog").join(name)).expect("read");
+    let end = text.trim_end().rfind('\n').expect("lines");
+    std::fs::write(to, &text[..end]).expect("written");
+}
+
 #[test]
 fn two_recordings_in_a_folder_are_a_question() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -69,7 +76,7 @@ fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("drive")).expect("created");
     copy("inter_prism.csv", &folder.path().join("drive/a.csv"));
-    copy("inter_prism.csv", &folder.path().join("drive/b.csv"));
+    copy_without_end("inter_prism.csv", &folder.path().join("drive/b.csv"));
     let session = folder.path().join("a.resect.toml");
     let text = "resect_session = 1\n[[deployment]]\npath = \"drive\"\n\
                 [[deployment]]\nsample = \"hd2-tunnel\"\n";
@@ -106,7 +113,7 @@ fn a_question_can_be_left() {
     let drive = folder.path().join("drive");
     std::fs::create_dir(&drive).expect("created");
     copy("inter_prism.csv", &drive.join("a.csv"));
-    copy("inter_prism.csv", &drive.join("b.csv"));
+    copy_without_end("inter_prism.csv", &drive.join("b.csv"));
     let mut harness = window(SMALL, Theme::Light);
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&drive)));

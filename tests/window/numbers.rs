@@ -2,9 +2,12 @@
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Theme};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::harness::{LARGE, Window, press, settings, settle, type_and_enter_at_once, window};
+use crate::harness::{
+    LARGE, SMALL, Window, press, send, settings, settle, type_and_enter_at_once, window,
+};
+use resect::app::DialogCommand;
 
 fn type_garbage(harness: &mut Window) {
     harness.get_by_role_and_label(Role::SpinButton, "τ_l  length").click();
@@ -62,4 +65,22 @@ fn who_enters_garbage_types_on_in_the_same_place() {
     assert_eq!(harness.state().state.scene.view.camera, camera);
     type_and_enter_at_once(&mut harness, "20 s");
     assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 20.0);
+}
+
+#[test]
+fn a_number_that_the_palette_finds_has_the_focus() {
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, DialogCommand::ShowPalette);
+    harness.event(Event::Text("tau_l".to_owned()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    let focused = harness.get_all_by_role(Role::Slider).find(|slider| slider.is_focused());
+    let label = focused.and_then(|slider| slider.accesskit_node().label());
+    assert_eq!(label.as_deref(), Some("τ_l  length"));
+    // Keys change it at once.
+    let before = harness.state().state.settings().pipeline.thresholds.tau_l_seconds;
+    harness.key_press(Key::ArrowRight);
+    settle(&mut harness);
+    assert!(harness.state().state.settings().pipeline.thresholds.tau_l_seconds > before);
 }

@@ -9,9 +9,10 @@ use resect::app::{
 };
 
 use crate::harness::{
-    LARGE, SMALL, Window, click, double_click, press, send, settle, shown, window,
+    LARGE, SMALL, Window, click, double_click, open, press, send, settle, shown, window,
 };
 use crate::scene::{picture, seen};
+use resect_core::simulation::{Preset, simulate};
 
 fn strip(harness: &Window) -> String {
     let strip = harness.get_by_role(Role::Status);
@@ -149,4 +150,32 @@ fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() 
     let far = harness.state().state.scene.view.camera;
     click(&mut harness, &format!("Go to control point P{marker}"));
     assert!(harness.state().state.scene.view.camera.distance_m < far.distance_m);
+}
+
+#[test]
+fn arrows_fit_the_scene_until_the_user_chooses_their_scale() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let scale = |harness: &Window| {
+        let text = strip(harness);
+        let (_, after) = text.split_once("residuals ×").expect("it says so");
+        after.split(|c: char| !c.is_ascii_digit()).next().map(str::to_owned)
+    };
+    let automatic = scale(&harness);
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 1)).expect("valid");
+    // Ten times as large residuals have a tenth of the scale, or a little more.
+    for set in &mut deployment.control_points {
+        for (number, point) in set.points.iter_mut().enumerate() {
+            let sign = if number % 2 == 0 { 1.0 } else { -1.0 };
+            point.readings[1].as_mut().expect("measured").range_m += sign * 0.03;
+        }
+    }
+    open(&mut harness, deployment);
+    let larger = scale(&harness);
+    let number = |text: &Option<String>| text.as_ref().and_then(|text| text.parse::<u32>().ok());
+    assert!(number(&larger) < number(&automatic), "{larger:?} {automatic:?}");
+    let options =
+        SceneOptions { residual_scale: Some(10_000), ..harness.state().state.scene.options };
+    send(&mut harness, SceneCommand::SetOptions(options));
+    assert_eq!(scale(&harness).as_deref(), Some("10000"));
 }

@@ -10,8 +10,8 @@ use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
 use resect::app::saved_state::SavedState;
 use resect::app::{
-    Colouring, DeploymentCommand, LayoutPreset, Pane, ResultsCommand, SceneCommand, SessionCommand,
-    Start, TimeCommand, WorkspaceCommand,
+    Colouring, DeploymentCommand, LayoutPreset, Overlay, Pane, ResultsCommand, SceneCommand,
+    SessionCommand, Start, TimeCommand, WorkspaceCommand,
 };
 use resect_core::analysis::Settings;
 use resect_core::simulation::{Preset, simulate};
@@ -19,7 +19,7 @@ use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
 
-use crate::harness::{SMALL, Window, send, settle, window_from};
+use crate::harness::{SMALL, Window, click, send, settle, window_from};
 
 /// Returns a window that saves its session in this folder, or does not save it.
 fn window(start: &Start, kept_in: Option<&Path>) -> Window {
@@ -324,4 +324,45 @@ fn type_that_is_large_in_the_sun_is_large_the_next_time() {
     eframe::App::on_exit(harness.state_mut());
     drop(harness);
     assert_eq!(window(&start, kept).ctx.zoom_factor(), 1.0);
+}
+
+/// Asks the window to close, as the system does.
+fn close(harness: &mut Window) {
+    let viewport = harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.events.push(egui::ViewportEvent::Close);
+    harness.step();
+    let viewport = harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.events.clear();
+    settle(harness);
+}
+
+#[test]
+fn a_window_with_an_unsaved_session_asks_once_before_it_closes() {
+    let config = tempfile::tempdir().expect("a folder");
+    let mut harness = window(&Start::Sample(Sample::Warthog), Some(config.path()));
+    close(&mut harness);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None, "nothing would be lost");
+    tune(&mut harness);
+    close(&mut harness);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::Closing);
+    click(&mut harness, "Cancel");
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
+    close(&mut harness);
+    click(&mut harness, "Close without saving");
+    assert!(!harness.state().state.must_ask_before_closing(), "it was answered");
+
+    // The setting holds for later windows.
+    let mut harness = window(&Start::Sample(Sample::Warthog), Some(config.path()));
+    send(&mut harness, WorkspaceCommand::AskBeforeClosing(false));
+    drop(harness);
+    let mut harness = window(&Start::Sample(Sample::Warthog), Some(config.path()));
+    tune(&mut harness);
+    close(&mut harness);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
+}
+
+fn tune(harness: &mut Window) {
+    let mut settings = harness.state().state.deployments.open[0].settings;
+    settings.pipeline.thresholds.tau_l_seconds += 1.0;
+    send(harness, DeploymentCommand::Set(settings));
 }

@@ -13,9 +13,12 @@ pub enum Menu {
     View,
     Export,
     Help,
+    /// The numbers of the Pipeline pane, which are in no menu.
+    Pipeline,
 }
 
 impl Menu {
+    /// The menus of the bar.
     pub const ALL: [Self; 6] =
         [Self::File, Self::Edit, Self::Time, Self::View, Self::Export, Self::Help];
 
@@ -27,6 +30,7 @@ impl Menu {
             Self::View => "View",
             Self::Export => "Export",
             Self::Help => "Help",
+            Self::Pipeline => "Pipeline",
         }
     }
 }
@@ -41,6 +45,8 @@ pub struct Action {
     /// General meaning of the shortcut, for the shortcut sheet; empty if the name contains it.
     pub in_general: &'static str,
     pub hint: &'static str,
+    /// Further words by which the palette finds the action.
+    pub also: &'static str,
     pub shortcut: Option<KeyboardShortcut>,
     /// State of a choice or switch; `None` for other actions.
     pub on: Option<bool>,
@@ -63,6 +69,7 @@ impl Action {
             name: name.into(),
             in_general: "",
             hint: "",
+            also: "",
             shortcut: None,
             on: None,
             in_a_row: false,
@@ -72,6 +79,10 @@ impl Action {
 
     pub(super) fn hint(self, hint: &'static str) -> Self {
         Self { hint, ..self }
+    }
+
+    pub(super) fn also(self, also: &'static str) -> Self {
+        Self { also, ..self }
     }
 
     pub(super) fn in_general(self, in_general: &'static str) -> Self {

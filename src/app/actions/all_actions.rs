@@ -1,6 +1,6 @@
 //! The table of all actions, and its search.
 
-use super::{Action, edit, file, help, remedies, time, view};
+use super::{Action, edit, file, help, remedies, settings, time, view};
 use crate::app::state::State;
 
 /// Returns all actions of a state, in menu order.
@@ -12,11 +12,12 @@ pub fn all(state: &State) -> Vec<Action> {
     actions.extend(view::actions(state));
     actions.extend(file::exports(state));
     actions.extend(help::actions());
+    actions.extend(settings::actions(state));
     actions
 }
 
-/// Returns the available actions that match a query, the best first. Every word of it is in the menu's title, the section, the name or
-/// the hint.
+/// Returns the available actions that match a query, the best first. Every word of it is in the menu's title, the section, the name, the
+/// hint or the further words.
 pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut found: Vec<(usize, &Action)> = actions
@@ -25,10 +26,11 @@ pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
         .filter_map(|action| {
             let name = action.name.to_lowercase();
             let all = format!(
-                "{} {} {name} {}",
+                "{} {} {name} {} {}",
                 action.menu.title().to_lowercase(),
                 action.section.to_lowercase(),
-                action.hint.to_lowercase()
+                action.hint.to_lowercase(),
+                action.also
             );
             // Cost by the word's position: start of the name, start of a word in it, anywhere in it, elsewhere.
             let cost = |word: &String| match name.find(word.as_str()) {
@@ -51,6 +53,17 @@ mod tests {
 
     fn state() -> State {
         State::new(egui::Context::default())
+    }
+
+    #[test]
+    fn numbers_of_the_pipeline_are_found_by_their_names() {
+        let names = |query: &str| -> Vec<String> {
+            matching(&all(&state()), query).into_iter().map(|action| action.name).collect()
+        };
+        let thresholds = names("tau");
+        assert_eq!(thresholds.len(), 5, "{thresholds:?}");
+        assert_eq!(thresholds[0], "τ_r, range rate: 2 m/s");
+        assert_eq!(names("tau_s").len(), 1);
     }
 
     #[test]

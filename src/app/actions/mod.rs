@@ -8,6 +8,7 @@ mod file;
 mod help;
 mod keys;
 pub mod remedies;
+mod settings;
 mod time;
 mod view;
 

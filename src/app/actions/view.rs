@@ -110,6 +110,12 @@ fn colours_of_the_window(state: &State) -> Vec<Action> {
         .hint("Large type and full contrast, in either theme")
         .on(state.workspace.in_the_sun),
     );
+    let asks = state.workspace.asks_before_closing;
+    actions.push(
+        view("Closing", "Ask before closing", WorkspaceCommand::AskBeforeClosing(!asks))
+            .hint("Asks before a window with an unsaved session closes")
+            .on(asks),
+    );
     actions
 }
 

@@ -283,15 +283,18 @@ impl PathPrompt {
                 self.complaint = Some("Type a name for the file.".to_owned());
                 PromptStep::Stay
             }
-            Wanted::NewFile { .. } if !path.parent().is_some_and(Path::is_dir) => {
-                self.complaint = Some(format!("{}: there is no such folder", path.display()));
-                PromptStep::Stay
-            }
             Wanted::NewFile { .. } if path.exists() => {
                 self.overwrite = Some(path);
                 PromptStep::Stay
             }
-            Wanted::NewFile { .. } => PromptStep::Chosen(path),
+            Wanted::NewFile { .. } => match path.parent().map_or(Ok(()), std::fs::create_dir_all) {
+                Ok(()) => PromptStep::Chosen(path),
+                Err(error) => {
+                    let complaint = format!("{}: no folder for it ({error})", path.display());
+                    self.complaint = Some(complaint);
+                    PromptStep::Stay
+                }
+            },
         }
     }
 

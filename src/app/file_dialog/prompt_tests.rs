@@ -108,9 +108,14 @@ fn a_file_that_is_there_is_not_replaced_unasked() {
     assert_eq!(desk.prompt.overwrite, None);
     desk.handle(PromptCommand::Accept);
     assert_eq!(desk.handle(PromptCommand::Replace), PromptStep::Chosen(notes));
-    let nowhere = desk.path("gone/x.html").display().to_string();
+    // A new folder is made; a file is none.
+    let inside = desk.path("new/folder/x.html");
+    let typed = inside.display().to_string();
+    assert_eq!(desk.enter(&typed), PromptStep::Chosen(inside.clone()));
+    assert!(inside.parent().is_some_and(Path::is_dir));
+    let nowhere = desk.path("field/notes.txt/x.html").display().to_string();
     assert_eq!(desk.enter(&nowhere), PromptStep::Stay);
-    assert!(desk.prompt.trouble().is_some_and(|why| why.contains("no such folder")));
+    assert!(desk.prompt.trouble().is_some_and(|why| why.contains("no folder for it")));
 }
 
 #[test]

@@ -84,6 +84,13 @@ impl Layout {
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));
     }
 
+    /// Activates a pane, unless the user closed it.
+    pub fn bring_forward(&mut self, pane: Pane) {
+        if self.holds(pane) {
+            self.show(pane);
+        }
+    }
+
     /// Returns the rectangle of a pane in the last frame (points, in the window); `None` if it was not drawn.
     pub fn place(&self, pane: Pane) -> Option<egui::Rect> {
         self.tree.tiles.find_pane(&pane).and_then(|tile| self.tree.tiles.rect(tile))

@@ -211,6 +211,14 @@ pub enum WorkspaceCommand {
     UseTheme(egui::ThemePreference),
     /// Switches large type and full contrast, for reading in sunlight.
     ReadInTheSun(bool),
+    /// Shows the Pipeline pane with the focus on a number, by its key.
+    FocusSetting(&'static str),
+    /// The number has the focus.
+    SettingFocused,
+    /// Sets if the window asks before it closes with an unsaved session.
+    AskBeforeClosing(bool),
+    /// Closes the window without a question.
+    Close,
     Copy(String),
     DismissToast(u64),
     /// Restarts a toast's lifetime while the pointer is on it.

@@ -10,6 +10,8 @@ pub enum Overlay {
     Palette(Palette),
     Shortcuts,
     Glossary(Lookup),
+    /// The question before the window closes.
+    Closing,
 }
 
 /// The command palette.

@@ -125,6 +125,16 @@ impl AngleUnit {
         }
     }
 
+    /// Returns the unit in which a setting with this unit is shown, and its number in one of that: angular rates are in the user's
+    /// unit.
+    pub fn of_setting(self, unit: &'static str) -> (&'static str, f64) {
+        if unit == Self::Degree.rate_name() {
+            (self.rate_name(), self.rate_per_deg_per_s())
+        } else {
+            (unit, 1.0)
+        }
+    }
+
     pub fn per_radian(self) -> f64 {
         match self {
             Self::Radian => 1.0,

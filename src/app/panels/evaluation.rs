@@ -16,9 +16,12 @@ use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
 use resect_core::palette;
 use resect_report::estimates::{
-    Angles, agreed, compared, contradiction, error_in_words, rows, stated,
+    Angles, EMPTY, agreed, compared, contradiction, error_in_words, rows, stated,
 };
 
+/// Width of a digit in the table, and least width of a column's heading (points).
+const LETTER: f32 = 6.6;
+const LEAST_HEADING: f32 = 80.0;
 /// Greatest width of a sentence (points).
 const SENTENCE: f32 = 620.0;
 
@@ -212,28 +215,33 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
     egui::ScrollArea::horizontal().show(ui, |ui| {
         grid.show(ui, |ui| {
             ui.label("");
-            for one in &judgement.judged {
+            let rows = rows(judgement, angles);
+            let widest = |column: usize| {
+                rows.iter().map(|row| row.cells[column].chars().count()).max().unwrap_or(0)
+            };
+            let widths: Vec<usize> = (0..judgement.judged.len()).map(widest).collect();
+            for (one, width) in judgement.judged.iter().zip(&widths) {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-                let name = short::of_trajectory(ui, &one.estimate.name);
-                // The heading is above the end of its numbers.
+                // The heading is above the end of its numbers, and hardly wider than they are.
+                let room = (LETTER * *width as f32).max(LEAST_HEADING);
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                let name = short::in_the_middle(ui, &one.estimate.name, &font, room);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     ui.label(RichText::new(name).color(colour).strong())
                         .on_hover_text(&one.estimate.name);
                 });
             }
             ui.end_row();
-            let rows = rows(judgement, angles);
-            let widest = |column: usize| {
-                rows.iter().map(|(_, cells)| cells[column].chars().count()).max().unwrap_or(0)
-            };
-            let widths: Vec<usize> = (0..judgement.judged.len()).map(widest).collect();
-            for (label, cells) in &rows {
-                words::explain_text(ui.small(label), label);
-                for (cell, width) in cells.iter().zip(&widths) {
+            for row in &rows {
+                words::explain_text(ui.small(&row.label), &row.label);
+                for (cell, width) in row.cells.iter().zip(&widths) {
                     // Numbers are aligned at their ends.
                     let text = RichText::new(format!("{cell:>width$}"));
-                    ui.label(text.small().family(egui::FontFamily::Monospace));
+                    let label = ui.label(text.small().family(egui::FontFamily::Monospace));
+                    if cell == EMPTY {
+                        label.on_hover_text(row.why_empty);
+                    }
                 }
                 ui.end_row();
             }

@@ -1,6 +1,7 @@
 //! Panes that are lists of widgets: each is a function that reads the state and sends commands.
 
 pub mod asked;
+pub mod closing;
 pub mod command_palette;
 pub mod control_points;
 pub mod corrections;
@@ -33,4 +34,6 @@ pub mod top_bar;
 pub mod validation;
 mod widgets;
 
-use widgets::{MARGIN, SHORTEST_WAIT, finding, heading, number_head, scrolled, use_pinned};
+use widgets::{
+    MARGIN, SHORTEST_WAIT, finding, heading, number_head, remedies_of, scrolled, use_pinned,
+};

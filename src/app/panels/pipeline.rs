@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use egui::{Shape, Stroke};
 
 use super::scrolled;
-use crate::app::model::{AngleUnit, Commands, DeploymentCommand};
+use crate::app::model::{AngleUnit, Commands, DeploymentCommand, WorkspaceCommand};
 use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
@@ -35,14 +35,28 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         {
             settings = Settings::default();
         }
-        modules(ui, &mut settings, counts.as_ref(), state.workspace.units.angle);
+        let sliders = Sliders {
+            angle: state.workspace.units.angle,
+            focused: state.workspace.focused_setting,
+        };
+        modules(ui, &mut settings, counts.as_ref(), sliders);
         let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
         let missing = missing_evidence(state.active().map(|open| &*open.deployment), offer);
-        calibration(ui, &mut settings.calibration, offer, missing);
+        calibration(ui, &mut settings.calibration, sliders, (offer, missing));
+        if sliders.focused.is_some() {
+            commands.push(WorkspaceCommand::SettingFocused.into());
+        }
         if settings != *state.settings() {
             commands.push(DeploymentCommand::Set(settings).into());
         }
     });
+}
+
+/// Unit of angles in the sliders, and key of the slider that gets the focus.
+#[derive(Clone, Copy)]
+struct Sliders {
+    angle: AngleUnit,
+    focused: Option<&'static str>,
 }
 
 /// Counts before and after each module.
@@ -80,10 +94,10 @@ impl Counts {
     }
 }
 
-fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, angle: AngleUnit) {
-    outlier_filter(ui, &mut settings.pipeline, counts, angle);
-    intervals(ui, &mut settings.pipeline, counts);
-    interpolation(ui, &mut settings.pipeline, counts);
+fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, sliders: Sliders) {
+    outlier_filter(ui, &mut settings.pipeline, counts, sliders);
+    intervals(ui, &mut settings.pipeline, counts, sliders);
+    interpolation(ui, &mut settings.pipeline, counts, sliders);
 }
 
 /// Shows the counts below a module; a dash until there are any.
@@ -95,14 +109,14 @@ fn outlier_filter(
     ui: &mut egui::Ui,
     settings: &mut PipelineSettings,
     counts: Option<&Counts>,
-    angle: AngleUnit,
+    sliders: Sliders,
 ) {
     let mut on = settings.outlier_filter;
     module(ui, Some(&mut on), "1  Outlier filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
-            number_slider(ui, (&TAU_R, &glossary::TAU_R), settings, angle);
-            number_slider(ui, (&TAU_A, &glossary::TAU_A), settings, angle);
-            number_slider(ui, (&TAU_E, &glossary::TAU_E), settings, angle);
+            number_slider(ui, (&TAU_R, &glossary::TAU_R), settings, sliders);
+            number_slider(ui, (&TAU_A, &glossary::TAU_A), settings, sliders);
+            number_slider(ui, (&TAU_E, &glossary::TAU_E), settings, sliders);
         });
         counted(ui, counts, |c| match c.left_out {
             0 => format!("{} → {} readings", c.raw, c.filtered),
@@ -114,15 +128,20 @@ fn outlier_filter(
     settings.outlier_filter = on;
 }
 
-fn intervals(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
+fn intervals(
+    ui: &mut egui::Ui,
+    settings: &mut PipelineSettings,
+    counts: Option<&Counts>,
+    sliders: Sliders,
+) {
     module(ui, None, "2  Interval split", |ui, _| {
-        number_slider(ui, (&TAU_S, &glossary::TAU_S), settings, AngleUnit::Degree);
+        number_slider(ui, (&TAU_S, &glossary::TAU_S), settings, sliders);
         counted(ui, counts, |c| format!("{} readings → {} intervals", c.filtered, c.split));
     });
     let mut on = settings.interval_filter;
     module(ui, Some(&mut on), "3  Interval filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
-            number_slider(ui, (&TAU_L, &glossary::TAU_L), settings, AngleUnit::Degree);
+            number_slider(ui, (&TAU_L, &glossary::TAU_L), settings, sliders);
         });
         // The sum of an empty list is -0.
         counted(ui, counts, |c| {
@@ -132,7 +151,12 @@ fn intervals(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<
     settings.interval_filter = on;
 }
 
-fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
+fn interpolation(
+    ui: &mut egui::Ui,
+    settings: &mut PipelineSettings,
+    counts: Option<&Counts>,
+    sliders: Sliders,
+) {
     module(ui, None, "4  Interpolation", |ui, _| {
         ui.horizontal_wrapped(|ui| {
             for choice in Interpolation::ALL {
@@ -148,7 +172,7 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
                 ui.radio_value(&mut settings.interpolation, choice, choice.title()).on_hover_text(hint);
             }
         });
-        number_slider(ui, (&RATE, &glossary::TRIPLET), settings, AngleUnit::Degree);
+        number_slider(ui, (&RATE, &glossary::TRIPLET), settings, sliders);
         counted(ui, counts, |c| format!("{} intervals → {} triplets", c.kept, c.triplets));
     });
 }
@@ -157,8 +181,8 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
 fn calibration(
     ui: &mut egui::Ui,
     settings: &mut CalibrationSettings,
-    offer: Option<&Offer>,
-    missing: MissingEvidence,
+    sliders: Sliders,
+    (offer, missing): (Option<&Offer>, MissingEvidence),
 ) {
     module(ui, None, "Calibration", |ui, _| {
         let default = Method::default();
@@ -198,7 +222,7 @@ fn calibration(
                     );
                 });
                 let distances = (&SIGMA_DISTANCES, &glossary::SIGMA_DISTANCES);
-                number_slider(ui, distances, settings, AngleUnit::Degree).on_hover_text(
+                number_slider(ui, distances, settings, sliders).on_hover_text(
                     "σ of the given inter-prism distances; it increases every σ of the result",
                 );
             }
@@ -302,13 +326,9 @@ fn number_slider<S: Copy + Default>(
     ui: &mut egui::Ui,
     (setting, term): (&NumberSetting<S>, &'static Term),
     settings: &mut S,
-    angle: AngleUnit,
+    sliders: Sliders,
 ) -> egui::Response {
-    let (unit, per) = if setting.unit == AngleUnit::Degree.rate_name() {
-        (angle.rate_name(), angle.rate_per_deg_per_s())
-    } else {
-        (setting.unit, 1.0)
-    };
+    let (unit, per) = sliders.angle.of_setting(setting.unit);
     let before = setting.shown(settings) * per;
     let mut value = before;
     let [least, most] = setting.slider;
@@ -320,6 +340,10 @@ fn number_slider<S: Copy + Default>(
         // Rounds off the noise of the unit conversion.
         let shown = if per == 1.0 { shown } else { (shown * 1e6).round() / 1e6 };
         *(setting.field)(settings) = shown / setting.per_stored;
+    }
+    if sliders.focused == Some(setting.key) {
+        response.request_focus();
+        response.scroll_to_me(None);
     }
     response
 }

@@ -24,7 +24,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::{Calibration, Targets, Verdict};
+use resect_core::calibration::{Calibration, Targets, Verdict, recommend};
 use resect_core::deployment::{Deployment, Finding, Severity, doubts};
 use resect_core::palette;
 use resect_report::glossary;
@@ -41,7 +41,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
-            head(ui, state, (open, answer, analysis.offer.targets));
+            head(ui, state, (open, answer, analysis.offer.targets), commands);
             ui.separator();
         });
     }
@@ -117,7 +117,9 @@ fn show(
     let calibration = &answer.calibration;
     let units = state.workspace.units;
     let rows = analysis.rows(&open.deployment);
-    reasons(ui, state, &calibration.findings, commands);
+    let recommendation = recommend(calibration, &open.deployment);
+    let stated = recommendation::stated(&recommendation).filter(|_| !open.joint_follows());
+    reasons(ui, state, (&calibration.findings, stated), commands);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, &rows, units);
     ui.horizontal(|ui| {
@@ -172,12 +174,14 @@ fn head(
     ui: &mut egui::Ui,
     state: &State,
     (open, answer, targets): (&OpenDeployment, &Answer, Targets),
+    commands: &mut Commands,
 ) {
     let calibration = &answer.calibration;
     if open.joint_follows() {
         ui.weak("the joint estimate follows…");
     } else {
-        recommendation::ui(ui, calibration, &open.deployment, state.workspace.units);
+        let recommendation = recommend(calibration, &open.deployment);
+        recommendation::ui(ui, state, &recommendation, commands);
     }
     verdict(ui, calibration);
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
@@ -187,11 +191,18 @@ fn head(
     }
 }
 
-/// Shows the doubts and the first notes. Other notes are folded, so that the numbers stay visible.
-fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mut Commands) {
+/// Shows the doubts and the first notes, without the one that is stated above. Other notes are folded, so that the numbers stay
+/// visible.
+fn reasons(
+    ui: &mut egui::Ui,
+    state: &State,
+    (findings, stated): (&[Finding], Option<&Finding>),
+    commands: &mut Commands,
+) {
     const NOTES_IN_SIGHT: usize = 4;
     let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
-    doubts(findings).into_iter().for_each(|one| finding(ui, one));
+    let others = doubts(findings).into_iter().filter(|one| Some(*one) != stated);
+    others.for_each(|one| finding(ui, one));
     let notes: Vec<&Finding> = findings
         .iter()
         .filter(|one| one.severity == Severity::Note && !one.kind.is_tabled())

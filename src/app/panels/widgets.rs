@@ -38,15 +38,20 @@ pub fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &m
             let message = state.workspace.units.message(finding);
             let label = ui.add(egui::Label::new(unbroken(&message)).wrap());
             words::explain_text(label, &message);
-            if !finding.remedies.is_empty() {
-                ui.horizontal_wrapped(|ui| {
-                    for remedy in &finding.remedies {
-                        advised(ui, remedies::offer(remedy, state), commands);
-                    }
-                });
-            }
+            remedies_of(ui, state, finding, commands);
         });
     });
+}
+
+/// Shows buttons that follow the advice of a finding.
+pub fn remedies_of(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut Commands) {
+    if !finding.remedies.is_empty() {
+        ui.horizontal_wrapped(|ui| {
+            for remedy in &finding.remedies {
+                advised(ui, remedies::offer(remedy, state), commands);
+            }
+        });
+    }
 }
 
 /// Adds a button that follows an advice, or shows the reason why it is disabled.

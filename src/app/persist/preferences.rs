@@ -30,6 +30,10 @@ pub struct Preferences {
     pub layout: Option<LayoutDescription>,
     /// Size of the window (points).
     pub window_points: Option<[f32; 2]>,
+    /// True if the window was maximised when it closed.
+    pub maximized: bool,
+    /// True if the window closes with an unsaved session without a question.
+    pub closes_unasked: bool,
     /// Newest first, without duplicates.
     pub recent: Vec<Recent>,
 }
@@ -95,6 +99,10 @@ struct StoredPreferences {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     window_points: Option<Lenient<[f32; 2]>>,
     #[serde(default)]
+    maximized: Lenient<bool>,
+    #[serde(default)]
+    closes_unasked: Lenient<bool>,
+    #[serde(default)]
     units: Lenient<Units>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     recent: Vec<Lenient<Recent>>,
@@ -104,13 +112,23 @@ struct StoredPreferences {
 
 impl StoredPreferences {
     fn new(preferences: &Preferences) -> Self {
-        let Preferences { theme, in_the_sun, units, layout, window_points, recent } =
-            preferences.clone();
+        let Preferences {
+            theme,
+            in_the_sun,
+            units,
+            layout,
+            window_points,
+            maximized,
+            closes_unasked,
+            recent,
+        } = preferences.clone();
         Self {
             version: VERSION,
             theme: Lenient::Read(theme),
             in_the_sun: Lenient::Read(in_the_sun),
             window_points: window_points.map(Lenient::Read),
+            maximized: Lenient::Read(maximized),
+            closes_unasked: Lenient::Read(closes_unasked),
             units: Lenient::Read(units),
             recent: recent.into_iter().map(Lenient::Read).collect(),
             layout: layout.map(Lenient::Read),
@@ -138,6 +156,14 @@ impl StoredPreferences {
             units: self.units.read("preferences: the units", &mut findings).unwrap_or_default(),
             layout: self.layout.and_then(|it| it.read("preferences: the layout", &mut findings)),
             window_points,
+            maximized: self
+                .maximized
+                .read("preferences: the maximised window", &mut findings)
+                .unwrap_or_default(),
+            closes_unasked: self
+                .closes_unasked
+                .read("preferences: closing without a question", &mut findings)
+                .unwrap_or_default(),
             recent,
         };
         (preferences, findings)
@@ -247,6 +273,8 @@ mod tests {
             },
             layout: Some(Layout::from(LayoutPreset::Tune).describe()),
             window_points: Some([1200.0, 800.0]),
+            maximized: true,
+            closes_unasked: true,
             recent: Vec::new(),
         };
         remember(&mut preferences.recent, &Source::at("/data/one"));

@@ -150,12 +150,12 @@ pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     add(&mut line);
 }
 
-/// A hint with less room than this is unreadable (points).
-const LEAST_HINT: f32 = 40.0;
-
-/// Navigation hint for the line above a plot.
-const HINT: &str =
-    "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
+/// Navigation hints for the line above a plot, from the complete one to the shortest.
+const HINTS: [&str; 3] = [
+    "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all",
+    "drag: select · scroll: zoom · double-click: all",
+    "scroll: zoom",
+];
 
 /// Shows the length of the selection and its commands, in the line above a plot.
 pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
@@ -175,11 +175,18 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     }
 }
 
-/// Shows a hint at the end of the line above a plot, truncated to the available room; hovering shows all of it.
+/// Shows the longest hint that fits at the end of the line above a plot; hovering shows the complete one.
 pub fn hint(ui: &mut egui::Ui, more: &str) {
-    if ui.available_width() < LEAST_HINT {
-        return;
+    let complete = format!("{}{more}", HINTS[0]);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let room = ui.available_width();
+    let fits = |text: &&str| {
+        let colour = egui::Color32::PLACEHOLDER;
+        ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), colour).size().x <= room
+    };
+    let all = std::iter::once(complete.as_str()).chain(HINTS);
+    if let Some(hint) = all.into_iter().find(fits) {
+        ui.add(egui::Label::new(egui::RichText::new(hint).small().weak()).extend())
+            .on_hover_text(complete.as_str());
     }
-    let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
-    ui.add(egui::Label::new(text).truncate());
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::colouring::{Colours, fate_of};
-use super::control_points::DrawnArrows;
 use super::ghosts::Ghost;
 use super::grid::Grid;
 use super::trail::Trail;
@@ -88,6 +87,15 @@ pub struct SceneContent {
     pub station_ellipsoids: bool,
     /// The residual arrows of control points; `None` without arrows.
     pub arrows: Option<DrawnArrows>,
+}
+
+/// Residual arrows of the control points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawnArrows {
+    /// Enlargement of the residuals.
+    pub scale: u32,
+    /// Number of arrows that are cut short.
+    pub cut: usize,
 }
 
 impl SceneContent {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::content::SceneContent;
+use super::content::{DrawnArrows, SceneContent};
 use super::vertices::{Label, Landmark, LineVertex, Rank, WORLD, opaque};
 use crate::app::prepared::control_points::{PointResidual, point_name, residuals};
 use resect_core::analysis::Analysis;
@@ -22,14 +22,6 @@ const LONG: f64 = 0.05;
 const LONGEST: f64 = 0.075;
 /// Share of the arrows that the automatic scale leaves uncut: a point that was confused with another must not hide the others.
 const UNCUT: f64 = 0.95;
-
-/// Residual arrows in the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DrawnArrows {
-    pub scale: u32,
-    /// Number of arrows that are cut short.
-    pub cut: usize,
-}
 
 impl SceneContent {
     /// Adds the positions of the control points as observed by a station, each with its name.

@@ -7,8 +7,9 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::palette;
 
-/// Least width for all controls in one row beside the legend (points); narrower pictures have two rows.
+/// Least width for all controls in one row beside the legend, and in two rows (points); narrower pictures have a menu.
 const ONE_ROW_POINTS: f32 = 860.0;
+const TWO_ROWS_POINTS: f32 = 290.0;
 const MARGIN: f32 = 8.0;
 
 /// Shows the controls in the upper right corner; returns their rectangle. `size` is their size in the last frame.
@@ -26,6 +27,14 @@ pub fn ui(
         ui.spacing_mut().item_spacing = Vec2::splat(4.0);
         if rect.width() >= ONE_ROW_POINTS {
             ui.horizontal(|ui| {
+                presets(ui, &PRESETS, commands);
+                stations(ui, commands);
+                ruler(ui, state, commands);
+                heights(ui, state, commands);
+                colouring(ui, state, true, commands);
+            });
+        } else if rect.width() < TWO_ROWS_POINTS {
+            ui.menu_button("Views", |ui| {
                 presets(ui, &PRESETS, commands);
                 stations(ui, commands);
                 ruler(ui, state, commands);

@@ -20,6 +20,11 @@ pub fn paint(
     placer: &mut Placer,
     dark: bool,
 ) {
+    let edge = projection.rect.shrink(MARGIN);
+    let within = edge.shrink(LENGTH + 1.0);
+    if !within.is_positive() {
+        return;
+    }
     let is_place = |label: &&Label| matches!(label.rank, Rank::Station | Rank::ControlPoint);
     let is_outside = |label: &&Label| projection.visible(&label.position_m.cast()).is_none();
     for label in content.labels.iter().rev().filter(is_place).filter(is_outside) {
@@ -27,9 +32,7 @@ pub fn paint(
         let colour = theme::readable(label.colour, dark);
         let font = FontId::proportional(10.0);
         let galley = painter.layout_no_wrap(label.text.clone(), font, colour);
-        let edge = projection.rect.shrink(MARGIN);
         let tip = at_edge(edge, towards);
-        let within = edge.shrink(LENGTH + 1.0);
         let name = Align2::CENTER_CENTER.anchor_size(within.clamp(tip), galley.size());
         let name = inside(name, within);
         if placer.place([name]).is_some() {

@@ -35,7 +35,8 @@ impl Placer {
             .filter(|place| self.area.contains_rect(*place) && !is_on(&self.taken, place));
         let free: Vec<Rect> = free.collect();
         let place = *free.iter().find(|place| !is_on(&self.spared, place)).or(free.first())?;
-        self.taken.push(place);
+        // Neighbours on one line are apart by about a blank.
+        self.taken.push(place.expand2(Vec2::new(4.0, 0.0)));
         Some(place)
     }
 

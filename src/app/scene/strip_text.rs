@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::SceneContent;
-use super::control_points::DrawnArrows;
+use super::content::DrawnArrows;
 use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;

@@ -2,7 +2,7 @@
 
 use super::State;
 use crate::app::layout::Layout;
-use crate::app::model::WorkspaceCommand;
+use crate::app::model::{Pane, WorkspaceCommand};
 use crate::app::theme;
 
 impl State {
@@ -21,6 +21,16 @@ impl State {
             Command::ReadInTheSun(on) => {
                 theme::in_the_sun(ctx, on);
                 workspace.in_the_sun = on;
+            }
+            Command::FocusSetting(key) => {
+                workspace.layout.show(Pane::Pipeline);
+                workspace.focused_setting = Some(key);
+            }
+            Command::SettingFocused => workspace.focused_setting = None,
+            Command::AskBeforeClosing(asks) => workspace.asks_before_closing = asks,
+            Command::Close => {
+                workspace.closes = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Command::Copy(text) => {
                 ctx.copy_text(text);

@@ -33,6 +33,11 @@ impl State {
         title_of_each(self.deployments.opening.iter().map(|opening| &opening.source))
     }
 
+    /// Returns true if the window must ask before it closes.
+    pub fn must_ask_before_closing(&self) -> bool {
+        self.workspace.asks_before_closing && !self.workspace.closes && self.is_unsaved()
+    }
+
     /// Returns true if closing would lose work: settings, pins or drives that no session's file contains.
     pub(super) fn is_unsaved(&self) -> bool {
         let now = self.session();

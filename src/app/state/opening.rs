@@ -7,8 +7,8 @@ use std::time::Instant;
 use super::State;
 use super::corrections::use_rig;
 use super::deployments::{Opening, Then};
-use crate::app::model::OpenDeployment;
 use crate::app::model::undo::Moment;
+use crate::app::model::{OpenDeployment, Pane};
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::session::{Files, SavedDeployment};
 use resect_core::analysis::Settings;
@@ -166,6 +166,8 @@ impl State {
         match then {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
+                // The verdict is what the user opened it for.
+                self.workspace.layout.bring_forward(Pane::Result);
                 self.session.keep_shown(self.deployments.newest_id);
                 let estimates = std::mem::take(&mut self.deployments.estimates_to_come);
                 if !estimates.is_empty() {

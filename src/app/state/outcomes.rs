@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::State;
+use crate::app::model::Pane;
 use crate::app::model::new_findings::{forget_past, new_findings};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
@@ -64,6 +65,7 @@ impl State {
         let id = answered.id;
         let shown = self.active().map(|open| open.id);
         let Some(name) = self.name_of(id) else { return };
+        let is_read = shown == Some(id) && self.workspace.layout.place(Pane::Result).is_some();
         let Some(open) = self.deployments.get_mut(id) else { return };
         let analysis = Arc::clone(&answered.analysis);
         // While a deployment grows, a preliminary result of the paper's method does not replace the joint estimate. Findings
@@ -88,8 +90,9 @@ impl State {
             let now = open.deployment.findings.iter().chain(of_answer.unwrap_or_default());
             self.toasts.update((id, &name), &now);
             match of_answer {
-                // The result pane shows the first findings; toasts show only those that a change of the settings adds.
-                Ok(findings) if first => {
+                // The result pane shows the findings. Toasts show only those that a change of the settings adds while it is not
+                // in sight.
+                Ok(findings) if first || is_read => {
                     new_findings(findings, &mut open.told);
                 }
                 Ok(findings) => {

@@ -111,11 +111,16 @@ impl State {
         if runs.last().is_some_and(replaces) {
             runs.pop();
         }
+        let settings = analysis.settings;
+        // Undo and redo give earlier results again.
+        let is_again = |run: &Run| {
+            run.deployment == deployment && run.settings == settings && run.result == result
+        };
+        runs.retain(|run| !is_again(run));
         if runs.len() >= MOST_RUNS {
             runs.remove(0);
         }
         let id = self.results.next_id();
-        let settings = analysis.settings;
         let run = Run { id, deployment, at: Instant::now(), result, settings, step };
         self.results.runs.push(run);
     }

@@ -10,6 +10,12 @@ pub struct Workspace {
     pub theme: egui::ThemePreference,
     /// True for large type and full contrast.
     pub in_the_sun: bool,
+    /// Key of the number that gets the focus in the next frame.
+    pub focused_setting: Option<&'static str>,
+    /// True if the window asks before it closes with an unsaved session.
+    pub asks_before_closing: bool,
+    /// True once the user has answered that question.
+    pub closes: bool,
     /// Fixed computation time (ms), displayed in pictures that are compared byte for byte.
     pub fixed_elapsed_ms: Option<f64>,
 }

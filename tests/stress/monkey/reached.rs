@@ -20,6 +20,7 @@ impl Reached {
             Overlay::Palette(_) => note("command palette"),
             Overlay::Shortcuts => note("shortcuts"),
             Overlay::Glossary(_) => note("glossary"),
+            Overlay::Closing => note("closing"),
         }
         match state.asked() {
             None => {}

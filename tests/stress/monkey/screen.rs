@@ -93,7 +93,7 @@ impl Screen {
         // Saves in every frame, so that the state of the last frame is saved.
         let keeping = keeping.every(Duration::ZERO);
         let start = Start::Sample(Sample::Warthog);
-        let mut window =
+        let window =
             ResectWindow::with_saved_state(&creation, &start, Settings::default(), Some(keeping));
         self.window = Some(window);
         self.frame(Vec::new());

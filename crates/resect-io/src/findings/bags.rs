@@ -156,6 +156,7 @@ pub(super) fn examples() -> Vec<Finding> {
         bag_messages_malformed("drive.bag", 4, "message 7, of /theodolite, has 3 bytes"),
         bag_incomplete("drive.bag", "no index, read record by record"),
         bag_splits_unread("drive_0.bag", &["drive_1.bag"]),
+        copies_left_out("drive.bag", ["drive.orig.bag"].into_iter()),
         bags_joined(&["drive_0.bag", "drive_1.bag"]),
         bag_missing(&["drive_0.bag", "drive_2.bag"], 1),
         readings_without_stamp(1, 30),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use resect_core::estimates::EstimatesJudgement;
 
-use super::rows::{Angles, rows};
+use super::rows::{Angles, ErrorRow, rows};
 
 /// Formats the rows of the terminal's table with a column for each estimate (package `booktabs`).
 pub fn latex(judgement: &EstimatesJudgement) -> String {
@@ -13,7 +13,7 @@ pub fn latex(judgement: &EstimatesJudgement) -> String {
     let names: Vec<String> =
         judgement.judged.iter().map(|one| escaped(&one.estimate.name)).collect();
     _ = writeln!(text, " & {} \\\\\n\\midrule", names.join(" & "));
-    for (label, cells) in rows(judgement, Angles::DEGREES) {
+    for ErrorRow { label, cells, .. } in rows(judgement, Angles::DEGREES) {
         let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
         _ = writeln!(text, "{} & {} \\\\", escaped(label.trim()), cells.join(" & "));
     }

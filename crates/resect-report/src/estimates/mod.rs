@@ -11,5 +11,5 @@ pub use chart::draw;
 pub use csv::csv;
 pub use json::json;
 pub use latex::latex;
-pub use rows::{Angles, rows};
+pub use rows::{Angles, EMPTY, rows, why_empty};
 pub use text::{agreed, compared, contradiction, error_in_words, stated, text, truth_in_words};

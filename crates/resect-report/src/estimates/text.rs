@@ -1,6 +1,6 @@
 //! A judgement for the terminal: a column for each estimate, then the ranking and the odd spans.
 
-use super::rows::{Angles, rows};
+use super::rows::{Angles, rows, why_empty};
 use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::ranking::{ComparedError, PairComparison};
 use resect_core::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
@@ -41,10 +41,13 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
     let names = all.iter().map(|one| one.estimate.name.clone()).collect();
     let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };
-    for (label, cells) in std::iter::once((String::new(), names)).chain(table) {
+    let empty = why_empty(&table);
+    let body = table.into_iter().map(|row| (row.label, row.cells));
+    for (label, cells) in std::iter::once((String::new(), names)).chain(body) {
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));
         lines.push(format!("{label:<LABEL$}{}", cells.collect::<String>()).trim_end().to_owned());
     }
+    lines.extend(empty);
     let ranking: Vec<String> = stated(judgement)
         .map(|two| compared(judgement, two, Angles::DEGREES))
         .chain(judgement.agreements.iter().map(|both| agreed(judgement, both)))

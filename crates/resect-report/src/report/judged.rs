@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::charts::figure;
 use super::findings::findings;
-use crate::estimates::{Angles, agreed, compared, contradiction, draw, rows, stated};
+use crate::estimates::{Angles, agreed, compared, contradiction, draw, rows, stated, why_empty};
 use resect_core::deployment::Finding;
 use resect_core::estimates::EstimatesJudgement;
 
@@ -18,6 +18,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
         .flat_map(|one| one.estimate.findings.iter().chain(&one.fit.findings).cloned())
         .chain(judgement.unjudged.iter().map(|(_, why)| why.finding()))
         .collect();
+    let rows = rows(judgement, Angles::DEGREES);
     html! {
         h3 { "Trajectories of other systems" }
         @for two in stated(judgement) { p { (compared(judgement, two, Angles::DEGREES)) } }
@@ -30,14 +31,15 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                     @for one in judged { th.number { (one.estimate.name) } }
                 } }
                 tbody {
-                    @for (label, cells) in rows(judgement, Angles::DEGREES) {
+                    @for row in &rows {
                         tr {
-                            td { (label) }
-                            @for cell in cells { td.number { (cell) } }
+                            td { (row.label) }
+                            @for cell in &row.cells { td.number { (cell) } }
                         }
                     }
                 }
             } }
+            @for line in why_empty(&rows) { p { (line) } }
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",
