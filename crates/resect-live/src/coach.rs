@@ -327,6 +327,15 @@ mod tests {
             said.starts_with("the answer is weak: station 2's clock seems late; 1.5 mm"),
             "{said}"
         );
+        // One advice: that of the doubt is left out.
+        let weak = outcome(1.0, 1.5, |judged| {
+            judged.verdict = Verdict::Weak;
+            judged.verdict_in_words = "weak".to_owned();
+            judged.reason = Some("station 2 can slide; next, turn more".to_owned());
+        });
+        let said = coach.sentence(Some(&weak), &[]);
+        assert_eq!(said.matches("turn more").count(), 1, "{said}");
+        assert!(said.starts_with("the answer is weak: station 2 can slide; 1.5 mm"), "{said}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::coach::Coach;
 use super::event::{Channel, Event, LeftOut, Sent};
 use super::judged::{Judged, Outcome};
+use super::next;
 use super::pace::Pace;
 use super::recorder::{RecordError, Recorded, Recorder};
 use super::status::{StationStatus, Watch};
@@ -50,6 +51,8 @@ pub struct Engine {
     coach: Coach,
     /// Next manoeuvres, the best first.
     moves: Vec<NextMove>,
+    /// Time at which they were found (s, the source's clock).
+    moves_since_s: f64,
     told: Told,
     warnings: Vec<Warning>,
     first: Option<Arc<Judged>>,
@@ -87,6 +90,7 @@ impl Engine {
             newest_sent_s: None,
             coach: Coach::new(target_m),
             moves: Vec::new(),
+            moves_since_s: 0.0,
             told: Told::default(),
             warnings: Vec::new(),
             first: None,
@@ -191,10 +195,15 @@ impl Engine {
         self.advising.begin(clock_s)
     }
 
-    /// Sets the next manoeuvres, the best first.
+    /// Adds the next manoeuvres, the best first. They do not replace others that the driver may be driving.
     pub fn advised(&mut self, moves: Vec<NextMove>, clock_s: f64) {
         self.advising.end(clock_s);
-        self.moves = moves;
+        let now_s = self.newest_sent_s.map_or(0.0, |(sent_s, _)| sent_s);
+        let far_end = self.answer.as_ref().and_then(|answer| answer.far_end);
+        let sigma_m = far_end.map(|far_end| far_end.sigma_m);
+        if next::replaces(&moves, &self.moves, now_s - self.moves_since_s, sigma_m) {
+            (self.moves, self.moves_since_s) = (moves, now_s);
+        }
     }
 
     pub fn coach(&self) -> &Coach {

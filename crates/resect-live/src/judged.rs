@@ -60,9 +60,12 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Returns the verdict and the most severe doubt: "weak: station 2's clock seems late".
+    /// Returns the verdict and the most severe doubt: "weak: station 2's clock seems late". The doubt's own advice is left out,
+    /// since the coach gives one that fits the vehicle's position.
     pub fn verdict_and_reason(&self) -> String {
-        let why = self.reason.as_ref().map_or(String::new(), |why| format!(": {why}"));
+        let advice = self.advice.map_or(String::new(), |advice| format!("; next, {advice}"));
+        let why = self.reason.as_deref().map(|why| why.strip_suffix(&advice).unwrap_or(why));
+        let why = why.map_or(String::new(), |why| format!(": {why}"));
         format!("{}{why}", self.verdict_in_words)
     }
 

@@ -20,6 +20,10 @@ const SPEED_M_PER_S: f64 = 0.8;
 const TURN_RADIUS_M: f64 = 3.5;
 /// Relative decrease of σ below which a manoeuvre is hardly worth its time.
 pub const LITTLE: f64 = 0.05;
+/// Time for a manoeuvre until another replaces it, relative to its predicted duration: the driver has to read it first.
+const PATIENCE: f64 = 1.5;
+/// Ratio of predicted σ below which another manoeuvre is clearly better.
+const CLEARLY_BETTER: f64 = 0.75;
 /// Default rate of readings without a joint estimate (Hz).
 const RATE_HZ: f64 = 2.5;
 
@@ -113,6 +117,16 @@ pub fn gain_little(moves: &[NextMove]) -> bool {
     !moves.is_empty() && !moves.iter().any(gains)
 }
 
+/// Returns true if new manoeuvres replace earlier ones: if these are reached or their time is over, or if the new best one is clearly
+/// better. `age_s` is the time since the advice (s), and `sigma_m` the present σ at the far end (m).
+pub fn replaces(new: &[NextMove], earlier: &[NextMove], age_s: f64, sigma_m: Option<f64>) -> bool {
+    let ([new, ..], [earlier, ..]) = (new, earlier) else { return true };
+    age_s > PATIENCE * earlier.takes_s
+        || sigma_m.is_some_and(|sigma_m| sigma_m <= earlier.after_m)
+        || new.open < earlier.open
+        || new.after_m < CLEARLY_BETTER * earlier.after_m
+}
+
 /// Returns the most useful advice in one sentence; `None` without any.
 pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
     // Advice takes longer than answers, so a manoeuvre is omitted if a newer answer has already reached its σ.
@@ -121,4 +135,33 @@ pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
     };
     let best = moves.iter().find(is_worth_it).map(|best| best.sentence.clone());
     best.or_else(|| judged.advice.map(str::to_owned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_stays_until_it_is_driven_or_something_is_clearly_better() {
+        let one = |after_mm: f64, open: usize| NextMove {
+            sentence: format!("drive a loop: {after_mm} mm predicted"),
+            waypoints_m: Vec::new(),
+            before_m: None,
+            after_m: after_mm * 1e-3,
+            takes_s: 40.0,
+            open,
+            gain_per_m2_s: 1.0,
+        };
+        let earlier = [one(2.0, 1)];
+        let replaces = |new: &[NextMove], age_s: f64, sigma_mm: f64| {
+            super::replaces(new, &earlier, age_s, Some(sigma_mm * 1e-3))
+        };
+        assert!(!replaces(&[one(1.9, 1)], 20.0, 3.0), "hardly better");
+        assert!(replaces(&[one(1.9, 1)], 61.0, 3.0), "its time is over");
+        assert!(replaces(&[one(1.9, 1)], 20.0, 1.9), "reached");
+        assert!(replaces(&[one(1.4, 1)], 20.0, 3.0), "clearly better");
+        assert!(replaces(&[one(2.5, 0)], 20.0, 3.0), "determines a direction");
+        assert!(replaces(&[], 20.0, 3.0), "nothing gains any more");
+        assert!(super::replaces(&[one(9.0, 3)], &[], 0.0, None), "the first one");
+    }
 }

@@ -103,7 +103,7 @@ fn a_straight_line_is_said_and_is_never_enough() {
     });
     let is_line = |w: &Warning| w.finding.kind == FindingKind::LiveStraightLine;
     assert!(last.warnings.iter().any(is_line), "{:?}", last.warnings);
-    assert!(last.sentence.contains("figure-eight"), "{}", last.sentence);
+    assert!(last.sentence.contains("on the spot"), "{}", last.sentence);
 }
 
 #[test]

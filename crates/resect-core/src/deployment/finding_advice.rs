@@ -32,7 +32,7 @@ pub const ADVICE: [Advice; 19] = [
         title: "A direction is unobservable or weakly observable",
         meaning: "Stations can move without a change of the inter-prism distances. No setting helps. Control points that all stations \
                   measure help wherever a vehicle cannot turn. Several drives can be solved together (File).",
-        step: "Drive a figure-eight with turns to both sides, as wide as the place allows.",
+        step: "Turn once around on the spot in several places, or drive a figure-eight as wide as the place allows.",
         kinds: &[
             Kind::DriveLeavesDirectionFree,
             Kind::DriveWeak,

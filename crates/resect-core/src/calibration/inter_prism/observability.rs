@@ -276,13 +276,13 @@ fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
             "drive a figure-eight with turns to both sides, as wide as the place allows"
         }
         (PlanView::StraightLine { .. }, _) => {
-            "leave the line: drive a figure-eight with turns to both sides"
+            "turn once around on the spot at both ends of the line"
         }
         (PlanView::Circle { .. }, _) => {
-            "turn the other way too: drive a figure-eight with turns to both sides"
+            "turn the other way too: drive a figure-eight as wide as the place allows"
         }
         (PlanView::TwoLegs { .. }, _) => {
-            "one corner is not enough: drive a figure-eight with turns to both sides"
+            "one corner is not enough: turn once around on the spot, or drive a figure-eight if the place allows"
         }
         (PlanView::Winding, MotionComponent::Height) => {
             "drive over a ramp or uneven ground, or mount the prisms at heights that differ more"
@@ -293,6 +293,6 @@ fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
         (
             PlanView::Winding,
             MotionComponent::Along | MotionComponent::Across | MotionComponent::Level,
-        ) => "turn more: drive a figure-eight with turns to both sides",
+        ) => "turn more: turn once around on the spot, or drive a figure-eight if the place allows",
     }
 }

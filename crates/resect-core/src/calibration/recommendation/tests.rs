@@ -179,7 +179,7 @@ fn a_degenerate_drive_names_what_it_leaves_open_and_what_determines_it() {
     assert_eq!(degenerate.answer, None, "{degenerate}");
     assert_eq!(degenerate.reason, RecommendationReason::Degenerate);
     assert_says(&degenerate, " of 8 directions are not determined: ");
-    assert_says(&degenerate, "Next, leave the line");
+    assert_says(&degenerate, "Next, turn once around on the spot at both ends of the line");
     assert_says(&degenerate, ", or let all stations measure three control points.");
 }
 
