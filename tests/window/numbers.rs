@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Theme};
+use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::harness::{
@@ -75,7 +76,7 @@ fn a_number_that_the_palette_finds_has_the_focus() {
     harness.run_steps(2);
     harness.key_press(Key::Enter);
     settle(&mut harness);
-    let focused = harness.get_all_by_role(Role::Slider).find(|slider| slider.is_focused());
+    let focused = harness.get_all_by_role(Role::Slider).find(Node::is_focused);
     let label = focused.and_then(|slider| slider.accesskit_node().label());
     assert_eq!(label.as_deref(), Some("τ_l  length"));
     // Keys change it at once.

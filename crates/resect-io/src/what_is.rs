@@ -268,7 +268,7 @@ mod tests {
         let paths = ["times.txt", "gt_covariance.csv", "gt.txt", "poses.txt"].map(path);
         let sorted = sort(paths.iter().map(PathBuf::as_path));
         assert_eq!(sorted.estimates, [path("gt.txt"), path("poses.txt")]);
-        assert_eq!(sorted.unknown, [String::new(); 0]);
+        assert_eq!(sorted.unknown, Vec::<String>::new());
         let alone = sort([paths[1].as_path()]);
         assert_eq!(alone.unknown, ["gt_covariance.csv: not recognised"]);
     }

@@ -153,15 +153,15 @@ mod tests {
             gain_per_m2_s: 1.0,
         };
         let earlier = [one(2.0, 1)];
-        let replaces = |new: &[NextMove], age_s: f64, sigma_mm: f64| {
-            super::replaces(new, &earlier, age_s, Some(sigma_mm * 1e-3))
+        let replaced_by = |new: &[NextMove], age_s: f64, sigma_mm: f64| {
+            replaces(new, &earlier, age_s, Some(sigma_mm * 1e-3))
         };
-        assert!(!replaces(&[one(1.9, 1)], 20.0, 3.0), "hardly better");
-        assert!(replaces(&[one(1.9, 1)], 61.0, 3.0), "its time is over");
-        assert!(replaces(&[one(1.9, 1)], 20.0, 1.9), "reached");
-        assert!(replaces(&[one(1.4, 1)], 20.0, 3.0), "clearly better");
-        assert!(replaces(&[one(2.5, 0)], 20.0, 3.0), "determines a direction");
-        assert!(replaces(&[], 20.0, 3.0), "nothing gains any more");
-        assert!(super::replaces(&[one(9.0, 3)], &[], 0.0, None), "the first one");
+        assert!(!replaced_by(&[one(1.9, 1)], 20.0, 3.0), "hardly better");
+        assert!(replaced_by(&[one(1.9, 1)], 61.0, 3.0), "its time is over");
+        assert!(replaced_by(&[one(1.9, 1)], 20.0, 1.9), "reached");
+        assert!(replaced_by(&[one(1.4, 1)], 20.0, 3.0), "clearly better");
+        assert!(replaced_by(&[one(2.5, 0)], 20.0, 3.0), "determines a direction");
+        assert!(replaced_by(&[], 20.0, 3.0), "nothing gains any more");
+        assert!(replaces(&[one(9.0, 3)], &[], 0.0, None), "the first one");
     }
 }
