@@ -92,7 +92,11 @@ fn the_findings_name_the_drive_and_what_to_drive_next() {
     for (preset, parts) in [
         (
             Preset::StraightLine,
-            ["one straight line", "3 of 8 directions are unobservable", "leave the line"],
+            [
+                "one straight line",
+                "3 of 8 directions are unobservable",
+                "turn once around on the spot",
+            ],
         ),
         (
             Preset::Circle,
