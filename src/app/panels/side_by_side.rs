@@ -39,6 +39,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length: 0.0, ..thin };
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+            // Its answer would be below the table's end.
+            validation::ui(ui, state, width, commands);
             let (columns, reference) = columns(state);
             let others = columns.len().saturating_sub(1) as f32;
             let wanted = NAMES + NUMBER * (others + 1.0) + DIFFERENCE * others;
@@ -65,7 +67,6 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 ui.small("± one standard deviation. Pinned results and other open deployments appear beside it.");
             }
             give_all(ui, state, commands);
-            validation::ui(ui, state, width, commands);
         });
     });
 }

@@ -15,7 +15,6 @@ use resect_report::glossary;
 /// Shows the validations if another deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {
     let Some(active) = state.active().filter(|_| state.deployments.open.len() > 1) else { return };
-    ui.add_space(6.0);
     heading(ui, "The same set-up?");
     ui.horizontal(|ui| {
         let name = state.name_of(active.id).unwrap_or_default();
@@ -43,6 +42,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
             one(ui, state, &name, (index, found), commands);
         });
     }
+    ui.add_space(6.0);
+    ui.separator();
 }
 
 fn one(
