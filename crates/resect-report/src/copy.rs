@@ -146,8 +146,11 @@ pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
 fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
     let mut text = String::new();
     for line in origin(summary).lines() {
-        // Two hyphens would end the comment. A space after each separates them, also at the ends of words.
-        let said = line.trim_start_matches(['#', ' ']).replace('-', "- ");
+        // Two hyphens would end the comment, so a space separates them. A single one, as in a date, stays.
+        let mut said = line.trim_start_matches(['#', ' ']).to_owned();
+        while said.contains("--") {
+            said = said.replace("--", "- -");
+        }
         _ = writeln!(text, "<!-- {said} -->");
     }
     for station in stations {

@@ -70,8 +70,11 @@ fn alignment(ui: &mut egui::Ui, some: &mut [&mut Options]) {
     ui.horizontal_wrapped(|ui| {
         ui.label("aligned by");
         for (alignment, hint) in [
-            (TrajectoryAlignment::Rigid, "As evo's --align"),
-            (TrajectoryAlignment::Similarity, "For a monocular camera, as evo's --correct_scale"),
+            (TrajectoryAlignment::Rigid, "As evo with alignment"),
+            (
+                TrajectoryAlignment::Similarity,
+                "For a monocular camera, as evo with scale correction",
+            ),
             (TrajectoryAlignment::None, "The trajectory is in the frame of station 1"),
         ] {
             let is_it = common(some, |one| one.alignment) == Some(alignment);

@@ -84,8 +84,7 @@ fn not_calibrated(deployment: &Deployment) -> Option<String> {
             only + 1
         )),
         [first, second] => Some(format!(
-            "A calibration needs three stations, and only stations {} and {} have measurements. `resect trajectory --station` \
-             exports the positions of one prism with their σ.",
+            "A calibration needs three stations, and only stations {} and {} have measurements. Each is shown in its own frame.",
             first + 1,
             second + 1
         )),

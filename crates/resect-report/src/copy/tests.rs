@@ -163,6 +163,9 @@ fn urdf_joints_are_read_back() {
         let translation_m = Vector3::new(xyz[0], xyz[1], xyz[2]);
         assert_is(&RigidTransform { rotation, translation_m }.matrix(), &expected);
     }
+    let mut dated = summary(Verdict::Good);
+    dated.deployment = "2022-07-11-2".to_owned();
+    assert!(text_of(&dated).starts_with("<!-- 2022-07-11-2: "), "{}", text_of(&dated));
     // The first two hyphens end an XML comment.
     let mut hostile = summary(Verdict::Weak);
     hostile.deployment = "a --> <joint/> ---".to_owned();

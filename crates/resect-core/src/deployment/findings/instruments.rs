@@ -90,6 +90,18 @@ impl NamedError<'_> {
         ))
     }
 
+    /// The value and σ without the prior, whose mean is zero: information is additive.
+    fn by_the_readings(&self) -> Self {
+        let Estimate { value, sigma } = self.estimate;
+        let share = 1.0 - (sigma / self.prior_sigma).powi(2);
+        // Without information of the readings there is no such value.
+        if share <= 1e-3 {
+            return *self;
+        }
+        let estimate = Estimate { value: value / share, sigma: sigma / share.sqrt() };
+        Self { estimate, ..*self }
+    }
+
     /// Prior σ with its unit: "0.3 mm".
     fn prior_in_words(&self, decimals: usize) -> Message {
         if self.quantity == Quantity::Angle {
@@ -104,11 +116,15 @@ pub fn instrument_error(error: &NamedError<'_>) -> Finding {
     error.finding(FindingKind::InstrumentError, error.in_words(1))
 }
 
-/// `sigmas` is the distance from the prior in standard deviations.
+/// `sigmas` is the distance from the prior in standard deviations. The message states the value by the readings alone: the
+/// estimate lies between it and the prior, and may look insignificant.
 pub fn instrument_error_implausible(error: &NamedError<'_>, sigmas: f64) -> Finding {
     let message = error
+        .by_the_readings()
         .in_words(1)
-        .text(format!(": implausible at {sigmas:.1} σ, sound instruments have "))
+        .text(format!(
+            " by the readings alone: implausible at {sigmas:.1} σ, sound instruments have "
+        ))
         .message(error.prior_in_words(1))
         .text(" (1 σ); probably another error, which this estimate does not model, is the cause");
     error.finding(FindingKind::InstrumentErrorImplausible, message).quantity(
