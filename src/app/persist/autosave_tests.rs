@@ -95,7 +95,7 @@ fn two_windows_at_once_leave_each_other_alone() {
     second.finish();
     assert_eq!(names(folder.path()).len(), 2);
     die(first);
-    let (_, recovered, _) = start(folder.path());
+    let (_, recovered, _) = start_after_death(folder.path());
     assert_eq!(recovered.expect("the first window's").session, session(1));
 }
 
@@ -156,7 +156,7 @@ fn what_could_not_be_written_is_tried_again_and_told_once() {
     assert!(window.offer(session(1)));
     assert!(!window.offer(session(1)), "on its way");
     die(window);
-    let (_, recovered, _) = start(folder.path());
+    let (_, recovered, _) = start_after_death(folder.path());
     assert_eq!(recovered.expect("what was open").session, session(1));
 }
 
