@@ -184,6 +184,22 @@ fn what_is_predicted_is_what_many_drives_come_to() {
 }
 
 #[test]
+fn turns_at_both_ends_of_a_line_determine_the_stations_as_advised() {
+    let mut plan = Plan::from_preset(Preset::StraightLine, 1);
+    assert_eq!(predict(&plan).expect("a prediction").verdict, Verdict::Degenerate);
+    let ends_m = [[50.0, -25.0], [114.0, -25.0]];
+    let around = ends_m.into_iter().flat_map(|[x_m, y_m]| {
+        (0..9).map(move |eighth| {
+            let (sine, cosine) = (f64::from(eighth) * std::f64::consts::FRAC_PI_4).sin_cos();
+            Waypoint::at(Vector2::new(x_m + 0.4 * cosine, y_m + 0.4 * sine))
+        })
+    });
+    plan.way = vec![Piece::Waypoints(around.collect())];
+    let predicted = predict(&plan).expect("a prediction");
+    assert_eq!(predicted.verdict, Verdict::Good, "{:?}", predicted.findings);
+}
+
+#[test]
 fn a_drive_that_holds_too_little_is_told_before_it_is_driven() {
     for (preset, verdict, told) in [
         (Preset::StraightLine, Verdict::Degenerate, ["straight line", "on the spot"]),

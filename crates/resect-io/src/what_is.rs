@@ -211,13 +211,21 @@ pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
 mod tests {
     use super::*;
 
+    /// Writes files into a folder; returns their paths.
+    fn written<const N: usize>(folder: &Path, files: [(&str, &str); N]) -> [PathBuf; N] {
+        files.map(|(name, text)| {
+            let path = folder.join(name);
+            std::fs::create_dir_all(path.parent().expect("inside")).expect("writable");
+            std::fs::write(&path, text).expect("writable");
+            path
+        })
+    }
+
     #[test]
     fn paths_are_known_by_what_is_in_them() {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| {
-            let path = folder.path().join(name);
-            std::fs::create_dir_all(path.parent().expect("inside")).expect("writable");
-            std::fs::write(&path, text).expect("writable");
+            let [path] = written(folder.path(), [(name, text)]);
             path
         };
         let cases = [
@@ -256,20 +264,20 @@ mod tests {
     #[test]
     fn times_and_covariances_belong_to_their_trajectory() {
         let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        for (name, text) in [
-            ("gt.txt", "1.5 1 2 3 0 0 0.6 0.8\n"),
-            ("gt_covariance.csv", "1.5,1,0,0,0,1,0,0,0,1\n"),
-            ("poses.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n"),
-            ("times.txt", "0.1\n"),
-        ] {
-            std::fs::write(path(name), text).expect("writable");
-        }
-        let paths = ["times.txt", "gt_covariance.csv", "gt.txt", "poses.txt"].map(path);
+        let paths = written(
+            folder.path(),
+            [
+                ("times.txt", "0.1\n"),
+                ("gt_covariance.csv", "1.5,1,0,0,0,1,0,0,0,1\n"),
+                ("gt.txt", "1.5 1 2 3 0 0 0.6 0.8\n"),
+                ("poses.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n"),
+            ],
+        );
         let sorted = sort(paths.iter().map(PathBuf::as_path));
-        assert_eq!(sorted.estimates, [path("gt.txt"), path("poses.txt")]);
+        let [_, covariances, truth, poses] = &paths;
+        assert_eq!(sorted.estimates, [truth.clone(), poses.clone()]);
         assert_eq!(sorted.unknown, Vec::<String>::new());
-        let alone = sort([paths[1].as_path()]);
+        let alone = sort([covariances.as_path()]);
         assert_eq!(alone.unknown, ["gt_covariance.csv: not recognised"]);
     }
 
@@ -292,20 +300,20 @@ mod tests {
     #[test]
     fn several_are_sorted_by_what_is_done_with_them() {
         let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        for (name, text) in [
-            ("gcp.txt", "theodolite_number , marker_number , status\n"),
-            ("p.csv", "timestamp,id,distance,ha,va\n"),
-            ("rig.txt", "0.7 0.9 1.0\n"),
-            ("note", "hello\n"),
-        ] {
-            std::fs::write(path(name), text).expect("writable");
-        }
-        let paths = ["gcp.txt", "note", "p.csv", "rig.txt"].map(path);
+        let paths = written(
+            folder.path(),
+            [
+                ("gcp.txt", "theodolite_number , marker_number , status\n"),
+                ("note", "hello\n"),
+                ("p.csv", "timestamp,id,distance,ha,va\n"),
+                ("rig.txt", "0.7 0.9 1.0\n"),
+            ],
+        );
         let sorted = sort(paths.iter().map(PathBuf::as_path));
-        assert_eq!(sorted.deployments, [path("p.csv")]);
-        assert_eq!(sorted.extras.gcp, [path("gcp.txt")]);
-        assert_eq!(sorted.extras.rig, Some(path("rig.txt")));
+        let [points, _, tracks, rig] = paths;
+        assert_eq!(sorted.deployments, [tracks]);
+        assert_eq!(sorted.extras.gcp, [points]);
+        assert_eq!(sorted.extras.rig, Some(rig));
         assert_eq!(sorted.unknown, ["note: not recognised"]);
     }
 }

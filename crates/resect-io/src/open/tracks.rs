@@ -58,6 +58,7 @@ pub fn read<'a>(
                 read_files(&[file], &stations, overrides, progress, &mut recording)?;
                 Ok(recording.finish(&file.file)?.0)
             };
+            progress.expect(candidates.iter().map(|f| f.bytes).sum());
             if !copies::are_copies(&candidates, read)? {
                 let files = candidates.iter().map(|f| f.file.clone()).collect();
                 return Err(Question::Tracks { folder: name.to_owned(), files }.into());

@@ -7,8 +7,9 @@ use resect_core::estimates::{Coverage, EstimatesJudgement, Judged, RELATIVE_M};
 const LARGEST_IN_MM_M: f64 = 1e3;
 
 /// Reasons of empty cells.
-const SPARSER: &str = "the sparser trajectory is counted, which is the other one here";
-const NOT_ESTIMATED: &str = "the options or the orientations leave nothing to estimate";
+const SPARSER: &str = "the poses of the other trajectory are counted, because it is sparser";
+const LEVER_NOT_ESTIMATED: &str = "the body is given, or orientations are missing";
+const SCALE_NOT_ESTIMATED: &str = "the alignment estimates no scale";
 const NO_ORIENTATION: &str = "the estimate or the ground truth has no orientations";
 const FEW_PAIRS: &str = "too few pairs of poses with orientation are so far apart";
 const WITH_ORIENTATION: &str = "with orientations, the errors in mm and of rotation replace it";
@@ -134,7 +135,7 @@ fn add_fit(rows: &mut ErrorRows<'_>) {
         })
     });
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        rows.add(&format!("lever arm, {name} (mm)"), NOT_ESTIMATED, &|one| {
+        rows.add(&format!("lever arm, {name} (mm)"), LEVER_NOT_ESTIMATED, &|one| {
             let lever_m = one.fit.lever_arm_m?;
             if !one.fit.determines_lever_arm(axis) {
                 return Some("not determined".to_owned());
@@ -142,7 +143,7 @@ fn add_fit(rows: &mut ErrorRows<'_>) {
             Some(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
         });
     }
-    rows.add("scale", NOT_ESTIMATED, &|one| {
+    rows.add("scale", SCALE_NOT_ESTIMATED, &|one| {
         (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale))
     });
 }

@@ -72,7 +72,10 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
         let sigmas = conflict.sigmas[error.index].abs();
         if sigmas > CRITICAL_SIGMAS {
             has_conflict = true;
-            doubt(with_name(&error, |named| instrument_error_implausible(named, sigmas)));
+            let prior_mean = error.estimate.value - conflict.change[error.index];
+            doubt(with_name(&error, |named| {
+                instrument_error_implausible(named, prior_mean, sigmas)
+            }));
         }
     }
     for pair in 0..3 {

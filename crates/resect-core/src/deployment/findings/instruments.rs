@@ -42,6 +42,9 @@ pub fn noise_levels(noise: ReadingNoise) -> Finding {
         .quantity("slow_upward", slow_upward_m, Unit::Metre)
 }
 
+/// Share of information by the readings below which a value without the prior would be arbitrary.
+const LEAST_SHARE_OF_READINGS: f64 = 1e-3;
+
 /// An estimated error with its description: "station 2's ranges are off by".
 #[derive(Clone, Copy)]
 pub struct NamedError<'a> {
@@ -90,16 +93,15 @@ impl NamedError<'_> {
         ))
     }
 
-    /// The value and σ without the prior, whose mean is zero: information is additive.
-    fn by_the_readings(&self) -> Self {
+    /// Estimate without the prior: information is additive. Returns `None` if the readings have hardly any.
+    fn without_prior(&self, prior_mean: f64) -> Option<Self> {
         let Estimate { value, sigma } = self.estimate;
         let share = 1.0 - (sigma / self.prior_sigma).powi(2);
-        // Without information of the readings there is no such value.
-        if share <= 1e-3 {
-            return *self;
-        }
-        let estimate = Estimate { value: value / share, sigma: sigma / share.sqrt() };
-        Self { estimate, ..*self }
+        let estimate = Estimate {
+            value: prior_mean + (value - prior_mean) / share,
+            sigma: sigma / share.sqrt(),
+        };
+        (share > LEAST_SHARE_OF_READINGS).then_some(Self { estimate, ..*self })
     }
 
     /// Prior σ with its unit: "0.3 mm".
@@ -116,15 +118,20 @@ pub fn instrument_error(error: &NamedError<'_>) -> Finding {
     error.finding(FindingKind::InstrumentError, error.in_words(1))
 }
 
-/// `sigmas` is the distance from the prior in standard deviations. The message states the value by the readings alone: the
-/// estimate lies between it and the prior, and may look insignificant.
-pub fn instrument_error_implausible(error: &NamedError<'_>, sigmas: f64) -> Finding {
-    let message = error
-        .by_the_readings()
+/// `sigmas` is the distance from the prior in standard deviations. The message states the value without the prior, because the
+/// estimate lies between the two and may look insignificant.
+pub fn instrument_error_implausible(
+    error: &NamedError<'_>,
+    prior_mean: f64,
+    sigmas: f64,
+) -> Finding {
+    let (stated, source) = match error.without_prior(prior_mean) {
+        Some(without_prior) => (without_prior, " without its prior"),
+        None => (*error, ""),
+    };
+    let message = stated
         .in_words(1)
-        .text(format!(
-            " by the readings alone: implausible at {sigmas:.1} σ, sound instruments have "
-        ))
+        .text(format!("{source}: implausible at {sigmas:.1} σ, sound instruments have "))
         .message(error.prior_in_words(1))
         .text(" (1 σ); probably another error, which this estimate does not model, is the cause");
     error.finding(FindingKind::InstrumentErrorImplausible, message).quantity(
@@ -439,7 +446,7 @@ pub(super) fn examples() -> Vec<Finding> {
             slow_upward_m: 0.002,
         }),
         instrument_error(&error),
-        instrument_error_implausible(&angle, 6.0),
+        instrument_error_implausible(&angle, 0.0, 6.0),
         stated_error_contradicted(&clock, 7.0),
         distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
         distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
@@ -478,5 +485,35 @@ mod tests {
         assert_eq!(event(&turned, &moved), both);
         let neither = "Station 2 turned by +0.010 ± 0.051 mrad and moved by 1.10 ± 0.90 mm";
         assert_eq!(event(&unturned, &unmoved), neither);
+    }
+
+    #[test]
+    fn an_implausible_error_states_what_the_readings_give_without_its_prior() {
+        let arcsec = |arcsec: f64| (arcsec / 3600.0).to_radians();
+        let (mean, prior, read, sigma) = (3.0, 2.0, -36.0, 7.0);
+        // Two independent observations of one quantity, by their information.
+        let [by_prior, by_readings] = [prior, sigma].map(|sigma: f64| sigma.powi(-2));
+        let posterior = Estimate {
+            value: arcsec((mean * by_prior + read * by_readings) / (by_prior + by_readings)),
+            sigma: arcsec((by_prior + by_readings).powf(-0.5)),
+        };
+        let error = NamedError {
+            sentence: "station 1 leans about y by",
+            station: Some(0),
+            quantity: Quantity::Angle,
+            estimate: posterior,
+            prior_sigma: arcsec(prior),
+        };
+        let message = |error: &NamedError<'_>| {
+            instrument_error_implausible(error, arcsec(mean), 5.4).to_string()
+        };
+        let stated = message(&error);
+        assert!(
+            stated.starts_with("station 1 leans about y by -36.0 ± 7.0″ without its prior"),
+            "{stated}"
+        );
+        let unread =
+            NamedError { estimate: Estimate { sigma: arcsec(prior), ..posterior }, ..error };
+        assert!(!message(&unread).contains("without its prior"));
     }
 }
