@@ -13,6 +13,7 @@
 //! └─ state                    the whole state, and the only place that changes it
 //!    ├─ persist               files of sessions, preferences and autosave: format, reading and writing
 //!    ├─ layout                arrangement of the panes
+//!    ├─ pictures              a pane as PNG or SVG, drawn off screen
 //!    └─ model                 plain data: commands, open deployments, timeline, undo, units, toasts, view
 //!       ├─ prepared           data computed for drawing, including statistics along the drive (`running.rs`); the thread
 //!       │                     that calibrates while a slider moves (`analyser.rs`)
@@ -64,6 +65,7 @@ mod model;
 mod panels;
 pub mod persist;
 mod picture;
+mod pictures;
 mod plots;
 mod prepared;
 pub mod saved_state;
@@ -78,12 +80,13 @@ pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Camera, ChannelPlots, Colouring, Command, DeploymentCommand,
     DialogCommand, JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand,
-    LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback,
-    Results, ResultsCommand, Ruler, RulerEnd, Run, SceneCommand, SceneOptions, SessionCommand,
-    StudyKind, StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset,
-    Visibility, WorkspaceCommand, toasts,
+    LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureFormat, PictureOrder, PictureTo, Pin,
+    PlanCommand, Playback, Results, ResultsCommand, Ruler, RulerEnd, Run, SceneCommand,
+    SceneOptions, SessionCommand, StudyKind, StudyOptions, StudyResult, TimeCommand, TimeUnit,
+    Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
 };
-pub use picture::{offscreen_renderer, picture, without_graphics};
+pub use picture::{ScreenshotOrder, offscreen_renderer, picture, without_graphics};
+pub use pictures::pane_picture::PanePicture;
 pub use prepared::channels::Channel;
 pub use scene::SceneView;
 pub use state::State;

@@ -5,34 +5,48 @@ use std::sync::Arc;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup};
 use egui_kittest::wgpu::WgpuTestRenderer;
 
+use super::model::{Pane, PictureFormat, PictureOrder};
+use super::pictures::pane_picture::{self, PanePicture};
 use super::window::{ResectWindow, Start};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_io::source::Source;
 
-/// The harness gives up on a frame after ten seconds, in which software renders about 40 million pixels.
-const MOST_PIXELS_WITHOUT_GPU: u64 = 5120 * 2880;
+/// Choices for a picture of the window or of one of its panes.
+#[derive(Clone, Copy, Debug)]
+pub struct ScreenshotOrder {
+    /// One pane without its controls; `None` for the whole window.
+    pub pane: Option<Pane>,
+    /// Format of a pane's picture; the whole window is PNG.
+    pub format: PictureFormat,
+    /// Width and height (points).
+    pub size_points: [u32; 2],
+    /// Pixels per point.
+    pub scale: u32,
+    pub dark: bool,
+}
 
-/// Renders the window off screen as an image.
+/// Renders the window or one pane off screen.
 pub fn picture(
     deployments: Vec<(Arc<Deployment>, Source)>,
     settings: Settings,
-    [width, height]: [u32; 2],
-    dark: bool,
-) -> anyhow::Result<image::RgbaImage> {
+    order: &ScreenshotOrder,
+) -> anyhow::Result<PanePicture> {
     let state = offscreen_state()?;
-    let adapter = state.adapter.get_info();
-    let pixels = u64::from(width) * u64::from(height);
-    if adapter.device_type == wgpu::DeviceType::Cpu && pixels > MOST_PIXELS_WITHOUT_GPU {
-        anyhow::bail!(
-            "--size {width}x{height}: without a GPU the limit is 5120x2880 (renderer: {}); choose a smaller size",
-            adapter.name
-        );
-    }
+    let order_of = |pane: Pane| PictureOrder {
+        pane,
+        format: order.format,
+        size_points: order.size_points,
+        scale: order.scale,
+        dark: order.dark,
+    };
+    let whole = order_of(order.pane.unwrap_or(Pane::Scene));
+    pane_picture::check_size(&state, &whole).map_err(anyhow::Error::msg)?;
     let start = Start::Deployments(deployments);
     let mut harness = egui_kittest::Harness::builder()
-        .with_size([width as f32, height as f32])
-        .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })
+        .with_size(order.size_points.map(|side| side as f32))
+        .with_pixels_per_point(order.scale as f32)
+        .with_theme(if order.dark { egui::Theme::Dark } else { egui::Theme::Light })
         .with_render_cursor(false)
         .allow_missing_glyphs()
         .with_accessibility_check(false)
@@ -48,7 +62,13 @@ pub fn picture(
         harness.run_steps(1);
         harness.state_mut().settle();
     }
-    harness.render().map_err(|what| {
+    if let Some(pane) = order.pane {
+        let ctx = harness.ctx.clone();
+        let picture = harness.state_mut().picture(&order_of(pane), &ctx);
+        return picture.map_err(anyhow::Error::msg);
+    }
+    let image = harness.render();
+    image.map(PanePicture::Pixels).map_err(|what| {
         anyhow::anyhow!("the picture could not be drawn ({what}); choose a smaller --size")
     })
 }

@@ -8,8 +8,7 @@ use resect_core::palette::Rgb;
 const TEXT_LIGHT: Color32 = Color32::from_gray(40);
 const TEXT_DARK: Color32 = Color32::from_gray(205);
 
-/// Sets fonts and spacing for both themes.
-pub fn apply(ctx: &egui::Context) {
+pub fn set_fonts(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
     let mut fonts = egui::FontDefinitions::default();
     let inter = egui::FontData::from_static(resect_report::font::INTER);
@@ -20,6 +19,11 @@ pub fn apply(ctx: &egui::Context) {
     fonts.font_data.insert("Figures".to_owned(), std::sync::Arc::new(figures));
     fonts.families.entry(FontFamily::Monospace).or_default().insert(0, "Figures".to_owned());
     ctx.set_fonts(fonts);
+}
+
+/// Sets fonts and spacing for both themes.
+pub fn apply(ctx: &egui::Context) {
+    set_fonts(ctx);
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (TextStyle::Heading, FontId::new(16.0, FontFamily::Proportional)),

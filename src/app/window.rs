@@ -1,24 +1,29 @@
 //! The window: one frame, and opening it.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 mod shell;
 
-use eframe::egui_wgpu::WgpuSetup;
+use eframe::egui_wgpu::{RenderState, WgpuSetup};
 
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
 use super::file_dialog::system::SystemDialog;
-use super::layout::Layout;
+use super::layout::{Layout, PictureWish};
 use super::model::View;
 use super::panels;
 use super::persist::Folders;
+use super::pictures::pane_picture::{self, PanePicture};
 use super::saved_state::SavedState;
 use super::scene::SceneView;
 use super::state::State;
 use super::theme;
-use crate::app::model::{Command, Commands, DeploymentCommand, Overlay, Pane};
+use crate::app::model::{
+    Command, Commands, DeploymentCommand, DialogCommand, Overlay, Pane, PictureOrder,
+    WorkspaceCommand,
+};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_io::sample::Sample;
@@ -43,6 +48,9 @@ pub struct ResectWindow {
     pub state: State,
     scene: SceneView,
     shell: Shell,
+    render_state: Option<RenderState>,
+    /// Id of each pane in the window, under which egui remembers its scroll positions.
+    scopes: HashMap<Pane, egui::Id>,
     /// Preferences and autosave; `None` for pictures and tests.
     saved_state: Option<(SavedState, egui::Context)>,
 }
@@ -79,9 +87,11 @@ impl ResectWindow {
                 why_not.iter().for_each(|line| state.toasts.error(line));
             }
         }
-        let scene = SceneView::new(creation.wgpu_render_state.as_ref());
+        let render_state = creation.wgpu_render_state.clone();
+        let scene = SceneView::new(render_state.as_ref());
         let saved_state = saved_state.map(|saved_state| (saved_state, ctx.clone()));
-        Self { state, scene, shell: Shell::default(), saved_state }
+        let (shell, scopes) = (Shell::default(), HashMap::new());
+        Self { state, scene, shell, render_state, scopes, saved_state }
     }
 
     pub fn layout(&self) -> &Layout {
@@ -91,6 +101,30 @@ impl ResectWindow {
     /// Waits until all jobs have ended; for pictures and tests.
     pub fn settle(&mut self) {
         self.state.settle();
+    }
+
+    /// Draws a pane off screen, at its own size and without controls.
+    pub fn picture(
+        &mut self,
+        order: &PictureOrder,
+        ctx: &egui::Context,
+    ) -> Result<PanePicture, String> {
+        let Some(render_state) = &self.render_state else {
+            return Err("a picture needs a graphics device: Vulkan, Metal, DX12 or OpenGL".into());
+        };
+        let scope = self.scopes.get(&order.pane).copied();
+        let scope = scope.unwrap_or_else(|| egui::Id::unique("pane without a window"));
+        let offscreen = pane_picture::offscreen(render_state);
+        let mut scene = SceneView::new(Some(&offscreen));
+        let mut view = self.state.scene.view.clone();
+        self.state.workspace.picturing = true;
+        let state = &self.state;
+        let picture = pane_picture::draw_pane(ctx, offscreen, order, scope, |ui| {
+            let commands = &mut Commands::new();
+            Panes { state, commands, scene: &mut scene, view: &mut view }.pane(order.pane, ui);
+        });
+        self.state.workspace.picturing = false;
+        picture
     }
 
     /// Executes a command as if a pane had sent it.
@@ -114,7 +148,6 @@ impl eframe::App for ResectWindow {
         if let Some(next_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
         }
-        self.state.begin_picture();
         let mut commands = Commands::new();
         commands.extend(dropped(ui));
         let ctx = ui.ctx().clone();
@@ -145,14 +178,23 @@ impl eframe::App for ResectWindow {
                 scene: &mut self.scene,
                 view: &mut view,
             };
-            layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
+            let wish = layout.ui(ui, &mut |pane, ui| {
+                self.scopes.insert(pane, ui.scope_id());
+                panes.pane(pane, ui);
+            });
+            commands.extend(wish.map(|(pane, wish)| match wish {
+                PictureWish::Copy => WorkspaceCommand::CopyPicture(pane).into(),
+                PictureWish::Choose => DialogCommand::ShowPicture(pane).into(),
+            }));
             (self.state.workspace.layout, self.state.scene.view) = (layout, view);
         });
         self.shell.show_pointer(&ctx);
         panels::drop_hint::ui(ui, &self.state, &mut commands);
         dialogs(&ctx, &self.state, &mut commands);
-        let scene = self.scene.take_place();
-        self.state.take_picture(&ctx, scene);
+        if let Some((order, to)) = self.state.take_wanted_picture() {
+            let picture = self.picture(&order, &ctx);
+            self.state.take_picture(&order, to, picture);
+        }
         let hovered_s = self.state.time.hover_s.take();
         for command in commands {
             self.send(command, &ctx);
@@ -204,6 +246,7 @@ fn dialogs(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         }
         Overlay::Shortcuts => panels::shortcuts::ui(ctx, state, commands),
         Overlay::Glossary(lookup) => panels::glossary::ui(ctx, lookup, commands),
+        Overlay::Picture(order) => panels::picture::ui(ctx, state, order, commands),
         Overlay::Closing => panels::closing::ui(ctx, state, commands),
     }
     if let Some(prompt) = &state.dialogs.prompt {

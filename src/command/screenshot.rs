@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, print};
-use crate::app;
+use crate::app::{self, Pane, PictureFormat, PictureOrder, ScreenshotOrder};
 use resect_core::progress::Progress;
 use resect_io::atomic;
 use resect_io::file_mark::used_files;
@@ -25,12 +25,18 @@ enum ThemeArgument {
 pub struct ScreenshotArguments {
     /// Folder or file with the stations' tracks; the built-in sample if none
     path: Option<PathBuf>,
-    /// PNG file to write
+    /// File to write: PNG, or SVG of a pane by the ending .svg
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Width and height in pixels
+    /// One pane without its controls instead of the window: scene, result, residuals, …
+    #[arg(long, value_parser = parse_pane)]
+    pane: Option<Pane>,
+    /// Width and height in points; a pixel each unless --scale is larger
     #[arg(long, default_value = "1600x1000", value_parser = parse_size)]
     size: [u32; 2],
+    /// Pixels per point
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4))]
+    scale: u32,
     #[arg(long, value_enum, default_value = "dark")]
     theme: ThemeArgument,
     #[command(flatten)]
@@ -46,14 +52,31 @@ pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
     let source = source.with(arguments.settings.extras());
     let deployment = source.open(&Progress::default())?;
     spare(&arguments.out, used_files(&deployment))?;
-    let dark = arguments.theme == ThemeArgument::Dark;
-    let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
-    let mut png = std::io::Cursor::new(Vec::new());
-    image.write_to(&mut png, image::ImageFormat::Png)?;
-    atomic::write(&arguments.out, png.into_inner())?;
-    let [width, height] = arguments.size;
+    let is_svg = arguments.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+    if is_svg && !arguments.pane.is_some_and(PictureOrder::has_svg) {
+        let what = if arguments.pane.is_some() { "the scene has" } else { "the window has" };
+        let file = arguments.out.display();
+        return Err(Failure::Usage(format!("--out {file}: {what} no SVG; write a .png")));
+    }
+    let order = ScreenshotOrder {
+        pane: arguments.pane,
+        format: if is_svg { PictureFormat::Svg } else { PictureFormat::Png },
+        size_points: arguments.size,
+        scale: arguments.scale,
+        dark: arguments.theme == ThemeArgument::Dark,
+    };
+    let picture = app::picture(vec![(Arc::new(deployment), source)], settings, &order)?;
+    atomic::write(&arguments.out, picture.encoded().map_err(anyhow::Error::msg)?)?;
+    let [width, height] = arguments.size.map(|side| if is_svg { side } else { side * order.scale });
     print(&format!("{}: {width}×{height}\n", arguments.out.display()))?;
     Ok(())
+}
+
+fn parse_pane(text: &str) -> Result<Pane, String> {
+    Pane::of_name(text).ok_or_else(|| {
+        let names = Pane::ALL.map(Pane::name).join(", ");
+        format!("`{text}` is no pane; the panes are {names}")
+    })
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

@@ -297,7 +297,7 @@ impl<'ast> Visit<'ast> for Reading<'_> {
 }
 
 /// The modules of the window: each imports only from those after it.
-const WINDOW: [&str; 18] = [
+const WINDOW: [&str; 19] = [
     "picture",
     "window",
     "panels",
@@ -308,6 +308,7 @@ const WINDOW: [&str; 18] = [
     "state",
     "persist",
     "layout",
+    "pictures",
     "model",
     "prepared",
     "jobs",

@@ -17,6 +17,7 @@ mod naming;
 mod numbers;
 mod opening;
 mod panes;
+mod pictures;
 mod planning;
 mod playback;
 mod plots;

@@ -3,8 +3,8 @@
 use egui::{Event, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{
-    Colouring, DeploymentCommand, LayoutPreset, Pane, Picked, PictureTo, ResultsCommand, Ruler,
-    RulerEnd, SceneCommand, TimeCommand, ViewPreset, WorkspaceCommand,
+    Colouring, DeploymentCommand, LayoutPreset, Pane, Picked, ResultsCommand, Ruler, RulerEnd,
+    SceneCommand, TimeCommand, ViewPreset, WorkspaceCommand,
 };
 use resect_core::analysis::Analysis;
 use resect_core::calibration::Calibration;
@@ -233,18 +233,6 @@ fn paths_are_asked_for_in_the_window() {
             }
         },
     );
-}
-
-#[test]
-fn a_picture_of_the_scene_has_no_buttons() {
-    let mut harness = window(SMALL, Theme::Dark);
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(SceneCommand::Picture(PictureTo::Clipboard), &ctx);
-    harness.run_steps(1);
-    assert!(harness.state().state.scene.picturing);
-    assert!(harness.query_by_label("Colour by").is_none());
-    harness.run_steps(1);
-    assert!(harness.query_by_label("Colour by").is_some());
 }
 
 /// A tab can be dragged to any small size, where egui's own checks detect negative widths.

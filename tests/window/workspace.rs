@@ -307,21 +307,19 @@ fn the_strip_of_time_scrubs() {
 #[test]
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
     let mut harness = window(LARGE, Theme::Dark);
-    // With the strip below it. A message bar of the window reports the copy, and takes room.
+    // With the strip below it.
     let scene = harness.state().layout().place(Pane::Scene).expect("shown");
-    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
-    let mut copied = None;
-    for _ in 0..6 {
-        harness.run_steps(1);
-        let commands = &harness.output().platform_output.commands;
-        copied = copied.or(commands.iter().find_map(|command| match command {
-            egui::OutputCommand::CopyImage(image) => Some(image.size),
-            _ => None,
-        }));
-    }
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(WorkspaceCommand::CopyPicture(Pane::Scene), &ctx);
+    harness.run_steps(1);
+    let commands = &harness.output().platform_output.commands;
+    let copied = commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image.size),
+        _ => None,
+    });
     let [width, height] = copied.expect("a picture was copied");
-    assert!((width as f32 - scene.width()).abs() <= 1.0, "{width} {scene:?}");
-    assert!((height as f32 - scene.height()).abs() <= 1.0, "{height} {scene:?}");
+    assert!((width as f32 - 2.0 * scene.width()).abs() <= 2.0, "{width} {scene:?}");
+    assert!((height as f32 - 2.0 * scene.height()).abs() <= 2.0, "{height} {scene:?}");
 }
 
 #[test]
@@ -377,13 +375,14 @@ fn settings_without_a_deployment_are_those_of_the_next() {
 }
 
 #[test]
-fn a_picture_brings_the_scene_to_the_front() {
+fn a_picture_of_a_pane_in_the_background_changes_no_layout() {
     let mut harness = window(LARGE, Theme::Dark);
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Studies));
     let scene = |harness: &Window| harness.query_by_role_and_label(Role::Image, "Scene").is_some();
     assert!(!scene(&harness));
-    send(&mut harness, SceneCommand::Picture(resect::app::PictureTo::Clipboard));
-    assert!(scene(&harness));
+    send(&mut harness, WorkspaceCommand::CopyPicture(Pane::Scene));
+    harness.get_by_label_contains("picture of Scene copied");
+    assert!(!scene(&harness));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::model::{
-    Command, DeploymentCommand, JudgingCommand, LiveCommand, OpenDeployment, PictureTo,
-    PlanCommand, ResultsCommand, SceneCommand, SessionCommand, TimeCommand,
+    Command, DeploymentCommand, DialogCommand, JudgingCommand, LiveCommand, OpenDeployment, Pane,
+    PlanCommand, ResultsCommand, SessionCommand, TimeCommand, WorkspaceCommand,
 };
 use crate::app::state::State;
 use resect_io::sample::Sample;
@@ -150,10 +150,10 @@ pub fn exports(state: &State) -> Vec<Action> {
         Action::new(Menu::Export, section, name, command).possible(possible)
     };
     let mut actions = vec![
-        export("Picture", "Picture of the scene…", SceneCommand::Picture(PictureTo::File).into())
-            .hint("As it is shown, with legend and labels (PNG)")
+        export("Picture", "Picture of a pane…", DialogCommand::ShowPicture(Pane::Scene).into())
+            .hint("Any pane without its controls: PNG at one to four pixels per point, or SVG")
             .ctrl(Key::E),
-        export("Picture", "Copy picture of the scene", SceneCommand::Picture(PictureTo::Clipboard).into())
+        export("Picture", "Copy picture of the scene", WorkspaceCommand::CopyPicture(Pane::Scene).into())
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::E),
         export("Files", "Report (HTML)…", ResultsCommand::SaveReportDialog.into())
             .hint("Verdict, transforms, residuals and data as one page"),

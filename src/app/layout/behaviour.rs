@@ -22,6 +22,14 @@ const LEAST_PANE: egui::Vec2 = vec2(64.0, 32.0);
 pub struct Edits {
     /// A border or a tab was dragged.
     pub moved: bool,
+    /// A picture of a pane was asked for: to be copied, or with choices first.
+    pub picture: Option<(Pane, PictureWish)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureWish {
+    Copy,
+    Choose,
 }
 
 /// Draws panes with `draw`, and records the changes by the user.
@@ -125,6 +133,17 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
             let place =
                 Align2::LEFT_CENTER.align_size_within_rect(galley.size(), rect.shrink(margin));
             ui.painter().galley(place.min, galley, colour);
+        }
+        if let Some(Tile::Pane(pane)) = tiles.get(tile) {
+            tab.context_menu(|ui| {
+                for (name, wish) in
+                    [("Copy picture", PictureWish::Copy), ("Picture…", PictureWish::Choose)]
+                {
+                    if ui.button(name).clicked() {
+                        self.edits.picture = Some((*pane, wish));
+                    }
+                }
+            });
         }
         let mut close = state.closable && tab.clicked_by(egui::PointerButton::Middle);
         if closable {

@@ -10,4 +10,5 @@ mod pane_layout;
 mod reopen;
 mod tree;
 
+pub use behaviour::PictureWish;
 pub use pane_layout::Layout;

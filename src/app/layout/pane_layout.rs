@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use egui_tiles::{Tile, TileId, Tree};
 
-use super::behaviour::{Edits, PaneBehaviour};
+use super::behaviour::{Edits, PaneBehaviour, PictureWish};
 use super::{fit, reopen, tree};
 use crate::app::model::layout_description::Node;
 use crate::app::model::{LayoutDescription, LayoutPreset, Pane, layout_presets};
@@ -62,14 +62,19 @@ impl Layout {
         LayoutDescription::new(&root, self.follows_window)
     }
 
-    /// Draws the panes.
-    pub fn ui(&mut self, ui: &mut egui::Ui, draw: &mut dyn FnMut(Pane, &mut egui::Ui)) {
+    /// Draws the panes; returns the picture of a pane that the user asks for.
+    pub fn ui(
+        &mut self,
+        ui: &mut egui::Ui,
+        draw: &mut dyn FnMut(Pane, &mut egui::Ui),
+    ) -> Option<(Pane, PictureWish)> {
         if let (true, Some(root)) = (self.follows_window, self.tree.root) {
             fit::fit(&mut self.tree.tiles, &self.shares, root, ui.available_size());
         }
         let mut edits = Edits::default();
         self.tree.ui(&mut PaneBehaviour { draw, edits: &mut edits }, ui);
         self.follows_window &= !edits.moved;
+        edits.picture
     }
 
     /// Activates a pane; reopens it if it was closed.

@@ -8,7 +8,7 @@ use super::Units;
 use super::studies::StudyOptions;
 use super::{Added, Asked, AskedAnswer, ChannelPlots, Lookup, Palette, Picked, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
-use super::{LayoutPreset, LiveCommand, Pane, PlanCommand};
+use super::{LayoutPreset, LiveCommand, Pane, PictureOrder, PictureTo, PlanCommand};
 use crate::app::file_dialog::PromptCommand;
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
@@ -113,7 +113,6 @@ pub enum SceneCommand {
     },
     /// Ends the emphasis of that control point.
     ForgetPoint,
-    Picture(PictureTo),
 }
 
 /// Commands of results: runs, pins, studies, the validation, and their export.
@@ -192,6 +191,9 @@ pub enum DialogCommand {
     /// Sets the text and the selected line of the command palette.
     EditPalette(Palette),
     ShowShortcuts,
+    /// Asks for size, scale and format of a picture of a pane.
+    ShowPicture(Pane),
+    EditPicture(PictureOrder),
     /// Explains the term under the pointer or with the focus; shows all terms if there is none.
     Explain,
     /// Sets the search text of the glossary.
@@ -220,16 +222,13 @@ pub enum WorkspaceCommand {
     /// Closes the window without a question.
     Close,
     Copy(String),
+    /// Draws a picture of a pane, and saves or copies it.
+    TakePicture(PictureOrder, PictureTo),
+    /// Copies a pane as it is in the window.
+    CopyPicture(Pane),
     DismissToast(u64),
     /// Restarts a toast's lifetime while the pointer is on it.
     HoldToast(u64),
-}
-
-/// Destination of a picture of the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureTo {
-    File,
-    Clipboard,
 }
 
 impl From<DeploymentCommand> for Command {

@@ -21,6 +21,7 @@ pub mod new_findings;
 mod open_deployment;
 mod overlay;
 pub mod pane;
+mod picture_order;
 pub mod planning;
 pub mod results;
 mod ruler;
@@ -44,7 +45,7 @@ pub use camera::{Camera, Frame, ViewPreset};
 pub use channel_plots::ChannelPlots;
 pub use colouring::Colouring;
 pub use command::{
-    Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, PictureTo, ResultsCommand,
+    Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, ResultsCommand,
     SceneCommand, SessionCommand, TimeCommand, WorkspaceCommand,
 };
 pub use judging::{Added, Judging, SavedEstimate};
@@ -54,6 +55,7 @@ pub use live::{LiveCommand, LiveForm};
 pub use open_deployment::{Analysing, OpenDeployment};
 pub use overlay::{Lookup, Overlay, Palette};
 pub use pane::Pane;
+pub use picture_order::{PictureFormat, PictureOrder, PictureTo};
 pub use planning::{PlanCommand, Planning};
 pub use results::{Pin, Results, Run};
 pub use ruler::{Ruler, RulerEnd};

@@ -1,5 +1,6 @@
 //! Overlays above the panes.
 
+use super::PictureOrder;
 use resect_report::glossary::Term;
 
 /// The overlay above the panes, which receives the keyboard input.
@@ -12,6 +13,8 @@ pub enum Overlay {
     Glossary(Lookup),
     /// The question before the window closes.
     Closing,
+    /// Size, scale and format of a picture.
+    Picture(PictureOrder),
 }
 
 /// The command palette.

@@ -7,7 +7,7 @@ use super::follow::Follow;
 use super::{Camera, Frame, ViewPreset};
 
 /// The camera and its motion.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct View {
     pub camera: Camera,
     /// View preset to apply in the next frame.

@@ -19,6 +19,7 @@ pub mod minima;
 mod number;
 pub mod observability;
 pub mod path_prompt;
+pub mod picture;
 pub mod pipeline;
 pub mod plan;
 pub mod progress;

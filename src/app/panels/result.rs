@@ -121,18 +121,9 @@ fn show(
     reasons(ui, state, (&calibration.findings, stated), commands);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, &rows, units);
-    ui.horizontal(|ui| {
-        if let Some(summary) = &open.summary {
-            copy_menu::ui(ui, summary, commands);
-        }
-        if ui.button("Copy as text").clicked() {
-            let text = text::calibration(&open.deployment, analysis, answer, ToString::to_string);
-            commands.push(WorkspaceCommand::Copy(text).into());
-        }
-        if let Some(summary) = &open.summary {
-            pin(ui, state, (open, summary), commands);
-        }
-    });
+    if !state.workspace.picturing {
+        copies(ui, state, open, (analysis, answer), commands);
+    }
     transforms::matrices(ui, calibration);
     extras::ui(ui, &rows, calibration, units);
     if let Some(joint) = calibration.joint() {
@@ -146,6 +137,28 @@ fn show(
     }
     let points = &open.deployment.control_points;
     metrics::ui(ui, &answer.evaluation, analysis.offer.targets, points);
+}
+
+/// Offers the transforms for other programs, and the result as text and as a pin.
+fn copies(
+    ui: &mut egui::Ui,
+    state: &State,
+    open: &OpenDeployment,
+    (analysis, answer): (&Analysis, &Answer),
+    commands: &mut Commands,
+) {
+    ui.horizontal(|ui| {
+        if let Some(summary) = &open.summary {
+            copy_menu::ui(ui, summary, commands);
+        }
+        if ui.button("Copy as text").clicked() {
+            let text = text::calibration(&open.deployment, analysis, answer, ToString::to_string);
+            commands.push(WorkspaceCommand::Copy(text).into());
+        }
+        if let Some(summary) = &open.summary {
+            pin(ui, state, (open, summary), commands);
+        }
+    });
 }
 
 /// Pins the result for comparison with later ones, unless it is pinned already.

@@ -18,6 +18,10 @@ const LEAST_PICTURE: f32 = 300.0;
 const MOST_PICTURE: f32 = 0.7;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if state.workspace.picturing {
+        picture(ui, state);
+        return;
+    }
     let whole = ui.available_rect_before_wrap();
     // In a narrow pane, the picture takes the whole width, and the options have the height of the last frame.
     let id = ui.scope_id().with("options");

@@ -90,11 +90,12 @@ fn heads(
     let shows = |subject: Subject| plots.channels().any(|channel| channel.subject() == subject);
     let has_switches = shows(Subject::Station) || shows(Subject::Pair);
     let is_narrow = has_switches && ui.available_width() < NARROW;
-    if is_narrow {
+    let picturing = state.workspace.picturing;
+    if is_narrow && !picturing {
         time_plot::head(ui, |ui| choice(ui, plots, can_judge, commands));
     }
     time_plot::head(ui, |ui| {
-        if !is_narrow {
+        if !is_narrow && !picturing {
             choice(ui, plots, can_judge, commands);
         }
         if shows(Subject::Station) {
@@ -103,17 +104,17 @@ fn heads(
         if shows(Subject::Pair) {
             pair_switches(ui, state, commands);
         }
-        if has_channels {
+        if has_channels && !picturing {
             let button = ui.small_button("Save as CSV…");
             let hint = "All values of the shown channels, not only the drawn ones";
             if button.on_hover_text(hint).clicked() {
                 commands.push(TimeCommand::SaveChannelsDialog.into());
             }
         }
-        time_plot::selection(ui, times, commands);
+        time_plot::selection(ui, state, times, commands);
         let is_over_time = plots.against.is_none() && has_channels;
         if is_over_time || (plots.errors && !plots.by_distance) {
-            time_plot::hint(ui, "");
+            time_plot::hint(ui, state, "");
         }
     });
 }

@@ -33,8 +33,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
-        time_plot::selection(ui, &times, commands);
-        time_plot::hint(ui, "");
+        time_plot::selection(ui, state, &times, commands);
+        time_plot::hint(ui, state, "");
     });
     let scale = times.scale;
     let plot = Plot::new(("clocks", open.id)).y_grid_spacer(close_marks).label_formatter(

@@ -28,12 +28,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let times = Times::of(open, state);
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
-        time_plot::selection(ui, &times, commands);
+        time_plot::selection(ui, state, &times, commands);
         let (kept, short) = (open.plots.gaps.kept.len(), open.plots.gaps.short.len());
         let kept_s: f64 = analysis.pipeline.kept_intervals.iter().map(Interval::length_s).sum();
         let text = format!("{kept} intervals kept ({kept_s:.0} s), {short} too short");
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
-        time_plot::hint(ui, "");
+        time_plot::hint(ui, state, "");
     });
     let whole = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(whole);

@@ -41,7 +41,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut fit: bool = ui.data(|data| data.get_temp(fit_id)).unwrap_or(true);
     let middle_id = ui.scope_id().with("middle");
     let middle_m: [f64; 2] = ui.data(|data| data.get_temp(middle_id)).unwrap_or([40.0, 0.0]);
-    time_plot::head(ui, |ui| head(ui, planning, middle_m, &mut fit, commands));
+    if !state.workspace.picturing {
+        time_plot::head(ui, |ui| head(ui, planning, middle_m, &mut fit, commands));
+    }
     let foreseen = planning.foreseen.newest.as_deref().and_then(|found| found.as_ref().ok());
     let on_the_way = foreseen.map_or(&[][..], |foreseen| &foreseen.way);
     let bounds = bounds(plan);

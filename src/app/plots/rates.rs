@@ -38,7 +38,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
-        time_plot::selection(ui, times, commands);
+        time_plot::selection(ui, state, times, commands);
         let mut settings = *state.settings();
         if settings.pipeline.outlier_filter {
             let dark = ui.visuals().dark_mode;
@@ -50,12 +50,12 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
             }
         } else {
             ui.small("The outlier filter is off: nothing is rejected.");
-            if ui.button("Switch it on").clicked() {
+            if !state.workspace.picturing && ui.button("Switch it on").clicked() {
                 settings.pipeline.outlier_filter = true;
                 commands.push(DeploymentCommand::Set(settings).into());
             }
         }
-        time_plot::hint(ui, " · drag a line: set τ");
+        time_plot::hint(ui, state, " · drag a line: set τ");
     });
 }
 

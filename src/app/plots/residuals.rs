@@ -44,11 +44,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let text = format!("{} {}", sign(shape), pin.name);
             ui.small(text).on_hover_text("A pinned result, behind the present one");
         }
-        time_plot::selection(ui, &times, commands);
-        let text = caption(open, analysis, &times, shown_mm);
+        time_plot::selection(ui, state, &times, commands);
+        let text = caption(state, (open, analysis), &times, shown_mm);
         let label = egui::Label::new(RichText::new(text).small()).truncate();
         words::explain(ui.add(label), &glossary::INTER_PRISM_METRIC);
-        time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
+        time_plot::hint(ui, state, " · ctrl+scroll: zoom in mm");
     });
     let pairs: Vec<usize> = (0..3).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
     let selected = histogram::selected(ui, open);
@@ -230,8 +230,8 @@ fn interval_shade(dark: bool) -> egui::Color32 {
 
 /// Text of the time at the cursor, and of the number of errors outside the range shown.
 fn caption(
-    open: &OpenDeployment,
-    analysis: &Analysis,
+    state: &State,
+    (open, analysis): (&OpenDeployment, &Analysis),
     times: &Times,
     shown_mm: [f64; 2],
 ) -> String {
@@ -244,7 +244,8 @@ fn caption(
     }
     let [outside, all] = open.plots.outside(shown_mm);
     if outside > 0 {
-        parts.push(format!("{outside} of {all} beyond the range (double-click: all)"));
+        let hint = if state.workspace.picturing { "" } else { " (double-click: all)" };
+        parts.push(format!("{outside} of {all} beyond the range{hint}"));
     }
     if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
         parts.push("grey band: ±2σ of the interpolation".to_owned());

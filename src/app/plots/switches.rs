@@ -1,4 +1,4 @@
-//! Switches of pairs and stations above a plot.
+//! Switches of pairs and stations above a plot; in a picture, the names of those that are shown.
 
 use crate::app::model::{Commands, SceneCommand};
 use crate::app::state::State;
@@ -11,6 +11,12 @@ pub fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) 
     let mut visibility = state.scene.visibility;
     let dark = ui.visuals().dark_mode;
     for (pair, on) in visibility.pairs.iter_mut().enumerate() {
+        if state.workspace.picturing {
+            if *on {
+                ui.label(pair_name(pair, dark));
+            }
+            continue;
+        }
         ui.checkbox(on, pair_name(pair, dark))
             .on_hover_text("Show or hide this pair of prisms, in all plots");
     }
@@ -30,7 +36,14 @@ pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Command
         let name = format!("station {}", station + 1);
         let text = if narrow { (station + 1).to_string() } else { name.clone() };
         let colour = theme::readable(palette::STATIONS[station], dark);
-        let switch = ui.checkbox(on, egui::RichText::new(text).color(colour).strong());
+        let text = egui::RichText::new(text).color(colour).strong();
+        if state.workspace.picturing {
+            if *on {
+                ui.label(text);
+            }
+            continue;
+        }
+        let switch = ui.checkbox(on, text);
         let role = egui::accesskit::Role::CheckBox;
         switch.widget_info(|| egui::WidgetInfo::selected(role, true, *on, &name));
         switch.on_hover_text(format!("Show or hide {name}, in the scene too"));

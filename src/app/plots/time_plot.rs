@@ -7,6 +7,7 @@ use super::navigation::{self, Moved};
 use super::strips::{Strip, time_marks};
 use super::times::Times;
 use crate::app::model::{Commands, TimeCommand};
+use crate::app::state::State;
 use crate::app::theme;
 
 /// A plot that was drawn.
@@ -158,10 +159,13 @@ const HINTS: [&str; 3] = [
 ];
 
 /// Shows the length of the selection and its commands, in the line above a plot.
-pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
+pub fn selection(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
     let Some([from_s, to_s]) = times.selection_s else { return };
     ui.small(format!("{:.1} s selected", to_s - from_s))
         .on_hover_text([from_s, to_s].map(|t| times.scale.text_and_seconds(t, 1)).join(" to "));
+    if state.workspace.picturing {
+        return;
+    }
     for (text, name, command) in [
         ("zoom", "Zoom to the selection", TimeCommand::ZoomToSelection),
         ("clear", "Clear the selection", TimeCommand::Select(None)),
@@ -176,7 +180,10 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
 }
 
 /// Shows the longest hint that fits at the end of the line above a plot; hovering shows the complete one.
-pub fn hint(ui: &mut egui::Ui, more: &str) {
+pub fn hint(ui: &mut egui::Ui, state: &State, more: &str) {
+    if state.workspace.picturing {
+        return;
+    }
     let complete = format!("{}{more}", HINTS[0]);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let room = ui.available_width();

@@ -32,7 +32,7 @@ pub fn ui(
     commands: &mut Commands,
 ) -> Option<Rect> {
     let unfolded = is_open(&state.scene.options, picture.size());
-    if state.scene.picturing && !unfolded {
+    if state.workspace.picturing && !unfolded {
         return None;
     }
     let width = if unfolded { WIDTH } else { picture.width() - 2.0 * MARGIN };
@@ -46,7 +46,7 @@ pub fn ui(
         let inside = egui::Frame::new().inner_margin(egui::Margin::symmetric(6, 3));
         let inside = inside.show(ui, |ui| {
             ui.spacing_mut().item_spacing = Vec2::new(6.0, 1.0);
-            if !state.scene.picturing {
+            if !state.workspace.picturing {
                 header(ui, open, analysis, state, unfolded, commands);
             }
             if unfolded {
@@ -142,9 +142,14 @@ fn rows(
         if !group.title.is_empty() {
             ui.label(small(group.title));
         }
-        for one in &group.rows {
+        // A picture lists only what it shows.
+        for one in group.rows.iter().filter(|row| row.shown || !state.workspace.picturing) {
             row(ui, one, Vec2::new(ui.available_width(), ROW), commands);
         }
+    }
+    // The line below the scene states these factors, too.
+    if state.workspace.picturing {
+        return;
     }
     let scene = state.scene.options;
     if legend_rows::states_errors(analysis) {

@@ -120,7 +120,7 @@ pub fn ui(
         ends[row] += item.width() + BETWEEN;
     }
     // A saved picture has no tooltip.
-    if !left_out.is_empty() && !state.scene.picturing {
+    if !left_out.is_empty() && !state.workspace.picturing {
         let more = format!("+{} more", left_out.len());
         painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, more, font.clone(), faint);
     }

@@ -51,7 +51,6 @@ pub struct SceneView {
     pub(super) beside: Option<Arc<Vec<RunBeside>>>,
     /// Colour number of each drawn trajectory of another system, and their evaluation.
     pub(super) judgement: Option<(Vec<Option<usize>>, Arc<EstimatesJudgement>)>,
-    place: Option<Rect>,
     /// Size of the controls in the last frame.
     controls_size: Vec2,
 }
@@ -75,7 +74,6 @@ impl SceneView {
             built: None,
             coloured: None,
             cursor: None,
-            place: None,
             hover: None,
             judgement: None,
             tube: None,
@@ -83,11 +81,6 @@ impl SceneView {
             advised: Default::default(),
             controls_size: Vec2::ZERO,
         }
-    }
-
-    /// Returns the scene's rectangle in the window, if it was drawn since the last call (points).
-    pub fn take_place(&mut self) -> Option<Rect> {
-        self.place.take()
     }
 
     pub fn ui(
@@ -98,7 +91,6 @@ impl SceneView {
         commands: &mut Commands,
     ) {
         let pane = ui.available_rect_before_wrap();
-        self.place = Some(pane);
         let (rect, strip) = pane.split_top_bottom_at_y(pane.bottom() - strip::height(pane.size()));
         let id = ui.scope_id().with("scene");
         let response = ui.interact(rect, id, Sense::click_and_drag());
@@ -163,10 +155,10 @@ impl SceneView {
         let mut over = Vec::new();
         // The legend comes first for Tab; folded it leaves room for the controls beside it, or is below them.
         let is_beside = rect.width() - self.controls_size.x > LEGEND_FOLDED;
-        let below = if is_beside || state.scene.picturing { 0.0 } else { self.controls_size.y };
+        let below = if is_beside || state.workspace.picturing { 0.0 } else { self.controls_size.y };
         let picture = rect.with_min_y(rect.top() + below);
         over.extend(legend::ui(ui, picture, (open, analysis), state, &self.content, commands));
-        if !state.scene.picturing {
+        if !state.workspace.picturing {
             over.insert(0, controls::ui(ui, rect, &mut self.controls_size, state, commands));
         }
         over

@@ -1,7 +1,7 @@
 //! Dialogs, questions, and sheets above the panes.
 
 use super::State;
-use crate::app::model::{DialogCommand, Lookup, Overlay, Palette};
+use crate::app::model::{DialogCommand, Lookup, Overlay, Palette, PictureOrder};
 use crate::app::words;
 
 impl State {
@@ -16,6 +16,12 @@ impl State {
             Command::ShowPalette => self.dialogs.overlay = Overlay::Palette(Palette::default()),
             Command::EditPalette(palette) => self.dialogs.overlay = Overlay::Palette(palette),
             Command::ShowShortcuts => self.dialogs.overlay = Overlay::Shortcuts,
+            Command::ShowPicture(pane) => {
+                let place = self.workspace.layout.place(pane);
+                let dark = ctx.theme() == egui::Theme::Dark;
+                self.dialogs.overlay = Overlay::Picture(PictureOrder::of(pane, place, dark));
+            }
+            Command::EditPicture(order) => self.dialogs.overlay = Overlay::Picture(order),
             Command::Explain => {
                 let of = words::pointed_at(ctx);
                 self.dialogs.overlay = Overlay::Glossary(Lookup { of, ..Lookup::default() });

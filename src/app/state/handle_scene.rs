@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 
 use super::State;
-use crate::app::model::{Pane, Picked, SceneCommand, ViewPreset};
+use crate::app::model::{Picked, SceneCommand, ViewPreset};
 
 impl State {
-    pub(super) fn handle_scene(&mut self, command: SceneCommand, ctx: &egui::Context) {
+    pub(super) fn handle_scene(&mut self, command: SceneCommand) {
         use SceneCommand as Command;
         match command {
             Command::Show(visibility) => self.scene.visibility = visibility,
@@ -17,11 +17,6 @@ impl State {
             Command::ComeTo(position_m) => self.come_to(&position_m),
             Command::ForgetPoint => self.scene.shown_point = None,
             Command::LookAtPoint { file, marker } => self.look_at_point(&file, marker),
-            Command::Picture(to) => {
-                self.workspace.layout.show(Pane::Scene);
-                self.scene.wanted_picture = Some(to);
-                ctx.request_repaint();
-            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::State;
 use crate::app::layout::Layout;
-use crate::app::model::{Pane, WorkspaceCommand};
+use crate::app::model::{Pane, PictureOrder, PictureTo, WorkspaceCommand};
 use crate::app::theme;
 
 impl State {
@@ -35,6 +35,19 @@ impl State {
             Command::Copy(text) => {
                 ctx.copy_text(text);
                 self.toasts.done("copied");
+            }
+            Command::TakePicture(order, to) => {
+                workspace.wanted_picture = Some((order, to));
+                ctx.request_repaint();
+            }
+            Command::CopyPicture(pane) => {
+                let order = PictureOrder::of(
+                    pane,
+                    workspace.layout.place(pane),
+                    ctx.theme() == egui::Theme::Dark,
+                );
+                workspace.wanted_picture = Some((order, PictureTo::Clipboard));
+                ctx.request_repaint();
             }
             Command::DismissToast(id) => self.toasts.dismiss(id),
             Command::HoldToast(id) => self.toasts.hold(id),

@@ -98,21 +98,6 @@ impl State {
         });
     }
 
-    pub(super) fn save_picture(&mut self, image: image::RgbaImage) {
-        let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
-        self.tell_when_done(move || {
-            let path = answer.wait()?;
-            let mut bytes = std::io::Cursor::new(Vec::new());
-            let written = image
-                .write_to(&mut bytes, image::ImageFormat::Png)
-                .map_err(|error| error.to_string())
-                .and_then(|()| {
-                    atomic::write(&path, bytes.into_inner()).map_err(|error| error.to_string())
-                });
-            Some(written.map(|()| format!("{} written", path.display())))
-        });
-    }
-
     /// Asks for a file and writes it from the active deployment's result.
     fn save_of_analysis(
         &mut self,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::app::model::{Colouring, PictureTo, Ruler, SceneOptions, View, Visibility};
+use crate::app::model::{Colouring, Ruler, SceneOptions, View, Visibility};
 
 /// A control point of the active deployment.
 pub struct ShownPoint {
@@ -21,8 +21,4 @@ pub struct SceneState {
     pub ruler: Ruler,
     /// The control point at which the user looks; it has a ring and its residuals beside it.
     pub shown_point: Option<ShownPoint>,
-    /// Set by the request in one frame and used in the next, in which the menu is closed.
-    pub(super) wanted_picture: Option<PictureTo>,
-    /// True if this frame may become a picture, in which controls are not drawn.
-    pub picturing: bool,
 }

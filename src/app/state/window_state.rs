@@ -77,7 +77,7 @@ impl State {
         match command.into() {
             Command::Deployment(command) => self.handle_deployment(command, ctx),
             Command::Time(command) => self.handle_time(command),
-            Command::Scene(command) => self.handle_scene(command, ctx),
+            Command::Scene(command) => self.handle_scene(command),
             Command::Results(command) => self.handle_results(command, ctx),
             Command::Judging(command) => self.handle_judging(command, moment),
             Command::Plan(command) => self.handle_plan(command, moment),

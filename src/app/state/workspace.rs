@@ -1,7 +1,7 @@
 //! The window itself: layout, units and colours.
 
 use crate::app::layout::Layout;
-use crate::app::model::Units;
+use crate::app::model::{PictureOrder, PictureTo, Units};
 
 #[derive(Default)]
 pub struct Workspace {
@@ -16,6 +16,10 @@ pub struct Workspace {
     pub asks_before_closing: bool,
     /// True once the user has answered that question.
     pub closes: bool,
+    /// The picture to draw after this frame.
+    pub(super) wanted_picture: Option<(PictureOrder, PictureTo)>,
+    /// True while a picture is drawn, without controls.
+    pub picturing: bool,
     /// Fixed computation time (ms), displayed in pictures that are compared byte for byte.
     pub fixed_elapsed_ms: Option<f64>,
 }

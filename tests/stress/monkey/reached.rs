@@ -21,6 +21,7 @@ impl Reached {
             Overlay::Shortcuts => note("shortcuts"),
             Overlay::Glossary(_) => note("glossary"),
             Overlay::Closing => note("closing"),
+            Overlay::Picture(_) => note("picture"),
         }
         match state.asked() {
             None => {}
