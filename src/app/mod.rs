@@ -79,11 +79,11 @@ mod words;
 pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Camera, ChannelPlots, Colouring, Command, DeploymentCommand,
-    DialogCommand, JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand,
-    LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureFormat, PictureOrder, PictureTo, Pin,
-    PlanCommand, Playback, Results, ResultsCommand, Ruler, RulerEnd, Run, SceneCommand,
-    SceneOptions, SessionCommand, StudyKind, StudyOptions, StudyResult, TimeCommand, TimeUnit,
-    Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
+    DialogCommand, Horizontal, JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit,
+    LiveCommand, LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureFormat, PictureOrder,
+    PictureTo, Pin, PlanCommand, Playback, Results, ResultsCommand, Ruler, RulerEnd, Run,
+    SceneCommand, SceneOptions, SessionCommand, StudyKind, StudyOptions, StudyResult, TimeCommand,
+    TimeUnit, Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
 };
 pub use picture::{ScreenshotOrder, offscreen_renderer, picture, without_graphics};
 pub use pictures::pane_picture::PanePicture;

@@ -5,7 +5,8 @@ use std::path::Path;
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::{
-    Channel, ChannelPlots, LengthUnit, Pane, SceneCommand, TimeCommand, Units, WorkspaceCommand,
+    Channel, ChannelPlots, Horizontal, LengthUnit, Pane, SceneCommand, TimeCommand, Units,
+    WorkspaceCommand,
 };
 
 use crate::harness::{
@@ -14,6 +15,7 @@ use crate::harness::{
 };
 
 fn plot(harness: &mut Window, channel: Channel, against: Option<Channel>) {
+    let against = against.map(Horizontal::own);
     send(harness, TimeCommand::Plot(ChannelPlots { against, ..ChannelPlots::of(&[channel]) }));
 }
 
@@ -58,19 +60,69 @@ fn channels_are_chosen_in_the_menu_and_plotted_against_those_that_they_go_with()
     let mut harness = window(LARGE, Theme::Dark);
     plot(&mut harness, Channel::DistanceError, Some(Channel::Speed));
     harness.get_by_label("distance error against prism speed");
-    // Ranges belong to stations and errors to pairs: side by side they are plotted over time, or against the vehicle.
     click(&mut harness, "Show…");
     click(&mut harness, "range");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    let plots = harness.state().state.time.plots;
+    let plots = harness.state().state.time.plots.clone();
     let both = [Channel::Range, Channel::DistanceError];
-    let expected = ChannelPlots { against: Some(Channel::Speed), ..ChannelPlots::of(&both) };
-    assert_eq!(plots, expected);
-    assert!(plots.goes_against(Channel::Pitch) && !plots.goes_against(Channel::Height));
-    let heights =
-        ChannelPlots { against: Some(Channel::Height), ..ChannelPlots::of(&[Channel::Range]) };
-    assert_eq!(heights.toggled(Channel::DistanceError).against, None);
-    assert_eq!(heights.toggled(Channel::X).against, Some(Channel::Height));
+    let against = Some(Horizontal::own(Channel::Speed));
+    assert_eq!(plots, ChannelPlots { against, ..ChannelPlots::of(&both) });
+}
+
+#[test]
+fn two_channels_share_a_plot_by_its_menu_or_by_dragging_it() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let apart = ChannelPlots::of(&[Channel::Range, Channel::Speed]);
+    send(&mut harness, TimeCommand::Plot(apart.clone()));
+    click(&mut harness, "Axes of prism speed");
+    click(&mut harness, "Join with range");
+    harness.get_by_label("range and prism speed over time");
+    // Each channel has its axis, and names it.
+    harness.get_by_label_contains("× prism speed (right)");
+    let joined = harness.state().state.time.plots.clone();
+    assert_eq!(joined.shown.len(), 1);
+    click(&mut harness, "Axes of range and prism speed");
+    click(&mut harness, "prism speed: own plot");
+    assert_eq!(harness.state().state.time.plots, apart);
+    let [from, to] = ["Axes of prism speed", "range over time"]
+        .map(|name| harness.get_by_label(name).rect().center());
+    harness.hover_at(from);
+    harness.run_steps(1);
+    harness.drag_at(from);
+    harness.run_steps(1);
+    for share in [0.3, 0.6, 1.0] {
+        harness.hover_at(from + share * (to - from));
+        harness.run_steps(1);
+    }
+    harness.drop_at(to);
+    settle(&mut harness);
+    assert_eq!(harness.state().state.time.plots, joined);
+    snapshot_of(&mut harness, Part::Pane(Pane::Channels), "channels-shared-dark");
+}
+
+#[test]
+fn readings_have_the_marks_of_their_fates_in_plot_and_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let plots = ChannelPlots {
+        fates: true,
+        against: Some(Horizontal { channel: Channel::DistanceError, index: Some(0) }),
+        ..ChannelPlots::of(&[Channel::Range])
+    };
+    send(&mut harness, TimeCommand::Plot(plots));
+    harness.get_by_label("range against distance error of prisms 1–2");
+    assert!(harness.query_all_by_label_contains("× rejected").count() >= 2);
+    let rows = saved(&mut harness, &folder.path().join("fates.csv"));
+    assert_eq!(
+        rows[0],
+        vec!["series", "time_s", "distance_error_mm_prisms_1_2", "range_m", "fate"]
+    );
+    let analysis = harness.state().state.analysed().expect("an answer").1;
+    for fate in resect_core::pipeline::SampleFate::ALL {
+        let written = rows[1..].iter().filter(|row| &row[4] == fate.label()).count();
+        let counted: usize = (0..3).map(|station| analysis.pipeline.count(station, fate)).sum();
+        assert_eq!(written, counted, "{}", fate.label());
+    }
 }
 
 #[test]

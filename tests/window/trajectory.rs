@@ -85,7 +85,7 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     assert!(way.instants.len() > 2000);
     snapshot_of(&mut harness, Part::Pane(Pane::Channels), "trajectory-dark");
     let all = ChannelPlots::of(&Channel::ALL[..Channel::OF_VEHICLE]);
-    send(&mut harness, TimeCommand::Plot(all));
+    send(&mut harness, TimeCommand::Plot(all.clone()));
     for channel in all.channels() {
         harness.get_by_label(&format!("{} over time", channel.name()));
     }

@@ -3,7 +3,7 @@
 use egui::Key;
 
 use super::{Action, Menu};
-use crate::app::model::channel_plots::APART;
+use crate::app::model::channel_plots::{APART, Horizontal};
 use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
     AngleUnit, ChannelPlots, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler,
@@ -150,9 +150,10 @@ fn units(state: &State) -> Vec<Action> {
 
 /// The plotted channels, and the channel on the horizontal axis.
 fn channels(state: &State) -> Vec<Action> {
-    let plots = state.time.plots;
+    let plots = &state.time.plots;
     let action = |section, name: String, to: ChannelPlots| {
-        Action::new(Menu::View, section, name, TimeCommand::Plot(to)).on(plots == to)
+        let on = *plots == to;
+        Action::new(Menu::View, section, name, TimeCommand::Plot(to)).on(on)
     };
     let mut actions: Vec<Action> = (Channel::ALL.into_iter())
         .map(|channel| {
@@ -161,12 +162,19 @@ fn channels(state: &State) -> Vec<Action> {
             action.on(plots.shows(channel)).hint(channel.describe().hint)
         })
         .collect();
-    let over_time = ChannelPlots { against: None, ..plots };
+    let fates = ChannelPlots { fates: !plots.fates, ..plots.clone() };
+    actions.push(
+        action("Channels", "Fates of readings in the plots".to_owned(), fates)
+            .on(plots.fates)
+            .hint("Rejected readings have crosses, in the colours of the scene"),
+    );
+    let over_time = ChannelPlots { against: None, ..plots.clone() };
     actions.push(action("Channels against", "Plot against time".to_owned(), over_time));
     actions.extend(Channel::ALL.into_iter().map(|other| {
         let name = format!("Plot against the {}", other.name());
-        let to = ChannelPlots { against: Some(other), ..plots };
-        let possible = plots.goes_against(other);
+        let against = Horizontal::own(other);
+        let to = ChannelPlots { against: Some(against), ..plots.clone() };
+        let possible = plots.goes_against(against);
         let hint = if possible { other.describe().hint } else { APART };
         action("Channels against", name, to).hint(hint).possible(possible)
     }));

@@ -42,7 +42,7 @@ pub use asked::{
 };
 pub use background_value::BackgroundValue;
 pub use camera::{Camera, Frame, ViewPreset};
-pub use channel_plots::ChannelPlots;
+pub use channel_plots::{ChannelPlots, Horizontal};
 pub use colouring::Colouring;
 pub use command::{
     Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, ResultsCommand,

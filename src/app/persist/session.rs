@@ -121,7 +121,7 @@ impl SavedDeployment {
 }
 
 /// View settings of the scene and of numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SavedView {
     pub colouring: Colouring,

@@ -10,6 +10,7 @@ use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
 use crate::app::model::SavedEstimate;
 use crate::app::model::SceneOptions;
+use crate::app::model::channel_plots::Horizontal;
 use crate::app::model::{Planning, StudyKind, StudyOptions};
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
@@ -75,8 +76,10 @@ fn session(folder: &Path) -> Session {
         view: SavedView {
             colouring: Colouring::Speed,
             plots: ChannelPlots {
-                against: Some(Channel::Speed),
-                ..ChannelPlots::of(&[Channel::Height])
+                against: Some(Horizontal { channel: Channel::Range, index: Some(2) }),
+                ..ChannelPlots::of(&[Channel::Height, Channel::Speed])
+                    .joined(1, 0)
+                    .expect("two units")
             },
             study: StudyOptions {
                 kind: StudyKind::Sensitivity,

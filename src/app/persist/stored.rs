@@ -137,7 +137,7 @@ impl StoredSession {
             resect_session: VERSION,
             resect: env!("CARGO_PKG_VERSION").to_owned(),
             active: session.active,
-            view: Lenient::Read(session.view),
+            view: Lenient::Read(session.view.clone()),
             deployments: session.deployments.iter().map(deployment).collect(),
             pins: session.pins.iter().cloned().map(Lenient::Read).collect(),
             plan: session.plan.clone().map(Lenient::Read),

@@ -37,7 +37,7 @@ pub fn show(
     judged: &[(usize, &Judged)],
     commands: &mut Commands,
 ) {
-    let plots = state.time.plots;
+    let plots = &state.time.plots;
     let lines: Vec<ErrorLine> = judged
         .iter()
         .zip(strips)

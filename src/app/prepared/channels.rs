@@ -162,6 +162,11 @@ impl Channel {
         own == other || own.is_single() || other.is_single()
     }
 
+    /// Returns true if its values are those of the raw readings, which have fates.
+    pub fn is_of_readings(self) -> bool {
+        (Self::Range as usize..=Self::VerticalRate as usize).contains(&(self as usize))
+    }
+
     /// Returns the function that reads a channel of the vehicle at an instant (m, m/s, rad); the σ of a σ is zero.
     fn of_instant(self) -> Option<InstantValue> {
         match self {

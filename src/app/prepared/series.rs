@@ -34,6 +34,8 @@ pub struct Corner {
 
 /// A row of a file.
 pub struct Row {
+    /// Index of the value in its series.
+    pub index: usize,
     pub since_s: f64,
     /// The value of the other series at the same time.
     pub other: Option<f64>,
@@ -145,10 +147,10 @@ impl<'a> Series<'a> {
         self.within(window_s).len()
     }
 
-    /// Returns dots over time that represent those within a window.
-    pub fn over_time(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
+    /// Returns dots over time that represent those within a window, each with its index in the series.
+    pub fn over_time(&self, window_s: [f64; 2], runs: usize) -> Vec<(usize, PlotPoint)> {
         let indices = self.visible(self.within(window_s), runs).into_iter();
-        indices.map(|i| PlotPoint::new(self.since_s(i), self.value(i))).collect()
+        indices.map(|i| (i, PlotPoint::new(self.since_s(i), self.value(i)))).collect()
     }
 
     /// Returns indices of values that represent a range, extremes included.
@@ -186,8 +188,14 @@ impl<'a> Series<'a> {
         known.chunk_by(is_joined).map(|line| line.chunks(stride).map(corner).collect()).collect()
     }
 
-    /// Returns dots that represent those within a window, each against another series at the same time. They include the extremes of both.
-    pub fn against(&self, other: &Series<'_>, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
+    /// Returns dots that represent those within a window, each against another series at the same time, with its index in this one. They
+    /// include the extremes of both.
+    pub fn against(
+        &self,
+        other: &Series<'_>,
+        window_s: [f64; 2],
+        runs: usize,
+    ) -> Vec<(usize, PlotPoint)> {
         let part = self.within(window_s);
         let mut indices = self.visible(part.clone(), runs);
         if other.len() == self.len() {
@@ -197,7 +205,7 @@ impl<'a> Series<'a> {
         }
         indices
             .into_iter()
-            .filter_map(|i| Some(PlotPoint::new(other.at(self.since_s(i))?, self.value(i))))
+            .filter_map(|i| Some((i, PlotPoint::new(other.at(self.since_s(i))?, self.value(i)))))
             .collect()
     }
 
@@ -223,7 +231,7 @@ impl<'a> Series<'a> {
             let since_s = self.since_s(index);
             let other = other.and_then(|other| other.at(since_s));
             let sigma = self.estimate(index).map(|value| value.sigma);
-            Row { since_s, other, value: self.value(index), sigma }
+            Row { index, since_s, other, value: self.value(index), sigma }
         });
         rows.filter(|row| row.value.is_finite())
     }
@@ -259,6 +267,8 @@ mod tests {
         let [a, b] = [&a, &b].map(|of| Series::of(&since_s, of, false).expect("some"));
         let dots = a.against(&b, [0.0, 1e9], 300);
         assert!(dots.len() < 3000, "{}", dots.len());
-        assert!(dots.iter().any(|dot| dot.y == 9.0) && dots.iter().any(|dot| dot.x == -9.0));
+        assert!(
+            dots.iter().any(|(_, dot)| dot.y == 9.0) && dots.iter().any(|(_, dot)| dot.x == -9.0)
+        );
     }
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::file_dialog::Question;
-use crate::app::model::{ChannelPlots, Visibility};
+use crate::app::model::{ChannelPlots, Horizontal, Visibility};
 use crate::app::prepared::channels::{Channel, Sources, Subject};
+use resect_core::pipeline::Fates;
 use resect_io::atomic;
 use resect_report::csv::io_error;
 
@@ -16,17 +17,19 @@ struct ChannelTable {
     visible: Visibility,
     /// Time since the first measurement (s).
     window_s: [f64; 2],
+    /// Fate of each raw reading, by station; `None` without that column.
+    fates: Option<Arc<[Fates; 3]>>,
 }
 
 impl State {
     /// Asks for a file and writes all values within the time window, in metres, radians and seconds of the stations' clock
     /// as in all files.
     pub(super) fn save_channels(&mut self) {
-        let Some((open, _)) = self.analysed() else {
+        let Some((open, analysis)) = self.analysed() else {
             self.toasts.error("there is nothing to save yet; open a deployment first");
             return;
         };
-        let (plots, visible) = (self.time.plots, self.scene.visibility);
+        let (plots, visible) = (self.time.plots.clone(), self.scene.visibility);
         let sources = open.sources();
         if plots.channels().all(|channel| plots.seen(channel, sources, &visible).is_empty()) {
             self.toasts.error(
@@ -37,9 +40,11 @@ impl State {
         let (prepared, way) = (Arc::clone(&open.plots), open.way.newest.clone());
         let start_s = open.start_s();
         let window_s = open.timeline.window_s.map(|time_s| time_s - start_s);
-        let table = ChannelTable { plots, visible, window_s };
+        let fates = plots.fates && plots.channels().any(Channel::is_of_readings);
+        let fates = fates.then(|| Arc::clone(&analysis.pipeline.fates));
+        let table = ChannelTable { plots, visible, window_s, fates };
         // The name distinguishes several tables of one deployment.
-        let (what, of) = (plots.in_words(), open.deployment.name.clone());
+        let (what, of) = (table.plots.in_words(), open.deployment.name.clone());
         let title = format!("Save {what} (CSV)");
         let answer = self.ask(Question::new_file(&title, &format!("{of} {what}"), "csv"));
         self.tell_when_done(move || {
@@ -53,19 +58,21 @@ impl State {
 
 /// Writes one channel under the name of its column, or several as rows with their names; returns the number of rows.
 fn write(path: &Path, sources: Sources<'_>, table: &ChannelTable) -> Result<usize, String> {
-    let plots = table.plots;
+    let plots = &table.plots;
     let channels: Vec<Channel> = plots.channels().collect();
     let has_sigma = channels.iter().any(|channel| channel.subject() == Subject::Vehicle);
     let mut rows = 0;
     let written = atomic::write_with(path, |file| {
         let mut writer = csv::Writer::from_writer(file);
+        let against = plots.against.map(Horizontal::column);
         let mut header = vec!["series", "time_s"];
-        header.extend(plots.against.map(|other| other.describe().column));
+        header.extend(against.as_deref());
         match channels[..] {
             [only] => header.push(only.describe().column),
             _ => header.extend(["channel", "value"]),
         }
         header.extend(has_sigma.then_some("sigma"));
+        header.extend(table.fates.is_some().then_some("fate"));
         writer.write_record(header).map_err(io_error)?;
         for channel in &channels {
             for seen in plots.seen(*channel, sources, &table.visible) {
@@ -81,6 +88,11 @@ fn write(path: &Path, sources: Sources<'_>, table: &ChannelTable) -> Result<usiz
                     row.push(values.value.to_string());
                     if has_sigma {
                         row.push(optional(values.sigma));
+                    }
+                    if let Some(fates) = &table.fates {
+                        let own = fates[seen.subject.1].each.get(values.index);
+                        let fate = own.filter(|_| channel.is_of_readings());
+                        row.push(fate.map_or_else(String::new, |fate| fate.label().to_owned()));
                     }
                     writer.write_record(row).map_err(io_error)?;
                     rows += 1;

@@ -4,7 +4,6 @@ use super::State;
 use crate::app::model::{Pane, Picked, TimeCommand};
 
 impl State {
-    #[expect(clippy::needless_pass_by_value, reason = "a command is handled once")]
     pub(super) fn handle_time(&mut self, command: TimeCommand) {
         use TimeCommand as Command;
         match command {

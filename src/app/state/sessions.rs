@@ -67,7 +67,7 @@ impl State {
             view: SavedView {
                 colouring: self.scene.colouring,
                 units: self.workspace.units,
-                plots: self.time.plots,
+                plots: self.time.plots.clone(),
                 visibility: self.scene.visibility,
                 scene: self.scene.options,
                 study: self.results.studies.options,
@@ -97,7 +97,7 @@ impl State {
         self.scene.colouring = session.view.colouring;
         self.scene.options = session.view.scene;
         self.workspace.units = session.view.units;
-        self.time.plots = session.view.plots;
+        self.time.plots = session.view.plots.valid();
         self.results.studies.options = session.view.study.within_bounds();
         if let Some(plan) = session.plan {
             self.planning.set(*plan);
