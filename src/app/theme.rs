@@ -8,16 +8,29 @@ use resect_core::palette::Rgb;
 const TEXT_LIGHT: Color32 = Color32::from_gray(40);
 const TEXT_DARK: Color32 = Color32::from_gray(205);
 
+/// Returns the monospaced font of commands and files; tables of numbers have [`TextStyle::Monospace`].
+pub fn code_family() -> FontFamily {
+    FontFamily::Name("code".into())
+}
+
+/// A command or a file as text.
+pub fn code(text: &str) -> egui::RichText {
+    egui::RichText::new(text).font(FontId::new(11.0, code_family()))
+}
+
 pub fn set_fonts(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
     let mut fonts = egui::FontDefinitions::default();
     let inter = egui::FontData::from_static(resect_report::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
-    // The slashed zero of egui's monospaced font is blurred in tables.
+    // Tables are in Inter, with figures of one width. Commands and files keep egui's own monospaced font.
+    let code = fonts.families.get(&FontFamily::Monospace).cloned().unwrap_or_default();
+    fonts.families.insert(code_family(), code);
     let figures = egui::FontData::from_static(resect_report::font::FIGURES);
     fonts.font_data.insert("Figures".to_owned(), std::sync::Arc::new(figures));
-    fonts.families.entry(FontFamily::Monospace).or_default().insert(0, "Figures".to_owned());
+    let monospace = fonts.families.entry(FontFamily::Monospace).or_default();
+    monospace.splice(0..0, ["Figures", "Inter"].map(str::to_owned));
     ctx.set_fonts(fonts);
 }
 

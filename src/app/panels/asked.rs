@@ -10,6 +10,7 @@ use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Commands, DialogCommand,
     StationsAre,
 };
+use crate::app::theme;
 
 const WIDTH: f32 = 560.0;
 /// Width of a dialog with a table (points).
@@ -181,7 +182,7 @@ fn ask_toml(ui: &mut egui::Ui, asked: &AskedToml, _commands: &mut Commands) {
     ui.collapsing("Preview of the whole file", |ui| {
         let size = ui.ctx().content_rect().height() - 340.0;
         egui::ScrollArea::vertical().max_height(size.max(80.0)).show(ui, |ui| {
-            ui.add(egui::Label::new(RichText::new(&asked.after).monospace()).wrap());
+            ui.add(egui::Label::new(theme::code(&asked.after)).wrap());
         });
     });
 }

@@ -10,7 +10,7 @@ use crate::app::state::State;
 const WIDTH: f32 = 520.0;
 const MOST_LINES_IN_SIGHT: f32 = 14.0;
 /// Height of the text field and the edges of the dialog (points).
-const AROUND_THE_LIST: f32 = 90.0;
+const AROUND_THE_LIST: f32 = 114.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut Commands) {
     let mut edited = palette.clone();
@@ -56,7 +56,10 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         if found.is_empty() {
             ui.weak("No matching command.");
         }
-        lines(ui, &found, edited.chosen, up || down, &mut done);
+        lines(ui, &found, &mut edited.chosen, up || down, &mut done);
+        // Below the list, because a tooltip would cover the next lines.
+        let hint = found.get(edited.chosen).map_or("", |action| action.hint);
+        ui.add(egui::Label::new(egui::RichText::new(hint).weak()).truncate());
         done.and_then(|action| action.command.clone())
     });
     match response.inner {
@@ -71,7 +74,7 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
 fn lines<'a>(
     ui: &mut egui::Ui,
     found: &'a [Action],
-    chosen: usize,
+    chosen: &mut usize,
     moved: bool,
     done: &mut Option<&'a Action>,
 ) {
@@ -90,18 +93,20 @@ fn lines<'a>(
             };
             part(&mut text, &format!("{}  ", action.menu.title()), true);
             part(&mut text, &action.name, false);
-            let mut button = egui::Button::selectable(index == chosen, text)
+            let mut button = egui::Button::selectable(index == *chosen, text)
                 .min_size(egui::vec2(ui.available_width(), 0.0));
             if let Some(keys) = &action.shortcut {
                 button = button
                     .right_text(egui::RichText::new(actions::keys_in_words(ui.ctx(), keys)).weak());
             }
             let response = ui.add(button);
-            if index == chosen && moved {
+            if index == *chosen && moved {
                 response.scroll_to_me(None);
             }
-            let response =
-                if action.hint.is_empty() { response } else { response.on_hover_text(action.hint) };
+            // The pointer chooses as the arrow keys do, so that one line looks selected.
+            if response.hovered() && ui.input(|input| input.pointer.is_moving()) {
+                *chosen = index;
+            }
             if response.clicked() {
                 *done = Some(action);
             }

@@ -2,6 +2,7 @@
 
 use egui::{RichText, Role, WidgetInfo};
 
+use super::{number_cell, right_aligned};
 use crate::app::model::{Commands, SceneCommand};
 use crate::app::prepared::control_points::{PointResidual, residuals};
 use crate::app::state::State;
@@ -10,6 +11,8 @@ use resect_core::palette;
 
 /// Width of a column for a name or a number (points).
 const COLUMN: f32 = 50.0;
+/// Width of a number (figures).
+const FIGURES: usize = 6;
 
 /// Numbers come first, because names of files are wide and may be outside the visible region.
 const COLUMNS: [(&str, &str); 8] = [
@@ -45,7 +48,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 for (title, hint) in COLUMNS {
                     let text = RichText::new(title).small().weak();
                     if title.ends_with("(mm)") {
-                        number_cell(ui, text).on_hover_text(hint);
+                        right_aligned(ui, text, FIGURES).on_hover_text(hint);
                     } else {
                         ui.label(text).on_hover_text(hint);
                     }
@@ -67,16 +70,6 @@ fn grid(name: &str) -> egui::Grid {
     egui::Grid::new(name).min_col_width(COLUMN).spacing([6.0, 2.0])
 }
 
-/// A right-aligned number, or the heading of a column of them.
-fn number_cell(ui: &mut egui::Ui, text: RichText) -> egui::Response {
-    let (rect, _) = ui.allocate_exact_size(
-        egui::vec2(COLUMN, ui.spacing().interact_size.y),
-        egui::Sense::hover(),
-    );
-    let layout = egui::Layout::right_to_left(egui::Align::Center);
-    ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(layout)).label(text)
-}
-
 /// Shows a row for each station that measured the point.
 fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
@@ -96,9 +89,9 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
         let colour = theme::readable(palette::STATIONS[station], dark);
         ui.label(RichText::new((station + 1).to_string()).color(colour));
         for axis_m in residual_m.iter() {
-            number_cell(ui, RichText::new(format!("{:+.2}", 1e3 * axis_m)).monospace());
+            number_cell(ui, format!("{:+.2}", 1e3 * axis_m), FIGURES);
         }
-        number_cell(ui, RichText::new(format!("{:.2}", 1e3 * residual_m.norm())).monospace());
+        number_cell(ui, format!("{:.2}", 1e3 * residual_m.norm()), FIGURES);
         if row == 0 {
             ui.label(match (point.used, point.pillar) {
                 (true, _) => "used",

@@ -220,8 +220,7 @@ impl<'a> Guide<'a> {
         let command = open
             .and_then(|(open, source)| headless::command(source, &open.settings))
             .unwrap_or_else(|| "resect calibrate FOLDER --json > calibration.json".to_owned());
-        let text = RichText::new(&command).monospace().size(11.0);
-        ui.add(egui::Label::new(text).wrap());
+        ui.add(egui::Label::new(theme::code(&command)).wrap());
         ui.horizontal_wrapped(|ui| {
             if ui.button("Copy the command").clicked() {
                 self.commands.push(WorkspaceCommand::Copy(command).into());

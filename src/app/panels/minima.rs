@@ -1,7 +1,7 @@
 //! Lists every minimum of the cost that the search found, folded under the mirror twin.
 
 use crate::app::model::Units;
-use crate::app::panels::number_head;
+use crate::app::panels::{number_cell, number_head};
 use crate::app::words;
 use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_report::glossary;
@@ -25,9 +25,10 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
                         format!("{name}  {x}  {y}  {z} {length}, yaw {yaw}")
                     });
                     ui.label(details.role(basin)).on_hover_text(lines.join("\n"));
-                    ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
-                    ui.monospace(format!("{:>10.2}", details.cost_ratio(basin)));
-                    ui.monospace(format!("{:>8.2}", basin.apart_m(&details.basin)));
+                    let rms_mm = basin.mean_square_m2.sqrt() * 1e3;
+                    number_cell(ui, format!("{rms_mm:.2}"), 8);
+                    number_cell(ui, format!("{:.2}", details.cost_ratio(basin)), 10);
+                    number_cell(ui, format!("{:.2}", basin.apart_m(&details.basin)), 8);
                     ui.end_row();
                 }
             },

@@ -36,5 +36,6 @@ pub mod validation;
 mod widgets;
 
 use widgets::{
-    MARGIN, SHORTEST_WAIT, finding, heading, number_head, remedies_of, scrolled, use_pinned,
+    MARGIN, SHORTEST_WAIT, finding, heading, number_cell, number_head, remedies_of, right_aligned,
+    scrolled, use_pinned,
 };

@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use super::{heading, scrolled};
+use super::{heading, number_cell, scrolled};
 use crate::app::model::units::without_negative_zero;
 use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, TimeCommand, Units};
 use crate::app::state::{State, corrections};
@@ -183,7 +183,7 @@ fn numbers(ui: &mut egui::Ui, explained: &Explanation, start_s: f64, units: Unit
                 ("gap after (s)".to_owned(), gap(explained.gap_after_s)),
             ] {
                 words::explain_text(ui.label(&name), &name);
-                ui.monospace(format!("{value:>11}"));
+                number_cell(ui, value, 11);
                 ui.end_row();
             }
         },
@@ -201,8 +201,8 @@ fn rates(ui: &mut egui::Ui, step: &Step, units: Units) {
         for rate in step.rates.map(|rate| rate_in(rate, units)) {
             ui.label(format!("{} ({})", rate.name(), rate.unit));
             let value = without_negative_zero(rate.value, 2);
-            let text = RichText::new(format!("{value:>8}")).monospace();
-            ui.label(if rate.exceeds() { text.strong().color(colour) } else { text });
+            let text = RichText::new(value);
+            number_cell(ui, if rate.exceeds() { text.strong().color(colour) } else { text }, 8);
             let allowed = rate.threshold.map_or("filter off".to_owned(), |threshold| {
                 let sign = if rate.exceeds() { "  ✗" } else { "" };
                 let threshold = (threshold * 1e4).round() / 1e4;
@@ -230,7 +230,7 @@ fn distance_errors(ui: &mut egui::Ui, analysis: &Analysis, time_s: f64) {
         for (pair, error_mm) in errors_mm.into_iter().enumerate() {
             let colour = theme::readable(palette::PAIRS[pair], dark);
             ui.label(RichText::new(format!("prisms {} (mm)", pair_label(pair))).color(colour));
-            ui.monospace(format!("{error_mm:>+8.2}"));
+            number_cell(ui, format!("{error_mm:+.2}"), 8);
             ui.end_row();
         }
     });

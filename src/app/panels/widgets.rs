@@ -83,9 +83,29 @@ pub fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Comm
     }
 }
 
-/// Heading of a column of numbers, right-aligned at this width (characters).
+/// Heading of a column of numbers, right-aligned at this width (figures).
 pub fn number_head(ui: &mut egui::Ui, text: &str, width: usize) -> egui::Response {
-    ui.label(egui::RichText::new(format!("{text:>width$}")).monospace().strong())
+    right_aligned(ui, egui::RichText::new(text).strong(), width)
+}
+
+/// A number of a column, right-aligned at this width (figures).
+pub fn number_cell(
+    ui: &mut egui::Ui,
+    text: impl Into<egui::RichText>,
+    width: usize,
+) -> egui::Response {
+    right_aligned(ui, text.into().text_style(egui::TextStyle::Monospace), width)
+}
+
+/// A text that ends where the numbers of its column end.
+pub fn right_aligned(ui: &mut egui::Ui, text: egui::RichText, width: usize) -> egui::Response {
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let figure = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
+    let size = egui::vec2(width as f32 * figure, ui.text_style_height(&egui::TextStyle::Monospace));
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    let builder = egui::UiBuilder::new().max_rect(rect).layout(layout);
+    ui.new_child(builder).add(egui::Label::new(text).extend())
 }
 
 /// Shows a heading inside a pane.

@@ -227,8 +227,9 @@ impl Svg {
         let own =
             if format.color == Color32::PLACEHOLDER { shape.fallback_color } else { format.color };
         let family = match &format.font_id.family {
-            FontFamily::Monospace => " font-family=\"monospace\"",
-            _ => "",
+            FontFamily::Name(_) => " font-family=\"monospace\"",
+            FontFamily::Monospace => " font-variant-numeric=\"tabular-nums\"",
+            FontFamily::Proportional => "",
         };
         let _ = writeln!(
             self.elements,

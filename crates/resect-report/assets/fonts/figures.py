@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Makes Figures-Regular.otf: Inter's tabular figures, with their plain zero, as wide as the letters of Hack.
+"""Makes Figures-Regular.otf: Inter's tabular figures, and a space and signs of their width.
 
-egui draws monospaced text in Hack, whose slashed zero smears at the size of a table, and asks no font for its features.
-In front of Hack in the same family these figures keep every column straight. Needs fonttools:
+egui asks no font for its features. In front of Inter in one family, these figures keep the columns of tables straight. Needs
+fonttools:
 
     python3 figures.py Inter-Regular.otf Figures-Regular.otf
 """
@@ -14,8 +14,7 @@ from fontTools.pens.transformPen import TransformPen
 from fontTools.subset import Options, Subsetter
 from fontTools.ttLib import TTFont
 
-HACK_ADVANCE_EM = 1233 / 2048
-WANTED = "0123456789 .,+-\u2212\u00b1\u2013:"
+WANTED = "0123456789 +-\u2212\u00b1\u2013"
 
 source, target = sys.argv[1:]
 font = TTFont(source)
@@ -37,17 +36,16 @@ subsetter = Subsetter(options)
 subsetter.populate(unicodes=map(ord, WANTED))
 subsetter.subset(font)
 
-advance = round(HACK_ADVANCE_EM * font["head"].unitsPerEm)
 names = font.getBestCmap()
-scale = advance / font["hmtx"][names[ord("0")]][0]
+advance = font["hmtx"][names[ord("0")]][0]
 glyphs, strings = font.getGlyphSet(), font["CFF "].cff[0].CharStrings
 drawn = {}
 for name in names.values():
     wide = font["hmtx"][name][0]
-    # What is wider than a figure or narrower stands in the middle.
-    factor = min(scale, advance / wide)
+    # A glyph that is wider or narrower than a figure stands in the middle.
+    factor = min(1.0, advance / wide)
     pen = T2CharStringPen(advance, None)
-    glyphs[name].draw(TransformPen(pen, (factor, 0, 0, scale, (advance - factor * wide) / 2, 0)))
+    glyphs[name].draw(TransformPen(pen, (factor, 0, 0, 1, (advance - factor * wide) / 2, 0)))
     drawn[name] = pen.getCharString(strings[name].private, strings[name].globalSubrs)
 for name, string in drawn.items():
     strings[name] = string

@@ -233,12 +233,12 @@ fn preview(ui: &mut egui::Ui, asked: &AskedColumns) {
         for (row, read) in asked.preview.rows.iter().zip(&asked.preview.read).take(ROWS) {
             for column in 0..asked.preview.header.len() {
                 let text = row.get(column).map_or("", String::as_str);
-                ui.label(RichText::new(text).small().monospace());
+                ui.label(theme::code(text));
             }
             match read {
                 Ok(record) => {
                     let text = understood(record, start_s.unwrap_or(0.0));
-                    ui.label(RichText::new(text).small().monospace());
+                    ui.label(theme::code(&text));
                 }
                 Err(why) => {
                     let (colour, sign) =

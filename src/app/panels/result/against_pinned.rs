@@ -2,9 +2,9 @@
 
 use egui::RichText;
 
-use super::difference_row::difference_row;
+use super::difference_row::{IN_SIGMA, difference_row};
 use crate::app::model::{Commands, OpenDeployment, Pin, ResultsCommand, Units};
-use crate::app::panels::{heading, number_head, use_pinned};
+use crate::app::panels::{heading, number_cell, number_head, use_pinned};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::calibration::moved_m;
@@ -101,7 +101,7 @@ fn transforms(
             ui.label("now − pinned");
             for station in stations {
                 number_head(ui, &format!("T1{}", station.station), 8);
-                number_head(ui, "in σ", 4);
+                number_head(ui, "in σ", IN_SIGMA);
             }
             ui.end_row();
             for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
@@ -158,7 +158,7 @@ fn metrics(ui: &mut egui::Ui, difference: &ResultDifference) {
                     let text = spread
                         .as_ref()
                         .map_or("–".to_owned(), |s| format!("{:.2} / {:.2}", s.median, s.iqr));
-                    ui.monospace(format!("{text:>13}"));
+                    number_cell(ui, text, 13);
                 }
                 ui.end_row();
             };
@@ -168,7 +168,7 @@ fn metrics(ui: &mut egui::Ui, difference: &ResultDifference) {
             }
             ui.label("triplets");
             for count in [difference.triplets.pinned, difference.triplets.now] {
-                ui.monospace(format!("{count:>13}"));
+                number_cell(ui, count.to_string(), 13);
             }
             ui.end_row();
         });

@@ -2,11 +2,14 @@
 
 use egui::RichText;
 
+use crate::app::panels::number_cell;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::deployment::Severity;
 use resect_report::difference::Deviation;
 
+/// Width of a number in σ (figures).
+pub const IN_SIGMA: usize = 6;
 /// Beyond this many σ, a choice changes the result too much.
 pub const NOTABLE_SIGMAS: f64 = 3.0;
 
@@ -23,11 +26,11 @@ pub fn difference_row(
         label.on_hover_text("Distance between the two positions of the station");
     }
     for Deviation { value, sigmas } in deviations {
-        ui.monospace(format!("{:>8}", show(value)));
+        number_cell(ui, show(value), 8);
         let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
-        let text = RichText::new(format!("{text:>4}")).monospace();
+        let text = RichText::new(text);
         let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
-        ui.label(if large { text.color(notable).strong() } else { text });
+        number_cell(ui, if large { text.color(notable).strong() } else { text }, IN_SIGMA);
     }
     ui.end_row();
 }

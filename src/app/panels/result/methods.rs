@@ -1,7 +1,7 @@
 //! Details by method: the mirror twin of D, the pairs of A, the frame of B.
 
 use crate::app::model::Units;
-use crate::app::panels::{heading, minima, number_head, observability};
+use crate::app::panels::{heading, minima, number_cell, number_head, observability};
 use crate::app::words;
 use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
@@ -44,18 +44,18 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
             ui.label(format!("z of T1{} ({})", station + 1, units.length.name()));
             for basin in [&details.basin, twin] {
                 let z_m = basin.station1_from_station[station].translation_m.z;
-                ui.monospace(format!("{:>8}", units.length(z_m)));
+                number_cell(ui, units.length(z_m), 8);
             }
             ui.end_row();
         }
         ui.label("RMS error (mm)");
         for basin in [&details.basin, twin] {
-            ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
+            number_cell(ui, format!("{:.2}", basin.mean_square_m2.sqrt() * 1e3), 8);
         }
         ui.end_row();
         words::explain(ui.label("cost ratio"), &glossary::COST_RATIO);
-        ui.monospace(format!("{:>8.2}", 1.0));
-        ui.monospace(format!("{ratio:>8.2}"));
+        number_cell(ui, "1.00", 8);
+        number_cell(ui, format!("{ratio:.2}"), 8);
         ui.end_row();
     });
     ui.label(format!("Ambiguity {by}."));
@@ -92,8 +92,7 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
             let numbers = [units.length(pair.baseline_m), widest(&pair.left_out_m), known];
             ui.label(name);
             for (number, (head, _)) in numbers.into_iter().zip(heads) {
-                let width = head.len();
-                ui.monospace(format!("{number:>width$}"));
+                number_cell(ui, number, head.len());
             }
             ui.end_row();
         }

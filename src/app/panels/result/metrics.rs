@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use crate::app::panels::{heading, number_head};
+use crate::app::panels::{heading, number_cell, number_head};
 use crate::app::words;
 use resect_core::calibration::Targets;
 use resect_core::deployment::{ControlPointSet, pair_label};
@@ -28,9 +28,9 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
         ui.end_row();
         let row = |ui: &mut egui::Ui, name: RichText, term, spread: &Spread| {
             words::explain(ui.label(name), term);
-            ui.monospace(format!("{:>7.2}", spread.median));
-            ui.monospace(format!("{:>7.2}", spread.iqr));
-            ui.monospace(format!("{:>6}", spread.n));
+            number_cell(ui, format!("{:.2}", spread.median), 7);
+            number_cell(ui, format!("{:.2}", spread.iqr), 7);
+            number_cell(ui, spread.n.to_string(), 6);
             ui.end_row();
         };
         let all = name(targets);

@@ -1,6 +1,6 @@
 //! The paper's result beside a joint estimate: their difference, and a button that shows it.
 
-use super::difference_row::difference_row;
+use super::difference_row::{IN_SIGMA, difference_row};
 use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::panels::{heading, number_head};
 use crate::app::state::State;
@@ -24,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
             words::explain_all(label, &[&glossary::JOINT, &glossary::INTER_PRISM]);
             for station in &moved {
                 number_head(ui, &format!("T1{}", station.station), 8);
-                number_head(ui, "in σ", 4);
+                number_head(ui, "in σ", IN_SIGMA);
             }
             ui.end_row();
             let [two, three] = &moved;
