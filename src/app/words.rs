@@ -1,6 +1,6 @@
 //! Technical terms in the interface: explained on hover, and by F1 at the pointer or the focus.
 
-use egui::{CursorIcon, Id, Response, RichText, Sense};
+use egui::{CursorIcon, Id, RectAlign, Response, RichText, Sense, Tooltip};
 
 use resect_core::calibration::Method;
 use resect_report::glossary;
@@ -44,8 +44,23 @@ pub fn explain_all(response: Response, terms: &[&'static Term]) -> Response {
         }
     };
     let passive = !response.sense.intersects(Sense::CLICK | Sense::DRAG);
-    let response = response.on_hover_ui(show).on_disabled_hover_ui(show);
+    // Above the word, because a card below it would cover the lines that are read next.
+    for mut tooltip in [Tooltip::for_enabled(&response), Tooltip::for_disabled(&response)] {
+        tooltip.popup = tooltip.popup.align(RectAlign::TOP_START);
+        tooltip.show(show);
+    }
     if passive { response.on_hover_cursor(CursorIcon::Help) } else { response }
+}
+
+/// Shows a text on hover beside a row of a list, where it covers no other row.
+pub fn on_hover_beside(response: Response, text: &str) -> Response {
+    if !text.is_empty() {
+        for mut tooltip in [Tooltip::for_enabled(&response), Tooltip::for_disabled(&response)] {
+            tooltip.popup = tooltip.popup.align(RectAlign::RIGHT_START);
+            tooltip.show(|ui| ui.label(text));
+        }
+    }
+    response
 }
 
 /// Lets F1 explain a widget that has its own hover text.

@@ -6,6 +6,7 @@ use crate::app::actions;
 use crate::app::actions::{Action, Menu};
 use crate::app::model::Commands;
 use crate::app::state::State;
+use crate::app::words;
 
 /// Height that a menu leaves free in the window: the bar above it, and its own frame (points).
 const BELOW_A_MENU: f32 = 60.0;
@@ -93,8 +94,7 @@ fn entry(ui: &mut egui::Ui, action: &Action, commands: &mut Commands) {
         button = button.shortcut_text(actions::keys_in_words(ui.ctx(), keys));
     }
     let response = ui.add_enabled(action.command.is_some(), button);
-    let response =
-        if action.hint.is_empty() { response } else { response.on_hover_text(action.hint) };
+    let response = words::on_hover_beside(response, action.hint);
     if response.clicked() {
         commands.extend(action.command.clone());
         ui.close();

@@ -234,8 +234,9 @@ fn row(ui: &mut egui::Ui, row: &LegendRow, size: Vec2, commands: &mut Commands) 
     ui.painter().galley(at, galley, colour);
     if let Some(click) = &row.click {
         let verb = if row.shown { "hide" } else { "show" };
-        let hint = format!("{}: click to {verb}", row.name);
-        if response.on_hover_text(hint).clicked() {
+        let subject = row.name.strip_prefix("Show ").unwrap_or(&row.name);
+        let hint = format!("{subject}: click to {verb}");
+        if words::on_hover_beside(response, &hint).clicked() {
             commands.push(click.clone());
         }
     } else {

@@ -7,6 +7,7 @@ use crate::app::model::channel_plots::{APART, Horizontal, UNITS, subject_name};
 use crate::app::model::{ChannelPlots, Commands, TimeCommand};
 use crate::app::plots::strips::Strip;
 use crate::app::prepared::channels::Channel;
+use crate::app::words;
 
 /// Side of the button of a plot (points).
 pub const BUTTON: f32 = 16.0;
@@ -33,7 +34,8 @@ pub fn choice(ui: &mut egui::Ui, plots: &ChannelPlots, can_judge: bool, commands
             } else {
                 channel.name().to_owned()
             };
-            if ui.checkbox(&mut on, name).on_hover_text(channel.describe().hint).clicked() {
+            let row = ui.checkbox(&mut on, name);
+            if words::on_hover_beside(row, channel.describe().hint).clicked() {
                 chosen = chosen.toggled(channel);
             }
         }
@@ -83,8 +85,10 @@ fn horizontal(
 ) {
     let on = plots.against == Some(other);
     let entry = egui::Button::selectable(on, name);
-    let entry = ui.add_enabled(plots.goes_against(other), entry).on_disabled_hover_text(APART);
-    if entry.on_hover_text(other.channel.describe().hint).clicked() {
+    let possible = plots.goes_against(other);
+    let entry = ui.add_enabled(possible, entry);
+    let hint = if possible { other.channel.describe().hint } else { APART };
+    if words::on_hover_beside(entry, hint).clicked() {
         chosen.against = Some(other);
     }
 }
