@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::choice::{METHODS, choice};
+use super::progress_line::with_progress;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use resect_core::calibration::Method;
@@ -24,7 +25,8 @@ pub fn run(arguments: &AblateArguments) -> Result<(), Failure> {
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;
     let reference = arguments.reference;
-    let result = ablate(&deployments, &settings, reference, splits, &Progress::default())?;
+    let study = |it: &Progress| ablate(&deployments, &settings, reference, splits, it);
+    let result = with_progress("calibrating without each module", study)?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;
     } else {

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::progress_line::with_progress;
 use super::remedy_flags::with_flags;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
@@ -19,7 +20,8 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;
-    let result = compare(&deployments, &settings, splits, &Progress::default())?;
+    let study = |it: &Progress| compare(&deployments, &settings, splits, it);
+    let result = with_progress("calibrating by each method", study)?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::comparison_json(&result)))?;
     } else {

@@ -5,14 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::judging_args::JudgingArguments;
-use super::output::{advised, spare};
+use super::output::{advised, is_standard_output, spare, write};
 use super::remedy_flags::unjudged_flag;
 use super::settings_args::AnswerArguments;
 use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use resect_core::analysis::Analyst;
 use resect_core::estimates::{GroundTruth, judge};
-use resect_io::atomic;
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
 use resect_report::{estimates, svg};
@@ -83,8 +82,12 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
         if let Some(file) = file {
             let estimates = arguments.trajectory.iter().map(|path| &**path);
             spare(file, used_files(&deployment).chain(estimates))?;
-            atomic::write(file, text())?;
+            write(file, text())?;
         }
+    }
+    let outs = [&arguments.csv, &arguments.latex, &arguments.svg];
+    if outs.into_iter().flatten().any(|out| is_standard_output(out)) {
+        return Ok(());
     }
     Ok(print(&if arguments.json {
         format!("{:#}\n", estimates::json(&truth, &judgement))

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::spare;
+use super::output::spare_file;
 use super::settings_args::AnswerArguments;
-use super::{Failure, complain, load, print};
+use super::{Failure, load, note, print};
 use resect_core::analysis::Analyst;
 use resect_io::file_mark::used_files;
 use resect_report::arrow;
@@ -37,11 +37,11 @@ pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let arrow = arguments.arrow.iter();
     let arrow = arrow.flat_map(|folder| TABLES.map(|name| folder.join(arrow::file_of(name))));
     for file in tables.chain(arrow).chain(arguments.rrd.clone()) {
-        spare(&file, used_files(&deployment))?;
+        spare_file(&file, used_files(&deployment))?;
     }
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     if let Err(error) = &analysis.answer {
-        complain(&format!("no answer, so stations are drawn in their own frames: {error}"));
+        note(&format!("no answer, so stations are drawn in their own frames: {error}"));
     }
     if let Some(folder) = &arguments.csv {
         for file in resect_report::csv::write_folder(&deployment, &analysis, folder)? {

@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::progress_line::with_progress;
 use resect_core::deployment::Deployment;
 use resect_core::deployment::names::told_apart;
-use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::source::{Extras, Source};
 
 /// Opens a deployment, and returns it with the duration of opening (ms).
 pub fn load(path: &Path, extras: Extras) -> Result<(Arc<Deployment>, f64), OpenError> {
     let started = Instant::now();
-    let deployment = Source::at(path).with(extras).open(&Progress::default())?;
+    let source = Source::at(path).with(extras);
+    let deployment = with_progress(&format!("reading {}", path.display()), |it| source.open(it))?;
     Ok((Arc::new(deployment), started.elapsed().as_secs_f64() * 1e3))
 }
 

@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod choice;
 mod compare;
+mod completions;
 mod desktop;
 mod evaluate;
 mod explain;
@@ -18,6 +19,7 @@ mod output;
 mod plan;
 mod printing;
 mod program;
+mod progress_line;
 mod remedy_flags;
 mod report;
 mod screenshot;
@@ -30,8 +32,8 @@ mod truth_args;
 mod validate;
 mod window;
 
-pub use program::run;
+pub use program::{arguments, run};
 
 use failure::Failure;
 use loading::{load, load_each};
-use printing::{complain, print};
+use printing::{complain, note, print};

@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::choice::{PRESETS, choice};
-use super::output::spare;
+use super::output::{is_standard_output, spare, write};
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
 use resect_core::planning::{Plan, improvements, predict};
 use resect_core::simulation::Preset;
-use resect_io::atomic;
 use resect_io::file_mark::used_files;
 use resect_io::{plan_file, way_file};
 use resect_report::planning;
@@ -36,7 +35,7 @@ pub struct PlanArguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write the plan as TOML, to edit it and plan again
+    /// Write the plan as TOML, to edit it and plan again; - for standard output instead of the prediction
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -61,7 +60,10 @@ pub fn run(arguments: &PlanArguments) -> Result<(), Failure> {
     let found = predict(&plan)?;
     let better = improvements(&plan)?;
     if let Some(out) = &arguments.out {
-        atomic::write(out, plan_file::text(&plan))?;
+        write(out, plan_file::text(&plan))?;
+    }
+    if arguments.out.as_deref().is_some_and(is_standard_output) {
+        return Ok(());
     }
     if arguments.json {
         print(&format!("{:#}\n", planning::json(&plan, &found, &better)))?;

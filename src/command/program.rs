@@ -3,19 +3,36 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
+use super::progress_line::be_quiet;
 use super::{
-    Failure, ablate, calibrate, check, compare, complain, desktop, evaluate, explain, export, live,
-    plan, report, screenshot, simulate, sweep, trajectory, validate, window,
+    Failure, ablate, calibrate, check, compare, complain, completions, desktop, evaluate, explain,
+    export, live, plan, report, screenshot, simulate, sweep, trajectory, validate, window,
 };
+
+/// Version with the commit and the features that the program was built from.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RESECT_BUILD"), ")");
+const AFTER_HELP: &str = "\
+Examples:
+  resect FOLDER                       open a deployment in the window
+  resect calibrate FOLDER --json      calibrate it in a script
+
+Exit codes: 0 for an answer, 1 for bad input, 2 for wrong usage.
+Results are printed on standard output, without colours; errors, notes and progress on standard error.";
 
 /// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
 #[derive(Parser)]
-#[command(version, about, args_conflicts_with_subcommands = true)]
+#[command(
+    version = VERSION, about, args_conflicts_with_subcommands = true, max_term_width = 100,
+    after_help = AFTER_HELP
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<CliCommand>,
+    /// Print no progress and no notes; errors are still printed
+    #[arg(long, global = true)]
+    quiet: bool,
     /// Folders or files to open in the window; the built-in sample if none.
     path: Vec<PathBuf>,
 }
@@ -23,37 +40,65 @@ struct Arguments {
 #[derive(Subcommand)]
 enum CliCommand {
     /// Calibrate a deployment and print the result
+    #[command(after_help = "Example: resect calibrate FOLDER --json > calibration.json")]
     Calibrate(calibrate::CalibrateArguments),
     /// Compare all calibrations that the data allows, by both metrics
+    #[command(after_help = "Example: resect compare FOLDER --out figures")]
     Compare(compare::CompareArguments),
     /// Test if a calibration still fits other runs, and which station moved since
+    #[command(after_help = "Example: resect validate calibration.json OTHER_FOLDER")]
     Validate(validate::ValidateArguments),
     /// Measure the contribution of each module of the pipeline
+    #[command(after_help = "Example: resect ablate FOLDER --splits 20 --out figures")]
     Ablate(ablate::AblateArguments),
     /// Measure how the errors depend on one threshold
+    #[command(after_help = "Example: resect sweep FOLDER --parameter tau-s --from 0.5 --to 3")]
     Sweep(sweep::SweepArguments),
     /// Write the vehicle's poses in six degrees of freedom
+    #[command(after_help = "Example: resect trajectory FOLDER --pose-rate 50 --out drive.tum")]
     Trajectory(trajectory::TrajectoryArguments),
     /// Evaluate trajectories of other systems against the ground truth of a deployment, with its σ
+    #[command(after_help = "Example: resect evaluate slam.tum odometry.tum --against FOLDER")]
     Evaluate(evaluate::EvaluateArguments),
     /// Calibrate during the drive, from a stream of the network or a replay
+    #[command(after_help = "Example: resect live ws://robot:8765 --rig FOLDER --record drive.mcap")]
     Live(live::LiveArguments),
     /// Describe a folder or file, and report its faults
+    #[command(after_help = "Example: resect check FOLDER")]
     Check(check::CheckArguments),
     /// Write verdict, transforms, residuals and data as one HTML page
+    #[command(after_help = "Example: resect report FOLDER --out report.html")]
     Report(report::ReportArguments),
     /// Write an image of the window
+    #[command(
+        after_help = "Example: resect screenshot FOLDER --pane residuals --scale 2 --out residuals.png"
+    )]
     Screenshot(screenshot::ScreenshotArguments),
     /// Predict the covariance of a drive before it is driven, and the best improvement
+    #[command(after_help = "Example: resect plan plan.toml")]
     Plan(plan::PlanArguments),
     /// Simulate a deployment with known ground truth
+    #[command(after_help = "Example: resect simulate --preset warthog --seed 1 --out simulated")]
     Simulate(simulate::SimulateArguments),
     /// Write tracks and residuals for other programs
+    #[command(after_help = "Example: resect export FOLDER --csv tables")]
     Export(export::ExportArguments),
     /// Explain a technical term: τ_s, T12, mirror ambiguity
+    #[command(after_help = "Example: resect explain tau-s")]
     Explain(explain::ExplainArguments),
     /// Add the program, its icon and its file type to the menus of a Linux desktop
+    #[command(after_help = "Example: resect desktop")]
     Desktop(desktop::DesktopArguments),
+    /// Write the completion script of a shell
+    #[command(
+        after_help = "Example: resect completions bash > ~/.local/share/bash-completion/completions/resect"
+    )]
+    Completions(completions::CompletionsArguments),
+}
+
+/// Returns the description of the command line, for completions and manual pages.
+pub fn arguments() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the program and returns its exit code: 0 for success, 1 for bad input, 2 for bad usage.
@@ -67,6 +112,9 @@ pub fn run() -> ExitCode {
         // Help and version are no errors.
         Err(help) => help.exit(),
     };
+    if arguments.quiet {
+        be_quiet();
+    }
     let result = match arguments.command {
         None => window::run(&arguments.path),
         Some(CliCommand::Calibrate(arguments)) => calibrate::run(&arguments),
@@ -85,6 +133,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Export(arguments)) => export::run(&arguments),
         Some(CliCommand::Explain(arguments)) => explain::run(&arguments),
         Some(CliCommand::Desktop(arguments)) => desktop::run(&arguments),
+        Some(CliCommand::Completions(arguments)) => completions::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

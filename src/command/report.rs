@@ -7,13 +7,12 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::judging_args::JudgingArguments;
-use super::output::spare;
+use super::output::{is_standard_output, spare, write};
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
 use resect_core::estimates::{EstimatedTrajectory, GroundTruth, Options, judge};
-use resect_io::atomic;
 use resect_io::error::OpenError;
 use resect_io::estimate_file;
 use resect_io::file_mark::marks_of;
@@ -26,7 +25,7 @@ pub struct ReportArguments {
     /// Folders or files with the stations' tracks
     #[arg(required = true)]
     path: Vec<PathBuf>,
-    /// HTML file to write
+    /// HTML file to write; - for standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Trajectory of another system to evaluate against the deployment, as `resect evaluate` does; may be repeated
@@ -62,7 +61,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
     let read = read.chain(&arguments.path).chain(&arguments.judge);
     spare(&arguments.out, read.map(PathBuf::as_path))?;
-    atomic::write(&arguments.out, report::page(&chapters, of_run::date()))?;
+    write(&arguments.out, report::page(&chapters, of_run::date()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
     let (all, without) = (chapters.len(), errors.len());
@@ -71,6 +70,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         [first, ..] if without == all => Err(Failure::Input(anyhow::anyhow!(
             "none of {all} deployments has an answer ({file} gives the reasons); the first: {first}"
         ))),
+        _ if is_standard_output(&arguments.out) => Ok(()),
         _ => {
             let plural = if all == 1 { "" } else { "s" };
             let without = match without {

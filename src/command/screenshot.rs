@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
-use super::output::spare;
+use super::output::{is_standard_output, spare, write};
+use super::progress_line::with_progress;
 use super::settings_args::AnswerArguments;
 use super::{Failure, print};
 use crate::app::{self, Pane, PictureFormat, PictureOrder, ScreenshotOrder};
-use resect_core::progress::Progress;
-use resect_io::atomic;
 use resect_io::file_mark::used_files;
 use resect_io::sample::Sample;
 use resect_io::source::Source;
@@ -25,7 +24,7 @@ enum ThemeArgument {
 pub struct ScreenshotArguments {
     /// Folder or file with the stations' tracks; the built-in sample if none
     path: Option<PathBuf>,
-    /// File to write: PNG, or SVG of a pane by the ending .svg
+    /// File to write: PNG, or SVG of a pane by the ending .svg; - for PNG on standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// One pane without its controls instead of the window: scene, result, residuals, …
@@ -50,7 +49,7 @@ pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
         None => Source::sample(Sample::Warthog),
     };
     let source = source.with(arguments.settings.extras());
-    let deployment = source.open(&Progress::default())?;
+    let deployment = with_progress("reading", |it| source.open(it))?;
     spare(&arguments.out, used_files(&deployment))?;
     let is_svg = arguments.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
     if is_svg && !arguments.pane.is_some_and(PictureOrder::has_svg) {
@@ -66,7 +65,10 @@ pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
         dark: arguments.theme == ThemeArgument::Dark,
     };
     let picture = app::picture(vec![(Arc::new(deployment), source)], settings, &order)?;
-    atomic::write(&arguments.out, picture.encoded().map_err(anyhow::Error::msg)?)?;
+    write(&arguments.out, picture.encoded().map_err(anyhow::Error::msg)?)?;
+    if is_standard_output(&arguments.out) {
+        return Ok(());
+    }
     let [width, height] = arguments.size.map(|side| if is_svg { side } else { side * order.scale });
     print(&format!("{}: {width}×{height}\n", arguments.out.display()))?;
     Ok(())

@@ -12,7 +12,7 @@ use nalgebra::{Matrix6, Rotation3};
 use self::error_args::ErrorArguments;
 use self::limits::{Limits, replace};
 use super::choice::{PRESETS, choice};
-use super::output::{kind_of, spare};
+use super::output::{kind_of, spare_file};
 use super::{Failure, print};
 use resect_core::evaluation::trajectory::{Pose, Trajectory};
 use resect_core::geometry::ARCSECOND_RAD;
@@ -95,7 +95,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
 /// Writes the true poses of the vehicle.
 fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Result<(), Failure> {
-    spare(file, [])?;
+    spare_file(file, [])?;
     let truth = &simulated.truth;
     let steps = (simulated.scenario.duration_s / TRUE_POSES_APART_S).floor() as usize;
     let pose = |step: usize| {

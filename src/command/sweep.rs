@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::choice::{METHODS, PARAMETERS, choice};
+use super::progress_line::with_progress;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use resect_core::calibration::Method;
@@ -39,7 +40,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     range.check(&settings.pipeline).map_err(Failure::Usage)?;
     let deployments = arguments.study.deployments()?;
     let reference = arguments.reference;
-    let result = sweep(&deployments, &settings, &range, reference, splits, &Progress::default())?;
+    let study = |it: &Progress| sweep(&deployments, &settings, &range, reference, splits, it);
+    let result = with_progress("sweeping", study)?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;
     } else {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
-use super::output::{advised, kind_of, spare};
+use super::output::{advised, is_standard_output, kind_of, spare};
 use super::remedy_flags::trajectory_flag;
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
@@ -30,7 +30,7 @@ pub struct TrajectoryArguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
     /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or by its extension .csv with covariance and velocity, .mcap or .bag (ROS 1)
-    /// with nav_msgs/Odometry, or .ply with time and σ; TUM on the terminal if none
+    /// with nav_msgs/Odometry, or .ply with time and σ; TUM on standard output if none, or -
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Omit epochs with an inter-prism error above this (mm)
@@ -65,6 +65,13 @@ enum FrameArgument {
     ControlPoints,
 }
 
+impl TrajectoryArguments {
+    /// Returns the file to write; `None` for standard output.
+    fn file(&self) -> Option<&Path> {
+        self.out.as_deref().filter(|out| !is_standard_output(out))
+    }
+}
+
 /// Greatest rate of poses (1/s), above the rate of any sensor.
 const MOST_HZ: f64 = 10_000.0;
 
@@ -72,7 +79,7 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     check(arguments)?;
     // Before the slow steps.
-    arguments.out.as_deref().map(kind_of).transpose()?;
+    arguments.file().map(kind_of).transpose()?;
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
@@ -170,7 +177,7 @@ impl FramedTrajectory<'_> {
             calibration.verdict_in_words(),
             vehicle,
         );
-        let Some(file) = &arguments.out else {
+        let Some(file) = arguments.file() else {
             return Ok(print(&trajectory_file::tum(trajectory, &header))?);
         };
         let content = trajectory_file::file(kind_of(file)?, trajectory, &header, frame_id)
@@ -217,7 +224,7 @@ fn one_station(
         return Err(Failure::Input(anyhow::anyhow!("{}: {why}", track.name)));
     }
     let header = format!("{}: positions of its prism in its own frame", track.name);
-    let Some(file) = &arguments.out else {
+    let Some(file) = arguments.file() else {
         return Ok(print(&trajectory_file::station_tum(track, &header))?);
     };
     let content = trajectory_file::station_file(kind_of(file)?, track, &header)
@@ -257,7 +264,7 @@ fn one_prism(
     let by =
         format!("by {}, verdict {}", calibration.method_in_words(), calibration.verdict_in_words());
     let header = format!("{}: {frame}, {by}", deployment.name);
-    let Some(file) = &arguments.out else {
+    let Some(file) = arguments.file() else {
         return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
     };
     let content = trajectory_file::prism_file(kind_of(file)?, &positions, &header)

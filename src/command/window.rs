@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::remedy_flags::with_flags;
-use super::{Failure, complain, load, print};
+use super::{Failure, complain, load, note, print};
 use crate::app;
 use crate::app::persist::{hashes::HashCache, session_file};
 use resect_core::analysis::{Analyst, Settings};
@@ -98,7 +98,7 @@ fn has_display() -> bool {
 fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> {
     let (session, findings) = session_file::load(path)?;
     for finding in findings {
-        complain(&format!("{}: {finding}", path.display()));
+        note(&format!("{}: {finding}", path.display()));
     }
     if session.deployments.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(

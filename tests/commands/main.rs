@@ -6,6 +6,7 @@
 mod common;
 
 mod commands;
+mod conventions;
 mod evaluate;
 mod golden;
 mod ground_truths;
