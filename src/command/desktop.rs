@@ -17,16 +17,10 @@ pub struct DesktopArguments {
 }
 
 /// The MIME type of `*.resect.toml`: a program that does not know it opens a session as text.
-const FILE_TYPE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">
-  <mime-type type="application/x-resect-session">
-    <comment>resect session</comment>
-    <sub-class-of type="text/plain"/>
-    <icon name="resect"/>
-    <glob pattern="*.resect.toml" weight="80"/>
-  </mime-type>
-</mime-info>
-"#;
+const FILE_TYPE: &str = include_str!("../../assets/resect-session.xml");
+
+/// The entry of packages, whose program is in the search path.
+const ENTRY: &str = include_str!("../../packaging/resect.desktop");
 
 /// Programs that make a running desktop read the new files, with the folder that is their argument.
 const READ_ANEW: [(&str, &str); 2] =
@@ -100,13 +94,7 @@ fn entry(program: &Path) -> Result<String, Failure> {
             _ => quoted.push(letter),
         }
     }
-    Ok(format!(
-        "[Desktop Entry]\nType=Application\nName=resect\n\
-         GenericName=Calibration of robotic total stations\n\
-         Comment=Inspect, tune and calibrate deployments of three robotic total stations\n\
-         Exec=\"{quoted}\" %F\nIcon=resect\nTerminal=false\nStartupWMClass=resect\n\
-         Categories=Science;Engineering;Geoscience;\nMimeType=application/x-resect-session;\n"
-    ))
+    Ok(ENTRY.replace("Exec=resect", &format!("Exec=\"{quoted}\"")))
 }
 
 #[cfg(test)]
