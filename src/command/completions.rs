@@ -1,10 +1,9 @@
 //! `resect completions`: completion scripts for shells.
 
-use clap::Args;
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 use super::Failure;
-use super::program::arguments;
 
 #[derive(Args)]
 pub struct CompletionsArguments {
@@ -12,9 +11,9 @@ pub struct CompletionsArguments {
     shell: Shell,
 }
 
-pub fn run(arguments_of_user: &CompletionsArguments) -> Result<(), Failure> {
+pub fn run(arguments: &CompletionsArguments, mut program: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments_of_user.shell, &mut arguments(), "resect", &mut script);
+    clap_complete::generate(arguments.shell, &mut program, "resect", &mut script);
     super::printing::print_bytes(&script)?;
     Ok(())
 }

@@ -133,7 +133,9 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Export(arguments)) => export::run(&arguments),
         Some(CliCommand::Explain(arguments)) => explain::run(&arguments),
         Some(CliCommand::Desktop(arguments)) => desktop::run(&arguments),
-        Some(CliCommand::Completions(arguments)) => completions::run(&arguments),
+        Some(CliCommand::Completions(arguments)) => {
+            completions::run(&arguments, Arguments::command())
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
