@@ -316,18 +316,17 @@ fn no_order_in_a_tunnel_leaves_its_width() {
 /// Too little evidence restricts nothing: neither a drive that began, nor a wide one, however long.
 #[test]
 fn an_open_field_has_figure_eights_and_so_has_a_drive_that_began() {
-    let began = [[0.0, 0.0], [13.0, 0.0], [13.0, 10.0]];
     let field = (0..6).map(|k| [f64::from(k) * 10.0, if k % 2 == 0 { -12.0 } else { 12.0 }]);
-    let drives: [Vec<[f64; 2]>; 2] = [began.to_vec(), field.collect()];
-    drives.into_par_iter().enumerate().for_each(|(index, drive)| {
-        let mut site = Site::new(Preset::StraightLine, 7, 0.0001);
-        site.places_m.clear();
-        let moves = offered(&site, &drive.into_iter().map(in_tunnel).collect::<Vec<_>>());
+    let mut site = Site::new(Preset::Warthog, 7, 0.0001);
+    site.places_m.clear();
+    let drives = [site.opening(Preset::Warthog), field.map(in_tunnel).collect::<Vec<_>>()];
+    for (index, drive) in drives.iter().enumerate() {
+        let moves = offered(&site, drive);
         println!("drive {index}: {} orders", moves.len());
         for size in ["figure-eight of 16 m", "figure-eight of 28 m", "loop of 12 m"] {
             assert!(moves.iter().any(|one| one.sentence.contains(size)), "drive {index}: {size}");
         }
-    });
+    }
 }
 
 /// Tracks of a straight leg coincide like those of one prism, which would put stations a metre off. The first turn alone is insufficient:

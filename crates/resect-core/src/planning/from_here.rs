@@ -51,8 +51,8 @@ const LEAST_RADIUS_M: f64 = 2.0;
 /// Largest number of stored positions of the drive so far.
 const MOST_PLACES: usize = 300;
 
-/// A candidate manoeuvre: its instruction, and its path in the frame of station 1 (m).
-type Candidate = (String, Vec<Vector2<f64>>);
+/// A manoeuvre: its instruction, and its path in the frame of station 1 (m).
+type Manoeuvre = (String, Vec<Vector2<f64>>);
 
 /// Current state of the vehicle.
 pub struct Here {
@@ -97,7 +97,7 @@ impl Here {
     }
 
     /// Returns manoeuvres from here that fit the place, as far as the drive shows it.
-    pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<Candidate> {
+    pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<Manoeuvre> {
         let mut all = self.bends();
         let around_m = once_around_m(self.place_m, self.along).into_iter();
         let once_here = std::iter::once(self.place_m).chain(around_m);
@@ -138,7 +138,7 @@ impl Here {
     }
 
     /// Returns figure-eights and loops; in a narrow place, only the largest that have room.
-    fn bends(&self) -> Vec<Candidate> {
+    fn bends(&self) -> Vec<Manoeuvre> {
         let mut all = Vec::new();
         // Rounded down to half metres, so that the instruction has few digits.
         let fitted_m = |room_m: f64| Some((2.0 * room_m).floor() / 2.0);
@@ -171,7 +171,7 @@ impl Here {
     }
 
     /// Adds the ways to drive to a place: straight, with a turn on the spot there, and as a slalom.
-    fn add_legs(&self, all: &mut Vec<Candidate>, to_m: Vector2<f64>, where_to: &str) {
+    fn add_legs(&self, all: &mut Vec<Manoeuvre>, to_m: Vector2<f64>, where_to: &str) {
         let along = (to_m - self.place_m).normalize();
         // Such a turn is too sharp for a bend; the vehicle turns on the spot.
         let first = if along.dot(&self.along) < ON_THE_SPOT { "turn on the spot, " } else { "" };
