@@ -250,6 +250,85 @@ fn advice_makes_a_drive_of_one_that_holds_too_little() {
     });
 }
 
+/// Half the width of the simulated tunnel (m), and its direction from the x axis (rad).
+const HALF_TUNNEL_M: f64 = 2.0;
+const TUNNEL_RAD: f64 = 0.4;
+
+/// Returns positions of a tunnel's frame in the frame of station 1 (m): distance into the tunnel, offset from its centre line.
+fn in_tunnel(place_m: [f64; 2]) -> Waypoint {
+    let along = Vector2::new(TUNNEL_RAD.cos(), TUNNEL_RAD.sin());
+    let across = Vector2::new(-along.y, along.x);
+    Waypoint::at(Vector2::new(12.0, 6.0) + along * place_m[0] + across * place_m[1])
+}
+
+/// Returns all manoeuvres offered at the end of a drive along waypoints.
+fn offered(site: &Site, waypoints: &[Waypoint]) -> Vec<NextMove> {
+    let end_s = site.arrival_s(waypoints, 1e3);
+    let drive = site.along(waypoints);
+    let analysis = site.analysis(&drive, end_s);
+    let ask = |so_far: &SoFar<'_>| what_next(so_far, &Progress::default()).expect("not cancelled");
+    site.ask(&analysis, ask).flatten().map_or_else(Vec::new, |advice| advice.moves)
+}
+
+/// Largest distance of a manoeuvre from the tunnel's centre line (m), if driven from a position. Stations that can still slide
+/// shift the positions that the coach knows.
+fn off_centre_m(one: &NextMove, from: &Waypoint) -> f64 {
+    let [origin_m, across_m] = [[0.0; 2], [0.0, 1.0]].map(|at| in_tunnel(at).place_m());
+    let by_m = from.place_m() - one.waypoints_m[0];
+    let off_m = |at: &Vector2<f64>| (at + by_m - origin_m).dot(&(across_m - origin_m)).abs();
+    one.waypoints_m.iter().map(off_m).fold(0.0, f64::max)
+}
+
+/// A tunnel 4 m wide, driven on its centre line, along one wall, winding, or there and back. Followed orders stay in it too.
+#[test]
+fn no_order_in_a_tunnel_leaves_its_width() {
+    let winding = |to_m: u32| (0..=to_m / 4).map(|k| [4.0 * f64::from(k), f64::from(k % 3) - 1.0]);
+    let drives: [Vec<[f64; 2]>; 5] = [
+        vec![[0.0, 0.0], [35.0, 0.0]],
+        vec![[0.0, 1.4], [50.0, 1.4]],
+        winding(60).collect(),
+        winding(60).chain([[60.0, -1.0], [25.0, -1.0]]).collect(),
+        winding(40).chain([[40.3, 0.3], [40.0, 0.0]]).collect(),
+    ];
+    drives.into_par_iter().enumerate().for_each(|(index, drive)| {
+        let mut site = Site::new(Preset::StraightLine, 7, 0.0001);
+        site.scenario.duration_s = 400.0;
+        site.places_m.clear();
+        let mut waypoints: Vec<Waypoint> = drive.into_iter().map(in_tunnel).collect();
+        for step in 0..3 {
+            let moves = offered(&site, &waypoints);
+            let turns = moves.iter().filter(|one| one.sentence.contains("turn")).count();
+            println!("drive {index}, step {step}: {} orders, {turns} with a turn", moves.len());
+            assert!(turns > 0, "drive {index}, step {step}: advice remains possible");
+            for one in &moves {
+                let off_m = off_centre_m(one, &waypoints[waypoints.len() - 1]);
+                assert!(off_m <= HALF_TUNNEL_M, "drive {index}: {off_m:.1} m, {}", one.sentence);
+            }
+            let last = waypoints.len() - 1;
+            waypoints[last].stand_s += STOP_S;
+            let best = moves.into_iter().next().expect("one of them");
+            let by_m = waypoints[last].place_m() - best.waypoints_m[0];
+            waypoints.extend(best.waypoints_m.iter().skip(1).map(|at| Waypoint::at(at + by_m)));
+        }
+    });
+}
+
+/// Too little evidence restricts nothing: neither a drive that began, nor a wide one, however long.
+#[test]
+fn an_open_field_has_figure_eights_and_so_has_a_drive_that_began() {
+    let field = (0..6).map(|k| [f64::from(k) * 10.0, if k % 2 == 0 { -12.0 } else { 12.0 }]);
+    let mut site = Site::new(Preset::Warthog, 7, 0.0001);
+    site.places_m.clear();
+    let drives = [site.opening(Preset::Warthog), field.map(in_tunnel).collect::<Vec<_>>()];
+    for (index, drive) in drives.iter().enumerate() {
+        let moves = offered(&site, drive);
+        println!("drive {index}: {} orders", moves.len());
+        for size in ["figure-eight of 16 m", "figure-eight of 28 m", "loop of 12 m"] {
+            assert!(moves.iter().any(|one| one.sentence.contains(size)), "drive {index}: {size}");
+        }
+    }
+}
+
 /// Tracks of a straight leg coincide like those of one prism, which would put stations a metre off. The first turn alone is insufficient:
 /// the prisms move in every direction, but hardly anywhere.
 #[test]

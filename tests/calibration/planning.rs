@@ -439,6 +439,25 @@ fn a_line_is_improved_by_leaving_it() {
     assert!(found.held.is_some());
 }
 
+/// A recorded path shows the room of the place; a drawn line shows nothing.
+#[test]
+fn a_recorded_path_through_a_tunnel_is_improved_within_its_width() {
+    let drawn = Plan::from_preset(Preset::StraightLine, 1);
+    let driven = Plan { is_driven: true, ..drawn.clone() };
+    let kinds = |plan: &Plan| -> Vec<ImprovementKind> {
+        improvements(plan).expect("improvements").iter().map(|one| one.kind).collect()
+    };
+    let wide = [ImprovementKind::FigureEight, ImprovementKind::Loop];
+    let (of_drawn, of_driven) = (kinds(&drawn), kinds(&driven));
+    assert!(of_drawn.contains(&wide[0]), "{of_drawn:?}");
+    assert!(!of_driven.iter().any(|kind| wide.contains(kind)), "{of_driven:?}");
+    for kinds in [of_drawn, of_driven] {
+        assert!(kinds.contains(&ImprovementKind::TurnOnTheSpot), "{kinds:?}");
+    }
+    let circle = Plan { is_driven: true, ..Plan::from_preset(Preset::Circle, 1) };
+    assert!(kinds(&circle).contains(&wide[0]), "an open field has room");
+}
+
 /// A station whose azimuth increases in the wrong sense leaves no position for a plan; a plan names a doubtful calibration.
 #[test]
 fn a_plan_is_made_of_no_answer_that_does_not_know_where_stations_stand() {

@@ -110,7 +110,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     settle(&mut harness);
     assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
     harness.get_by_label(" lio is better in position ");
-    harness.get_by_label_contains("lio is significantly better than vio in position: ");
+    assert!(harness.query_all_by_label_contains("lio better, ").count() > 1);
     harness.get_by_label("position errors of lio over time");
     harness.get_by_label_contains("the estimate is wrong: the readings agree with the rig");
     let judged: Vec<&str> =
@@ -427,7 +427,7 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
     harness.get_by_label(" lio is better in position ");
-    harness.get_by_label_contains("lio is significantly better than vio in position");
+    assert!(harness.query_all_by_label_contains("lio better, ").count() > 1);
     let judging = &shown(&harness).judging;
     let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
     let off_s = lio.fit.time_offset_s + 0.4;
@@ -502,9 +502,8 @@ fn trajectories_of_one_name_are_told_apart_by_their_folders() {
     harness.get_by_label("Remove trajectory");
     send(&mut harness, JudgingCommand::Add(vec![vio, lio]));
     settle(&mut harness);
-    harness.get_by_label_contains(
-        "lio/trajectory is significantly better than vio/trajectory in position: ",
-    );
+    harness.get_all_by_label("lio/trajectory").next().expect("a column");
+    assert!(harness.query_all_by_label_contains("lio/trajectory better, ").count() > 1);
     assert_eq!(shown(&harness).judging.added.len(), 2, "none is there twice");
     click(&mut harness, "Remove vio/trajectory");
     settle(&mut harness);

@@ -29,6 +29,7 @@ pub struct WayFile {
 impl WayFile {
     /// Replaces the path of a plan, and its stations if the file has them.
     pub fn lay(self, plan: &mut Plan) {
+        plan.is_driven = false;
         plan.way = vec![Piece::Waypoints(self.waypoints)];
         for (own, (place_m, height_m)) in
             plan.stations_m.iter_mut().zip(self.stations_m.into_iter().flatten())

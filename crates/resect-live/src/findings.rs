@@ -99,8 +99,8 @@ pub fn straight_line(length_m: f64) -> Finding {
     Finding::new(
         FindingKind::LiveStraightLine,
         format!(
-            "some directions are unobservable: the drive so far is a straight line of {length_m:.0} m; leave the line \
-             with turns to both sides, as a figure-eight if the place allows"
+            "some directions are unobservable: the drive so far is a straight line of {length_m:.0} m; turn once \
+             around on the spot at both ends, or drive a figure-eight if the place allows"
         ),
     )
     .quantity("length", length_m, Unit::Metre)

@@ -16,7 +16,7 @@ use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
 use resect_core::palette;
 use resect_report::estimates::{
-    Angles, EMPTY, agreed, compared, contradiction, error_in_words, rows, stated,
+    Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows, verdicts,
 };
 
 /// Width of a digit in the table, and least width of a column's heading (points).
@@ -127,25 +127,16 @@ fn doubt(ui: &mut egui::Ui, open: &OpenDeployment) {
     }
 }
 
-/// Shows a badge and a sentence for each compared pair, and the trajectories that could not be evaluated.
+/// Shows the verdicts on each compared pair, and the trajectories that could not be evaluated.
 fn ranking(
     ui: &mut egui::Ui,
     state: &State,
     judgement: &EstimatesJudgement,
     commands: &mut Commands,
 ) {
-    let angles = angles(state.workspace.units);
     ui.add_space(4.0);
-    for two in stated(judgement) {
-        let (word, verdict) = if two.is_significant() {
-            let name = short::of_trajectory(ui, &judgement.judged[two.better].estimate.name);
-            (format!(" {name} is better in {} ", error_in_words(two.kind)), Verdict::Good)
-        } else {
-            (" inconclusive ".to_owned(), Verdict::Weak)
-        };
-        let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
-        ui.label(RichText::new(word).color(ink).background_color(ground).strong());
-        ui.add(egui::Label::new(compared(judgement, two, angles)).wrap());
+    for table in verdicts(judgement, angles(state.workspace.units)) {
+        pair(ui, judgement, &table);
     }
     for both in &judgement.agreements {
         ui.add(egui::Label::new(agreed(judgement, both)).wrap());
@@ -159,6 +150,54 @@ fn ranking(
             "If one of these trajectories is the ground truth, press “ground truth” beside it.",
         );
     }
+}
+
+/// Shows a badge for the position of a pair, and a row for each kind of error. Evidence is shown on hover.
+fn pair(ui: &mut egui::Ui, judgement: &EstimatesJudgement, table: &PairTable) {
+    let short_name = |ui: &egui::Ui, index: usize| {
+        short::of_trajectory(ui, &judgement.judged[index].estimate.name)
+    };
+    let Some(position) = table.rows.first() else { return };
+    let (word, verdict) = match position.better {
+        Some(better) => {
+            (format!(" {} is better in position ", short_name(ui, better)), Verdict::Good)
+        }
+        None => (" inconclusive in position ".to_owned(), Verdict::Weak),
+    };
+    let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
+    ui.label(RichText::new(word).color(ink).background_color(ground).strong())
+        .on_hover_text(&position.reason);
+    let grid = egui::Grid::new(("verdicts", table.estimates)).striped(true).spacing([10.0, 3.0]);
+    egui::ScrollArea::horizontal().id_salt(("verdicts", table.estimates)).show(ui, |ui| {
+        grid.show(ui, |ui| {
+            ui.label("");
+            for index in table.estimates {
+                let name = short_name(ui, index);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.small(name).on_hover_text(&judgement.judged[index].estimate.name);
+                });
+            }
+            ui.small("verdict").on_hover_text(VERDICTS_IN_WORDS);
+            ui.end_row();
+            for row in &table.rows {
+                words::explain_text(ui.small(&row.label), &row.label);
+                for cell in &row.cells {
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        let text = RichText::new(cell).small().family(egui::FontFamily::Monospace);
+                        let label = ui.label(text);
+                        if cell == EMPTY {
+                            label.on_hover_text(&row.reason);
+                        }
+                    });
+                }
+                let text = RichText::new(&row.verdict).small();
+                let text = if row.better.is_some() { text.strong() } else { text.weak() };
+                ui.label(text).on_hover_text(&row.reason);
+                ui.end_row();
+            }
+        })
+    });
+    ui.add_space(4.0);
 }
 
 /// Lists the spans in which the estimate and the ground truth contradict each other; a click selects them.

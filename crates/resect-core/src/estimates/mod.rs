@@ -8,11 +8,12 @@
 //! ```
 //! [`fit`] estimates the time offset, the body's position in the vehicle, and the transform of the estimate's frame.
 //! [`metrics`] are evo's, so that numbers are comparable with those of papers. The other modules add to evo's results: the
-//! covariance of the ground truth itself ([`errors`]), the significance of differences between estimates ([`ranking`]), and
-//! spans in which the ground truth is wrong ([`odd`]).
+//! covariance of the ground truth itself ([`errors`]), the significance of differences between estimates at common instants and over
+//! common paths ([`ranking`]), and spans in which the ground truth is wrong ([`odd`]).
 
 mod agreement;
 mod association;
+mod common_errors;
 pub mod errors;
 pub mod fit;
 mod ground_truth;

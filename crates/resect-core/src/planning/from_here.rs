@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
+use super::corridor::Corridor;
 use super::drive::drive_with;
 use super::manoeuvres::{
-    EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M, once_around_m, slalom_m,
+    ASIDE_M, EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M, once_around_m, slalom_m,
 };
 use super::past::AsDriven;
 use super::plan::{Plan, PlannedInstrument, PlannedRig};
@@ -43,8 +44,15 @@ const NEXT_DOOR_M: f64 = 6.0;
 const HEADING_M: f64 = 0.5;
 /// Pause between the readings so far and those of a manoeuvre (s).
 const PAUSE_S: f64 = 1.0;
+/// Smallest swerve of a slalom in a narrow place, to each side (m).
+const LEAST_ASIDE_M: f64 = 0.4;
+/// Smallest radius of bends in a narrow place (m); the vehicle turns on the spot instead.
+const LEAST_RADIUS_M: f64 = 2.0;
 /// Largest number of stored positions of the drive so far.
 const MOST_PLACES: usize = 300;
+
+/// A manoeuvre: its instruction, and its path in the frame of station 1 (m).
+type Manoeuvre = (String, Vec<Vector2<f64>>);
 
 /// Current state of the vehicle.
 pub struct Here {
@@ -52,6 +60,8 @@ pub struct Here {
     along: Vector2<f64>,
     /// Positions so far, thinned.
     driven_m: Vec<Vector2<f64>>,
+    /// Room beside the vehicle; `None` if the drive shows no narrow place.
+    corridor: Option<Corridor>,
     as_driven: AsDriven,
     ground_m: f64,
 }
@@ -77,45 +87,31 @@ impl Here {
         };
         let step = (all_m.len() / MOST_PLACES).max(1);
         let driven_m = all_m.iter().step_by(step).map(|at| middle_m(at).xy()).collect();
-        Some(Self { place_m: last_m.xy(), along, driven_m, as_driven, ground_m: last_m.z })
+        // The vehicle will work at the places of interest, so they are room as well.
+        let middles_m = all_m.iter().map(|at| middle_m(at).xy());
+        let shown_m: Vec<Vector2<f64>> =
+            middles_m.chain(so_far.places_m.iter().map(Vector3::xy)).collect();
+        let place_m = last_m.xy();
+        let corridor = Corridor::shown(&shown_m, &place_m);
+        Some(Self { place_m, along, driven_m, corridor, as_driven, ground_m: last_m.z })
     }
 
-    /// Returns manoeuvres from here, as text and as paths in the frame of station 1 (m).
-    pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<(String, Vec<Vector2<f64>>)> {
-        let mut all = Vec::new();
-        for length_m in EIGHTS_M {
-            let eight = FigureEight::from_here(&self.place_m, &self.along, length_m);
-            all.push((format!("drive a figure-eight of {length_m:.0} m here"), eight.places_m()));
-        }
-        for (side, hand) in [(1.0, "left"), (-1.0, "right")] {
-            for (name, radius_m, turns) in
-                [("loop", LOOP_RADIUS_M, 1.0), ("half loop", HALF_RADIUS_M, 0.5)]
-            {
-                let one = Loop::from_here(&self.place_m, &self.along, radius_m, side * turns);
-                let what = format!("drive a {name} of {:.0} m to the {hand}", 2.0 * radius_m);
-                all.push((what, one.places_m()));
-            }
-        }
-        let around_m = |at_m, along| once_around_m(at_m, along).into_iter();
-        let once_here = std::iter::once(self.place_m).chain(around_m(self.place_m, self.along));
+    /// Returns manoeuvres from here that fit the place, as far as the drive shows it.
+    pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<Manoeuvre> {
+        let mut all = self.bends();
+        let around_m = once_around_m(self.place_m, self.along).into_iter();
+        let once_here = std::iter::once(self.place_m).chain(around_m);
         all.push(("turn once around on the spot".to_owned(), once_here.collect()));
-        let mut to = |to_m: Vector2<f64>, where_to: &str| {
-            let along = (to_m - self.place_m).normalize();
-            // Such a turn is too sharp for a bend; the vehicle turns on the spot.
-            let first =
-                if along.dot(&self.along) < ON_THE_SPOT { "turn on the spot, " } else { "" };
-            let straight_m = vec![self.place_m, to_m];
-            let turned_m = straight_m.iter().copied().chain(around_m(to_m, along)).collect();
-            let slalom_m = slalom_m(self.place_m, to_m, &self.along);
-            let straight = format!("{first}drive straight {where_to}");
-            all.push((format!("{straight} and turn once around there"), turned_m));
-            all.push((straight, straight_m));
-            all.push((format!("{first}drive a slalom {where_to}"), slalom_m));
-        };
         for (eighth, way) in (0..).zip(WHERE_TO) {
             let along = self.turned(f64::from(eighth) * FRAC_PI_4);
+            // An instruction "ahead" in a tunnel means along the tunnel.
+            let along = self.corridor.as_ref().map_or(along, |place| place.aligned(&along));
             for leg_m in LEGS_M {
-                to(self.place_m + along * leg_m, &format!("{way} for {leg_m:.0} m"));
+                self.add_legs(
+                    &mut all,
+                    self.place_m + along * leg_m,
+                    &format!("{way} for {leg_m:.0} m"),
+                );
             }
         }
         let stations = so_far.station1_from_station.map(|at| at.translation_m.xy());
@@ -123,15 +119,81 @@ impl Here {
         let away_m = self.place_m - middle_m;
         if away_m.norm() > NEAR_M + LEGS_M[1] / 2.0 {
             let near_m = middle_m + away_m.normalize() * NEAR_M;
-            to(near_m, &format!("to {NEAR_M:.0} m from the stations"));
+            self.add_legs(&mut all, near_m, &format!("to {NEAR_M:.0} m from the stations"));
         }
         let least = self.least_visited_m(so_far).map(|far_m| (far_m, "not visited yet"));
         for (far_m, what) in least.into_iter().chain(ends_m(so_far, middle_m)) {
             if (far_m - self.place_m).norm() > NEXT_DOOR_M {
-                to(far_m, &format!("to ({:.0}, {:.0}), {what}", far_m.x, far_m.y));
+                self.add_legs(
+                    &mut all,
+                    far_m,
+                    &format!("to ({:.0}, {:.0}), {what}", far_m.x, far_m.y),
+                );
+            }
+        }
+        if let Some(corridor) = &self.corridor {
+            all.retain(|(_, way_m)| corridor.fits(way_m));
+        }
+        all
+    }
+
+    /// Returns figure-eights and loops; in a narrow place, only the largest that have room.
+    fn bends(&self) -> Vec<Manoeuvre> {
+        let mut all = Vec::new();
+        // Rounded down to half metres, so that the instruction has few digits.
+        let fitted_m = |room_m: f64| Some((2.0 * room_m).floor() / 2.0);
+        let sides_m = self.corridor.as_ref().map(|place| place.sides_m(&self.along));
+        let eights_m = match sides_m {
+            None => EIGHTS_M.to_vec(),
+            Some([right_m, left_m]) => fitted_m(2.0 * right_m.min(left_m)).into_iter().collect(),
+        };
+        for length_m in eights_m.into_iter().filter(|length_m| *length_m >= 4.0 * LEAST_RADIUS_M) {
+            let length_m = length_m.min(EIGHTS_M[1]);
+            let eight = FigureEight::from_here(&self.place_m, &self.along, length_m);
+            all.push((format!("drive a figure-eight of {length_m} m here"), eight.places_m()));
+        }
+        for (side, hand) in [(1.0, "left"), (-1.0, "right")] {
+            let room_m = sides_m.map(|[right_m, left_m]| if side > 0.0 { left_m } else { right_m });
+            for (name, radius_m, turns) in
+                [("loop", LOOP_RADIUS_M, 1.0), ("half loop", HALF_RADIUS_M, 0.5)]
+            {
+                let fitted_m =
+                    room_m.and_then(fitted_m).map_or(radius_m, |m| radius_m.min(m / 2.0));
+                if fitted_m < LEAST_RADIUS_M {
+                    continue;
+                }
+                let one = Loop::from_here(&self.place_m, &self.along, fitted_m, side * turns);
+                let what = format!("drive a {name} of {} m to the {hand}", 2.0 * fitted_m);
+                all.push((what, one.places_m()));
             }
         }
         all
+    }
+
+    /// Adds the ways to drive to a place: straight, with a turn on the spot there, and as a slalom.
+    fn add_legs(&self, all: &mut Vec<Manoeuvre>, to_m: Vector2<f64>, where_to: &str) {
+        let along = (to_m - self.place_m).normalize();
+        // Such a turn is too sharp for a bend; the vehicle turns on the spot.
+        let first = if along.dot(&self.along) < ON_THE_SPOT { "turn on the spot, " } else { "" };
+        let straight_m = vec![self.place_m, to_m];
+        let turned_m = straight_m.iter().copied().chain(once_around_m(to_m, along)).collect();
+        let straight = format!("{first}drive straight {where_to}");
+        all.push((format!("{straight} and turn once around there"), turned_m));
+        all.push((straight, straight_m));
+        let room_m = self.corridor.as_ref().map_or(ASIDE_M, |place| {
+            let [right_m, left_m] = place.sides_m(&along);
+            right_m.min(left_m)
+        });
+        let aside_m = room_m.min(ASIDE_M);
+        if aside_m >= LEAST_ASIDE_M {
+            let size = if aside_m < ASIDE_M {
+                format!(", {aside_m:.1} m to each side,")
+            } else {
+                String::new()
+            };
+            let slalom_m = slalom_m([self.place_m, to_m], aside_m, &self.along);
+            all.push((format!("{first}drive a slalom{size} {where_to}"), slalom_m));
+        }
     }
 
     /// Returns the place of interest that is furthest from the path so far.

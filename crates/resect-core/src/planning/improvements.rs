@@ -5,7 +5,8 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Rotation2, Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::manoeuvres::{EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M};
+use super::corridor::Corridor;
+use super::manoeuvres::{EIGHTS_M, FigureEight, LOOP_RADIUS_M, Loop, NEAR_M, once_around_m};
 use super::plan::Plan;
 use super::predict::{Looked, look};
 use super::prediction::PlanError;
@@ -44,6 +45,7 @@ pub struct Improvement {
 pub enum ImprovementKind {
     FigureEight,
     Loop,
+    TurnOnTheSpot,
     Ramp,
     CloserPass,
     PrismHeight,
@@ -56,6 +58,7 @@ impl ImprovementKind {
         match self {
             Self::FigureEight => "figure-eight",
             Self::Loop => "loop",
+            Self::TurnOnTheSpot => "turn-on-the-spot",
             Self::Ramp => "ramp",
             Self::CloserPass => "closer-pass",
             Self::PrismHeight => "prism-height",
@@ -134,19 +137,9 @@ fn far_end_m(plan: &Plan, looked: &Looked, places_m: &[Vec<Vector3<f64>>; 3]) ->
 
 fn candidates(plan: &Plan) -> Vec<Candidate> {
     let mut all = Vec::new();
+    all.extend(at_the_far_end(plan));
     let mut add = |kind, what: String, plan: Plan| all.push(Candidate { kind, what, plan });
-    let (far_m, along) = far_place(plan);
-    for length_m in EIGHTS_M {
-        let eight = FigureEight::from_here(&far_m, &along, length_m);
-        let what = format!("a figure-eight of {length_m:.0} m at the far end");
-        add(ImprovementKind::FigureEight, what, with(plan, &far_m, Piece::FigureEight(eight)));
-    }
-    for side in [1.0, -1.0] {
-        let one = Piece::Loop(Loop::from_here(&far_m, &along, LOOP_RADIUS_M, side));
-        let hand = if side > 0.0 { "left" } else { "right" };
-        let what = format!("a loop to the {hand} of {:.0} m at the far end", 2.0 * LOOP_RADIUS_M);
-        add(ImprovementKind::Loop, what, with(plan, &far_m, one));
-    }
+    let (far_m, _) = far_place(plan);
     let ramp_m = along_the_middle(plan);
     let mut ramped = plan.clone();
     ramped.ground.ramps.push(Ramp { centre_m: ramp_m.into(), ..RAMP });
@@ -198,6 +191,37 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
     twice.way.extend(plan.way.iter().cloned());
     add(ImprovementKind::LongerDrive, "the same path once more".to_owned(), twice);
     all
+}
+
+/// Returns manoeuvres at the far end. A recorded path through a narrow place leaves only those that fit there.
+fn at_the_far_end(plan: &Plan) -> Vec<Candidate> {
+    let (far_m, along) = far_place(plan);
+    let mut all = Vec::new();
+    let mut add = |kind, what: String, piece: Piece| all.push((kind, what, piece));
+    for length_m in EIGHTS_M {
+        let eight = FigureEight::from_here(&far_m, &along, length_m);
+        let what = format!("a figure-eight of {length_m:.0} m at the far end");
+        add(ImprovementKind::FigureEight, what, Piece::FigureEight(eight));
+    }
+    for side in [1.0, -1.0] {
+        let one = Piece::Loop(Loop::from_here(&far_m, &along, LOOP_RADIUS_M, side));
+        let hand = if side > 0.0 { "left" } else { "right" };
+        let what = format!("a loop to the {hand} of {:.0} m at the far end", 2.0 * LOOP_RADIUS_M);
+        add(ImprovementKind::Loop, what, one);
+    }
+    let once_m = once_around_m(far_m, along).map(Waypoint::at);
+    let what = "a turn once around on the spot at the far end".to_owned();
+    add(ImprovementKind::TurnOnTheSpot, what, Piece::Waypoints(once_m.to_vec()));
+    let driven_m: Vec<Vector2<f64>> = plan.waypoints().iter().map(Waypoint::place_m).collect();
+    let corridor = if plan.is_driven { Corridor::shown(&driven_m, &far_m) } else { None };
+    let fits = |piece: &Piece| {
+        let way_m: Vec<Vector2<f64>> = piece.waypoints().iter().map(Waypoint::place_m).collect();
+        corridor.as_ref().is_none_or(|corridor| corridor.fits(&way_m))
+    };
+    let fitting = all.into_iter().filter(|(_, _, piece)| fits(piece));
+    fitting
+        .map(|(kind, what, piece)| Candidate { kind, what, plan: with(plan, &far_m, piece) })
+        .collect()
 }
 
 /// Returns the waypoint furthest from the stations and the direction of travel there.

@@ -12,6 +12,9 @@ pub const LOOP_RADIUS_M: f64 = 6.0;
 /// Distance of a near pass from the centroid of the stations (m).
 pub const NEAR_M: f64 = 15.0;
 
+/// Amplitude of a slalom (m), for bends of 4 m radius.
+pub const ASIDE_M: f64 = 2.5;
+
 /// Largest angle between waypoints on a bend (rad).
 const STEP_RAD: f64 = TAU / 24.0;
 
@@ -54,14 +57,14 @@ fn one_turn() -> f64 {
     1.0
 }
 
-/// Returns the waypoints of a slalom between two positions (m), which swerves first to the side of the vehicle's heading.
+/// Returns the waypoints of a slalom between two positions (m), `aside_m` to each side. It swerves first to the side of the
+/// vehicle's heading.
 pub fn slalom_m(
-    from_m: Vector2<f64>,
-    to_m: Vector2<f64>,
+    [from_m, to_m]: [Vector2<f64>; 2],
+    aside_m: f64,
     heading: &Vector2<f64>,
 ) -> Vec<Vector2<f64>> {
-    /// Amplitude, and approximate distance between swerves (m), for bends of 4 m radius.
-    const ASIDE_M: f64 = 2.5;
+    /// Approximate distance between swerves (m).
     const SWERVE_M: f64 = 10.0;
     const STEPS: usize = 8;
     let way_m = to_m - from_m;
@@ -72,7 +75,7 @@ pub fn slalom_m(
     let steps = STEPS * swerves as usize;
     let place = |step: usize| {
         let share = step as f64 / steps as f64;
-        from_m + way_m * share + across * (ASIDE_M * (PI * swerves * share).sin())
+        from_m + way_m * share + across * (aside_m * (PI * swerves * share).sin())
     };
     (0..=steps).map(place).collect()
 }

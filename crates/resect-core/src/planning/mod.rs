@@ -7,8 +7,10 @@
 //! A [`Plan`] is a file (`resect_io::plan_file`), or is derived from a preset or a past deployment ([`past`]). [`way`] lays
 //! out its path, which `resect_io::way_file` can read. [`drive`] simulates the drive and its readings. [`predict()`]
 //! computes the covariance of the joint estimate from such readings, under the conditions of [`locks`]. [`in_words`]
-//! formats it. [`improvements()`] evaluates [`manoeuvres`] and other changes.
+//! formats it. [`improvements()`] evaluates [`manoeuvres`] and other changes. Where a drive shows a narrow place ([`corridor`]),
+//! only manoeuvres that fit it are tried.
 
+mod corridor;
 mod drive;
 mod from_here;
 mod improvements;

@@ -141,6 +141,7 @@ impl Plan {
                 .map_or_else(PlannedInstrument::default, PlannedInstrument::from_estimate),
             thresholds: analysis.settings.pipeline.thresholds,
             errors: analysis.settings.calibration.errors,
+            is_driven: true,
             way: vec![Piece::Waypoints(waypoints)],
             ..Self::default()
         })
@@ -226,6 +227,7 @@ impl Default for Plan {
             instrument: PlannedInstrument::default(),
             thresholds: Thresholds::default(),
             errors: crate::calibration::ErrorSizes::default(),
+            is_driven: false,
             way: Vec::new(),
         }
     }

@@ -25,6 +25,9 @@ pub struct Plan {
     /// Smallest turning radius of the vehicle (m).
     #[serde(default = "turn_radius_m")]
     pub turn_radius_m: f64,
+    /// True if the path was recorded, so that its width shows the room of the place.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub is_driven: bool,
     /// Positions of the instruments of stations 1, 2, 3.
     pub stations_m: [Vector3<f64>; 3],
     #[serde(default)]
@@ -99,6 +102,11 @@ impl Default for PlannedInstrument {
             outlier_share: 0.004,
         }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 fn target_mm() -> f64 {

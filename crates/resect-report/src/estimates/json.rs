@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::text::error_in_words;
+use super::rows::Angles;
+use super::verdicts::{compared, error_in_words};
 use crate::json::{SCHEMA, findings};
 use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::Ape;
@@ -33,9 +34,16 @@ pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
             "worse": name(two.worse),
             "rmse": two.rmse,
             "ratio": two.rmse[0] / two.rmse[1],
-            "ratio_95": two.ratio_95,
-            "confidence": two.confidence,
+            "ratio_95": two.ratio_95(),
+            "confidence": two.confidence(),
             "significant": two.is_significant(),
+            "verdict": if two.is_significant() { "better" } else { "inconclusive" },
+            "because": compared(judgement, two, Angles::DEGREES),
+            "of": if two.is_of_distances { "distance" } else { "pose" },
+            "count": two.count,
+            "factor": two.factor().map(|factor| factor.value),
+            "factor_sigma": two.factor().map(|factor| factor.sigma),
+            "sigmas": two.sigmas(),
         })).collect::<Vec<_>>(),
         "agreements": judgement.agreements.iter().map(|both| json!({
             "estimates": both.estimates.map(name),

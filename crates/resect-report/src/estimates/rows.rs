@@ -10,7 +10,7 @@ const LARGEST_IN_MM_M: f64 = 1e3;
 const SPARSER: &str = "the poses of the other trajectory are counted, because it is sparser";
 const LEVER_NOT_ESTIMATED: &str = "the body is given, or orientations are missing";
 const SCALE_NOT_ESTIMATED: &str = "the alignment estimates no scale";
-const NO_ORIENTATION: &str = "the estimate or the ground truth has no orientations";
+pub const NO_ORIENTATION: &str = "the estimate or the ground truth has no orientations";
 const FEW_PAIRS: &str = "too few pairs of poses with orientation are so far apart";
 const WITH_ORIENTATION: &str = "with orientations, the errors in mm and of rotation replace it";
 const NO_SIGMA: &str = "the ground truth states no σ at its poses";
@@ -26,7 +26,8 @@ impl Angles {
     /// Degrees, as in evo.
     pub const DEGREES: Self = Self { per_radian: 180.0 / std::f64::consts::PI, unit: "°" };
 
-    fn format(self, angle_rad: f64) -> String {
+    /// Returns the number of an angle (rad) in this unit.
+    pub fn format(self, angle_rad: f64) -> String {
         format!("{:.3}", self.per_radian * angle_rad)
     }
 }
@@ -94,7 +95,8 @@ pub fn why_empty(rows: &[ErrorRow]) -> Vec<String> {
     by_reason.into_iter().map(line).collect()
 }
 
-fn millimetres(value_m: f64) -> String {
+/// Returns the number of a length (m) in millimetres, or the length in metres with its unit if it is large.
+pub fn millimetres(value_m: f64) -> String {
     if value_m < LARGEST_IN_MM_M {
         format!("{:.1}", 1e3 * value_m)
     } else {

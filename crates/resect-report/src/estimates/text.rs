@@ -1,11 +1,12 @@
-//! A judgement for the terminal: a column for each estimate, then the ranking and the odd spans.
+//! A judgement for the terminal: a column for each estimate, then the verdicts on pairs and the odd spans.
 
-use super::rows::{Angles, rows, why_empty};
+use super::rows::{Angles, EMPTY, rows, why_empty};
+use super::verdicts::{VERDICTS_IN_WORDS, verdicts};
 use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::ranking::{ComparedError, PairComparison};
 use resect_core::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
 
 const LABEL: usize = 40;
+const VERDICT_LABEL: usize = 28;
 
 /// Names the ground truth and its quality.
 pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
@@ -48,13 +49,10 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
         lines.push(format!("{label:<LABEL$}{}", cells.collect::<String>()).trim_end().to_owned());
     }
     lines.extend(empty);
-    let ranking: Vec<String> = stated(judgement)
-        .map(|two| compared(judgement, two, Angles::DEGREES))
-        .chain(judgement.agreements.iter().map(|both| agreed(judgement, both)))
-        .collect();
-    if !ranking.is_empty() {
+    lines.extend(verdict_lines(judgement));
+    if !judgement.agreements.is_empty() {
         lines.push(String::new());
-        lines.extend(ranking);
+        lines.extend(judgement.agreements.iter().map(|both| agreed(judgement, both)));
     }
     let time = |time_s: f64| format!("{:.1}", time_s - start_s);
     let spans = all.iter().flat_map(|one| one.odd.iter().map(move |span| (one, span)));
@@ -92,65 +90,27 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     lines.join("\n")
 }
 
-/// Comparisons that are stated in words: by absolute errors always, by relative errors if they significantly favour another
-/// estimate than the absolute ones.
-pub fn stated(judgement: &EstimatesJudgement) -> impl Iterator<Item = &PairComparison> {
-    judgement.comparisons.iter().filter(|two| {
-        let absolute = match two.kind {
-            ComparedError::Position | ComparedError::Rotation => return true,
-            ComparedError::PositionOverPath(_) => ComparedError::Position,
-            ComparedError::RotationOverPath(_) => ComparedError::Rotation,
-        };
-        let is_same_winner = |other: &PairComparison| {
-            other.kind == absolute
-                && other.is_significant()
-                && (other.better, other.worse) == (two.better, two.worse)
-        };
-        two.is_significant() && !judgement.comparisons.iter().any(is_same_winner)
-    })
-}
-
-/// Short name of a kind of error: "position", "rotation over 5 m".
-pub fn error_in_words(kind: ComparedError) -> String {
-    match kind {
-        ComparedError::Position => "position".to_owned(),
-        ComparedError::Rotation => "rotation".to_owned(),
-        ComparedError::PositionOverPath(path_m) => format!("position over {path_m} m"),
-        ComparedError::RotationOverPath(path_m) => format!("rotation over {path_m} m"),
-    }
-}
-
-/// States the better of two estimates by one kind of error, by how much, and if the difference is significant.
-pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison, angles: Angles) -> String {
-    const ALIKE: f64 = 1e-3;
-    let name = |index: usize| &judgement.judged[index].estimate.name;
-    let (better, worse) = (name(two.better), name(two.worse));
-    let kind = error_in_words(two.kind);
-    let ratio = two.rmse[0] / two.rmse[1];
-    let apart = if two.kind.is_rotation() {
-        let [a, b] = two.rmse.map(|rmse| angles.per_radian * rmse);
-        format!("{a:.3} against {b:.3} {} rmse", angles.unit)
-    } else {
-        let [a, b] = two.rmse.map(|rmse| 1e3 * rmse);
-        format!("{a:.1} against {b:.1} mm rmse")
-    };
-    match (two.ratio_95, two.confidence) {
-        (Some([low, high]), _) if low > 1.0 - ALIKE && high < 1.0 + ALIKE => {
-            format!("no difference in {kind} between {better} and {worse}: {apart}")
+/// The verdicts on each pair, below a line that explains them.
+fn verdict_lines(judgement: &EstimatesJudgement) -> Vec<String> {
+    let tables = verdicts(judgement, Angles::DEGREES);
+    let mut lines = Vec::new();
+    for (index, table) in tables.iter().enumerate() {
+        lines.push(String::new());
+        if index == 0 {
+            lines.push(VERDICTS_IN_WORDS.to_owned());
         }
-        (Some([low, high]), Some(_)) if two.is_significant() => format!(
-            "{better} is significantly better than {worse} in {kind}: {apart} over their common times, ratio {ratio:.2} \
-             (95 %: {low:.2} to {high:.2})"
-        ),
-        (Some([low, high]), Some(confidence)) => format!(
-            "no significant difference in {kind} between {better} and {worse}: {apart}, ratio {ratio:.2} (95 %: {low:.2} to \
-             {high:.2}); {better} is better in {:.0} % of the bootstrap samples",
-            100.0 * confidence
-        ),
-        _ => format!(
-            "inconclusive in {kind} for {better} and {worse}: {apart}; their common time is too short"
-        ),
+        let width = table.names.iter().map(|name| name.chars().count()).fold(10, usize::max) + 2;
+        let line = |label: &str, [first, second]: &[String; 2], verdict: &str| {
+            let line = format!("{label:<VERDICT_LABEL$}{first:>width$}{second:>width$}  {verdict}");
+            line.trim_end().to_owned()
+        };
+        lines.push(line("", &table.names, "verdict"));
+        lines.extend(table.rows.iter().map(|row| {
+            let verdict = if row.verdict == EMPTY { &row.reason } else { &row.verdict };
+            line(&row.label, &row.cells, verdict)
+        }));
     }
+    lines
 }
 
 /// States that two estimates agree with each other against the ground truth.

@@ -4,7 +4,9 @@ use maud::{Markup, html};
 
 use super::charts::figure;
 use super::findings::findings;
-use crate::estimates::{Angles, agreed, compared, contradiction, draw, rows, stated, why_empty};
+use crate::estimates::{
+    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdicts, why_empty,
+};
 use resect_core::deployment::Finding;
 use resect_core::estimates::EstimatesJudgement;
 
@@ -21,7 +23,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
     let rows = rows(judgement, Angles::DEGREES);
     html! {
         h3 { "Trajectories of other systems" }
-        @for two in stated(judgement) { p { (compared(judgement, two, Angles::DEGREES)) } }
+        (verdict_tables(judgement))
         @for both in &judgement.agreements { p { (agreed(judgement, both)) } }
         (findings(&notes))
         @if !judged.is_empty() {
@@ -58,6 +60,32 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                     ))
                 }
             }
+        }
+    }
+}
+
+/// The verdicts on each pair, with their evidence as titles.
+fn verdict_tables(judgement: &EstimatesJudgement) -> Markup {
+    let tables = verdicts(judgement, Angles::DEGREES);
+    html! {
+        @if !tables.is_empty() { p { (VERDICTS_IN_WORDS) } }
+        @for table in &tables {
+            div.wide { table {
+                thead { tr {
+                    th { "" }
+                    @for name in &table.names { th.number { (name) } }
+                    th { "verdict" }
+                } }
+                tbody {
+                    @for row in &table.rows {
+                        tr {
+                            td { (row.label) }
+                            @for cell in &row.cells { td.number { (cell) } }
+                            td title=(row.reason) { (row.verdict) }
+                        }
+                    }
+                }
+            } }
         }
     }
 }

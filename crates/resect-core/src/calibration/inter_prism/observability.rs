@@ -273,13 +273,13 @@ fn at_the_stations(
 fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
     match (plan, weakest) {
         (PlanView::Standing, _) => {
-            "drive a figure-eight with turns to both sides, as wide as the place allows"
+            "turn once around on the spot in several places, or drive a figure-eight as wide as the place allows"
         }
         (PlanView::StraightLine { .. }, _) => {
             "turn once around on the spot at both ends of the line"
         }
         (PlanView::Circle { .. }, _) => {
-            "turn the other way too: drive a figure-eight as wide as the place allows"
+            "turn the other way too: turn once around on the spot, or drive a figure-eight if the place allows"
         }
         (PlanView::TwoLegs { .. }, _) => {
             "one corner is not enough: turn once around on the spot, or drive a figure-eight if the place allows"
@@ -288,7 +288,7 @@ fn advice(plan: &PlanView, weakest: MotionComponent) -> &'static str {
             "drive over a ramp or uneven ground, or mount the prisms at heights that differ more"
         }
         (PlanView::Winding, MotionComponent::Turn) => {
-            "drive further from the middle of the track: a longer track determines yaw better"
+            "drive further from the middle of the track, if the place allows: a longer track determines yaw better"
         }
         (
             PlanView::Winding,
