@@ -50,7 +50,7 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
     match why {
         Unjudged::NoReference(why) => trajectory_flag(why),
         Unjudged::Unfit { why, .. } => match why {
-            Unfit::NoOverlap => Some("--time-offset"),
+            Unfit::NoOverlap | Unfit::OtherDrive(_) => Some("--time-offset"),
             Unfit::OnALine => Some("--align none"),
             Unfit::Undetermined => Some("--body same"),
             Unfit::OtherScale(_) => Some("--align similarity"),

@@ -120,6 +120,13 @@ fn deployments(state: &State) -> Vec<Action> {
         let close = file("Deployment", &name, DeploymentCommand::Close(open.id)).ctrl(Key::W);
         actions.push(close.in_general("Close the deployment"));
     }
+    if let Some(name) = state.session.last_closed() {
+        let name = format!("Reopen {name}");
+        let reopen = file("Deployment", &name, DeploymentCommand::ReopenClosed)
+            .hint("With its settings and its evaluated trajectories")
+            .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::T);
+        actions.push(reopen.in_general("Reopen the closed deployment"));
+    }
     actions
 }
 

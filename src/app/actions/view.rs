@@ -122,7 +122,7 @@ fn colours_of_the_window(state: &State) -> Vec<Action> {
 fn units(state: &State) -> Vec<Action> {
     let now = state.workspace.units;
     let action = |section, name: String, units: Units| {
-        view(section, &name, WorkspaceCommand::SetUnits(units)).one_of(now == units)
+        view(section, &name, WorkspaceCommand::SetUnits(units)).also("units").one_of(now == units)
     };
     let mut actions: Vec<Action> = Vec::new();
     actions.extend(LengthUnit::ALL.into_iter().map(|length| {

@@ -48,6 +48,8 @@ pub enum DeploymentCommand {
     /// Activates another open deployment, by its id.
     Activate(u64),
     Close(u64),
+    /// Opens the deployment that was closed last, as it was.
+    ReopenClosed,
 
     /// Sets the settings of the active deployment.
     Set(Settings),

@@ -20,7 +20,7 @@ pub fn earlier_session_kept(when: &str) -> Finding {
     Finding::new(
         FindingKind::EarlierSessionKept,
         format!(
-            "resect stopped unexpectedly {when}; start resect without a path to restore that session"
+            "resect stopped unexpectedly {when}; File › Reopen the last session brings its deployments back"
         ),
     )
 }

@@ -22,6 +22,9 @@ use resect_report::estimates::{
 /// Width of a digit in the table, and least width of a column's heading (points).
 const LETTER: f32 = 6.6;
 const LEAST_HEADING: f32 = 80.0;
+/// Least and greatest width of a row's label (points).
+const LEAST_LABEL: f32 = 96.0;
+const WIDEST_LABEL: f32 = 260.0;
 /// Greatest width of a sentence (points).
 const SENTENCE: f32 = 620.0;
 
@@ -57,14 +60,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 ui.multiply_opacity(0.45);
             }
             doubt(ui, open);
-            ranking(ui, state, judgement, commands);
-            odd(ui, state, open, judgement, commands);
-            table(ui, open, judgement, angles(state.workspace.units));
             for one in &judgement.judged {
                 for said in one.estimate.findings.iter().chain(&one.fit.findings) {
                     finding(ui, state, said, commands);
                 }
             }
+            ranking(ui, state, judgement, commands);
+            odd(ui, state, open, judgement, commands);
+            table(ui, open, judgement, angles(state.workspace.units));
         });
     });
 }
@@ -250,6 +253,7 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
         return;
     }
     heading(ui, "Errors");
+    let pane_width = ui.available_width();
     let grid = egui::Grid::new("errors of trajectories").striped(true).spacing([10.0, 3.0]);
     egui::ScrollArea::horizontal().show(ui, |ui| {
         grid.show(ui, |ui| {
@@ -259,6 +263,9 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
                 rows.iter().map(|row| row.cells[column].chars().count()).max().unwrap_or(0)
             };
             let widths: Vec<usize> = (0..judgement.judged.len()).map(widest).collect();
+            // Labels take the width that the numbers leave, so that the numbers are in sight.
+            let numbers = widths.iter().map(|width| LETTER * *width as f32 + 10.0).sum::<f32>();
+            let label_width = (pane_width - numbers).clamp(LEAST_LABEL, WIDEST_LABEL);
             for (one, width) in judgement.judged.iter().zip(&widths) {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
@@ -273,7 +280,12 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
             }
             ui.end_row();
             for row in &rows {
-                words::explain_text(ui.small(&row.label), &row.label);
+                let label = RichText::new(&row.label).small();
+                let label = ui.scope(|ui| {
+                    ui.set_max_width(label_width);
+                    ui.add(egui::Label::new(label).wrap())
+                });
+                words::explain_text(label.inner, &row.label);
                 for (cell, width) in row.cells.iter().zip(&widths) {
                     // Numbers are aligned at their ends.
                     let text = RichText::new(format!("{cell:>width$}"));

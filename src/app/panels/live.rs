@@ -120,15 +120,16 @@ fn stations(ui: &mut egui::Ui, view: &View) {
         for (station, status) in view.stations.iter().enumerate() {
             ui.vertical(|ui| {
                 ui.set_width(width);
-                of_station(ui, station, status);
+                of_station(ui, station, status, view.link == Link::Ended);
             });
         }
     });
 }
 
-fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
+fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus, has_ended: bool) {
     let dark = ui.visuals().dark_mode;
     let (lamp, words) = match (status.locked, status.age_s) {
+        _ if has_ended => (theme::faint(dark), "ended".to_owned()),
         (true, _) => (theme::rgb(palette::verdict(Verdict::Good)[0]), "locked".to_owned()),
         (false, Some(age_s)) => {
             (theme::rgb(palette::hold(Hold::Free)), format!("lost {age_s:.0} s ago"))
@@ -148,7 +149,10 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
         }
     };
     line("rate", status.rate_hz.map(|rate| format!("{rate:.1} Hz")));
-    line("last reading", status.age_s.map(|age_s| format!("{age_s:.1} s ago")));
+    line(
+        "last reading",
+        status.age_s.filter(|_| !has_ended).map(|age_s| format!("{age_s:.1} s ago")),
+    );
     line("latency", status.latency_s.map(|late_s| format!("{:.0} ms", late_s * 1e3)));
     let late = status.late_s.map(|[late_s, sigma_s]| {
         let side = if late_s < 0.0 { "early" } else { "late" };

@@ -7,6 +7,7 @@ use super::content::DrawnArrows;
 use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;
+use crate::app::model::units::without_negative_zero;
 use crate::app::model::{OpenDeployment, Ruler, Units};
 use crate::app::prepared::placing::frame_in_words;
 use crate::app::prepared::rig_at::LAST_READ_S;
@@ -15,6 +16,7 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::Targets;
 use resect_core::evaluation::trajectory::PoseSigma;
 use resect_core::geometry::RigidTransform;
+use resect_core::statistics::estimate::decimals_of;
 
 pub struct Text {
     pub text: String,
@@ -104,7 +106,9 @@ fn cursor(
     };
     let RigidTransform { rotation, translation_m } = &pose.station1_from_vehicle;
     let place = position(translation_m, units);
-    let mut lines = vec![format!("{time}  {place}"), attitude(rotation, units)];
+    let orientation_sigma_rad = sigma.map(|sigma| sigma.orientation_rad);
+    let mut lines =
+        vec![format!("{time}  {place}"), attitude(rotation, orientation_sigma_rad, units)];
     if let Some(sigma) = sigma {
         let [position_m, orientation_rad] = [sigma.position_m, sigma.orientation_rad].map(Some);
         lines[0] += &format!("  ± {} mm", units.length_sigma(position_m));
@@ -145,9 +149,19 @@ fn position(p: &Vector3<f64>, units: Units) -> String {
     format!("x {x}  y {y}  z {z} {}", units.length.name())
 }
 
-fn attitude(station1_from_vehicle: &Rotation3<f64>, units: Units) -> String {
+/// Describes an attitude with the digits that its σ supports.
+fn attitude(
+    station1_from_vehicle: &Rotation3<f64>,
+    sigma_rad: Option<f64>,
+    units: Units,
+) -> String {
     let (roll, pitch, yaw) = station1_from_vehicle.euler_angles();
-    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| units.angle(angle));
+    let per_radian = units.angle.per_radian();
+    let decimals = sigma_rad.and_then(|sigma_rad| decimals_of(per_radian * sigma_rad));
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle_rad| match decimals {
+        Some(decimals) => without_negative_zero(per_radian * angle_rad, decimals),
+        None => units.angle(angle_rad),
+    });
     format!("heading {yaw}  roll {roll}  pitch {pitch} {}", units.angle.name())
 }
 

@@ -23,7 +23,11 @@ impl State {
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
             Command::Activate(id) => self.activate(id),
-            Command::Close(id) => self.close(id),
+            Command::Close(id) => {
+                self.keep_closed(id);
+                self.close(id);
+            }
+            Command::ReopenClosed => self.reopen_closed(),
             Command::Set(settings) => self.change_active(settings, moment),
             Command::SetAll => {
                 let ids: Vec<u64> = self.deployments.open.iter().map(|open| open.id).collect();

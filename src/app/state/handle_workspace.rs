@@ -26,7 +26,11 @@ impl State {
                 workspace.layout.show(Pane::Pipeline);
                 workspace.focused_setting = Some(key);
             }
-            Command::SettingFocused => workspace.focused_setting = None,
+            Command::SettingFocused => {
+                workspace.focused_setting = None;
+                // From the handle of the slider to its number, in which the user types.
+                ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::Next));
+            }
             Command::AskBeforeClosing(asks) => workspace.asks_before_closing = asks,
             Command::Close => {
                 workspace.closes = true;

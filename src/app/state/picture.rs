@@ -41,6 +41,12 @@ impl State {
         let answer = self.ask_where(&title, extension);
         self.tell_when_done(move || {
             let path = answer.wait()?;
+            if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case(extension)) {
+                let file = path.display();
+                return Some(Err(format!(
+                    "{file}: not written; a name that ends in .{extension} is needed"
+                )));
+            }
             let written = picture
                 .encoded()
                 .and_then(|bytes| atomic::write(&path, bytes).map_err(|error| error.to_string()));

@@ -39,6 +39,8 @@ pub struct SessionState {
     pub(super) reading: Vec<u64>,
     /// Requests that write a session, each with the number of that session.
     pub(super) writing: Vec<(u64, u64)>,
+    /// Deployments that the user closed, the newest last.
+    pub(super) closed: Vec<SavedDeployment>,
     pub(super) cache: Arc<HashCache>,
     /// Files of each open deployment, by its id.
     pub(super) files: BTreeMap<u64, Files>,
@@ -95,6 +97,11 @@ impl SessionState {
     /// Returns unique names of the deployments that could not be opened.
     pub fn missing_names(&self) -> Vec<String> {
         title_of_each(self.missing.iter().map(|missing| &missing.saved.source))
+    }
+
+    /// Returns the name of the deployment that was closed last.
+    pub fn last_closed(&self) -> Option<String> {
+        self.closed.last().map(|saved| saved.source.title())
     }
 
     /// Adds a deployment to those opened earlier.

@@ -15,6 +15,9 @@ use crate::app::persist::session_file;
 use resect_core::deployment::Finding;
 use resect_io::source::Source;
 
+/// Number of closed deployments that can be reopened.
+const MOST_CLOSED: usize = 10;
+
 impl State {
     #[expect(clippy::needless_pass_by_value, reason = "a command is handled once")]
     pub(super) fn handle_session(&mut self, command: SessionCommand) {
@@ -89,6 +92,29 @@ impl State {
             files: self.session.files.get(&open.id).cloned().unwrap_or_default(),
             estimates: open.judging.saved(),
         }
+    }
+
+    /// Remembers a deployment that the user closes, with its settings and its evaluated trajectories.
+    pub(super) fn keep_closed(&mut self, id: u64) {
+        let Some(open) = self.deployments.get(id).filter(|open| !open.placeholder) else { return };
+        let Some(source) = open.source.clone() else { return };
+        let saved = self.saved(open, source);
+        let closed = &mut self.session.closed;
+        closed.push(saved);
+        if closed.len() > MOST_CLOSED {
+            closed.remove(0);
+        }
+        if let Some(name) = self.name_of(id) {
+            self.toasts.done(format!("{name} closed; File › Reopen {name} brings it back"));
+        }
+    }
+
+    /// Opens the deployment that was closed last, as it was.
+    pub(super) fn reopen_closed(&mut self) {
+        let Some(saved) = self.session.closed.pop() else { return };
+        let place = self.deployments.open.len() + self.session.waiting.len();
+        self.session.waiting.push_back(Waiting { saved, shown: true, place });
+        self.restore_next();
     }
 
     /// Opens a session's deployments in turn, and applies its view.

@@ -199,7 +199,10 @@ impl UsableAnswer<'_> {
         Recommendation {
             answer: None,
             reason: RecommendationReason::Ambiguous,
-            conclusion: format!("Use no answer from {} until {event}.", self.drive()),
+            conclusion: match self.calibration.method {
+                Method::Joint => format!("Use no answer from {} until {event}.", self.drive()),
+                method => format!("Do not use {method} for {} until {event}.", self.drive()),
+            },
             proof: self.proof_by(cause),
             next_step: cause
                 .map_or_else(|| CORRECT_DATA.to_owned(), |cause| self.next_step_of_doubt(cause)),

@@ -9,6 +9,11 @@ pub enum Unfit {
     )]
     NoOverlap,
     #[error(
+        "its times do not overlap those of the ground truth, and its best alignment by speeds is off by {0:.0} % of the size of the \
+         drive; check that both are of one drive, or give its time offset"
+    )]
+    OtherDrive(f64),
+    #[error(
         "fewer than ten of its times have ground truth; check that both are of one drive, and check a given time offset"
     )]
     FewEpochs,

@@ -25,7 +25,7 @@ const MOST_MISFIT_MM: f64 = 100.0;
 
 /// Reason for which a deployment gives no plan.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{deployment}: {why}; choose a deployment that `calibrate` can solve")]
+#[error("{deployment}: {why}; choose a deployment whose stations are determined")]
 pub struct NoPlan {
     deployment: String,
     why: String,

@@ -18,7 +18,9 @@ pub fn ui(ui: &mut egui::Ui, joint: &JointEstimate, sets: &[ControlPointSet], un
     }
     let header = egui::CollapsingHeader::new("Reliability").id_salt("reliability");
     let header = header.show(ui, |ui| {
-        table(ui, &joint.reliability, sets, units);
+        egui::ScrollArea::horizontal().id_salt("reliability").show(ui, |ui| {
+            table(ui, &joint.reliability, sets, units);
+        });
         ui.small(
             "Residual: normalised, of a drive the root mean square, of control points the largest. Effect: largest displacement \
              of station 2 or 3 by an undetected bias of the detectable size.",

@@ -1,14 +1,14 @@
 //! The two transforms as numbers.
 
-use egui::RichText;
+use crate::app::panels::number_cell;
 
 use crate::app::model::estimates::column;
+use crate::app::model::units::without_negative_zero;
 use crate::app::model::{AngleUnit, Units};
 use crate::app::words;
 use resect_core::calibration::{Calibration, Quantity};
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_report::glossary;
-use resect_report::text;
 
 /// Shows the rows of both transforms, each number with its σ in the same unit.
 pub fn table(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
@@ -45,15 +45,23 @@ fn all_units(radians: f64) -> String {
     AngleUnit::ALL.map(show).join("\n")
 }
 
+/// Width of a number of a matrix (figures).
+const MATRIX_FIGURES: usize = 9;
+
 /// Shows the matrices, folded because few read them; Copy gives all digits.
 pub fn matrices(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.collapsing("4×4 matrices", |ui| {
         for station in 1..3 {
             ui.label(format!("T1{}, translation in m", station + 1));
-            egui::ScrollArea::horizontal().id_salt(station).show(ui, |ui| {
-                let text = text::matrix(calibration, station);
-                let text = RichText::new(text.trim_end()).monospace().size(11.0);
-                ui.add(egui::Label::new(text).extend());
+            let matrix = calibration.station1_from_station[station].matrix();
+            egui::Grid::new(("matrix", station)).spacing([2.0, 1.0]).show(ui, |ui| {
+                for row in 0..4 {
+                    for column in 0..4 {
+                        let number = without_negative_zero(matrix[(row, column)], 6);
+                        number_cell(ui, number, MATRIX_FIGURES);
+                    }
+                    ui.end_row();
+                }
             });
         }
     });

@@ -46,10 +46,17 @@ pub fn mirror_twin(
     let kind = if is_contradicted { FindingKind::MirrorUnresolved } else { kind };
     Finding::new(
         kind,
-        format!(
-            "mirror ambiguity {decision}: the mirrored solution, {apart_m:.2} m away in height, has {cost_ratio:.2} times the \
-             cost"
-        ),
+        if cost_ratio < 1.0 {
+            format!(
+                "mirror ambiguity {decision}, although the mirrored solution, {apart_m:.2} m away in height, fits better \
+                 ({cost_ratio:.2} times the cost)"
+            )
+        } else {
+            format!(
+                "mirror ambiguity {decision}: the mirrored solution, {apart_m:.2} m away in height, has {cost_ratio:.2} times \
+                 the cost"
+            )
+        },
     )
     .quantity("apart", apart_m, Unit::Metre)
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)

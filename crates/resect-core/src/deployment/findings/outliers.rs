@@ -5,7 +5,10 @@ use crate::deployment::{Finding, FindingKind, Remedy, Unit};
 /// `count` of `all` triplets were left out; `is_many` is true if the rest may be wrong too.
 pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
     let share = count as f64 / all as f64;
-    let line = format!("{count} outlying triplets were left out");
+    let line = match count {
+        1 => "1 outlying triplet was left out".to_owned(),
+        _ => format!("{count} outlying triplets were left out"),
+    };
     let finding = if is_many {
         Finding::new(
             FindingKind::ManyOutliersLeftOut,

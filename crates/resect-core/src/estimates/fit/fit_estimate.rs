@@ -36,6 +36,9 @@ const FEWEST_EPOCHS: usize = 10;
 const FEWEST_POINTS: usize = 4;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
+/// Relative misfit beyond which an estimate with times elsewhere is of another drive. Aligned paths of two drives differ by half of their
+/// size; a drift of a fifth is rare.
+const OTHER_DRIVE: f64 = 0.2;
 
 /// Poses that fit this many times better in another convention are in that one.
 const OTHER_CONVENTION: f64 = 3.0;
@@ -111,7 +114,32 @@ pub fn fit(
         fit.findings.push(estimate_scale_off(&estimate.name, longer, &why));
     }
     turn_body(&mut fit, &pairs, options.body == Body::Same);
+    let misfit = relative_misfit(&fit, &pairs);
+    if options.time_offset_s.is_none() && are_apart(poses, &pairs) && misfit > OTHER_DRIVE {
+        return Err(unfit(Unfit::OtherDrive(100.0 * misfit)));
+    }
     Ok((fit, pairs))
+}
+
+/// Returns true if the estimate's own stamps do not overlap the times of the ground truth.
+fn are_apart(poses: &[EstimatedPose], pairs: &[MatchedPose]) -> bool {
+    let times_s = || pairs.iter().map(|pair| pair.truth.time_s);
+    let (from_s, to_s) =
+        (times_s().fold(f64::INFINITY, f64::min), times_s().fold(f64::NEG_INFINITY, f64::max));
+    let overlaps =
+        |first: &EstimatedPose, last: &EstimatedPose| first.time_s <= to_s && last.time_s >= from_s;
+    poses.first().zip(poses.last()).is_some_and(|(first, last)| !overlaps(first, last))
+}
+
+/// Returns the root mean square position error relative to the root mean square extent of the ground truth.
+fn relative_misfit(fit: &Fit, pairs: &[MatchedPose]) -> f64 {
+    let both_m: Vec<[Vector3<f64>; 2]> =
+        pairs.iter().map(|pair| fit.both_positions_m(&pair.pose, &pair.truth)).collect();
+    let mean_m =
+        both_m.iter().map(|[_, true_m]| true_m).sum::<Vector3<f64>>() / both_m.len() as f64;
+    let error_m2: f64 = both_m.iter().map(|[own_m, true_m]| (own_m - true_m).norm_squared()).sum();
+    let extent_m2: f64 = both_m.iter().map(|[_, true_m]| (true_m - mean_m).norm_squared()).sum();
+    (error_m2 / extent_m2).sqrt()
 }
 
 /// The fit before any estimation; `turning` is true if anything has orientations.
