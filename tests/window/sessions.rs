@@ -228,7 +228,7 @@ fn what_a_dead_window_had_open_waits_while_the_user_asks_for_something_else() {
         let mut harness = window(&start, kept);
         assert_eq!(names(&harness), std::slice::from_ref(&tunnel.name));
         let said = warnings(&harness);
-        assert!(said.contains("start resect without a path"), "{said}");
+        assert!(said.contains("the next window that opens without a file"), "{said}");
         eframe::App::on_exit(harness.state_mut());
     }
     assert_eq!(names(&window(&Start::Sample(Sample::Warthog), kept)), before);

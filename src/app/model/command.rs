@@ -204,6 +204,13 @@ pub enum DialogCommand {
     CloseOverlay,
 }
 
+/// The way of the focus to a number: first the handle of its slider, then the field in which the user types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingFocus {
+    Handle(&'static str),
+    Field(&'static str),
+}
+
 /// Commands of the window itself: panes, units, colours, clipboard and toasts.
 #[derive(Clone, Debug)]
 pub enum WorkspaceCommand {
@@ -217,8 +224,8 @@ pub enum WorkspaceCommand {
     ReadInTheSun(bool),
     /// Shows the Pipeline pane with the focus on a number, by its key.
     FocusSetting(&'static str),
-    /// The number has the focus.
-    SettingFocused,
+    /// The focus has reached this step of its way to a number.
+    SettingFocused(SettingFocus),
     /// Sets if the window asks before it closes with an unsaved session.
     AskBeforeClosing(bool),
     /// Closes the window without a question.

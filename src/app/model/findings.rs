@@ -20,7 +20,7 @@ pub fn earlier_session_kept(when: &str) -> Finding {
     Finding::new(
         FindingKind::EarlierSessionKept,
         format!(
-            "resect stopped unexpectedly {when}; File › Reopen the last session brings its deployments back"
+            "resect stopped unexpectedly {when}; the next window that opens without a file restores that session"
         ),
     )
 }

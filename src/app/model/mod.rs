@@ -46,7 +46,7 @@ pub use channel_plots::{ChannelPlots, Horizontal};
 pub use colouring::Colouring;
 pub use command::{
     Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, ResultsCommand,
-    SceneCommand, SessionCommand, TimeCommand, WorkspaceCommand,
+    SceneCommand, SessionCommand, SettingFocus, TimeCommand, WorkspaceCommand,
 };
 pub use judging::{Added, Judging, SavedEstimate};
 pub use layout_description::LayoutDescription;

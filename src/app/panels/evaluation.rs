@@ -20,7 +20,7 @@ use resect_report::estimates::{
 };
 
 /// Width of a digit in the table, and least width of a column's heading (points).
-const LETTER: f32 = 6.6;
+const LETTER: f32 = 7.2;
 const LEAST_HEADING: f32 = 80.0;
 /// Least and greatest width of a row's label (points).
 const LEAST_LABEL: f32 = 96.0;
@@ -193,7 +193,9 @@ fn pair(ui: &mut egui::Ui, judgement: &EstimatesJudgement, table: &PairTable) {
                         }
                     });
                 }
-                let text = RichText::new(&row.verdict).small();
+                // The factor and the evidence are shown on hover, so that the verdict fits a narrow pane.
+                let short = row.verdict.split_once(": ").map_or(&*row.verdict, |(short, _)| short);
+                let text = RichText::new(short).small();
                 let text = if row.better.is_some() { text.strong() } else { text.weak() };
                 ui.label(text).on_hover_text(&row.reason);
                 ui.end_row();

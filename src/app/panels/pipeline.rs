@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use egui::{Shape, Stroke};
 
 use super::scrolled;
-use crate::app::model::{AngleUnit, Commands, DeploymentCommand, WorkspaceCommand};
+use crate::app::model::{AngleUnit, Commands, DeploymentCommand, SettingFocus, WorkspaceCommand};
 use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
@@ -43,8 +43,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
         let missing = missing_evidence(state.active().map(|open| &*open.deployment), offer);
         calibration(ui, &mut settings.calibration, sliders, (offer, missing));
-        if sliders.focused.is_some() {
-            commands.push(WorkspaceCommand::SettingFocused.into());
+        if let Some(focused) = sliders.focused {
+            commands.push(WorkspaceCommand::SettingFocused(focused).into());
         }
         if settings != *state.settings() {
             commands.push(DeploymentCommand::Set(settings).into());
@@ -52,11 +52,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Unit of angles in the sliders, and key of the slider that gets the focus.
+/// Unit of angles in the sliders, and the number that gets the focus.
 #[derive(Clone, Copy)]
 struct Sliders {
     angle: AngleUnit,
-    focused: Option<&'static str>,
+    focused: Option<SettingFocus>,
 }
 
 /// Counts before and after each module.
@@ -334,6 +334,9 @@ fn number_slider<S: Copy + Default>(
     let [least, most] = setting.slider;
     let unit = format!(" {unit}");
     let default = setting.default_shown() * per;
+    if sliders.focused == Some(SettingFocus::Field(setting.key)) {
+        ui.memory_mut(|memory| memory.move_focus(egui::FocusDirection::Next));
+    }
     let response = threshold(ui, (setting.label, term), &mut value, least..=most, &unit, default);
     if value != before {
         let shown = value / per;
@@ -341,7 +344,7 @@ fn number_slider<S: Copy + Default>(
         let shown = if per == 1.0 { shown } else { (shown * 1e6).round() / 1e6 };
         *(setting.field)(settings) = shown / setting.per_stored;
     }
-    if sliders.focused == Some(setting.key) {
+    if sliders.focused == Some(SettingFocus::Handle(setting.key)) {
         response.request_focus();
         response.scroll_to_me(None);
     }

@@ -106,7 +106,7 @@ fn table<'a>(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (&'a str
     let grid = egui::Grid::new(title).num_columns(2).spacing([14.0, 2.0]).min_row_height(0.0);
     grid.show(ui, |ui| {
         for (keys, what) in rows {
-            ui.label(RichText::new(keys).monospace().size(SIZE));
+            ui.label(RichText::new(keys).size(SIZE));
             ui.label(RichText::new(what).size(SIZE));
             ui.end_row();
         }

@@ -2,7 +2,7 @@
 
 use super::State;
 use crate::app::layout::Layout;
-use crate::app::model::{Pane, PictureOrder, PictureTo, WorkspaceCommand};
+use crate::app::model::{Pane, PictureOrder, PictureTo, SettingFocus, WorkspaceCommand};
 use crate::app::theme;
 
 impl State {
@@ -24,13 +24,13 @@ impl State {
             }
             Command::FocusSetting(key) => {
                 workspace.layout.show(Pane::Pipeline);
-                workspace.focused_setting = Some(key);
+                workspace.focused_setting = Some(SettingFocus::Handle(key));
             }
-            Command::SettingFocused => {
-                workspace.focused_setting = None;
-                // From the handle of the slider to its number, in which the user types.
-                ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::Next));
+            Command::SettingFocused(SettingFocus::Handle(key)) => {
+                workspace.focused_setting = Some(SettingFocus::Field(key));
+                ctx.request_repaint();
             }
+            Command::SettingFocused(SettingFocus::Field(_)) => workspace.focused_setting = None,
             Command::AskBeforeClosing(asks) => workspace.asks_before_closing = asks,
             Command::Close => {
                 workspace.closes = true;

@@ -1,7 +1,7 @@
 //! The window itself: layout, units and colours.
 
 use crate::app::layout::Layout;
-use crate::app::model::{PictureOrder, PictureTo, Units};
+use crate::app::model::{PictureOrder, PictureTo, SettingFocus, Units};
 
 #[derive(Default)]
 pub struct Workspace {
@@ -10,8 +10,8 @@ pub struct Workspace {
     pub theme: egui::ThemePreference,
     /// True for large type and full contrast.
     pub in_the_sun: bool,
-    /// Key of the number that gets the focus in the next frame.
-    pub focused_setting: Option<&'static str>,
+    /// The number that gets the focus, by its key.
+    pub focused_setting: Option<SettingFocus>,
     /// True if the window asks before it closes with an unsaved session.
     pub asks_before_closing: bool,
     /// True once the user has answered that question.
