@@ -76,6 +76,8 @@ pub enum RecommendationProof {
     Unobservable(String),
 }
 
+/// Alternative to another drive.
+const MEASURE_POINTS: &str = ", or let all stations measure three control points";
 /// Most words of a sentence.
 const MOST_WORDS: usize = 25;
 /// First words of an instruction, which a reason does not repeat.
@@ -291,7 +293,15 @@ impl UsableAnswer<'_> {
         }
         match self.observability().filter(|_| DRIVE_DOUBTS.contains(&doubt.kind)) {
             Some(observability) => self.next_drive("Next", observability),
-            None => doubt.kind.advice().map_or(CORRECT_DATA, |advice| advice.step).to_owned(),
+            None => {
+                let step = doubt.kind.advice().map_or(CORRECT_DATA, |advice| advice.step);
+                // Nobody is advised to measure what is there.
+                if self.has_control_points() {
+                    step.replace(MEASURE_POINTS, "")
+                } else {
+                    step.to_owned()
+                }
+            }
         }
     }
 
@@ -317,11 +327,8 @@ impl UsableAnswer<'_> {
             return "Choose method B: the control points determine the stations, the drive alone does not."
                 .to_owned();
         }
-        let alternative = if has_points {
-            ", and solve both drives together"
-        } else {
-            ", or let all stations measure three control points"
-        };
+        let alternative =
+            if has_points { ", and solve both drives together" } else { MEASURE_POINTS };
         let step = format!("{purpose}, {}", observability.advice);
         let is_short = word_count(&step) + word_count(alternative) - 1 <= MOST_WORDS;
         format!("{step}{}.", if is_short { alternative } else { "" })
