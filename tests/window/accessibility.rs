@@ -64,8 +64,8 @@ fn a_number_of_the_pipeline_is_at_most_five_tabs_from_its_pane() {
     let mut way = Vec::new();
     for _ in 0..5 {
         press(&mut harness, Modifiers::NONE, Key::Tab);
-        let focused = harness.root().children_recursive().find(|node| node.is_focused());
-        let node = focused.expect("something has the focus").accesskit_node().clone();
+        let focused = harness.root().children_recursive().find(egui_kittest::Node::is_focused);
+        let node = focused.expect("something has the focus").accesskit_node();
         if matches!(node.role(), Role::Slider | Role::SpinButton) {
             return;
         }

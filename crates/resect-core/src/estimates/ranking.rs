@@ -336,7 +336,6 @@ mod tests {
             let alarms = of(0).filter(|two| two.is_significant()).count();
             let found = of(1).filter(|two| two.is_significant() && two.better == 0).count();
             let paths = of(0).map(|two| two.count).min().unwrap_or_default();
-            println!("{kind:?}: {alarms} alarms, {found} found of {PAIRS}, {paths} each");
             let is_over_paths = !matches!(kind, ComparedError::Position | ComparedError::Rotation);
             assert!(alarms <= if is_over_paths { 4 } else { 10 }, "{kind:?}: {alarms} alarms");
             assert!(!is_over_paths || paths < 100 || found >= 180, "{kind:?}: {found} found");
