@@ -25,11 +25,15 @@ fn by_station(estimates: &[Estimate; 2]) -> impl Iterator<Item = (usize, &Estima
     estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))
 }
 
-/// Returns findings for the clock offsets of stations 2 and 3 (s), and for their significant drifts (s/s).
+/// Returns findings for the significant clock offsets (s) and drifts (s/s) of stations 2 and 3.
 pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
-    let offsets = by_station(offsets_s).map(|(station, offset)| clock_offset(station, offset));
+    let is_significant =
+        |(_, estimate): &(usize, &Estimate)| estimate.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS;
+    let offsets = by_station(offsets_s)
+        .filter(is_significant)
+        .map(|(station, offset)| clock_offset(station, offset));
     let drifts = by_station(drifts)
-        .filter(|(_, drift)| drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS)
+        .filter(is_significant)
         .map(|(station, drift)| clock_drift(station, drift));
     offsets.chain(drifts).collect()
 }

@@ -15,6 +15,7 @@ use crate::deployment::findings::instruments::{
     station_moved, uncertainty_sources,
 };
 use crate::deployment::{Finding, pair_label};
+use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
 /// Critical distance of one constant from its prior (σ): one of thirty exceeds it by chance once in a thousand drives.
 const CRITICAL_SIGMAS: f64 = 4.2;
@@ -29,10 +30,13 @@ const LARGEST_WANDER_M: f64 = 0.005;
 /// Time that is shown before and after a step (s); its time is known to about six seconds.
 const STEP_MARGIN_S: f64 = 20.0;
 
-/// Compares the estimated distances with those measured on the vehicle (m).
+/// Reports the estimated distances that differ significantly from those measured on the vehicle (m).
 pub fn distances(joint: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
     let estimated = joint.distances_m.iter().flatten().zip(inter_prism_m).enumerate();
     estimated
+        .filter(|(_, (distance, measured_m))| {
+            distance.sigmas_from(**measured_m).abs() > SUPPORTED_SIGMAS
+        })
         .map(|(pair, (distance, measured_m))| {
             let is_notable = (distance.value - measured_m).abs() > NOTABLE_DISTANCE_M;
             distance_estimated(pair, *measured_m, distance, is_notable)
