@@ -33,6 +33,9 @@ pub struct ExportArguments {
 pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
+    for folder in arguments.csv.iter().chain(&arguments.arrow) {
+        spare_file(folder, [])?;
+    }
     let tables = arguments.csv.iter().flat_map(|folder| TABLES.map(|name| folder.join(name)));
     let arrow = arguments.arrow.iter();
     let arrow = arrow.flat_map(|folder| TABLES.map(|name| folder.join(arrow::file_of(name))));

@@ -9,7 +9,7 @@ use resect_io::simulation_files::write_folder;
 use serde_json::Value;
 
 /// Runs resect without a display.
-fn resect(arguments: &[&str]) -> Output {
+pub fn resect(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_resect"))
         .args(arguments)
         .env_remove("DISPLAY")
@@ -24,7 +24,7 @@ fn text(path: &Path) -> &str {
 
 /// Standard output of a run that must succeed.
 #[track_caller]
-fn stdout(arguments: &[&str]) -> String {
+pub fn stdout(arguments: &[&str]) -> String {
     let output = resect(arguments);
     let complaint = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {complaint}");

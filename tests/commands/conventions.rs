@@ -1,7 +1,6 @@
 //! Conventions of command-line tools: help, version, completions, standard output, quiet.
 
-use std::process::{Command, Output};
-
+use crate::commands::{resect, stdout};
 use crate::common::sample_folder;
 
 const COMMANDS: [&str; 17] = [
@@ -23,22 +22,6 @@ const COMMANDS: [&str; 17] = [
     "desktop",
     "completions",
 ];
-
-fn resect(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_resect"))
-        .args(arguments)
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .output()
-        .expect("resect starts")
-}
-
-fn stdout(arguments: &[&str]) -> String {
-    let output = resect(arguments);
-    let complaint = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {complaint}");
-    String::from_utf8(output.stdout).expect("UTF-8")
-}
 
 #[test]
 fn the_help_of_each_command_fits_100_columns_and_has_an_example() {

@@ -13,6 +13,7 @@ use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy};
 use resect_core::estimates::odd::{OddOne, OddSpan};
 use resect_core::estimates::ranking::{ComparedError, PairComparison};
+use resect_core::estimates::unfit::Unfit;
 use resect_core::estimates::{
     Body, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, TrajectoryAlignment,
     Unjudged, judge,
@@ -707,4 +708,20 @@ fn poses_of_the_world_in_the_body_are_named() {
     let found = judged(&deployment, vec![estimate], &Options::default());
     let why = found.unjudged.first().expect("inverse").1.to_string();
     assert!(why.contains("its poses are inverse"), "{why}");
+}
+
+/// The speeds of two drives match somewhere by chance.
+#[test]
+fn a_trajectory_of_another_drive_is_refused_and_its_own_is_not() {
+    let (_, deployment) = driven(3);
+    let mut refused = 0;
+    for seed in 1..=4 {
+        let other = simulate(Preset::Hd2Tunnel, seed);
+        let estimate = Slam { clock_s: -EPOCH_S, ..SLAM }.drive(&other);
+        let found = judged(&deployment, vec![estimate], &Options::default());
+        assert!(found.judged.is_empty(), "seed {seed}");
+        let Unjudged::Unfit { why, .. } = &found.unjudged[0].1 else { panic!("unfit") };
+        refused += usize::from(matches!(why, Unfit::OtherDrive(_)));
+    }
+    assert!(refused > 0, "speeds matched nowhere, so the test shows nothing");
 }

@@ -391,3 +391,20 @@ fn tune(harness: &mut Window) {
     settings.pipeline.thresholds.tau_l_seconds += 1.0;
     send(harness, DeploymentCommand::Set(settings));
 }
+
+#[test]
+fn a_closed_deployment_reopens_as_it_was() {
+    let mut harness = window(&Start::Sample(Sample::Warthog), None);
+    send(&mut harness, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
+    tune(&mut harness);
+    let (before, tuned) = (names(&harness), *harness.state().state.settings());
+    let id = harness.state().state.active().expect("open").id;
+    send(&mut harness, DeploymentCommand::Close(id));
+    assert_ne!(names(&harness), before);
+    send(&mut harness, DeploymentCommand::ReopenClosed);
+    assert_eq!(names(&harness), before);
+    assert_eq!(*harness.state().state.settings(), tuned);
+    // Nothing else was closed.
+    send(&mut harness, DeploymentCommand::ReopenClosed);
+    assert_eq!(names(&harness), before);
+}

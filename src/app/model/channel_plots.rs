@@ -39,7 +39,7 @@ pub struct SharedPlot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Horizontal {
     pub channel: Channel,
-    /// Its station or pair, from 0; `None` for that of each vertical series.
+    /// Station or pair of the channel, from 0; `None` for that of each vertical series.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub index: Option<usize>,
 }

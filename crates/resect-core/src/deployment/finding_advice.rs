@@ -150,8 +150,8 @@ pub const ADVICE: [Advice; 19] = [
     Advice {
         title: "An instrument error is implausibly large",
         meaning: "The estimated error is larger than those of sound instruments: probably another error biases the answer.",
-        step: "Check for a range temperature, pressure and prism constant, for an angle the levelling and calibration of the station, and its \
-               view of the prism.",
+        step: "Check the instrument for that error: temperature, pressure and prism constant for ranges, levelling and calibration for \
+               angles; then its view of the prism.",
         kinds: &[
             Kind::InstrumentErrorImplausible,
             Kind::StationErrorsImplausible,

@@ -318,7 +318,7 @@ mod tests {
         epochs
     }
 
-    /// Of 200 pairs with equal drift, each kind of error is inconclusive: relative errors in at least 98 %, absolute ones in 95 %.
+    /// Each kind of error is inconclusive for 200 pairs with equal drift: relative errors for at least 98 %, absolute ones for 95 %.
     #[test]
     fn equal_drift_is_inconclusive_and_twice_the_drift_is_found() {
         const PAIRS: u64 = 200;

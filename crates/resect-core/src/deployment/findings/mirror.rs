@@ -96,3 +96,19 @@ pub(super) fn examples() -> Vec<Finding> {
         mirror_needs_witness(),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirrored_solution_that_fits_better_is_named_as_such() {
+        let message =
+            |cost_ratio| mirror_twin(MirrorWitness::Rig, 0.73, cost_ratio, false).to_string();
+        assert!(
+            message(0.39)
+                .contains("although the mirrored solution, 0.73 m away in height, fits better")
+        );
+        assert!(message(2.76).ends_with("has 2.76 times the cost"));
+    }
+}
