@@ -108,7 +108,7 @@ fn the_result_begins_with_the_answer_to_use() {
         |words: &str| said.find(words).unwrap_or_else(|| panic!("{words} is not in {said}"));
     let [conclusion, reason, next_step] = [
         "\nUse the joint estimate for this drive.\n",
-        "\nσ of a position is at most ",
+        "\nσ of a station's position is at most ",
         "\nFor a smaller σ, reduce its largest source, ",
     ]
     .map(place);

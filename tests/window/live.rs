@@ -12,7 +12,6 @@ fn form(record: Option<std::path::PathBuf>) -> LiveForm {
     LiveForm {
         replay: Some(sample_folder("hd2-tunnel")),
         speed: 40.0,
-        records: record.is_some(),
         record,
         ..LiveForm::default()
     }
@@ -138,6 +137,9 @@ fn a_replay_that_ends_by_itself_is_the_whole_deployment() {
     settle(&mut harness);
     let whole = resect_io::sample::Sample::Hd2Tunnel.open().expect("built in");
     assert_eq!(shown(&harness).deployment.tracks, whole.tracks);
+    // A session reopens the replayed deployment, because a replay is not recorded.
+    let source = shown(&harness).source.clone().expect("on disk");
+    assert_eq!(source.path(), Some(&*sample_folder("hd2-tunnel")));
 }
 
 #[test]
@@ -145,10 +147,7 @@ fn what_cannot_be_connected_is_said_where_it_is_asked() {
     let mut harness = window(LARGE, Theme::Light);
     send(&mut harness, LiveCommand::Show);
     let address = "http://robot".to_owned();
-    send(
-        &mut harness,
-        LiveCommand::Edit(LiveForm { address, records: false, ..LiveForm::default() }),
-    );
+    send(&mut harness, LiveCommand::Edit(LiveForm { address, ..LiveForm::default() }));
     click(&mut harness, "Connect");
     until(&mut harness, |window| window.state().state.live.trouble.is_some());
     harness.run_steps(2);

@@ -6,13 +6,12 @@ use std::sync::Arc;
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::file_dialog::PromptCommand;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
 use resect::app::saved_state::SavedState;
 use resect::app::{
-    Colouring, DeploymentCommand, DialogCommand, LayoutPreset, Overlay, Pane, ResultsCommand,
-    SceneCommand, SessionCommand, Start, TimeCommand, WorkspaceCommand,
+    Colouring, DeploymentCommand, LayoutPreset, Overlay, Pane, ResultsCommand, SceneCommand,
+    SessionCommand, Start, TimeCommand, WorkspaceCommand,
 };
 use resect_core::analysis::Settings;
 use resect_core::simulation::{Preset, simulate};
@@ -360,30 +359,6 @@ fn a_window_with_an_unsaved_session_asks_once_before_it_closes() {
     tune(&mut harness);
     close(&mut harness);
     assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
-}
-
-#[test]
-fn a_run_that_was_not_recorded_is_said_to_be_missing_in_the_session() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = window(&Start::Sample(Sample::Warthog), None);
-    let run = resect_io::simulation_files::open(&simulate(Preset::FigureEight, 1)).expect("valid");
-    harness.state_mut().state.add(run.into(), None);
-    settle(&mut harness);
-    send(&mut harness, SessionCommand::SaveAs);
-    send(&mut harness, DialogCommand::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
-    harness.event(egui::Event::Text("monday".to_owned()));
-    settle(&mut harness);
-    harness.key_press(egui::Key::Enter);
-    for _ in 0..100 {
-        settle(&mut harness);
-        if folder.path().join("monday.resect.toml").is_file() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    settle(&mut harness);
-    let errors: Vec<(&str, &str)> = harness.state().state.toasts.errors().collect();
-    assert!(errors.iter().any(|(text, _)| text.contains("not recorded")), "{errors:?}");
 }
 
 fn tune(harness: &mut Window) {

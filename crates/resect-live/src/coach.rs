@@ -129,23 +129,35 @@ impl Coach {
         self.enough
     }
 
-    /// Returns one sentence for the driver.
+    /// Returns the state and the next order, for the driver, as one or two sentences.
     pub fn sentence(&self, latest: Option<&Outcome>, moves: &[NextMove]) -> String {
+        let (state, order) = self.state_and_order(latest, moves);
+        let sentences = [Some(state), order].into_iter().flatten();
+        sentences.map(|one| as_sentence(&one)).collect::<Vec<_>>().join(" ")
+    }
+
+    fn state_and_order(
+        &self,
+        latest: Option<&Outcome>,
+        moves: &[NextMove],
+    ) -> (String, Option<String>) {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
-                return "no answer yet: drive where all three stations see their prisms".to_owned();
+                let state = "no answer yet: drive where all three stations see their prisms";
+                return (state.to_owned(), None);
             }
             Some(Err(NoAnswer { why, drive })) => {
-                return format!("no answer yet: {}", drive.unwrap_or(why));
+                return (format!("no answer yet: {}", drive.unwrap_or(why)), None);
             }
             Some(Ok(judged)) => judged,
         };
-        let next = next::sentence(moves, judged).map_or(String::new(), |next| format!("; {next}"));
+        let order = next::sentence(moves, judged);
         let Some(far_end) = judged.far_end else {
-            return match judged.open.first() {
-                Some(open) => format!("{}{next}", open_in_words(open)),
-                None => format!("the answer is {}{next}", judged.verdict_and_reason()),
+            let state = match judged.open.first() {
+                Some(open) => open_in_words(open),
+                None => format!("the answer is {}", judged.verdict_and_reason()),
             };
+            return (state, order);
         };
         let at = format!(
             "{:.1} mm (1 σ) at the far end of station {}'s track, target {:.1} mm",
@@ -154,27 +166,38 @@ impl Coach {
             self.target_m * 1e3
         );
         if self.enough {
-            return format!("enough: {at}");
+            return (format!("enough: {at}"), None);
         }
         if let Some(open) = judged.open.first() {
-            return format!("{}{next}", open_in_words(open));
+            return (open_in_words(open), order);
         }
         if let Some(stepped) = judged.stepped.first() {
-            return stepped.to_string();
+            return (stepped.to_string(), None);
         }
         if judged.verdict != Verdict::Good {
-            return format!("the answer is {}; {at}{next}", judged.verdict_and_reason());
+            return (format!("the answer is {}; {at}", judged.verdict_and_reason()), order);
         }
-        match far_end.sigma_m <= self.target_m {
-            true => format!("target reached, drive a little further to confirm it: {at}"),
-            false if next::gain_little(moves) => format!(
-                "not yet: {at}; no manoeuvre from here gains {:.0} %: set stations nearer if the place allows, or \
-                 accept a larger target",
+        if far_end.sigma_m <= self.target_m {
+            let order = "drive a little further to confirm it".to_owned();
+            return (format!("target reached: {at}"), Some(order));
+        }
+        let order = match next::gain_little(moves) {
+            true => Some(format!(
+                "no manoeuvre from here gains {:.0} %: set stations nearer if the place allows, or accept a larger target",
                 1e2 * next::LITTLE
-            ),
-            false => format!("not yet: {at}{next}"),
-        }
+            )),
+            false => order,
+        };
+        (format!("not yet: {at}"), order)
     }
+}
+
+/// Returns a text with a capital letter and a full stop.
+fn as_sentence(text: &str) -> String {
+    let mut characters = text.chars();
+    let first: String = characters.next().into_iter().flat_map(char::to_uppercase).collect();
+    let end = if text.ends_with('.') { "" } else { "." };
+    format!("{first}{}{end}", characters.as_str())
 }
 
 fn open_in_words(open: &str) -> String {
@@ -227,7 +250,7 @@ mod tests {
             assert_eq!(coach.is_enough(), enough, "{up_to_s}");
         }
         let said = coach.sentence(Some(&outcome(12.0, 1.5, |_| ())), &[]);
-        assert!(said.starts_with("enough: 1.5 mm"), "{said}");
+        assert!(said.starts_with("Enough: 1.5 mm"), "{said}");
         // Repeated answers to the same readings count as one.
         let mut again = Coach::new(2e-3);
         (0..9).for_each(|_| again.take(&outcome(20.0, 1.5, |_| ()), false));
@@ -279,18 +302,21 @@ mod tests {
         });
         assert_eq!(
             said(&open),
-            "not determined yet: station 2 can slide along the track (weak); turn more"
+            "Not determined yet: station 2 can slide along the track (weak). Turn more."
         );
         let large = said(&outcome(1.0, 9.0, |_| ()));
-        assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
-        assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
+        assert!(
+            large.starts_with("Not yet: 9.0 mm") && large.ends_with("mm. Turn more."),
+            "{large}"
+        );
+        assert!(coach.sentence(None, &[]).starts_with("No answer yet"));
         // At the beginning of a drive the advice replaces the reason for the missing answer.
         let none = |drive| Outcome {
             judged: Err(NoAnswer { why: "no triplets".to_owned(), drive }),
             ..outcome(1.0, 9.0, |_| ())
         };
-        assert_eq!(said(&none(Some("turn around"))), "no answer yet: turn around");
-        assert_eq!(said(&none(None)), "no answer yet: no triplets");
+        assert_eq!(said(&none(Some("turn around"))), "No answer yet: turn around.");
+        assert_eq!(said(&none(None)), "No answer yet: no triplets.");
     }
 
     #[test]
@@ -306,12 +332,12 @@ mod tests {
             gain_per_m2_s: 1.0,
         };
         let said = |moves: &[NextMove]| coach.sentence(Some(&outcome(1.0, 5.0, |_| ())), moves);
-        assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("no manoeuvre from here gains 5 %"));
+        assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("No manoeuvre from here gains 5 %"));
         let worth_it = [one(Some(5e-3), 4.9e-3), one(Some(5e-3), 3e-3)];
-        assert!(said(&worth_it).ends_with("drive a circle: 3.0 mm foreseen"));
+        assert!(said(&worth_it).ends_with("Drive a circle: 3.0 mm foreseen."));
         // Advice for an earlier answer is omitted if its σ has been reached meanwhile.
-        assert!(said(&[one(Some(11e-3), 4.9e-3)]).ends_with("turn more"));
-        assert!(said(&[one(None, 4e-3)]).ends_with("drive a circle: 4.0 mm foreseen"));
+        assert!(said(&[one(Some(11e-3), 4.9e-3)]).ends_with("Turn more."));
+        assert!(said(&[one(None, 4e-3)]).ends_with("Drive a circle: 4.0 mm foreseen."));
     }
 
     #[test]
@@ -324,7 +350,7 @@ mod tests {
         });
         let said = coach.sentence(Some(&weak), &[]);
         assert!(
-            said.starts_with("the answer is weak: station 2's clock seems late; 1.5 mm"),
+            said.starts_with("The answer is weak: station 2's clock seems late; 1.5 mm"),
             "{said}"
         );
         // One advice: that of the doubt is left out.
@@ -334,8 +360,8 @@ mod tests {
             judged.reason = Some("station 2 can slide; next, turn more".to_owned());
         });
         let said = coach.sentence(Some(&weak), &[]);
-        assert_eq!(said.matches("turn more").count(), 1, "{said}");
-        assert!(said.starts_with("the answer is weak: station 2 can slide; 1.5 mm"), "{said}");
+        assert_eq!(said.matches("Turn more").count(), 1, "{said}");
+        assert!(said.starts_with("The answer is weak: station 2 can slide; 1.5 mm"), "{said}");
     }
 
     #[test]

@@ -297,7 +297,7 @@ impl Engine {
         let sum = |which: usize| late_and_repeated.iter().map(|counts| counts[which]).sum();
         let deciding = self.latest[1].as_ref().or(self.latest[0].as_ref());
         let sentence = match deciding {
-            None if is_read_by_all => "calculating the first answer".to_owned(),
+            None if is_read_by_all => "Calculating the first answer.".to_owned(),
             _ => self.coach.sentence(deciding, &self.moves),
         };
         View {

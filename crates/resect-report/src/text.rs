@@ -11,6 +11,7 @@ use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, Targets, 
 use resect_core::deployment::{Deployment, Finding, MessageAngle};
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
+use resect_core::pipeline::{PipelineOutput, SampleFate};
 
 /// Formats a finding as one line: its message, on the command line with the flags of its remedies.
 pub type FindingLine = fn(&Finding) -> String;
@@ -51,6 +52,9 @@ pub fn calibration(
         out.kept_intervals.len(),
         out.triplets.len(),
     );
+    if let Some(unused) = unused_readings(out) {
+        _ = writeln!(text, "            not used: {unused}");
+    }
     text.push('\n');
     text += &transforms(calibration);
     if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
@@ -202,6 +206,18 @@ fn search_table(search: &PriorSearch) -> String {
     }
     text.push('\n');
     text
+}
+
+/// Counts the readings that interpolation does not use, by reason: "912 in no interval, 18 left out by hand"; `None` if all
+/// are used.
+pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
+    let unused = SampleFate::ALL.into_iter().filter(|fate| *fate != SampleFate::Kept);
+    let counts = unused.map(|fate| (fate, (0..3).map(|station| out.count(station, fate)).sum()));
+    let words: Vec<String> = counts
+        .filter(|(_, count): &(SampleFate, usize)| *count > 0)
+        .map(|(fate, count)| format!("{count} {}", fate.label()))
+        .collect();
+    (!words.is_empty()).then(|| words.join(", "))
 }
 
 /// Formats the two transforms as a table; a missing σ is a dash.

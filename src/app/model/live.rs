@@ -17,8 +17,7 @@ pub struct LiveForm {
     pub known: Option<PathBuf>,
     /// Topics or instruments of stations 1, 2, 3, separated by commas; empty if the messages name their station.
     pub stations: String,
-    pub records: bool,
-    /// Path of the recording; `None` for an automatic name.
+    /// Path of the recording; `None` for an automatic name, and for a replay, which is on disk already.
     pub record: Option<PathBuf>,
     /// Target of σ at the far end of the track (mm).
     pub target_mm: f64,
@@ -32,7 +31,6 @@ impl Default for LiveForm {
             speed: 10.0,
             known: None,
             stations: String::new(),
-            records: true,
             record: None,
             target_mm: 2.0,
         }

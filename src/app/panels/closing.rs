@@ -16,7 +16,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
              another session replaces it.",
         );
         if state.live.is_running() {
-            ui.label("The live run ends. What is recorded is kept; a run without a recording is lost.");
+            ui.label("The live run ends; its recording is kept.");
         }
         let mut asks = state.workspace.asks_before_closing;
         if ui.checkbox(&mut asks, "Ask before a window with an unsaved session closes").changed() {

@@ -79,7 +79,7 @@ fn told(ui: &mut egui::Ui, view: &View) {
     live_sigma::ui(ui, view, CURVE.max(ui.clip_rect().bottom() - ui.cursor().top() - BELOW));
 }
 
-/// Shows the verdict and σ, or that the data suffice.
+/// Shows if the data suffice, or the verdict that keeps them from it, and σ.
 fn headline(ui: &mut egui::Ui, view: &View) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
@@ -87,13 +87,17 @@ fn headline(ui: &mut egui::Ui, view: &View) {
             ui.label(RichText::new("no result yet").size(LARGE));
             return;
         };
-        let word = if view.enough { "ENOUGH".to_owned() } else { judged.verdict.name().to_owned() };
-        let verdict = if view.enough { Verdict::Good } else { judged.verdict };
+        let (word, verdict) = match judged.verdict {
+            Verdict::Good if view.enough => ("enough", Verdict::Good),
+            // A good answer whose σ is too large.
+            Verdict::Good => ("not yet", Verdict::Weak),
+            verdict => (verdict.name(), verdict),
+        };
         let [fill, ink] = palette::verdict(verdict).map(theme::rgb);
         egui::Frame::new().fill(fill).inner_margin(Vec2::new(10.0, 2.0)).corner_radius(4.0).show(
             ui,
             |ui| {
-                ui.label(RichText::new(word).size(LARGE).strong().color(ink));
+                ui.label(RichText::new(word.to_uppercase()).size(LARGE).strong().color(ink));
             },
         );
         match judged.far_end {

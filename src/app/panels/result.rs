@@ -12,7 +12,7 @@ mod recommendation;
 mod reliability;
 mod transforms;
 
-use egui::RichText;
+use egui::{Label, RichText};
 
 pub use self::difference_row::NOTABLE_SIGMAS;
 use super::corrections::distance_fields;
@@ -23,8 +23,8 @@ use crate::app::model::{
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::{Calibration, Targets, Verdict, recommend};
+use resect_core::analysis::{Analysis, Answer, Settings};
+use resect_core::calibration::{Calibration, Verdict, recommend};
 use resect_core::deployment::{Deployment, Finding, Severity, doubts};
 use resect_core::palette;
 use resect_report::glossary;
@@ -41,7 +41,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
-            head(ui, state, (open, answer, analysis.offer.targets), commands);
+            head(ui, state, (open, analysis, answer), commands);
             ui.separator();
         });
     }
@@ -185,7 +185,7 @@ fn pin(
 fn head(
     ui: &mut egui::Ui,
     state: &State,
-    (open, answer, targets): (&OpenDeployment, &Answer, Targets),
+    (open, analysis, answer): (&OpenDeployment, &Analysis, &Answer),
     commands: &mut Commands,
 ) {
     let calibration = &answer.calibration;
@@ -197,9 +197,29 @@ fn head(
     }
     verdict(ui, calibration);
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
-        let what = metrics::name(targets);
+        let what = metrics::name(analysis.offer.targets);
         let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
         words::explain(ui.label(text), &glossary::INTER_PRISM_METRIC);
+    }
+    readings(ui, open, analysis);
+    // A verdict may have become worse by them.
+    let changes = state.workspace.units.changes(&Settings::default(), &open.settings);
+    if !changes.is_empty() {
+        let text = RichText::new(format!("Settings other than the defaults: {changes}"));
+        ui.add(Label::new(text).wrap()).on_hover_text("The Pipeline pane resets them");
+    }
+}
+
+/// Shows the number of readings that the answer uses; the hover card counts the others by reason.
+fn readings(ui: &mut egui::Ui, open: &OpenDeployment, analysis: &Analysis) {
+    let out = &analysis.pipeline;
+    let all: usize = open.deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+    let used: usize = out.kept().iter().sum();
+    if all > 0 {
+        let label = ui.weak(format!("{used} of {all} readings used"));
+        if let Some(unused) = text::unused_readings(out) {
+            label.on_hover_text(format!("Not used: {unused}"));
+        }
     }
 }
 

@@ -57,14 +57,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if table.columns.len() > 1 {
                 let against = &table.columns[table.reference].title;
                 ui.small(format!(
-                    "± one standard deviation. Differences are from {against}, in σ if both σ are known: σ of the column \
+                    "± one standard deviation, where it is estimated. Differences are from {against}, in σ if both σ are known: σ of the column \
                      for the same readings, otherwise σ of both combined."
                 ));
                 if columns::any_elsewhere(&table.columns, table.reference) {
                     ui.small("Differences of stations that were set up elsewhere have no σ.");
                 }
             } else {
-                ui.small("± one standard deviation. Pinned results and other open deployments appear beside it.");
+                ui.small("± one standard deviation, where it is estimated. Pinned results and other open deployments appear beside it.");
             }
             give_all(ui, state, commands);
         });

@@ -1,6 +1,7 @@
 //! The bar at the top: menus, the deployment's name, progress, units and theme.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Label, RichText};
 
 use crate::app::actions;
 use crate::app::actions::{Action, Menu};
@@ -10,12 +11,17 @@ use crate::app::words;
 
 /// Height that a menu leaves free in the window: the bar above it, and its own frame (points).
 const BELOW_A_MENU: f32 = 60.0;
+/// Width from which the bar has the program's name, and free width from which it has the time of the calculation (points).
+const WIDE: f32 = 500.0;
+const ELAPSED: f32 = 160.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::top("top bar").show(ui, |ui| {
         egui::MenuBar::new().ui(ui, |ui| {
-            ui.strong("resect");
-            ui.separator();
+            if ui.available_width() > WIDE {
+                ui.strong("resect");
+                ui.separator();
+            }
             for menu in Menu::ALL {
                 // Entries close the menu themselves; switches in it leave it open.
                 let config =
@@ -33,27 +39,39 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 });
             }
             ui.separator();
-            match state.active() {
-                Some(open) => ui.label(state.name_of(open.id).unwrap_or_default()),
-                None => ui.weak("nothing open: choose File, or drop a folder or bag here"),
-            };
-            if let Some(path) = &state.session.path {
-                let file = path.file_name().unwrap_or_default().to_string_lossy();
-                ui.weak(file).on_hover_text(format!("The session's file: {}", path.display()));
-            }
+            // The names have the rest of the bar, and are shortened to it.
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if state.is_busy() {
                     ui.add(egui::Spinner::new().size(14.0));
                 }
                 super::progress::ui(ui, state, commands);
-                if let Some(elapsed_ms) = state.elapsed_ms() {
+                if let Some(elapsed_ms) = state.elapsed_ms()
+                    && ui.available_width() > ELAPSED
+                {
                     ui.label(format!("{elapsed_ms:.1} ms")).on_hover_text(
                         "Time from the settings to the new residuals, in the background",
                     );
                 }
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    names(ui, state);
+                });
             });
         });
     });
+}
+
+/// Shows the names of the active deployment and of the session's file.
+fn names(ui: &mut egui::Ui, state: &State) {
+    let name = match state.active() {
+        Some(open) => RichText::new(state.name_of(open.id).unwrap_or_default()),
+        None => RichText::new("nothing open: choose File, or drop a folder or bag here").weak(),
+    };
+    ui.add(Label::new(name).truncate());
+    if let Some(path) = &state.session.path {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        ui.add(Label::new(RichText::new(file).weak()).truncate())
+            .on_hover_text(format!("The session's file: {}", path.display()));
+    }
 }
 
 /// Shows the entries of a menu, with a heading for each section; a long section is a submenu.

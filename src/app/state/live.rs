@@ -37,10 +37,7 @@ impl State {
             LiveCommand::ChooseReplay => {
                 let wanted = WantedPath::ToOpen { folder: true };
                 let question = Question::new("Replay a deployment", wanted);
-                // A replay is on disk already.
-                self.ask_for_live(question, |form, path| {
-                    (form.replay, form.records) = (Some(path), false);
-                });
+                self.ask_for_live(question, |form, path| form.replay = Some(path));
             }
             LiveCommand::ChooseKnown => {
                 let wanted = WantedPath::ToOpen { folder: true };
@@ -127,11 +124,15 @@ impl State {
         }
     }
 
-    /// Returns the source of the recording, even while it is written, so that it can be reopened if the window is killed.
+    /// Returns the source of the recording, even while it is written, so that it can be reopened if the window is killed; of a
+    /// replay that is not recorded, the replayed deployment.
     fn recorded_source(&self) -> Option<Source> {
-        let path = self.live.view.as_ref()?.recorded.as_ref()?.path.clone();
-        // A replay has its rig beside it.
         let LiveForm { known, replay, .. } = &self.live.form;
+        let recorded = self.live.view.as_ref().and_then(|view| view.recorded.as_ref());
+        let Some(path) = recorded.map(|recorded| recorded.path.clone()) else {
+            return replay.as_ref().map(Source::at);
+        };
+        // A replay has its rig beside it.
         let rig = replay.clone().or_else(|| known.clone());
         Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
     }
@@ -290,7 +291,7 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
             .map(|folders| folders.document_dir().unwrap_or_else(|| folders.home_dir()).to_owned());
         home.unwrap_or_default().join(format!("{}.mcap", record_name()))
     };
-    let record = form.records.then(|| form.record.clone().unwrap_or_else(home));
+    let record = form.record.clone().or_else(|| form.replay.is_none().then(home));
     Wanted {
         feed,
         deployment,
@@ -300,5 +301,22 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
         record,
         target_m: form.target_mm * 1e-3,
         calculates: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So that no live run is lost with its window.
+    #[test]
+    fn every_stream_is_recorded_and_a_replay_only_on_request() {
+        let recording = |form: LiveForm| wanted(&form, Settings::default()).record;
+        let name = recording(LiveForm::default()).expect("recorded");
+        assert_eq!(name.extension().and_then(|extension| extension.to_str()), Some("mcap"));
+        let replay = LiveForm { replay: Some("drive".into()), ..LiveForm::default() };
+        assert_eq!(recording(replay.clone()), None);
+        let record = Some(PathBuf::from("again.mcap"));
+        assert_eq!(recording(LiveForm { record: record.clone(), ..replay }), record);
     }
 }

@@ -250,18 +250,6 @@ impl State {
         }
     }
 
-    /// Names open deployments that a session cannot contain: live runs that are not recorded.
-    fn tell_what_no_session_keeps(&mut self) {
-        let open = self.deployments.open.iter();
-        let lost = open.filter(|open| !open.placeholder && open.source.is_none());
-        let names: Vec<String> = lost.filter_map(|open| self.name_of(open.id)).collect();
-        for name in names {
-            self.toasts.error(&format!(
-                "{name} is not in the session, because it was not recorded; record the next live run"
-            ));
-        }
-    }
-
     /// Writes a session; `which` is its number among the opened sessions.
     pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
         let cache = Arc::clone(&self.session.cache);
@@ -286,7 +274,6 @@ impl State {
         match result {
             Ok(session) => {
                 self.toasts.done(format!("session saved to {}", path.display()));
-                self.tell_what_no_session_keeps();
                 // Another session, with its own file, may have been opened in the meantime.
                 if which == Some(self.session.opened) {
                     (self.session.path, self.session.kept) = (Some(path), Some(session));

@@ -122,6 +122,6 @@ fn without_json_it_is_a_line_for_people() {
     let said = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("- connected to test"), "{said}");
-    assert!(said.contains(" mm (1 σ)") || said.contains("not determined yet"), "{said}");
+    assert!(said.contains(" mm (1 σ)") || said.contains("Not determined yet"), "{said}");
     server.join();
 }

@@ -420,7 +420,7 @@ impl RecommendationProof {
                     }
                     Some(Witness::Rig) | None => "",
                 };
-                format!("σ of a position is at most {sigma}{agreement}.")
+                format!("σ of a station's position is at most {sigma} along an axis{agreement}.")
             }
             Self::Finding(finding) if finding.kind == FindingKind::MirrorUnresolved => {
                 mirror_in_words(finding)

@@ -18,6 +18,9 @@ use crate::simulation::{Ramp, Waypoint};
 const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
 /// Change of a prism's height, up and down (m).
 const MAST_M: f64 = 0.4;
+/// Lowest place of a prism (m). The vehicle of a recorded drive has its origin between the prisms, because its ground is
+/// unknown, so its prisms are only raised.
+const LOWEST_PRISM_M: f64 = 0.1;
 /// Displacement of a station (m), and its number of directions.
 const STEP_M: f64 = 10.0;
 const DIRECTIONS: u32 = 4;
@@ -163,6 +166,9 @@ fn candidates(plan: &Plan) -> Vec<Candidate> {
             for (by_m, way) in [(MAST_M, "higher"), (-MAST_M, "lower")] {
                 let mut other = plan.clone();
                 other.rig.prisms_m[prism].z += by_m;
+                if other.rig.prisms_m[prism].z < LOWEST_PRISM_M {
+                    continue;
+                }
                 let what = format!("prism {} {MAST_M:.1} m {way} on the vehicle", prism + 1);
                 add(ImprovementKind::PrismHeight, what, other);
             }

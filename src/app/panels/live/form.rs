@@ -33,16 +33,15 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             field.on_hover_text("Needed only if the messages do not name their station");
         });
     }
-    ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut form.records, "Record what comes in (MCAP)");
-        if form.records {
+    if form.replay.is_none() {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Recording (MCAP)");
             let to = form.record.as_deref().map_or("into your documents".to_owned(), name);
-            if ui.button("To…").on_hover_text(to.clone()).clicked() {
+            if ui.button(to).on_hover_text("Choose the file of the recording").clicked() {
                 commands.push(LiveCommand::ChooseRecord.into());
             }
-            ui.weak(to);
-        }
-    });
+        });
+    }
     ui.horizontal(|ui| {
         ui.label("Target at the far end of the track");
         target(ui, &mut form.target_mm);
@@ -81,7 +80,7 @@ pub fn target(ui: &mut egui::Ui, target_mm: &mut f64) -> egui::Response {
 fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         if ui.radio(form.replay.is_none(), "A stream").clicked() {
-            (form.replay, form.records) = (None, true);
+            form.replay = None;
         }
         let field = egui::TextEdit::singleline(&mut form.address)
             .hint_text("ws://robot:8765")

@@ -9,8 +9,10 @@ use crate::app::plots::axis_marks::marks_apart;
 use crate::app::plots::dimension_units::unit;
 use crate::app::prepared::dimension::Dimension;
 
-/// Distance between the numbers of the right axis (points).
-const APART: f64 = 26.0;
+/// Distances between the numbers of the right axis, in low and in high plots (points).
+const APART: [f64; 2] = [12.0, 26.0];
+/// Height from which the unit has a place of its own above the numbers (points).
+const HIGH: f32 = 64.0;
 /// Length of a mark (points).
 const MARK: f32 = 4.0;
 
@@ -38,7 +40,8 @@ impl ValueScale {
         let [low, high] = self.bounds;
         let base_step_size = 8.0 * (high - low) / f64::from(frame.height().max(1.0));
         let input = GridInput { bounds: (low, high), base_step_size };
-        let marks = marks_apart(&input, APART);
+        let is_high = frame.height() >= HIGH;
+        let marks = marks_apart(&input, APART[usize::from(is_high)]);
         let step = marks.iter().map(|mark| mark.step_size).fold(0.0, f64::max);
         let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
         let style = painter.ctx().global_style();
@@ -56,15 +59,22 @@ impl ValueScale {
             painter.galley(place.min, galley, ink);
             place
         };
-        let unit = unit(self.dimension, units);
-        let top =
-            text(frame.right_top() - egui::vec2(MARK, -1.0), Align2::RIGHT_TOP, unit.to_owned());
-        for mark in marks.iter().filter(|mark| mark.step_size == step) {
+        // In a low plot the uppermost number carries the unit.
+        let mut unit = Some(unit(self.dimension, units));
+        let mut top = frame.top();
+        if is_high && let Some(unit) = unit.take() {
+            let corner = frame.right_top() - egui::vec2(MARK, -1.0);
+            top = text(corner, Align2::RIGHT_TOP, unit.to_owned()).bottom();
+        }
+        for mark in marks.iter().rev().filter(|mark| mark.step_size == step) {
             let share = ((mark.value - low) / (high - low)) as f32;
             let at = Pos2::new(right, frame.bottom() - share * frame.height());
             painter.line_segment([at, at - egui::vec2(MARK, 0.0)], Stroke::new(1.0, ink));
-            if at.y > top.bottom() + 6.0 && at.y < frame.bottom() - 6.0 {
-                let number = without_negative_zero(mark.value, decimals);
+            if at.y > top + 6.0 && at.y < frame.bottom() - 6.0 {
+                let mut number = without_negative_zero(mark.value, decimals);
+                if let Some(unit) = unit.take() {
+                    number = format!("{number} {unit}");
+                }
                 text(at - egui::vec2(MARK + 3.0, 0.0), Align2::RIGHT_CENTER, number);
             }
         }

@@ -77,7 +77,10 @@ fn a_good_joint_estimate_is_used_with_its_largest_sigma() {
     let checked = recommended(|calibration| calibration.checked_by = vec![Witness::ControlPoints]);
     assert_eq!(checked.answer, Some(Method::Joint));
     assert_eq!(checked.reason, RecommendationReason::Good);
-    assert_says(&checked, "Use the joint estimate for this drive. σ of a position is at most ");
+    assert_says(
+        &checked,
+        "Use the joint estimate for this drive. σ of a station's position is at most ",
+    );
     assert_says(&checked, " mm, and the control points agree. For a smaller σ, reduce its");
     let unchecked = recommended(|calibration| calibration.checked_by = vec![Witness::Rig]);
     assert_says(&unchecked, " mm. To check it independently, let all stations measure three");
@@ -135,7 +138,10 @@ fn without_convergence_the_published_answer_is_used_and_nothing_leads_back() {
     let sigma = GOOD.1.published.as_ref().and_then(|published| published.sigma).expect("σ");
     let sigma_m = sigma.map(|station| station.translation_m.max());
     let expected = millimetres(sigma_m[0].max(sigma_m[1]));
-    assert_says(&unconverged, &format!("σ of a position is at most {expected}."));
+    assert_says(
+        &unconverged,
+        &format!("σ of a station's position is at most {expected} along an axis."),
+    );
     assert_says(&unconverged, "To determine the joint estimate, ");
 
     let undetermined = recommended(|calibration| fail(calibration, JointFailure::Undetermined));

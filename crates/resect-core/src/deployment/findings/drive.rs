@@ -133,7 +133,7 @@ pub fn drive_weak(direction: &str, largest_sigma_m: f64, advice: &str) -> Findin
 pub fn weakest_direction(direction: &str, sigma_m: f64) -> Finding {
     Finding::new(
         FindingKind::WeakestDirection,
-        format!("least certain: {direction} (σ {:.1} mm)", sigma_m * 1e3),
+        format!("least certain at the track: {direction} (σ {:.1} mm)", sigma_m * 1e3),
     )
     .quantity("sigma", sigma_m, Unit::Metre)
 }
