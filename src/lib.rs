@@ -35,6 +35,7 @@
 //!
 //! | module | content | next change |
 //! |---|---|---|
+//! | [`licences`] | licences of the program and of its packages | after a change of dependencies: `tests/structure/licences.rs` writes them |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `model/pane.rs` and `window.rs`; a series over time: a channel in `prepared/channels.rs`; a menu entry with its key: a line in `actions/` |
 //! | [`command`] | the command line; prints | a subcommand: a file with its flags, and an arm in `mod.rs`; a flag with a few words as values: `choice.rs`; its output comes from `resect-report` |
 //!
@@ -46,3 +47,4 @@
 
 pub mod app;
 pub mod command;
+pub mod licences;

@@ -246,6 +246,7 @@ fn dialogs(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         }
         Overlay::Shortcuts => panels::shortcuts::ui(ctx, state, commands),
         Overlay::Glossary(lookup) => panels::glossary::ui(ctx, lookup, commands),
+        Overlay::Licences(lines) => panels::licences::ui(ctx, lines, commands),
         Overlay::Picture(order) => panels::picture::ui(ctx, state, order, commands),
         Overlay::Closing => panels::closing::ui(ctx, state, commands),
     }

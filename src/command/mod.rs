@@ -12,6 +12,7 @@ mod explain;
 mod export;
 mod failure;
 mod judging_args;
+mod licences;
 mod live;
 mod loading;
 mod number_flags;

@@ -8,7 +8,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use super::progress_line::be_quiet;
 use super::{
     Failure, ablate, calibrate, check, compare, complain, completions, desktop, evaluate, explain,
-    export, live, plan, report, screenshot, simulate, sweep, trajectory, validate, window,
+    export, licences, live, plan, report, screenshot, simulate, sweep, trajectory, validate,
+    window,
 };
 
 /// Version with the commit and the features that the program was built from.
@@ -94,6 +95,9 @@ enum CliCommand {
         after_help = "Example: resect completions bash > ~/.local/share/bash-completion/completions/resect"
     )]
     Completions(completions::CompletionsArguments),
+    /// Print the licences of the program and of the packages in it
+    #[command(after_help = "Example: resect licences | less")]
+    Licences,
 }
 
 /// Returns the description of the command line, for completions and manual pages.
@@ -136,6 +140,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Completions(arguments)) => {
             completions::run(&arguments, Arguments::command())
         }
+        Some(CliCommand::Licences) => licences::run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

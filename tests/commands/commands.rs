@@ -121,7 +121,10 @@ fn the_result_begins_with_the_answer_to_use() {
         (&"joint".into(), &"good".into())
     );
     let words = recommendation["text"].as_str().expect("text");
-    assert!(words.starts_with("Use the joint estimate for this drive. σ of a position"), "{words}");
+    assert!(
+        words.starts_with("Use the joint estimate for this drive. σ of a station's"),
+        "{words}"
+    );
     let published = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
     assert_eq!(published["recommendation"]["answer"], "inter-prism");
 

@@ -10,7 +10,7 @@ import json
 import sys
 import warnings
 
-from rerun.experimental import RrdReader
+from rerun.chunk import RrdReader
 
 # The reader warns that the file has no footer.
 warnings.simplefilter("ignore")

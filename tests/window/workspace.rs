@@ -140,6 +140,27 @@ fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
 }
 
 #[test]
+fn the_licences_are_shown_and_scrolled() {
+    let mut harness = window(SMALL, Theme::Light);
+    send(&mut harness, DialogCommand::ShowLicences);
+    assert!(harness.query_by_label("MIT License").is_some());
+    let first = harness.get_by_label("MIT License").rect();
+    harness.hover_at(first.center());
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, -2000.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+        source: egui::MouseWheelSource::Unknown,
+    });
+    settle(&mut harness);
+    assert!(harness.query_by_label("MIT License").is_none(), "it is further up");
+    harness.get_by_label("Close").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
+}
+
+#[test]
 fn the_sheet_of_shortcuts_is_seen_whole_in_a_small_window() {
     let mut harness = window(SMALL, Theme::Dark);
     send(&mut harness, DialogCommand::ShowShortcuts);

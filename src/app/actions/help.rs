@@ -5,7 +5,7 @@ use egui::Key;
 use super::{Action, Menu};
 use crate::app::model::{DialogCommand, Pane, WorkspaceCommand};
 
-pub fn actions() -> [Action; 4] {
+pub fn actions() -> [Action; 5] {
     [
         Action::new(Menu::Help, "", "Command palette…", DialogCommand::ShowPalette)
             .hint("Type what you want to do")
@@ -23,5 +23,7 @@ pub fn actions() -> [Action; 4] {
         Action::new(Menu::Help, "", "Keyboard and mouse", DialogCommand::ShowShortcuts)
             .hint("All keys, and mouse actions in the scene and the plots")
             .key(Key::Questionmark),
+        Action::new(Menu::Help, "", "Licences", DialogCommand::ShowLicences)
+            .hint("Those of the program and of the packages in it"),
     ]
 }

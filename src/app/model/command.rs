@@ -200,6 +200,7 @@ pub enum DialogCommand {
     Explain,
     /// Sets the search text of the glossary.
     LookUp(Lookup),
+    ShowLicences,
     /// Closes the palette, the shortcut sheet or the glossary.
     CloseOverlay,
 }

@@ -1,5 +1,7 @@
 //! Overlays above the panes.
 
+use std::sync::Arc;
+
 use super::PictureOrder;
 use resect_report::glossary::Term;
 
@@ -11,6 +13,8 @@ pub enum Overlay {
     Palette(Palette),
     Shortcuts,
     Glossary(Lookup),
+    /// The lines of all licences.
+    Licences(Arc<[String]>),
     /// The question before the window closes.
     Closing,
     /// Size, scale and format of a picture.

@@ -14,6 +14,7 @@ pub mod findings;
 pub mod glossary;
 pub mod guide;
 mod judging_options;
+pub mod licences;
 pub mod live;
 pub mod minima;
 mod number;

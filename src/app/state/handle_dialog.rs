@@ -27,6 +27,10 @@ impl State {
                 self.dialogs.overlay = Overlay::Glossary(Lookup { of, ..Lookup::default() });
             }
             Command::LookUp(lookup) => self.dialogs.overlay = Overlay::Glossary(lookup),
+            Command::ShowLicences => {
+                let lines = crate::licences::text().lines().map(str::to_owned).collect();
+                self.dialogs.overlay = Overlay::Licences(lines);
+            }
             Command::CloseOverlay => self.dialogs.overlay = Overlay::None,
         }
     }

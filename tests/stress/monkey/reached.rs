@@ -20,6 +20,7 @@ impl Reached {
             Overlay::Palette(_) => note("command palette"),
             Overlay::Shortcuts => note("shortcuts"),
             Overlay::Glossary(_) => note("glossary"),
+            Overlay::Licences(_) => note("licences"),
             Overlay::Closing => note("closing"),
             Overlay::Picture(_) => note("picture"),
         }
