@@ -12,6 +12,8 @@ mod golden;
 mod ground_truths;
 mod live;
 mod report;
+mod schema;
+mod schema_check;
 mod studies;
 mod trajectory;
 mod validation;
