@@ -23,6 +23,7 @@ mod program;
 mod progress_line;
 mod remedy_flags;
 mod report;
+mod schema;
 mod screenshot;
 mod settings_args;
 mod simulate;

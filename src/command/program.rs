@@ -8,8 +8,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use super::progress_line::be_quiet;
 use super::{
     Failure, ablate, calibrate, check, compare, complain, completions, desktop, evaluate, explain,
-    export, licences, live, plan, report, screenshot, simulate, sweep, trajectory, validate,
-    window,
+    export, licences, live, plan, report, schema, screenshot, simulate, sweep, trajectory,
+    validate, window,
 };
 
 /// Version with the commit and the features that the program was built from.
@@ -84,6 +84,9 @@ enum CliCommand {
     /// Write tracks and residuals for other programs
     #[command(after_help = "Example: resect export FOLDER --csv tables")]
     Export(export::ExportArguments),
+    /// Write the JSON Schema of the JSON outputs
+    #[command(after_help = "Example: resect schema calibrate > calibrate.schema.json")]
+    Schema(schema::SchemaArguments),
     /// Explain a technical term: τ_s, T12, mirror ambiguity
     #[command(after_help = "Example: resect explain tau-s")]
     Explain(explain::ExplainArguments),
@@ -135,6 +138,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Plan(arguments)) => plan::run(&arguments),
         Some(CliCommand::Simulate(arguments)) => simulate::run(&arguments),
         Some(CliCommand::Export(arguments)) => export::run(&arguments),
+        Some(CliCommand::Schema(arguments)) => schema::run(&arguments),
         Some(CliCommand::Explain(arguments)) => explain::run(&arguments),
         Some(CliCommand::Desktop(arguments)) => desktop::run(&arguments),
         Some(CliCommand::Completions(arguments)) => {

@@ -3,7 +3,7 @@
 use crate::commands::{resect, stdout};
 use crate::common::sample_folder;
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "calibrate",
     "compare",
     "validate",
@@ -18,6 +18,7 @@ const COMMANDS: [&str; 17] = [
     "plan",
     "simulate",
     "export",
+    "schema",
     "explain",
     "desktop",
     "completions",

@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod book;
 mod commands;
 mod conventions;
 mod evaluate;
@@ -12,6 +13,8 @@ mod golden;
 mod ground_truths;
 mod live;
 mod report;
+mod schema;
+mod schema_check;
 mod studies;
 mod trajectory;
 mod validation;

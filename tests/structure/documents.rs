@@ -18,9 +18,36 @@ fn text(path: &Path) -> String {
 /// README, CONTRIBUTING and the pages of the book.
 fn documents() -> Vec<PathBuf> {
     let mut documents = vec![root().join("README.md"), root().join("CONTRIBUTING.md")];
-    let book = std::fs::read_dir(root().join("docs/src")).expect("the book");
-    documents.extend(book.map(|entry| entry.expect("a page").path()));
+    documents.extend(pages());
     documents
+}
+
+/// The pages of the book: those of `docs/src` and of its folders.
+fn pages() -> Vec<PathBuf> {
+    let (mut pages, mut folders) = (Vec::new(), vec![root().join("docs/src")]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            match path.extension() {
+                None => folders.push(path),
+                Some(extension) if extension == "md" => pages.push(path),
+                Some(_) => {}
+            }
+        }
+    }
+    pages
+}
+
+/// Anchors of the headings of a page, as mdBook and GitHub write them.
+fn anchors(markdown: &str) -> BTreeSet<String> {
+    let headings = markdown.lines().filter(|line| line.starts_with('#'));
+    headings.map(|line| anchor(line.trim_start_matches('#').trim())).collect()
+}
+
+/// Returns the anchor of a heading.
+pub fn anchor(heading: &str) -> String {
+    let kept = heading.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+    kept.collect::<String>().to_lowercase().replace(' ', "-")
 }
 
 /// Code spans of Markdown or Rust documentation.
@@ -70,19 +97,59 @@ fn every_link_of_the_documents_leads_somewhere() {
     let mut dead = Vec::new();
     for document in documents() {
         let folder = document.parent().expect("a folder").to_owned();
-        for link in text(&document).split("](").skip(1) {
-            let target = link.split([')', '#']).next().unwrap_or_default();
-            if !target.starts_with("http") && !target.is_empty() && !folder.join(target).exists() {
-                dead.push(format!("{}: {target}", document.display()));
+        let own = text(&document);
+        for link in own.split("](").skip(1) {
+            let link = link.split(')').next().unwrap_or_default();
+            let (target, anchor) = link.split_once('#').unwrap_or((link, ""));
+            if target.starts_with("http") {
+                continue;
+            }
+            let file = folder.join(target);
+            let page = if target.is_empty() { Some(own.clone()) } else { page_at(&file) };
+            let has_anchor = || page.is_some_and(|page| anchors(&page).contains(anchor));
+            let is_alive = target.is_empty() || file.exists();
+            if !is_alive || (!anchor.is_empty() && !has_anchor()) {
+                dead.push(format!("{}: {link}", document.display()));
             }
         }
     }
     assert!(dead.is_empty(), "dead links:\n{}", dead.join("\n"));
-    let summary = text(&root().join("docs/src/SUMMARY.md"));
-    for page in std::fs::read_dir(root().join("docs/src")).expect("the book") {
-        let name = page.expect("a page").file_name();
-        let name = name.to_string_lossy();
-        assert!(name == "SUMMARY.md" || summary.contains(&*name), "SUMMARY.md lacks {name}");
+}
+
+/// The text of a link's target, if it is a page.
+fn page_at(file: &Path) -> Option<String> {
+    file.extension().is_some_and(|extension| extension == "md").then(|| text(file))
+}
+
+#[test]
+fn the_summary_has_every_page_of_the_book() {
+    let book = root().join("docs/src");
+    let summary = text(&book.join("SUMMARY.md"));
+    for page in pages() {
+        let name = page.strip_prefix(&book).expect("a page of the book").display().to_string();
+        let is_listed = summary.contains(&format!("]({name})"));
+        assert!(name == "SUMMARY.md" || is_listed, "SUMMARY.md lacks {name}");
+    }
+}
+
+/// Each picture of the book is small, and its command is beside it.
+#[test]
+fn pictures_of_the_book_are_few_small_and_have_their_commands() {
+    const MOST: usize = 3;
+    const MOST_BYTES: u64 = 120_000;
+    let pictures = std::fs::read_dir(root().join("docs/src/pictures")).expect("the pictures");
+    let pictures: Vec<PathBuf> = pictures.map(|entry| entry.expect("a picture").path()).collect();
+    assert!(pictures.len() <= MOST, "{} pictures", pictures.len());
+    for picture in pictures {
+        let bytes = picture.metadata().expect("a file").len();
+        assert!(bytes < MOST_BYTES, "{}: {bytes} bytes", picture.display());
+        let name = picture.file_name().expect("a name").to_string_lossy().into_owned();
+        let has_both = |page: &String| {
+            let commands = page.lines().filter(|line| line.starts_with("resect screenshot"));
+            page.contains(&format!("pictures/{name})"))
+                && commands.clone().any(|line| line.ends_with(&format!("--out {name}")))
+        };
+        assert!(pages().iter().map(|page| text(page)).any(|page| has_both(&page)), "{name}");
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, reason = "the counts of files and arrows are worth reading")]
 
 mod documents;
+mod findings_page;
 mod licences;
 mod names;
 

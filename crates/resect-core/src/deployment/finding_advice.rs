@@ -127,7 +127,7 @@ pub const ADVICE: [Advice; 19] = [
     },
     Advice {
         title: "The distances fit poorly",
-        meaning: "The order of the prisms is wrong, the rig was measured wrongly or bent, a prism constant is added twice, or a \
+        meaning: "The order of the prisms is wrong, the rig was mismeasured or bent, a prism constant is added twice, or a \
                   station followed another prism.",
         step: "Check the order of the prisms and their constants, then measure the rig again.",
         kinds: &[

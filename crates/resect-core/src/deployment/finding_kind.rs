@@ -22,6 +22,13 @@ macro_rules! finding_kinds {
                 }
             }
 
+            /// The cause in one sentence, as the documentation of the kind has it.
+            pub fn cause(self) -> &'static str {
+                match self {
+                    $(Self::$kind => concat!($($cause),+).trim_ascii(),)+
+                }
+            }
+
             fn nature(self) -> Nature {
                 match self {
                     $(Self::$kind => Nature::$nature,)+

@@ -1,0 +1,28 @@
+//! `resect schema`: the JSON Schema of the JSON outputs.
+
+use clap::Args;
+use serde_json::{Map, Value, json};
+
+use super::{Failure, print};
+
+/// The schema of all outputs; each command is one of its definitions.
+const SCHEMA: &str = include_str!("../../assets/schema.json");
+/// Commands with JSON outputs.
+const COMMANDS: [&str; 8] =
+    ["calibrate", "compare", "validate", "ablate", "sweep", "evaluate", "plan", "live"];
+
+#[derive(Args)]
+pub struct SchemaArguments {
+    /// Command whose output is described; all commands if none
+    #[arg(value_parser = COMMANDS)]
+    command: Option<String>,
+}
+
+pub fn run(arguments: &SchemaArguments) -> Result<(), Failure> {
+    let Some(command) = &arguments.command else { return Ok(print(SCHEMA)?) };
+    let mut schema: Map<String, Value> = serde_json::from_str(SCHEMA)?;
+    schema.remove("anyOf");
+    schema.insert("$ref".to_owned(), json!(format!("#/$defs/{command}")));
+    print(&format!("{:#}\n", Value::Object(schema)))?;
+    Ok(())
+}
