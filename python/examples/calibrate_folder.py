@@ -21,11 +21,13 @@ def rows(folder: Path) -> list[dict[str, object]]:
             continue
         for transform in answer.transforms:
             sigma_m = transform.sigma_translation_m
+            if sigma_m is None:
+                sigma_m = np.full(3, np.nan)
             row: dict[str, object] = {"deployment": answer.deployment, "verdict": answer.verdict}
             row |= {"station": transform.station, "yaw_rad": transform.yaw_rad}
             row |= {"sigma_yaw_rad": transform.sigma_yaw_rad}
             row |= dict(zip(("x_m", "y_m", "z_m"), transform.translation_m))
-            row |= dict(zip(("sigma_x_m", "sigma_y_m", "sigma_z_m"), np.full(3, np.nan) if sigma_m is None else sigma_m))
+            row |= dict(zip(("sigma_x_m", "sigma_y_m", "sigma_z_m"), sigma_m))
             found.append(row | {"findings": " ".join(answer.findings)})
     return found
 

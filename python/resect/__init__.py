@@ -8,8 +8,9 @@
     calibration.station1_from_station2      # a Transform with σ
     trajectory = calibration.trajectory(rate=10.0)
 
-Lengths are metres, angles radians, times seconds. `station1_from_station2` maps the frame of station 2 to that of station 1.
-The numbers are those of the program `resect`, which this package installs as well. Every error is a `ResectError` with one line.
+Lengths are metres, angles radians, times seconds. `station1_from_station2` maps the frame of station 2 to that of
+station 1. The numbers are those of the program `resect`, which this package installs as well. Every error is a
+`ResectError` with one line.
 """
 
 from __future__ import annotations

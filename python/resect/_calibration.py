@@ -117,6 +117,15 @@ class Calibration:
         two, three = (Transform._of(values) for values in self._json["transforms"])
         return two, three
 
+    @cached_property
+    def survey_transforms(self) -> tuple[Transform, Transform] | None:
+        """Both transforms when the control points were measured; None if the answer does not use control points."""
+        transforms = self._json.get("survey_transforms")
+        if transforms is None:
+            return None
+        two, three = (Transform._of(values) for values in transforms)
+        return two, three
+
     @property
     def station1_from_station2(self) -> Transform:
         """Transform from the frame of station 2 to station 1's."""
@@ -129,7 +138,10 @@ class Calibration:
 
     @cached_property
     def covariance(self) -> Array | None:
-        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), in the frame of station 1; None if not determined."""
+        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), in the frame of station 1.
+
+        None if a direction is not determined.
+        """
         covariance = self._json["covariance"]
         return None if covariance is None else np.array(covariance)
 
@@ -182,8 +194,8 @@ class Calibration:
         return Trajectory._of(self._handle.trajectory(options))
 
     def _title(self) -> str:
-        caveat = "" if self.verdict != "good" or self.is_independently_checked else ", not independently checked"
-        return f"{self.deployment} · {self.method} · verdict: {self.verdict}{caveat}"
+        # The program's own words for a caveat and for a joint estimate that failed.
+        return str(self).partition("\n")[0]
 
     def _rows(self) -> list[list[str]]:
         return [TRANSFORM_HEADER, *(transform._cells() for transform in self.transforms)]

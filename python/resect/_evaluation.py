@@ -38,7 +38,8 @@ class Evaluation:
         """Errors of each estimate by its name, at the n times at which both are known.
 
         Arrays: `time_s` (n,) (s); `true_position_m` and `position_error_m` (n, 3) in the ground truth's frame (m);
-        `rotation_error_rad` (n, 3), if there are orientations (rad); `truth_sigma_m` (n,), if the ground truth has a σ (m).
+        `rotation_error_rad` (n, 3), if there are orientations (rad); `truth_sigma_m` (n,), if the ground truth has a σ
+        (m).
         """
         return self._errors
 

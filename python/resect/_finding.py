@@ -11,9 +11,9 @@ from typing import Any
 class Finding:
     """A finding about the data or the answer.
 
-    `code` is stable, for scripts; `message` is for people and may change. `severity` is note, warning or problem. `subject` is
-    a station, a pair of prisms, a file or a point, as in the JSON. `quantities` are named with their SI unit; an estimate is a
-    dictionary of `value` and `sigma`.
+    `code` is stable, for scripts; `message` is for people and may change. `severity` is note, warning or problem.
+    `subject` is a station, a pair of prisms, a file or a point, as in the JSON. `quantities` are named with their SI
+    unit; an estimate is a dictionary of `value` and `sigma`.
     """
 
     code: str

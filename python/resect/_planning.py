@@ -39,13 +39,16 @@ class Prediction:
 
     @cached_property
     def covariance(self) -> Array | None:
-        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), along the axes of the plan; None if not determined."""
+        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), along the axes of the plan.
+
+        None if a direction is not determined.
+        """
         held = self._json["held"]
         return None if held is None else np.array(held["covariance"])
 
     @property
     def table(self) -> Table:
-        """The vehicle along the route, about once a second: columns for pandas or polars, positions in the plan's frame."""
+        """The vehicle along the route, about once a second: columns for pandas or polars, in the plan's frame."""
         rows = []
         for at in self._json["way"]["vehicle"]:
             x_m, y_m, z_m = at["position_m"]
@@ -65,7 +68,7 @@ class Prediction:
         return rows
 
     def _title(self) -> str:
-        return f"{self._json['plan']['name'] or 'plan'} · verdict: {self.verdict}"
+        return self._text.partition("\n")[0]
 
     def __repr__(self) -> str:
         return f"{self._title()}\n{text_table(self._rows())}"

@@ -22,12 +22,13 @@ class Trajectory:
         frame: frame of the poses, in words.
         time_s: shape (n,), time of station 1 (s).
         position_m: shape (n, 3), origin of the vehicle in `frame` (m).
-        covariance: shape (n, 6, 6): position (m), then rotation vector θ in `frame` (rad). The true orientation is exp(θ) times
-            the estimated one. Shape (n, 3, 3) for a single prism.
+        covariance: shape (n, 6, 6): position (m), then rotation vector θ in `frame` (rad). The true orientation is
+            exp(θ) times the estimated one. Shape (n, 3, 3) for a single prism.
         quaternion_xyzw: shape (n, 4), rotation from the vehicle's frame to `frame`; None for a single prism.
         velocity_m_per_s: shape (n, 3), of the origin in `frame` (m/s); None if only poses are known.
         rate_rad_per_s: shape (n, 3), rotation rate in `frame` (rad/s); None if only positions are known.
-        inter_prism_error_m: shape (n,), largest error of an inter-prism distance around the instant (m); None for a single prism.
+        inter_prism_error_m: shape (n,), largest error of an inter-prism distance around the instant (m); None for a
+            single prism.
         vehicle: origin and axes of the vehicle's frame, in words; None for a single prism.
         dropped: number of instants left out, since the inter-prism error is too large.
     """

@@ -90,13 +90,14 @@ def test_covariance_and_standard_deviations_agree(answer: resect.Calibration) ->
         assert np.allclose(own[:3], transform.sigma_translation_m, rtol=1e-9)
         assert own[3] == pytest.approx(transform.sigma_yaw_rad, rel=1e-9)
     trajectory = answer.trajectory(2.0)
-    assert np.allclose(np.diff(trajectory.time_s), 0.5, rtol=0, atol=1e-6) or np.diff(trajectory.time_s).max() > 0.5
+    # Evenly spaced, except for gaps, which are multiples.
+    steps = np.diff(trajectory.time_s) / 0.5
+    assert np.allclose(steps, np.round(steps), rtol=0, atol=1e-5)
+    assert np.median(steps) == pytest.approx(1.0)
     assert trajectory.covariance.shape == (len(trajectory), 6, 6)
     assert np.allclose(trajectory.covariance, trajectory.covariance.transpose(0, 2, 1), rtol=0, atol=1e-12)
     assert np.allclose(np.linalg.norm(trajectory.quaternion_xyzw, axis=1), 1.0)
-    assert np.array_equal(trajectory.sigma_rotation_rad[:, 2] ** 2, trajectory.covariance[:, 5, 5]) or np.allclose(
-        trajectory.sigma_rotation_rad[:, 2] ** 2, trajectory.covariance[:, 5, 5]
-    )
+    assert np.allclose(trajectory.sigma_rotation_rad[:, 2] ** 2, trajectory.covariance[:, 5, 5])
 
 
 def test_one_prism_has_positions_without_orientation() -> None:
@@ -121,7 +122,7 @@ def test_notebooks_and_terminals_show_verdict_and_table(
     answer: resect.Calibration, warthog: resect.Deployment, simulated: Path
 ) -> None:
     first, header, two, three, *_ = repr(answer).splitlines()
-    assert first == "Warthog on uneven ground · joint · verdict: good" or "verdict: good" in first
+    assert first.split(" · ")[1:] == ["the joint estimate", "verdict: GOOD"]
     assert header.split() == ["x", "(m)", "y", "(m)", "z", "(m)", "yaw", "(mrad)"]
     assert two.startswith("T12") and three.startswith("T13") and "±" in two
     evaluation = resect.evaluate(simulated.parent / "truth.tum", simulated)

@@ -18,6 +18,8 @@ def test_a_calibration_is_the_object_that_the_program_prints(folder: Path) -> No
     assert answer.to_dict() == expected
     assert answer.verdict == expected["diagnosis"]["verdict"]
     assert answer.transforms[1].matrix.tolist() == expected["transforms"][1]["matrix"]
+    survey = [transform.matrix.tolist() for transform in answer.survey_transforms or ()]
+    assert survey == [transform["matrix"] for transform in expected.get("survey_transforms", ())]
     assert answer.covariance is not None
     assert answer.covariance.tolist() == expected["covariance"]
     assert list(answer.findings) == list(dict.fromkeys(f["code"] for f in expected["diagnosis"]["findings"]))

@@ -28,7 +28,9 @@ def test_speed_of_a_joint_estimate(folder: Path, monkeypatch: pytest.MonkeyPatch
         own_ms = answer.to_dict()["time_ms"]
         overheads_ms.append(calls_ms[-1] - (own_ms["total"] - own_ms["load"]))
     fastest_ms, overhead_ms = min(calls_ms), statistics.median(overheads_ms)
-    print(f"\n{folder.name}: fastest {fastest_ms:.1f} ms, median {statistics.median(calls_ms):.1f} ms by call;", end=" ")
+    print(
+        f"\n{folder.name}: fastest {fastest_ms:.1f} ms, median {statistics.median(calls_ms):.1f} ms by call;", end=" "
+    )
     print(f"{overhead_ms:.2f} ms of it outside of pipeline, estimate and evaluation")
     assert overhead_ms < 1.0
     if folder == FIELD_RUN:
