@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,42 @@ def test_methods_and_settings_are_those_of_the_program(warthog: resect.Deploymen
     by_drive = printed("calibrate", SAMPLES / "warthog", "--evidence", "drive,rig")
     assert warthog.calibrate(evidence="drive,rig").to_dict() == by_drive
     assert warthog.calibrate(evidence={"control_points": False}).to_dict() == by_drive
+
+
+def test_files_and_overrides_are_those_of_the_program(tmp_path: Path) -> None:
+    tunnel, warthog = SAMPLES / "hd2-tunnel", SAMPLES / "warthog"
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    shutil.copy(tunnel / "inter_prism.csv", alone)
+    by_rig = printed("calibrate", alone, "--rig", tunnel)
+    assert resect.open(alone, rig=tunnel).calibrate().to_dict() == by_rig
+    points = warthog / "GCP_raw_2.txt"
+    assert resect.open(warthog, gcp=points).calibrate().to_dict() == printed("calibrate", warthog, "--gcp", points)
+    assert resect.open(warthog, gcp=points).calibrate().to_dict() != printed("calibrate", warthog)
+    with pytest.raises(resect.ResectError) as error:
+        resect.open(warthog, drives=[tunnel]).calibrate()
+    same_line(str(error.value), complaint("calibrate", warthog, "--drive", tunnel), {})
+    header, *rows = (warthog / "inter_prism.csv").read_text(encoding="utf-8").splitlines()
+    halves = [tmp_path / "morning", tmp_path / "noon"]
+    for folder, own_rows in zip(halves, (rows[:1500], rows[1500:])):
+        shutil.copytree(warthog, folder)
+        (folder / "inter_prism.csv").write_text("\n".join([header, *own_rows]), encoding="utf-8")
+    both = resect.open(halves[0], drives=halves[1]).calibrate().to_dict()
+    assert both == printed("calibrate", halves[0], "--drive", halves[1])
+    assert len(both["details"]["joint"]["drives"]) == 2
+    # Keywords replace keys of a file.
+    overrides = {"prism_constant_m": [0.01, 0.02, 0.03], "stations": (1, 3, 2), "control_points": []}
+    changed = tmp_path / "changed"
+    shutil.copytree(warthog, changed)
+    lines = 'name = "changed"\nprism_constant_m = [0.01, 0.02, 0.03]\nstations = [1, 3, 2]\ncontrol_points = []\n'
+    (changed / "deployment.toml").write_text(lines)
+    by_keywords = resect.open(warthog, name="changed", **overrides)
+    assert by_keywords.name == "changed"
+    by_file = resect.open(changed)
+    for own, other in zip(by_keywords.tracks, by_file.tracks):
+        assert own.range_m.tolist() == other.range_m.tolist()
+        assert own.prism_constant_m == other.prism_constant_m
+    assert [track.prism_constant_m for track in by_keywords.tracks] == [0.01, 0.02, 0.03]
 
 
 def test_the_text_is_that_of_the_program(answer: resect.Calibration) -> None:
