@@ -142,7 +142,20 @@ def test_an_evaluation_is_the_object_that_the_program_prints(simulated: Path) ->
     assert resect.evaluate(estimate, estimate, as_evo=True).to_dict() == as_evo
     station = printed("evaluate", estimate, "--against", simulated, "--truth-station", 2)
     assert resect.evaluate(estimate, simulated, truth_station=2).to_dict() == station
+    file = simulated.parent / "errors.csv"
+    result = run("evaluate", estimate, "--against", simulated, "--csv", file)
+    assert result.returncode == 0, result.stderr
+    with file.open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
     errors = evaluation.errors["truth"]
+    for axis, name in enumerate("xyz"):
+        for array, column in (("true_position_m", f"true_{name}_m"), ("position_error_m", f"error_{name}_m")):
+            expected = [float(row[column]) for row in rows]
+            assert np.allclose(errors[array][:, axis], expected, rtol=0, atol=1e-6), column
+    turns_rad = np.linalg.norm(errors["rotation_error_rad"], axis=1)
+    assert np.allclose(turns_rad, [float(row["error_rotation_rad"]) for row in rows], rtol=0, atol=1e-8)
+    sigmas_m = [[float(row[f"sigma_{name}_m"]) for name in "xyz"] for row in rows]
+    assert np.allclose(errors["truth_sigma_m"], np.sqrt(np.mean(np.square(sigmas_m), axis=1)), rtol=0, atol=1e-6)
     rmse_m = np.sqrt(np.mean(np.sum(errors["position_error_m"] ** 2, axis=1)))
     assert rmse_m == pytest.approx(evaluation.table["position_rmse_m"][0], rel=1e-12)
     assert errors["rotation_error_rad"].shape == errors["true_position_m"].shape
@@ -200,6 +213,14 @@ def test_an_error_is_the_line_of_the_program(simulated: Path, tmp_path: Path, an
             resect.open(tunnel).calibrate(method)
         line = complaint("calibrate", tunnel, "--method", method)
         same_line(str(error.value), line, {"--gcp": "gcp", "--method joint": 'method="joint"', "--rig": "rig"})
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    shutil.copy(tunnel / "inter_prism.csv", alone)
+    with pytest.raises(resect.ResectError) as error:
+        resect.open(alone).calibrate()
+    line = complaint("calibrate", alone)
+    assert "--rig" in line
+    same_line(str(error.value), line, {"--rig": "rig", "--gcp": "gcp"})
     with pytest.raises(resect.ResectError) as error:
         resect.open(SAMPLES / "warthog").calibrate("inter-prism").trajectory(5.0)
     line = complaint("trajectory", SAMPLES / "warthog", "--method", "inter-prism", "--pose-rate", 5)
