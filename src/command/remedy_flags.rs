@@ -4,6 +4,7 @@ use resect_core::calibration::CalibrationError;
 use resect_core::deployment::{Finding, Remedy};
 use resect_core::estimates::Unjudged;
 use resect_core::estimates::unfit::Unfit;
+use resect_core::evaluation::requested_trajectory::RequestError;
 use resect_core::evaluation::vehicle::NoTrajectory;
 
 /// Returns the flag that applies a remedy; `None` without one.
@@ -34,7 +35,7 @@ pub fn with_flags(finding: &Finding) -> String {
 }
 
 /// Returns the flag, or the command, that follows the advice of an error about a trajectory.
-pub fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
+fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
     match why {
         NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_) => Some("--method joint"),
         NoTrajectory::NoRig(_) => Some("--rig"),
@@ -42,6 +43,16 @@ pub fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
         NoTrajectory::PrismsOnALine(_)
         | NoTrajectory::OtherFrame(_)
         | NoTrajectory::NoAnswer { .. } => None,
+    }
+}
+
+/// Returns the flag, or the command, that follows the advice of an error about a requested trajectory.
+pub fn request_flag(why: &RequestError) -> Option<&'static str> {
+    match why {
+        RequestError::NoTrajectory(why) => trajectory_flag(why),
+        RequestError::NoOrientation(_) => Some("--lever-arm"),
+        RequestError::NoPose { .. } => Some("--max-error"),
+        RequestError::NoSite(_) | RequestError::NoPosition(_) => None,
     }
 }
 

@@ -7,16 +7,14 @@ use std::path::{Path, PathBuf};
 use std::slice::from_mut;
 
 use clap::Args;
-use nalgebra::{Matrix6, Rotation3};
 
 use self::error_args::ErrorArguments;
 use self::limits::{Limits, replace};
 use super::choice::{PRESETS, choice};
 use super::output::{kind_of, spare_file};
 use super::{Failure, print};
-use resect_core::evaluation::trajectory::{Pose, Trajectory};
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::simulation::{EPOCH_S, Preset, Scenario, Simulated, simulate_scenario};
+use resect_core::simulation::{Preset, Scenario, Simulated, simulate_scenario};
 use resect_io::atomic;
 use resect_io::simulation_files::write_folder;
 use resect_report::trajectory as trajectory_file;
@@ -96,22 +94,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 /// Writes the true poses of the vehicle.
 fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Result<(), Failure> {
     spare_file(file, [])?;
-    let truth = &simulated.truth;
-    let steps = (simulated.scenario.duration_s / TRUE_POSES_APART_S).floor() as usize;
-    let pose = |step: usize| {
-        let time_s = step as f64 * TRUE_POSES_APART_S;
-        let (position_m, axes) = truth.motion.pose(time_s);
-        Pose {
-            time_s: EPOCH_S + time_s,
-            position_m,
-            orientation: Rotation3::from_matrix_unchecked(axes).into(),
-            covariance: Matrix6::zeros(),
-            twist: None,
-            inter_prism_error_m: 0.0,
-        }
-    };
-    let trajectory = Trajectory { poses: (0..=steps).map(pose).collect(), dropped: 0 };
-    let prisms = truth.prisms_m.map(|at| format!("({}, {}, {})", at.x, at.y, at.z)).join(", ");
+    let trajectory = simulated.true_trajectory(TRUE_POSES_APART_S);
+    let prisms =
+        simulated.truth.prisms_m.map(|at| format!("({}, {}, {})", at.x, at.y, at.z)).join(", ");
     let header = format!(
         "true poses, preset {}, seed {}: frame of station 1 at set-up; vehicle: x ahead, y left, z up, prisms at {prisms} m",
         simulated.scenario.name, simulated.seed

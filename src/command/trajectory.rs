@@ -6,19 +6,19 @@ use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
 use super::output::{advised, is_standard_output, kind_of, spare};
-use super::remedy_flags::trajectory_flag;
+use super::remedy_flags::request_flag;
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst};
+use resect_core::calibration::Calibration;
 use resect_core::calibration::joint::prism_motion::MotionInstant;
-use resect_core::calibration::{Calibration, Targets};
 use resect_core::deployment::Deployment;
 use resect_core::estimates::{EstimatedTrajectory, GroundTruth};
-use resect_core::evaluation::site::SiteFrame;
-use resect_core::evaluation::trajectory::Trajectory;
-use resect_core::evaluation::vehicle::{
-    Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
+use resect_core::evaluation::requested_trajectory::{
+    LARGEST_RATE_HZ, RequestedMotion, TrajectoryRequest, requested_trajectory,
 };
+use resect_core::evaluation::trajectory::Trajectory;
+use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M};
 use resect_core::pipeline::Triplets;
 use resect_core::statistics::median;
 use resect_io::atomic;
@@ -72,9 +72,6 @@ impl TrajectoryArguments {
     }
 }
 
-/// Greatest rate of poses (1/s), above the rate of any sensor.
-const MOST_HZ: f64 = 10_000.0;
-
 pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     check(arguments)?;
@@ -91,43 +88,30 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let reading_s = arguments
         .at_readings
         .then(|| reading_times_s(&deployment, analysis.triplets(), &answer.calibration));
-    let wanted = match (times_s.as_ref().or(reading_s.as_ref()), arguments.pose_rate) {
+    let instants = match (times_s.as_ref().or(reading_s.as_ref()), arguments.pose_rate) {
         (Some(times_s), _) => Instants::At(times_s),
         (None, Some(hz)) => Instants::Rate(hz),
         (None, None) => Instants::Triplets,
     };
-    let site = site_frame(arguments, &deployment, &answer.calibration)?;
-    let frame_of_poses = site.as_ref().map_or("frame of station 1".to_owned(), SiteFrame::in_words);
-    if analysis.offer.targets == Targets::OnePrism {
-        let frame = (site.as_ref(), &*frame_of_poses);
-        return one_prism(arguments, (&deployment, &analysis), &answer.calibration, wanted, frame);
-    }
-    let (mut trajectory, frame) = trajectory_by(
-        &deployment,
-        analysis.triplets(),
-        analysis.offer.targets,
-        &answer.calibration,
-        wanted,
-        arguments.max_error / 1e3,
-    )
-    .map_err(|why| advised(&why, trajectory_flag(&why)))?;
-    if let Some(lever_arm_m) = &arguments.lever_arm {
-        trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
-    }
-    let mut frame_id = trajectory_file::STATION1;
-    if let Some(site) = &site {
-        trajectory.poses.iter_mut().for_each(|pose| *pose = site.pose(pose));
-        frame_id = "site";
-    }
-    if trajectory.poses.is_empty() {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "{}: no pose: all {} epochs have an inter-prism error above {} mm or lie outside of the drive; check the \
-             distances and times, or raise --max-error",
-            deployment.name,
-            trajectory.dropped,
-            arguments.max_error,
-        )));
-    }
+    let request = TrajectoryRequest {
+        instants,
+        largest_inter_prism_error_m: arguments.max_error / 1e3,
+        lever_arm_m: arguments.lever_arm,
+        is_in_site_frame: arguments.frame == FrameArgument::ControlPoints,
+    };
+    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let requested =
+        requested_trajectory(&deployment, triplets, targets, &answer.calibration, &request)
+            .map_err(|why| advised(&why, request_flag(&why)))?;
+    let frame_of_poses = requested.frame_in_words();
+    let (trajectory, frame) = match requested.motion {
+        RequestedMotion::Prism(positions) => {
+            let placed = (&*positions, &*frame_of_poses);
+            return one_prism(arguments, &deployment, &answer.calibration, placed);
+        }
+        RequestedMotion::Poses { trajectory, vehicle } => (trajectory, vehicle),
+    };
+    let frame_id = if requested.site.is_some() { "site" } else { trajectory_file::STATION1 };
     let vehicle = match arguments.lever_arm {
         None => frame.in_words().to_owned(),
         Some(at) => format!("at {}, {}, {} m in: {}", at.x, at.y, at.z, frame.in_words()),
@@ -143,8 +127,11 @@ fn check(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
         return Err(Failure::Usage(line));
     }
-    if let Some(hz) = arguments.pose_rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
-        let line = format!("--pose-rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
+    if let Some(hz) =
+        arguments.pose_rate.filter(|hz| !(0.0..=LARGEST_RATE_HZ).contains(hz) || *hz == 0.0)
+    {
+        let line =
+            format!("--pose-rate is {hz} Hz; it must be above 0 and {LARGEST_RATE_HZ} at most");
         return Err(Failure::Usage(line));
     }
     Ok(())
@@ -240,34 +227,20 @@ fn one_station(
     ))?)
 }
 
-/// Returns the positions of the one prism that all stations follow.
+/// Writes the positions of the one prism that all stations follow, or prints them if no file is named.
 fn one_prism(
     arguments: &TrajectoryArguments,
-    (deployment, analysis): (&Deployment, &Analysis),
+    deployment: &Deployment,
     calibration: &Calibration,
-    wanted: Instants<'_>,
-    (site, frame): (Option<&SiteFrame>, &str),
+    (positions, frame): (&[MotionInstant<3>], &str),
 ) -> Result<(), Failure> {
-    if arguments.lever_arm.is_some() {
-        let why = "--lever-arm needs an orientation, and one prism has none; leave it out";
-        return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
-    }
-    let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)
-        .map_err(|why| advised(&why, trajectory_flag(&why)))?;
-    if let Some(site) = site {
-        positions.iter_mut().for_each(|at| *at = site.prism(at));
-    }
-    if positions.is_empty() {
-        let why = format!("{}: no position: all times lie outside of the drive", deployment.name);
-        return Err(Failure::Input(anyhow::Error::msg(why)));
-    }
     let by =
         format!("by {}, verdict {}", calibration.method_in_words(), calibration.verdict_in_words());
     let header = format!("{}: {frame}, {by}", deployment.name);
     let Some(file) = arguments.file() else {
-        return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
+        return Ok(print(&trajectory_file::prism_tum(positions, &header))?);
     };
-    let content = trajectory_file::prism_file(kind_of(file)?, &positions, &header)
+    let content = trajectory_file::prism_file(kind_of(file)?, positions, &header)
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
     atomic::write(file, content)?;
@@ -299,21 +272,6 @@ fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
              times)\n"
         ),
     }
-}
-
-/// Returns the frame of the control points, if the poses are to be in it.
-fn site_frame(
-    arguments: &TrajectoryArguments,
-    deployment: &Deployment,
-    calibration: &Calibration,
-) -> Result<Option<SiteFrame>, Failure> {
-    if arguments.frame == FrameArgument::Station1 {
-        return Ok(None);
-    }
-    // Control points have no position in a calibration of another frame.
-    let placing = calibration.placing_control_points(deployment);
-    let placing = placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
-    Ok(Some(SiteFrame::of(deployment, &placing).map_err(|why| anyhow::anyhow!("{why}"))?))
 }
 
 /// Returns the distinct times of all readings in station 1's clock, as far as the other clocks' offsets are estimated (s).

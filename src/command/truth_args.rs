@@ -6,13 +6,12 @@ use std::sync::Arc;
 use clap::Args;
 use nalgebra::Vector3;
 
+use super::Failure;
+use super::progress_line::with_progress;
 use super::settings_args::metres;
-use super::{Failure, load};
 use resect_core::deployment::{Deployment, PoseCovariance};
-use resect_core::progress::Progress;
-use resect_io::estimate_file;
-use resect_io::source::{Extras, Source};
-use resect_io::what_is::{Dropped, what_is};
+use resect_io::source::Extras;
+use resect_io::truth::open_truth;
 
 #[derive(Args)]
 pub struct TruthArguments {
@@ -34,21 +33,11 @@ impl TruthArguments {
     /// # Errors
     /// If the path is neither, or if an option does not apply to it.
     pub fn open(&self, path: &Path, extras: Extras) -> Result<Arc<Deployment>, Failure> {
-        let truth =
-            || Source::ground_truth(path, self.truth_topic.clone()).open(&Progress::default());
-        let mut deployment = if self.truth_topic.is_some() || what_is(path) == Dropped::Estimate {
-            Arc::new(truth()?)
-        } else {
-            match load(path, extras) {
-                Ok((deployment, _)) => deployment,
-                // Positions of one prism, or poses in a bag, are no deployment.
-                Err(error) => Arc::new(truth().map_err(|why| match estimate_file::read(path) {
-                    // Several trajectories: a topic must be chosen.
-                    Ok(_) => Failure::from(why),
-                    Err(_) => Failure::from(error),
-                })?),
-            }
-        };
+        let topic = self.truth_topic.as_deref();
+        let opened = with_progress(&format!("reading {}", path.display()), |progress| {
+            open_truth(path, topic, extras, progress)
+        });
+        let mut deployment = Arc::new(opened?);
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
             (Some(truth), Some(sigma_m)) => {
                 let truth = Arc::make_mut(truth);

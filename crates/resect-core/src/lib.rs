@@ -20,7 +20,7 @@
 //! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | a finding: its kind in `finding_kind.rs`, its constructor in `findings/`, its advice in `finding_advice.rs`; a prism constant per type of prism: `overrides.rs` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, its row in `numbers.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
 //! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and checks | method D: `inter_prism/` (the mirror solution: `mirror.rs`); an unknown of the joint estimate: its index in `joint/unknowns.rs`, its kind in `joint/instruments.rs`, its words in `joint/summary.rs`, its prior in `instrument.rs` and `numbers.rs`; the robust loss: `joint/loss.rs`; the verdict: `checks.rs`, `inter_prism/diagnosis.rs` |
-//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: `rig_motion.rs` (joint estimate), `trajectory.rs` (each triplet), `vehicle.rs` (which of the two); the frame of the control points: `site.rs` |
+//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: `rig_motion.rs` (joint estimate), `trajectory.rs` (each triplet), `vehicle.rs` (which of the two); the frame of the control points: `site.rs`; an option of `trajectory`: `requested_trajectory.rs` |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
 //! | [`palette`] | colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |

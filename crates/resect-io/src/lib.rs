@@ -20,6 +20,7 @@
 //! | [`sample`], [`source`] | the built-in deployments; the source of a deployment | |
 //! | [`growing`] | a deployment whose messages are still arriving | |
 //! | [`what_is`] | recognition of a dropped path | |
+//! | [`truth`] | opening of a ground truth: a deployment or a trajectory | |
 //! | [`override_changes`] | changed overrides in words | |
 //! | [`file_mark`] | hashes by which a session recognises its files | |
 //! | [`plan_file`], [`way_file`], [`settings_file`] | plans, driven paths, settings | |
@@ -43,6 +44,7 @@ pub mod settings_file;
 pub mod simulation_files;
 pub mod skipped_rows;
 pub mod source;
+pub mod truth;
 pub mod way_file;
 pub mod what_is;
 

@@ -4,6 +4,7 @@ pub mod answer_rows;
 mod evaluation;
 pub mod far_end;
 pub mod gnss;
+pub mod requested_trajectory;
 pub mod rig_motion;
 pub mod site;
 mod spread;

@@ -1,10 +1,11 @@
 //! A simulated deployment and its ground truth.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix6, Rotation3, Vector3};
 
 use super::motion::Motion;
 use super::scenario::Scenario;
 use crate::deployment::{ControlPointSet, GnssFix, RawRecord};
+use crate::evaluation::trajectory::{Pose, Trajectory};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
 /// Unix time of the first reading (s), arbitrary.
@@ -54,5 +55,23 @@ impl Simulated {
         std::array::from_fn(|station| {
             errors.settled(station, &self.truth.station1_from_station[station], time_s)
         })
+    }
+
+    /// Returns the true poses of the vehicle in the frame of station 1 at set-up, this far apart (s).
+    pub fn true_trajectory(&self, apart_s: f64) -> Trajectory {
+        let pose = |step: usize| {
+            let time_s = step as f64 * apart_s;
+            let (position_m, axes) = self.truth.motion.pose(time_s);
+            Pose {
+                time_s: EPOCH_S + time_s,
+                position_m,
+                orientation: Rotation3::from_matrix_unchecked(axes).into(),
+                covariance: Matrix6::zeros(),
+                twist: None,
+                inter_prism_error_m: 0.0,
+            }
+        };
+        let steps = (self.scenario.duration_s / apart_s).floor() as usize;
+        Trajectory { poses: (0..=steps).map(pose).collect(), dropped: 0 }
     }
 }

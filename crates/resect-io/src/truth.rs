@@ -1,0 +1,34 @@
+//! Opening of a ground truth: a deployment, or a trajectory of another system.
+
+use std::path::Path;
+
+use crate::error::OpenError;
+use crate::estimate_file;
+use crate::source::{Extras, Source};
+use crate::what_is::{Dropped, what_is};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+
+/// Opens a deployment, or a trajectory as the ground truth of one; `topic` chooses the trajectory in a bag of several.
+///
+/// # Errors
+/// If the path is neither.
+pub fn open_truth(
+    path: &Path,
+    topic: Option<&str>,
+    extras: Extras,
+    progress: &Progress,
+) -> Result<Deployment, OpenError> {
+    let truth = || Source::ground_truth(path, topic.map(str::to_owned)).open(progress);
+    if topic.is_some() || what_is(path) == Dropped::Estimate {
+        return truth();
+    }
+    // Positions of one prism, or poses in a bag, are no deployment.
+    Source::at(path).with(extras).open(progress).or_else(|error| {
+        truth().map_err(|why| match estimate_file::read(path) {
+            // Several trajectories: a topic must be chosen.
+            Ok(_) => why,
+            Err(_) => error,
+        })
+    })
+}

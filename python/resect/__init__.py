@@ -1,0 +1,177 @@
+"""Calibration of three robotic total stations, and ground truth trajectories with covariance.
+
+    import resect
+
+    deployment = resect.open("2022-07-11-2")
+    calibration = deployment.calibrate()
+    calibration.verdict                     # "good"
+    calibration.station1_from_station2      # a Transform with σ
+    trajectory = calibration.trajectory(rate=10.0)
+
+Lengths are metres, angles radians, times seconds. `station1_from_station2` maps the frame of station 2 to that of
+station 1. The numbers are those of the program `resect`, which this package installs as well. Every error is a
+`ResectError` with one line.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Literal
+
+from . import _native
+from ._calibration import Calibration, Transform
+from ._deployment import Deployment, Pipeline, Track
+from ._evaluation import Evaluation
+from ._finding import Finding
+from ._keywords import Method, Overrides, Path, Settings, each, extras, plain
+from ._native import ResectError
+from ._planning import Prediction
+from ._simulation import Simulation
+from ._trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+__all__ = [
+    "Calibration",
+    "Deployment",
+    "Evaluation",
+    "Finding",
+    "Pipeline",
+    "Prediction",
+    "ResectError",
+    "Simulation",
+    "Track",
+    "Trajectory",
+    "Transform",
+    "evaluate",
+    "open",
+    "plan",
+    "simulate",
+]
+__version__ = version("resect")
+
+
+def open(
+    path: Path,
+    *,
+    rig: Path | None = None,
+    gcp: Path | Sequence[Path] = (),
+    drives: Path | Sequence[Path] = (),
+    **overrides: Unpack[Overrides],
+) -> Deployment:
+    """Opens a deployment: a folder, a file of tracks with the rest of its folder, or a bag.
+
+    Args:
+        path: folder or file with the stations' tracks.
+        rig: folder or file with the inter-prism distances, instead of the folder's.
+        gcp: files of control points, instead of those of the folder.
+        drives: further drives with unmoved stations, which are solved together.
+        **overrides: keys of `deployment.toml`, such as `prism_constant_m=0.0346` or `stations=[2, 1, 3]`.
+
+    Raises:
+        ResectError: if there is no such deployment, a file is not valid, or an override is unknown.
+    """
+    return Deployment(_native.open(path, extras(rig, gcp, drives, overrides)))
+
+
+def evaluate(
+    estimate: Path | Sequence[Path],
+    against: Path | Deployment,
+    *,
+    align: Literal["none", "rigid", "similarity"] = "rigid",
+    time_offset_s: float | None = None,
+    body: Literal["found", "same"] | Sequence[float] = "found",
+    as_evo: bool = False,
+    rig: Path | None = None,
+    truth_topic: str | None = None,
+    truth_station: Literal[1, 2, 3] | None = None,
+    method: Method | None = None,
+    **settings: Unpack[Settings],
+) -> Evaluation:
+    """Evaluates trajectories of other systems, with the σ of the ground truth.
+
+    Args:
+        estimate: one or several files: TUM, EuRoC, KITTI, CSV or bags.
+        against: ground truth: a deployment, its path, or a trajectory.
+        align: alignment of an estimate's frame: none, rotation and translation, or a scale as well.
+        time_offset_s: offset that is added to an estimate's times (s); estimated by default.
+        body: body frame of an estimate in the vehicle: estimated, the vehicle's, or its known origin (m).
+        as_evo: assume what evo assumes: equal clocks, one body frame, nearest stamps.
+        rig: as in `open`, if `against` is the path of a deployment.
+        truth_topic: topic of the ground truth in a bag of several trajectories.
+        truth_station: only this station of a deployment is the ground truth.
+        method: method of the calibration that is the ground truth, as in `Deployment.calibrate`.
+        **settings: settings of that calibration, as in `Deployment.calibrate`.
+
+    Raises:
+        ResectError: if no estimate can be compared with the ground truth.
+    """
+    if isinstance(against, Deployment):
+        truth = against._handle
+    else:
+        truth = _native.open_truth(against, truth_topic, extras(rig, (), (), {}))
+    options = {
+        "align": align,
+        "time_offset_s": time_offset_s,
+        "body": plain(body),
+        "as_evo": as_evo,
+        "truth_station": truth_station,
+    }
+    return Evaluation(_native.evaluate(each(estimate), truth, options, plain({"method": method, **settings})))
+
+
+def plan(
+    source: Path | Deployment | None = None,
+    *,
+    preset: str | None = None,
+    seed: int = 1,
+    way: Path | None = None,
+    target_mm: float | None = None,
+    method: Method | None = None,
+    **settings: Unpack[Settings],
+) -> Prediction:
+    """Predicts the accuracy of a drive before it is driven, and improves it.
+
+    Args:
+        source: a plan (TOML), or a past deployment or its path, whose stations, rig and path become the plan.
+        preset: a preset of `simulate`, instead of a source.
+        seed: seed of the preset's drive.
+        way: file with the path to drive, instead of the plan's: CSV, PLY or GeoJSON.
+        target_mm: largest acceptable root mean square error at the far end (mm), instead of the plan's.
+        method: method for a past deployment, as in `Deployment.calibrate`.
+        **settings: settings for a past deployment, as in `Deployment.calibrate`.
+
+    Raises:
+        ResectError: if the plan is not valid, or the stations never track together.
+    """
+    past, file = None, None
+    if isinstance(source, Deployment):
+        past = source._handle
+    elif source is not None and _is_plan(source):
+        file = source
+    elif source is not None:
+        past = open(source)._handle
+    options = {"file": file, "preset": preset, "seed": seed, "way": way, "target_mm": target_mm}
+    return Prediction(_native.plan(past, options, plain({"method": method, **settings})))
+
+
+def simulate(preset: str, *, seed: int = 1, field_errors: bool = False) -> Simulation:
+    """Simulates a deployment with known ground truth.
+
+    Args:
+        preset: the drive and its surroundings, such as "warthog" or "hd2-tunnel"; an unknown name lists all.
+        seed: the same seed gives the same readings.
+        field_errors: add all errors of real instruments, drawn from the seed with the sizes seen in the field.
+
+    Raises:
+        ResectError: if the preset is unknown.
+    """
+    return Simulation(_native.simulate(preset, seed, field_errors), f"{preset}, seed {seed}")
+
+
+def _is_plan(path: Path) -> bool:
+    """Returns true for a TOML file, as the program recognises a plan."""
+    return os.path.isfile(path) and os.path.splitext(path)[1] == ".toml"

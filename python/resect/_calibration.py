@@ -1,0 +1,210 @@
+"""Calibrations with their transforms, covariance and findings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ._finding import Finding, findings_by_code, lines
+from ._keywords import plain
+from ._tables import Array, Table, columns, html_page, text_table, with_sigma
+from ._trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from . import _native
+
+__all__ = ["Calibration", "Transform"]
+
+ROW_NAMES = ("group", "subject", "name", "symbol", "unit", "value", "sigma", "prior_sigma", "significant")
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Transform:
+    """Transform from the frame of station 2 or 3 to the frame of station 1.
+
+    Attributes:
+        station: 2 or 3.
+        translation_m: shape (3,), x, y, z in the frame of station 1 (m).
+        yaw_rad: rotation about the vertical (rad).
+        tilt_rad: angle between the verticals (rad); 0 for level stations.
+        matrix: shape (4, 4); it maps homogeneous coordinates of the station's frame to station 1's.
+        sigma_translation_m: shape (3,), standard deviations (m); None if they are not determined.
+        sigma_yaw_rad: standard deviation (rad); None if it is not determined.
+    """
+
+    station: int
+    translation_m: Array
+    yaw_rad: float
+    tilt_rad: float
+    matrix: Array
+    sigma_translation_m: Array | None
+    sigma_yaw_rad: float | None
+
+    @classmethod
+    def _of(cls, values: dict[str, Any]) -> Transform:
+        sigma = values["sigma"]
+        return cls(
+            station=values["from"],
+            translation_m=np.array(values["translation_m"]),
+            yaw_rad=values["yaw_rad"],
+            tilt_rad=values["tilt_rad"],
+            matrix=np.array(values["matrix"]),
+            sigma_translation_m=None if sigma is None else np.array(sigma["translation_m"]),
+            sigma_yaw_rad=None if sigma is None else sigma["yaw_rad"],
+        )
+
+    def _cells(self) -> list[str]:
+        sigmas = [None] * 3 if self.sigma_translation_m is None else list(self.sigma_translation_m)
+        lengths = [with_sigma(value, sigma) for value, sigma in zip(self.translation_m, sigmas)]
+        return [f"T1{self.station}", *lengths, with_sigma(self.yaw_rad, self.sigma_yaw_rad, 1e3)]
+
+    def __repr__(self) -> str:
+        return text_table([TRANSFORM_HEADER, self._cells()])
+
+
+TRANSFORM_HEADER = ["", "x (m)", "y (m)", "z (m)", "yaw (mrad)"]
+
+
+class Calibration:
+    """A calibration by one method, with its uncertainty, verdict and findings. `Deployment.calibrate` returns it.
+
+    `str(calibration)` is the text that `resect calibrate` prints.
+    """
+
+    def __init__(self, handle: _native.AnalysisHandle) -> None:
+        self._handle = handle
+
+    @cached_property
+    def _json(self) -> dict[str, Any]:
+        return self._handle.json()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the object that `resect calibrate --json` prints."""
+        return self._handle.json()
+
+    @property
+    def deployment(self) -> str:
+        """Name of the deployment."""
+        return str(self._json["deployment"])
+
+    @property
+    def method(self) -> str:
+        """Method of the answer: the published one if the joint estimate failed."""
+        return str(self._json["method"])
+
+    @property
+    def verdict(self) -> str:
+        """Reliability: "good", "weak", "ambiguous" or "degenerate"."""
+        return str(self._json["diagnosis"]["verdict"])
+
+    @property
+    def is_independently_checked(self) -> bool:
+        """True if independent data that would expose a bias agrees with the answer."""
+        return bool(self._json["diagnosis"]["independently_checked"])
+
+    @property
+    def recommendation(self) -> str:
+        """The answer to use, in words; may change."""
+        return str(self._json["recommendation"]["text"])
+
+    @cached_property
+    def transforms(self) -> tuple[Transform, Transform]:
+        """`station1_from_station2` and `station1_from_station3`, of the drive."""
+        two, three = (Transform._of(values) for values in self._json["transforms"])
+        return two, three
+
+    @cached_property
+    def survey_transforms(self) -> tuple[Transform, Transform] | None:
+        """Both transforms when the control points were measured; None if the answer does not use control points."""
+        transforms = self._json.get("survey_transforms")
+        if transforms is None:
+            return None
+        two, three = (Transform._of(values) for values in transforms)
+        return two, three
+
+    @property
+    def station1_from_station2(self) -> Transform:
+        """Transform from the frame of station 2 to station 1's."""
+        return self.transforms[0]
+
+    @property
+    def station1_from_station3(self) -> Transform:
+        """Transform from the frame of station 3 to station 1's."""
+        return self.transforms[1]
+
+    @cached_property
+    def covariance(self) -> Array | None:
+        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), in the frame of station 1.
+
+        None if a direction is not determined.
+        """
+        covariance = self._json["covariance"]
+        return None if covariance is None else np.array(covariance)
+
+    @cached_property
+    def findings(self) -> dict[str, tuple[Finding, ...]]:
+        """Findings about the data and the answer, by their code."""
+        return findings_by_code(self._json["diagnosis"]["findings"])
+
+    @property
+    def table(self) -> Table:
+        """Every number of the answer with its unit, σ and prior σ: columns for pandas or polars."""
+        return columns(self._json["rows"], ROW_NAMES)
+
+    @property
+    def residuals(self) -> Table:
+        """Errors of the inter-prism distances (mm) at each triplet: columns for pandas or polars.
+
+        For one prism they are the distances between its positions by two stations.
+        """
+        return self._handle.residuals()
+
+    def trajectory(
+        self,
+        rate: float | None = None,
+        *,
+        times_s: Sequence[float] | Array | None = None,
+        max_error_m: float | None = None,
+        lever_arm_m: Sequence[float] | Array | None = None,
+        frame: Literal["station1", "control-points"] = "station1",
+    ) -> Trajectory:
+        """Returns the poses of the vehicle, or the positions of the one prism that all stations follow.
+
+        Args:
+            rate: poses per second, evenly spaced (Hz); one pose at each triplet by default.
+            times_s: times of the poses (s), instead of a rate.
+            max_error_m: poses with a larger inter-prism error are left out (m); 0.02 by default.
+            lever_arm_m: origin of a sensor in the vehicle's frame (m), whose poses are returned.
+            frame: frame of the poses: station 1's, or the one in which the control points were surveyed.
+
+        Raises:
+            ResectError: if the answer has no poses at these times or in this frame.
+        """
+        options = {
+            "rate": rate,
+            "times_s": plain(times_s),
+            "max_error_m": max_error_m,
+            "lever_arm_m": plain(lever_arm_m),
+            "frame": frame,
+        }
+        return Trajectory._of(self._handle.trajectory(options))
+
+    def _title(self) -> str:
+        # The program's own words for a caveat and for a joint estimate that failed.
+        return str(self).partition("\n")[0]
+
+    def _rows(self) -> list[list[str]]:
+        return [TRANSFORM_HEADER, *(transform._cells() for transform in self.transforms)]
+
+    def __repr__(self) -> str:
+        return "\n".join([self._title(), text_table(self._rows()), self.recommendation])
+
+    def __str__(self) -> str:
+        return self._handle.text()
+
+    def _repr_html_(self) -> str:
+        return html_page(self._title(), self._rows(), [self.recommendation, *lines(self.findings)])

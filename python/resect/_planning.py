@@ -1,0 +1,81 @@
+"""Predictions for drives before they are driven."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ._finding import Finding, findings_by_code, lines
+from ._tables import Array, Table, columns, html_page, text_table
+
+__all__ = ["Prediction"]
+
+
+class Prediction:
+    """Expected accuracy of a planned drive, and its improvements. `resect.plan` returns it.
+
+    `str(prediction)` is the text that `resect plan` prints.
+    """
+
+    def __init__(self, values: dict[str, Any]) -> None:
+        self._json: dict[str, Any] = values["json"]
+        self._text: str = values["text"]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the object that `resect plan --json` prints."""
+        return self._json
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on a calibration from such a drive."""
+        return str(self._json["verdict"])
+
+    @cached_property
+    def findings(self) -> dict[str, tuple[Finding, ...]]:
+        """Reasons of the verdict, and notes, by their code."""
+        return findings_by_code(self._json["findings"])
+
+    @cached_property
+    def covariance(self) -> Array | None:
+        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), along the axes of the plan.
+
+        None if a direction is not determined.
+        """
+        held = self._json["held"]
+        return None if held is None else np.array(held["covariance"])
+
+    @property
+    def table(self) -> Table:
+        """The vehicle along the route, about once a second: columns for pandas or polars, in the plan's frame."""
+        rows = []
+        for at in self._json["way"]["vehicle"]:
+            x_m, y_m, z_m = at["position_m"]
+            rows.append({**at, "x_m": x_m, "y_m": y_m, "z_m": z_m})
+        return columns(rows, ("time_s", "x_m", "y_m", "z_m", "position_sigma_m", "rotation_sigma_rad"))
+
+    @property
+    def improvements(self) -> Table:
+        """Improvements, the largest first: σ at the far end before and after (m), and the additional time (s)."""
+        return columns(self._json["improvements"], ("kind", "sentence", "before_m", "after_m", "more_s"))
+
+    def _rows(self) -> list[list[str]]:
+        rows = [["", "σ x (mm)", "σ y (mm)", "σ z (mm)", "σ yaw (mrad)"]]
+        for station, sigma in enumerate((self._json["held"] or {}).get("sigma", []), start=2):
+            numbers = [*sigma["translation_m"], sigma["yaw_rad"]]
+            rows.append([f"T1{station}", *(f"{1e3 * number:.2g}" for number in numbers)])
+        return rows
+
+    def _title(self) -> str:
+        return self._text.partition("\n")[0]
+
+    def __repr__(self) -> str:
+        return f"{self._title()}\n{text_table(self._rows())}"
+
+    def __str__(self) -> str:
+        return self._text
+
+    def _repr_html_(self) -> str:
+        improvements = [one["sentence"] for one in self._json["improvements"]]
+        return html_page(self._title(), self._rows(), [*lines(self.findings), *improvements])

@@ -1,0 +1,134 @@
+//! An answer: its JSON, its text, its residuals and its trajectory.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::requested_trajectory::{
+    LARGEST_RATE_HZ, TrajectoryRequest, requested_trajectory,
+};
+use resect_core::evaluation::vehicle::Instants;
+use resect_report::{json, text};
+
+use crate::arrays::{plain, set_column};
+use crate::failure::{Failure, released};
+use crate::keywords::{of_request, with_keywords};
+use crate::trajectory::requested_arrays;
+
+/// An answer of a deployment.
+#[pyclass(frozen, module = "resect._native")]
+pub struct AnalysisHandle {
+    pub deployment: Arc<Deployment>,
+    pub analysis: Analysis,
+    pub answer: Arc<Answer>,
+    pub load_ms: f64,
+}
+
+/// Options of a trajectory.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct TrajectoryOptions {
+    rate: Option<f64>,
+    times_s: Option<Vec<f64>>,
+    max_error_m: Option<f64>,
+    lever_arm_m: Option<[f64; 3]>,
+    frame: String,
+}
+
+#[pymethods]
+impl AnalysisHandle {
+    /// Returns the object that `resect calibrate --json` prints.
+    fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let Self { deployment, analysis, answer, load_ms } = self;
+        let value = released(py, || Ok(json::calibration(deployment, analysis, answer, *load_ms)))?;
+        plain(py, &value)
+    }
+
+    /// Returns the text that `resect calibrate` prints.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        let Self { deployment, analysis, answer, .. } = self;
+        released(py, || Ok(text::calibration(deployment, analysis, answer, with_keywords)))
+    }
+
+    /// Returns the distance errors of the prisms at each triplet; columns of unknown distances are left out.
+    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let triplets = self.analysis.triplets();
+        let table = PyDict::new(py);
+        set_column(&table, "time_s", triplets.time_s.iter().copied())?;
+        table.set_item("interval", PyArray1::from_slice(py, &triplets.interval))?;
+        let names = ["error_12_mm", "error_13_mm", "error_23_mm"];
+        for (name, errors_mm) in names.iter().zip(&self.answer.evaluation.distance_errors_mm) {
+            if errors_mm.len() == triplets.len() {
+                set_column(&table, name, errors_mm.iter().copied())?;
+            }
+        }
+        Ok(table)
+    }
+
+    /// Returns the poses of the vehicle, or the positions of the one prism.
+    fn trajectory<'py>(
+        &self,
+        py: Python<'py>,
+        options: TrajectoryOptions,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let requested = released(py, || {
+            let request = options.request()?;
+            let (triplets, targets) = (self.analysis.triplets(), self.analysis.offer.targets);
+            let calibration = &self.answer.calibration;
+            requested_trajectory(&self.deployment, triplets, targets, calibration, &request)
+                .map_err(|why| of_request(&why))
+        })?;
+        requested_arrays(py, &requested)
+    }
+}
+
+impl TrajectoryOptions {
+    /// Returns the request, or the first invalid option.
+    fn request(&self) -> Result<TrajectoryRequest<'_>, Failure> {
+        let instants = match (&self.times_s, self.rate) {
+            (Some(_), Some(_)) => {
+                return Err(Failure::new("rate and times_s exclude each other; give one"));
+            }
+            (Some(times_s), None) if !times_s.iter().all(|time_s| time_s.is_finite()) => {
+                return Err(Failure::new("times_s has values that are not finite; give seconds"));
+            }
+            (Some(times_s), None) => Instants::At(times_s),
+            (None, Some(hz)) if hz > 0.0 && hz <= LARGEST_RATE_HZ => Instants::Rate(hz),
+            (None, Some(hz)) => {
+                let line =
+                    format!("rate is {hz} Hz; it must be above 0 and {LARGEST_RATE_HZ} at most");
+                return Err(Failure(line));
+            }
+            (None, None) => Instants::Triplets,
+        };
+        let mut request = TrajectoryRequest { instants, ..TrajectoryRequest::default() };
+        if let Some(error_m) = self.max_error_m {
+            if !(error_m > 0.0 && error_m.is_finite()) {
+                return Err(Failure(format!("max_error_m is {error_m} m; it must be above zero")));
+            }
+            request.largest_inter_prism_error_m = error_m;
+        }
+        if let Some(lever_arm_m) = self.lever_arm_m {
+            if !lever_arm_m.iter().all(|value| value.is_finite()) {
+                return Err(Failure::new(
+                    "lever_arm_m has values that are not finite; give metres",
+                ));
+            }
+            request.lever_arm_m = Some(Vector3::from(lever_arm_m));
+        }
+        request.is_in_site_frame = match &*self.frame {
+            "station1" => false,
+            "control-points" => true,
+            other => {
+                return Err(Failure(format!(
+                    "unknown frame `{other}`; give station1 or control-points"
+                )));
+            }
+        };
+        Ok(request)
+    }
+}

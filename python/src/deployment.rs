@@ -1,0 +1,148 @@
+//! Opening of deployments, their readings, and the pipeline.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use resect_core::analysis::Analyst;
+use resect_core::deployment::Deployment;
+use resect_core::pipeline;
+use resect_core::pipeline::{PipelineOutput, SampleFate};
+use resect_core::progress::Progress;
+use resect_io::source::Source;
+use resect_io::truth;
+use resect_report::json;
+use serde_json::json;
+
+use crate::analysis::AnalysisHandle;
+use crate::arrays::{plain, set_column, set_points, set_stack};
+use crate::failure::{Failure, raised, released};
+use crate::keywords::{extras, settings};
+
+/// An open deployment.
+#[pyclass(frozen, module = "resect._native")]
+pub struct DeploymentHandle {
+    pub deployment: Arc<Deployment>,
+    load_ms: f64,
+}
+
+impl DeploymentHandle {
+    pub fn new(deployment: Deployment, load_ms: f64) -> Self {
+        Self { deployment: Arc::new(deployment), load_ms }
+    }
+}
+
+#[pymethods]
+impl DeploymentHandle {
+    /// Returns what is known without a calibration, as in the JSON of a calibration.
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let deployment = &self.deployment;
+        plain(
+            py,
+            &json!({
+                "name": deployment.name,
+                "track_frame": deployment.track_frame,
+                "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+                "start_s": deployment.start_s(),
+                "end_s": deployment.end_s(),
+                "findings": json::findings(&deployment.findings),
+            }),
+        )
+    }
+
+    /// Returns the readings of a station (0 to 2).
+    fn track<'py>(&self, py: Python<'py>, station: usize) -> PyResult<Bound<'py, PyDict>> {
+        let no_station =
+            || Failure::new(format!("no station {}; stations are 1, 2, 3", station + 1));
+        let track = raised(self.deployment.tracks.get(station).ok_or_else(no_station))?;
+        let readings = &track.measurements;
+        let table = PyDict::new(py);
+        set_column(&table, "time_s", readings.iter().map(|reading| reading.time_s))?;
+        set_column(&table, "range_m", readings.iter().map(|reading| reading.range_m))?;
+        set_column(&table, "azimuth_rad", readings.iter().map(|reading| reading.azimuth_rad))?;
+        set_column(&table, "zenith_rad", readings.iter().map(|reading| reading.zenith_rad))?;
+        let positions_m: Vec<_> =
+            readings.iter().map(|reading| track.position_m(reading)).collect();
+        set_points(&table, "position_m", &positions_m)?;
+        table.set_item("prism_constant_m", track.prism_constant_m)?;
+        Ok(table)
+    }
+
+    /// Runs the pipeline alone.
+    fn run_pipeline<'py>(
+        &self,
+        py: Python<'py>,
+        given: &Bound<'py, PyDict>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let settings = raised(settings(given))?;
+        let output = released(py, || Ok(pipeline::run(&self.deployment, &settings.pipeline)))?;
+        pipeline_arrays(py, &output)
+    }
+
+    /// Runs pipeline, calibration and evaluation.
+    fn calibrate(&self, py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<AnalysisHandle> {
+        let settings = raised(settings(given))?;
+        released(py, || {
+            let deployment = Arc::clone(&self.deployment);
+            let analysis = Analyst::new(Arc::clone(&deployment)).run(&settings);
+            let answer =
+                analysis.answer.clone().map_err(|error| Failure::of_calibration(&error))?;
+            Ok(AnalysisHandle { deployment, analysis, answer, load_ms: self.load_ms })
+        })
+    }
+}
+
+/// Opens a deployment; `given` has the fields of `Extras`.
+#[pyfunction]
+pub fn open(
+    py: Python<'_>,
+    path: PathBuf,
+    given: &Bound<'_, PyDict>,
+) -> PyResult<DeploymentHandle> {
+    let extras = raised(extras(given))?;
+    released(py, || {
+        let started = Instant::now();
+        let deployment = Source::at(path).with(extras).open(&Progress::default())?;
+        Ok(DeploymentHandle::new(deployment, started.elapsed().as_secs_f64() * 1e3))
+    })
+}
+
+/// Opens a deployment, or a trajectory that is the ground truth.
+#[pyfunction]
+pub fn open_truth(
+    py: Python<'_>,
+    path: PathBuf,
+    topic: Option<String>,
+    given: &Bound<'_, PyDict>,
+) -> PyResult<DeploymentHandle> {
+    let extras = raised(extras(given))?;
+    released(py, || {
+        let deployment = truth::open_truth(&path, topic.as_deref(), extras, &Progress::default())?;
+        Ok(DeploymentHandle::new(deployment, 0.0))
+    })
+}
+
+/// Returns triplets, and the fate of each reading as an index of `fate_names`.
+fn pipeline_arrays<'py>(py: Python<'py>, output: &PipelineOutput) -> PyResult<Bound<'py, PyDict>> {
+    let triplets = &output.triplets;
+    let table = PyDict::new(py);
+    set_column(&table, "time_s", triplets.time_s.iter().copied())?;
+    table.set_item("interval", PyArray1::from_slice(py, &triplets.interval))?;
+    let count = triplets.len();
+    let points = (0..count).flat_map(|index| triplets.triplet_m(index));
+    let values: Vec<f64> = points.flat_map(|point| [point.x, point.y, point.z]).collect();
+    set_stack(&table, "points_m", values, [count, 3, 3])?;
+    set_column(&table, "speed_m_per_s", triplets.speed_m_per_s.iter().copied())?;
+    let codes = output.fates.iter().map(|fates| {
+        let code =
+            |fate: &SampleFate| SampleFate::ALL.iter().position(|own| own == fate).unwrap_or(0);
+        PyArray1::from_iter(py, fates.each.iter().map(code))
+    });
+    table.set_item("fates", PyList::new(py, codes)?)?;
+    table.set_item("fate_names", SampleFate::ALL.map(SampleFate::label))?;
+    table.set_item("intervals", output.kept_intervals.len())?;
+    Ok(table)
+}

@@ -1,0 +1,68 @@
+//! Errors as Python exceptions, and work without the interpreter's lock.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use pyo3::prelude::*;
+use resect_core::calibration::CalibrationError;
+use resect_core::deployment::printable::printable;
+
+use crate::keywords::with_keywords;
+
+pyo3::create_exception!(
+    resect,
+    ResectError,
+    pyo3::exceptions::PyValueError,
+    "An input that resect cannot use: one line with the place, the reason and a remedy, as the program prints it."
+);
+
+/// Reason why a call fails, as one line.
+#[derive(Debug)]
+pub struct Failure(pub String);
+
+impl Failure {
+    pub fn new(line: impl Into<String>) -> Self {
+        Self(line.into())
+    }
+
+    /// A mistake with its remedy.
+    pub fn remedied((what, remedy): (String, &str)) -> Self {
+        Self(format!("{what}; {remedy}"))
+    }
+
+    /// A calibration that is not possible, with its remedies as keyword arguments.
+    pub fn of_calibration(error: &CalibrationError) -> Self {
+        Self(with_keywords(&error.finding()))
+    }
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Runs work without the interpreter's lock, so that other threads of Python go on.
+///
+/// # Errors
+/// [`ResectError`] with the line of a failure. A fault of resect is one too: `except Exception` does not catch a panic.
+pub fn released<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> PyResult<T> {
+    raised(py.detach(|| {
+        // Nothing that the work was changing is used after a panic.
+        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(fault(panic.as_ref())))
+    }))
+}
+
+/// Returns the exception of a failure.
+pub fn raised<T>(result: Result<T, Failure>) -> PyResult<T> {
+    result.map_err(|Failure(line)| ResectError::new_err(printable(&line)))
+}
+
+fn fault(panic: &(dyn Any + Send)) -> Failure {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
+    Failure(format!("a fault of resect, not of the input: {text}; report it with the input"))
+}
