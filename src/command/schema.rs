@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 
 use super::{Failure, print};
 
-/// The schema of all outputs; each command is one of its definitions.
-const SCHEMA: &str = include_str!("../../assets/schema.json");
+/// The schema of all outputs, `assets/schema.json` as packed by `build.rs`; each command is one of its definitions.
+const SCHEMA: &str = include_str!(concat!(env!("OUT_DIR"), "/schema.json"));
 /// Commands with JSON outputs.
 const COMMANDS: [&str; 8] =
     ["calibrate", "compare", "validate", "ablate", "sweep", "evaluate", "plan", "live"];
@@ -19,10 +19,11 @@ pub struct SchemaArguments {
 }
 
 pub fn run(arguments: &SchemaArguments) -> Result<(), Failure> {
-    let Some(command) = &arguments.command else { return Ok(print(SCHEMA)?) };
     let mut schema: Map<String, Value> = serde_json::from_str(SCHEMA)?;
-    schema.remove("anyOf");
-    schema.insert("$ref".to_owned(), json!(format!("#/$defs/{command}")));
+    if let Some(command) = &arguments.command {
+        schema.remove("anyOf");
+        schema.insert("$ref".to_owned(), json!(format!("#/$defs/{command}")));
+    }
     print(&format!("{:#}\n", Value::Object(schema)))?;
     Ok(())
 }

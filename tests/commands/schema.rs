@@ -212,6 +212,8 @@ fn an_undescribed_a_missing_and_a_wrong_value_are_found() {
 #[test]
 fn the_schema_of_a_command_refers_to_its_definition() {
     let schema = schema();
+    let file = include_str!("../../assets/schema.json");
+    assert_eq!(schema, serde_json::from_str::<Value>(file).expect("JSON"));
     let alternatives = schema["anyOf"].as_array().expect("a list");
     for alternative in alternatives {
         let reference = alternative["$ref"].as_str().expect("text");
