@@ -25,8 +25,9 @@ Results are printed on standard output, without colours; errors, notes and progr
 /// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
 #[derive(Parser)]
 #[command(
-    version = VERSION, about, args_conflicts_with_subcommands = true, max_term_width = 100,
-    after_help = AFTER_HELP
+    version = VERSION, about, subcommand_precedence_over_arg = true, max_term_width = 100,
+    after_help = AFTER_HELP,
+    override_usage = "resect [OPTIONS] [PATH]...\n       resect [OPTIONS] <COMMAND>"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -121,6 +122,12 @@ pub fn run() -> ExitCode {
     };
     if arguments.quiet {
         be_quiet();
+    }
+    if arguments.command.is_some()
+        && let Some(path) = arguments.path.first()
+    {
+        complain(&format!("{}: paths follow the command; see --help", path.display()));
+        return ExitCode::from(2);
     }
     let result = match arguments.command {
         None => window::run(&arguments.path),

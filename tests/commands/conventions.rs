@@ -87,7 +87,12 @@ fn quiet_suppresses_notes_and_no_errors() {
     assert_eq!(note(&["--quiet"]), "");
     let error = resect(&["--quiet", "calibrate", path]);
     assert_eq!(error.status.code(), Some(1));
-    assert!(!error.stderr.is_empty());
+    assert!(String::from_utf8_lossy(&error.stderr).contains("inter_prism.csv"), "{error:?}");
+    let warthog = sample_folder("warthog");
+    let warthog = warthog.to_str().expect("UTF-8");
+    assert_eq!(resect(&["--quiet", "check", warthog]).status.code(), Some(0));
+    let misplaced = resect(&[warthog, "check"]);
+    assert_eq!(misplaced.status.code(), Some(2));
     // Without a terminal there is no progress and no colour.
     let output = resect(&["calibrate", sample_folder("warthog").to_str().expect("UTF-8")]);
     assert!(output.stderr.is_empty() && !output.stdout.contains(&0x1b));
