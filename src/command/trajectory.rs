@@ -172,13 +172,12 @@ impl FramedTrajectory<'_> {
         spare(file, used_files(deployment))?;
         atomic::write(file, content)?;
         print(&format!(
-            "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
+            "{}: {} poses, {}\n\
              poses in the {frame}; of the vehicle: {}\n\
              by {}, verdict {}\n{}",
             file.display(),
             trajectory.poses.len(),
-            trajectory.dropped,
-            arguments.max_error,
+            dropped(trajectory, arguments.max_error),
             vehicle,
             calibration.method_in_words(),
             calibration.verdict_in_words(),
@@ -256,6 +255,21 @@ fn one_prism(
     ))?)
 }
 
+/// Counts the epochs without a pose, by reason.
+fn dropped(trajectory: &Trajectory, largest_error_mm: f64) -> String {
+    let Trajectory { dropped, above_limit, .. } = trajectory;
+    let reasons = [
+        (*above_limit, format!("with an inter-prism error above {largest_error_mm} mm")),
+        (dropped - above_limit, "without a motion that the readings determine".to_owned()),
+    ];
+    let reasons = reasons.into_iter().filter(|(count, _)| *count > 0);
+    let reasons: Vec<String> = reasons.map(|(count, why)| format!("{count} {why}")).collect();
+    match reasons.is_empty() {
+        true => "0 epochs dropped".to_owned(),
+        false => format!("{dropped} epochs dropped ({})", reasons.join(", ")),
+    }
+}
+
 /// Returns a line on the times that all stations observed without a pose; empty if there are none.
 fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
     let Some(joint) = calibration.joint() else { return String::new() };
@@ -264,14 +278,18 @@ fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
         let next = spans_s.partition_point(|span_s| span_s[1] < **time_s);
         spans_s.get(next).is_some_and(|span_s| span_s[0] <= **time_s)
     };
-    let without = analysis.triplets().time_s.iter().filter(|time_s| !has_motion(time_s)).count();
-    match without {
-        0 => String::new(),
-        _ => format!(
-            "no poses at {without} triplets: their readings are wrong and were left out (`resect calibrate` shows the \
-             times)\n"
-        ),
-    }
+    let times_s = &analysis.triplets().time_s;
+    let without: Vec<f64> = times_s.iter().copied().filter(|time_s| !has_motion(&time_s)).collect();
+    let (Some(start_s), Some(first_s)) = (times_s.first(), without.first()) else {
+        return String::new();
+    };
+    let triplets = if without.len() == 1 { "triplet" } else { "triplets" };
+    format!(
+        "no poses at {} {triplets}, whose readings contradict each other and were left out; the first is {:.1} s after the \
+         first triplet\n",
+        without.len(),
+        first_s - start_s
+    )
 }
 
 /// Returns the distinct times of all readings in station 1's clock, as far as the other clocks' offsets are estimated (s).

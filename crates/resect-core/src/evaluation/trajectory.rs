@@ -43,8 +43,10 @@ pub struct Twist {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     pub poses: Vec<Pose>,
-    /// Number of instants left out: the inter-prism error exceeds the limit, or the points determine no pose.
+    /// Number of instants without a pose, for any reason.
     pub dropped: usize,
+    /// Number of them whose inter-prism error exceeds the limit. At the others no motion is known, or the points determine no pose.
+    pub above_limit: usize,
 }
 
 /// Standard deviations of a pose: the root of the mean variance of the three axes.
@@ -159,7 +161,10 @@ pub fn trajectory(
             Some(pose) if pose.inter_prism_error_m <= largest_inter_prism_error_m => {
                 result.poses.push(pose);
             }
-            _ => result.dropped += 1,
+            pose => {
+                result.dropped += 1;
+                result.above_limit += usize::from(pose.is_some());
+            }
         }
     }
     result
@@ -451,7 +456,7 @@ mod tests {
                 ObservedRig { time_s: i as f64, points_m, sigma_m }
             });
         let found = trajectory(&rig(), instants, 0.01);
-        assert_eq!(found.dropped, 2);
+        assert_eq!((found.dropped, found.above_limit), (2, 2));
         let kept: Vec<_> = found.poses.iter().map(|pose| pose.time_s).collect();
         assert_eq!(kept, [0.0, 1.0, 3.0]);
         assert!((found.poses[1].inter_prism_error_m - 0.004).abs() < 1e-12);

@@ -169,13 +169,15 @@ pub fn trajectory_by(
         let inter_prism_error_m = pose.inter_prism_error_m.max(read_m);
         Pose { inter_prism_error_m, ..pose }
     };
-    let poses: Vec<Pose> = instants
+    let mut poses: Vec<Pose> = instants
         .iter()
         .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at).map(with_error))
-        .filter(|pose| pose.inter_prism_error_m <= limit_m)
         .collect();
+    let determined = poses.len();
+    poses.retain(|pose| pose.inter_prism_error_m <= limit_m);
+    let above_limit = determined - poses.len();
     let dropped = times_s.len() - poses.len();
-    Ok((Trajectory { poses, dropped }, frame))
+    Ok((Trajectory { poses, dropped, above_limit }, frame))
 }
 
 /// Vehicle's pose at an instant (s) by the motion of the joint estimate, `station1_from_vehicle`. It has no covariance, which

@@ -72,6 +72,6 @@ impl Simulated {
             }
         };
         let steps = (self.scenario.duration_s / apart_s).floor() as usize;
-        Trajectory { poses: (0..=steps).map(pose).collect(), dropped: 0 }
+        Trajectory { poses: (0..=steps).map(pose).collect(), ..Trajectory::default() }
     }
 }

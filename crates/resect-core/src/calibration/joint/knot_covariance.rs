@@ -48,6 +48,7 @@ pub fn each_knot_covariance<const LOCAL: usize, const ROW: usize>(
             (after(&knots.covariance, rest), after(&knots.by_block, BLOCK));
         let with_rest = &forward * &of_rest;
         let own_covariance = &with_rest * forward.transpose() + &inverse * inverse.transpose();
+        let own_covariance = 0.5 * (&own_covariance + own_covariance.transpose());
         let own_by_block = &forward * &rest_by_block - &inverse * border;
         knots.first = knot;
         knots.covariance.view_mut((0, 0), (LOCAL, LOCAL)).copy_from(&own_covariance);
