@@ -20,11 +20,16 @@ pub fn reading_remedy(error: &Error) -> &'static str {
 
 /// Returns the canonical path in the form that users and other programs know: `C:\a` instead of `\\?\C:\a`.
 pub fn canonical(path: &Path) -> std::io::Result<PathBuf> {
-    let path = path.canonicalize()?;
+    let canonical = path.canonicalize();
     if !cfg!(windows) {
-        return Ok(path);
+        return canonical;
     }
-    Ok(path.to_str().and_then(without_prefix).map_or(path, PathBuf::from))
+    match canonical {
+        Ok(path) => Ok(path.to_str().and_then(without_prefix).map_or(path, PathBuf::from)),
+        // Drives in memory have no canonical paths, and neither have long ones under Wine.
+        Err(_) if path.exists() => std::path::absolute(path),
+        Err(error) => Err(error),
+    }
 }
 
 /// Longest path without the prefix `\\?\` (MAX_PATH with its final zero).
