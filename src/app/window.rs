@@ -336,6 +336,12 @@ pub fn open_window(start: Start) -> eframe::Result {
     // Keeping this instance avoids loading the drivers twice.
     let _probe = match &mut options.wgpu_options.wgpu_setup {
         WgpuSetup::CreateNew(setup) => {
+            if cfg!(windows) {
+                let describe = Arc::clone(&setup.device_descriptor);
+                setup.native_adapter_selector = Some(Arc::new(move |adapters, surface| {
+                    usable_adapter(adapters, surface, |adapter| describe(adapter))
+                }));
+            }
             Some(leave_opengl_out(&mut setup.instance_descriptor.backends))
         }
         WgpuSetup::Existing(_) => None,
@@ -351,6 +357,34 @@ pub fn open_window(start: Start) -> eframe::Result {
             Ok(Box::new(window))
         }),
     )
+}
+
+/// Returns the fastest adapter that opens a device. Windows has two interfaces to each graphics card, and one may refuse: under Wine,
+/// Direct3D 12 loses its device at once, where Vulkan draws.
+fn usable_adapter(
+    adapters: &[wgpu::Adapter],
+    surface: Option<&wgpu::Surface<'_>>,
+    describe: impl Fn(&wgpu::Adapter) -> wgpu::DeviceDescriptor<'static>,
+) -> Result<wgpu::Adapter, String> {
+    let draws_on = |adapter: &&wgpu::Adapter| {
+        surface.is_none_or(|surface| adapter.is_surface_supported(surface))
+    };
+    let mut adapters: Vec<_> = adapters.iter().filter(draws_on).collect();
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    let mut why = "no adapter draws on a window".to_owned();
+    for adapter in adapters {
+        match pollster::block_on(adapter.request_device(&describe(adapter))) {
+            Ok(_) => return Ok(adapter.clone()),
+            Err(error) => why = error.to_string(),
+        }
+    }
+    Err(why)
 }
 
 /// Excludes OpenGL if a better backend is available: its initialisation is a fifth of the time to the first frame.

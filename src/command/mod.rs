@@ -6,7 +6,11 @@ mod check;
 mod choice;
 mod compare;
 mod completions;
+#[cfg(windows)]
+mod console;
 mod desktop;
+#[cfg(target_os = "linux")]
+mod desktop_entry;
 mod evaluate;
 mod explain;
 mod export;
@@ -21,12 +25,16 @@ mod plan;
 mod printing;
 mod program;
 mod progress_line;
+#[cfg(any(windows, test))]
+mod registry_file;
 mod remedy_flags;
 mod report;
 mod schema;
 mod screenshot;
 mod settings_args;
 mod simulate;
+#[cfg(windows)]
+mod start_menu;
 mod study_args;
 mod sweep;
 mod trajectory;

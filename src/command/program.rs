@@ -91,7 +91,7 @@ enum CliCommand {
     /// Explain a technical term: τ_s, T12, mirror ambiguity
     #[command(after_help = "Example: resect explain tau-s")]
     Explain(explain::ExplainArguments),
-    /// Add the program, its icon and its file type to the menus of a Linux desktop
+    /// Add the program, its icon and its file type to the menus of Linux or Windows
     #[command(after_help = "Example: resect desktop")]
     Desktop(desktop::DesktopArguments),
     /// Write the completion script of a shell

@@ -12,6 +12,12 @@ const FIRST: Duration = Duration::from_millis(500);
 const NEXT: Duration = Duration::from_millis(200);
 /// Width of the bar (characters).
 const BAR: usize = 24;
+/// Erases the line. A console of Windows prints escape sequences unless a program switches them on.
+const ERASE: &str = if cfg!(windows) {
+    "\r                                                                      \r"
+} else {
+    "\r\x1b[2K"
+};
 
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -45,12 +51,12 @@ fn show_until(ended: &mpsc::Receiver<()>, what: &str, progress: &Progress) {
     let mut every = FIRST;
     let mut err = std::io::stderr();
     while ended.recv_timeout(every) == Err(mpsc::RecvTimeoutError::Timeout) {
-        _ = write!(err, "\r\x1b[2K{}", line(what, progress.share()));
+        _ = write!(err, "{ERASE}{}", line(what, progress.share()));
         _ = err.flush();
         every = NEXT;
     }
     if every == NEXT {
-        _ = write!(err, "\r\x1b[2K");
+        _ = write!(err, "{ERASE}");
         _ = err.flush();
     }
 }

@@ -266,7 +266,10 @@ fn dropped(trajectory: &Trajectory, largest_error_mm: f64) -> String {
     let reasons: Vec<String> = reasons.map(|(count, why)| format!("{count} {why}")).collect();
     match reasons.is_empty() {
         true => "0 epochs dropped".to_owned(),
-        false => format!("{dropped} epochs dropped ({})", reasons.join(", ")),
+        false => {
+            let epochs = if *dropped == 1 { "epoch" } else { "epochs" };
+            format!("{dropped} {epochs} dropped ({})", reasons.join(", "))
+        }
     }
 }
 

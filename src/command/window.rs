@@ -17,6 +17,8 @@ use resect_io::what_is::{Dropped, what_is};
 use resect_report::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
+    #[cfg(windows)]
+    super::console::leave_own();
     // The window opens sessions, since it can skip missing files.
     if let [path] = paths
         && what_is(path) == Dropped::Session
@@ -69,14 +71,19 @@ fn window(start: app::Start) -> Result<(), String> {
     if !has_display() {
         return Err("no display".to_owned());
     }
-    app::open_window(start).map_err(|error| match error {
+    let opened = app::open_window(start).map_err(|error| match error {
         eframe::Error::Wgpu(error) => app::without_graphics(&error),
         eframe::Error::Winit(error) => format!("the window did not open ({})", reason(&error)),
         eframe::Error::WinitEventLoop(error) => {
             format!("the window did not open ({})", reason(&error))
         }
         other => format!("the window did not open ({other})"),
-    })
+    });
+    #[cfg(windows)]
+    if let Err(why) = &opened {
+        super::console::show(why);
+    }
+    opened
 }
 
 /// Message of the window's library without the place in its source.
@@ -127,10 +134,15 @@ fn in_terminal(
         print(&text::calibration(deployment, &analysis, &answer, with_flags))?;
         print(&text::durations(&analysis, &answer))?;
     }
-    print(
-        "\nwindow      run resect where there is a display (over ssh: ssh -X, or xvfb-run)\n\
+    let window = if cfg!(target_os = "linux") {
+        "where there is a display (over ssh: ssh -X, or xvfb-run)"
+    } else {
+        "on a desktop with a graphics driver"
+    };
+    print(&format!(
+        "\nwindow      run resect {window}\n\
          picture     resect screenshot [PATH] --out window.png\n\
-         your data   resect calibrate PATH [--json]\n",
-    )?;
+         your data   resect calibrate PATH [--json]\n"
+    ))?;
     Ok(())
 }

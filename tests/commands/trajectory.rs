@@ -134,6 +134,23 @@ fn a_lever_arm_gives_the_poses_of_a_sensor() {
     }
 }
 
+/// A drive with little noise, of which the backward pass of the covariances lost a quarter by rounding.
+#[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
+fn a_stiff_drive_has_a_pose_at_every_triplet_with_readings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.csv");
+    let output = resect()
+        .args(["trajectory", "--out"])
+        .arg(&file)
+        .arg(of_field("real/20221205-1"))
+        .output()
+        .expect("runs");
+    let said = String::from_utf8_lossy(&output.stdout);
+    let reason = "2426 poses, 1 epoch dropped (1 without a motion that the readings determine)";
+    assert!(said.contains(reason), "{said}");
+}
+
 #[test]
 fn the_command_writes_tum_that_evo_reads() {
     let folder = tempfile::tempdir().expect("a folder");

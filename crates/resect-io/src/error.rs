@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::windows::reading_remedy;
 use resect_core::deployment::OtherSetUp;
 use resect_core::deployment::printable::{excerpt, printable};
 use resect_core::progress::Cancelled;
@@ -9,7 +10,7 @@ use resect_core::progress::Cancelled;
 /// Error of opening a file or folder as a deployment, with its place and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    #[error("{}: {error}; check the path and its permissions", path.display())]
+    #[error("{}: {error}; {}", path.display(), reading_remedy(error))]
     Io { path: PathBuf, error: std::io::Error },
     #[error("{file}: {what}; {remedy}")]
     File { file: String, what: String, remedy: String },

@@ -7,6 +7,7 @@
 //!
 //! | module | content | next change |
 //! |---|---|---|
+//! | [`windows`] | differences of Windows: forms of paths, files that another program has open | |
 //! | [`atomic`] | atomic writing: a crash leaves the old file or the new one | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`skipped_rows`] | rows of tables that are not valid | |
@@ -47,6 +48,7 @@ pub mod source;
 pub mod truth;
 pub mod way_file;
 pub mod what_is;
+pub mod windows;
 
 pub use error::OpenError;
 pub use open::{open, open_files};

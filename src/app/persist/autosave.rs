@@ -50,7 +50,8 @@ impl OwnFile {
     /// Locks a session file, which need not exist; `None` if another window has the lock.
     fn lock(path: PathBuf) -> std::io::Result<Option<Self>> {
         let lock_path = path.with_extension("lock");
-        let lock = File::options().create(true).append(true).open(&lock_path)?;
+        // Windows locks no file that is open for appending only.
+        let lock = File::options().create(true).read(true).append(true).open(&lock_path)?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Ok(None),

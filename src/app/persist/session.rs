@@ -17,6 +17,7 @@ use resect_core::progress::Progress;
 use resect_io::atomic::WriteError;
 use resect_io::error::OpenError;
 use resect_io::source::Source;
+use resect_io::windows::reading_remedy;
 use resect_report::summary::ResultSummary;
 
 /// Extension of a session file.
@@ -24,7 +25,7 @@ pub const EXTENSION: &str = "resect.toml";
 
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    #[error("{}: {error}; check the path and its permissions", path.display())]
+    #[error("{}: {error}; {}", path.display(), reading_remedy(error))]
     Read { path: PathBuf, error: std::io::Error },
     #[error("{}:{line}: {what}; correct the line, or use an older copy of the session", path.display())]
     Line { path: PathBuf, line: usize, what: String },

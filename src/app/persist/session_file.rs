@@ -10,6 +10,7 @@ use super::session::{Files, Session, SessionError};
 use super::stored;
 use resect_core::deployment::Finding;
 use resect_io::atomic;
+use resect_io::windows;
 
 impl Session {
     /// Text of a session file in this folder. Paths below the folder are relative, so that both can be moved together.
@@ -66,7 +67,7 @@ fn parse<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, Sessi
 fn folder_of(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    folder.canonicalize().unwrap_or(folder)
+    windows::canonical(&folder).unwrap_or(folder)
 }
 
 #[cfg(test)]

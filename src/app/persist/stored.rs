@@ -13,6 +13,7 @@ use resect_core::deployment::Finding;
 use resect_core::estimates::Options;
 use resect_core::planning::Plan;
 use resect_io::source::{Extras, Place, Source, TrajectoryFile};
+use resect_io::windows;
 
 /// Format version that this program writes.
 pub const VERSION: u32 = 1;
@@ -240,10 +241,10 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
 /// Returns the path relative to this folder if it is below it, and otherwise the absolute path.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let absolute = absolute.canonicalize().unwrap_or(absolute);
+    let absolute = windows::canonical(&absolute).unwrap_or(absolute);
     match absolute.strip_prefix(folder) {
         Ok(below) if below.as_os_str().is_empty() => PathBuf::from("."),
-        Ok(below) => below.to_owned(),
+        Ok(below) => windows::with_slashes(below),
         Err(_) => absolute,
     }
 }

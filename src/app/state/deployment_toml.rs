@@ -10,6 +10,7 @@ use resect_io::atomic;
 use resect_io::format::deployment_toml;
 use resect_io::override_changes::override_changes;
 use resect_io::source::{Extras, Source};
+use resect_io::windows;
 
 impl State {
     /// Prepares the new content of the file in the background.
@@ -74,7 +75,8 @@ fn propose(id: u64, source: &Source, deployment: &Deployment) -> Result<AskedTom
         );
     };
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
-    let folder = folder.canonicalize().map_err(|error| format!("{}: {error}", folder.display()))?;
+    let folder =
+        windows::canonical(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let path = folder.join("deployment.toml");
     let before = match std::fs::read_to_string(&path) {
         Ok(text) => Some(text),
@@ -107,8 +109,8 @@ fn into_folder(
     let mut writes = extras.corrections.clone();
     let mut stays = Extras { corrections: Overrides::default(), ..extras.clone() };
     let below = |path: &PathBuf| {
-        let path = path.canonicalize().ok()?;
-        let name = path.strip_prefix(folder).ok()?.to_str()?.to_owned();
+        let path = windows::canonical(path).ok()?;
+        let name = windows::with_slashes(path.strip_prefix(folder).ok()?).to_str()?.to_owned();
         path.is_file().then_some(name)
     };
     if let Some(name) = extras.rig.as_ref().and_then(below) {

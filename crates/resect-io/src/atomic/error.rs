@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::part::folder_of;
+use crate::windows::is_in_use;
 
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot be {what}: {error}; {}", path.display(), self.remedy())]
@@ -38,6 +39,11 @@ impl WriteError {
             ErrorKind::IsADirectory => "this is a folder; give a file name in it",
             ErrorKind::NotADirectory => "the path uses a file as a folder; choose another folder",
             ErrorKind::AlreadyExists => "a file has this name; choose another folder",
+            _ if is_in_use(&self.error) => "close the program that has the file open",
+            // Windows refuses to replace a file that another program has open with the error of permissions.
+            ErrorKind::PermissionDenied if cfg!(windows) && self.path.is_file() => {
+                "close the program that has the file open, or choose a file with write permission"
+            }
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
                 "choose a folder and a file with write permission"
             }

@@ -11,6 +11,7 @@ use crate::format;
 use crate::format::text_encoding::{decode, decode_text, text_reader};
 use crate::format::{Format, recognise};
 use crate::recording::station_index;
+use crate::windows;
 use resect_core::deployment::Overrides;
 use resect_core::progress::Progress;
 
@@ -146,7 +147,7 @@ pub struct Found {
 pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
     let io = |error| OpenError::Io { path: path.to_owned(), error };
     let metadata = std::fs::metadata(path).map_err(io)?;
-    let path = path.canonicalize().map_err(io)?;
+    let path = windows::canonical(path).map_err(io)?;
     let chosen = if metadata.is_dir() {
         None
     } else {
@@ -209,9 +210,10 @@ fn pass_over_derived(files: &mut [FoundFile]) {
     }
 }
 
-/// Returns a path relative to the folder.
+/// Returns a path relative to the folder, as `deployment.toml` names it.
 fn below(top: &Path, path: &Path) -> String {
-    path.strip_prefix(top).unwrap_or(path).to_string_lossy().into_owned()
+    let below = path.strip_prefix(top).map_or_else(|_| path.to_owned(), windows::with_slashes);
+    below.to_string_lossy().into_owned()
 }
 
 /// Returns true if a folder is a link to one of its parents, which would cause an endless search.

@@ -81,9 +81,15 @@ fn a_good_joint_estimate_is_used_with_its_largest_sigma() {
         &checked,
         "Use the joint estimate for this drive. σ of a station's position is at most ",
     );
-    assert_says(&checked, " mm along an axis, and the control points agree. For a smaller σ, reduce its");
+    assert_says(
+        &checked,
+        " mm along an axis, and the control points agree. For a smaller σ, reduce its",
+    );
     let unchecked = recommended(|calibration| calibration.checked_by = vec![Witness::Rig]);
-    assert_says(&unchecked, " mm along an axis. To check it independently, let all stations measure three");
+    assert_says(
+        &unchecked,
+        " mm along an axis. To check it independently, let all stations measure three",
+    );
     let mut together = GOOD.0.clone();
     together.restarts_s = vec![100.0];
     assert_says(&recommend(&GOOD.1, &together), "Use the joint estimate for these drives.");

@@ -133,14 +133,13 @@ fn uri(path: &Path) -> String {
     uri + "?immutable=1"
 }
 
-/// Returns a Windows path as SQLite's URIs have it: slashes, one before a drive's letter (sqlite.org/uri.html), and without the
-/// `\\?\` of canonical paths, whose question mark would begin the URI's query.
+/// Returns a Windows path as SQLite's URIs have it: slashes, and one before a drive's letter (sqlite.org/uri.html). A path with the prefix
+/// `\\?\` stays: Windows opens a longer path only with it, and reads no slashes in it.
 fn with_slashes(path: &str) -> String {
-    let plain = match path.strip_prefix(r"\\?\UNC\") {
-        Some(share) => format!(r"\\{share}"),
-        None => path.strip_prefix(r"\\?\").unwrap_or(path).to_owned(),
-    };
-    let plain = plain.replace('\\', "/");
+    if path.starts_with(r"\\?\") {
+        return path.to_owned();
+    }
+    let plain = path.replace('\\', "/");
     match plain.as_bytes() {
         [_, b':', ..] => format!("/{plain}"),
         [b'/', b'/', ..] => format!("//{plain}"),
@@ -323,9 +322,8 @@ mod tests {
     #[test]
     fn windows_paths_become_paths_of_uris() {
         for (path, expected) in [
-            (r"\\?\C:\drives\a.db3", "/C:/drives/a.db3"),
             (r"C:\drives\a.db3", "/C:/drives/a.db3"),
-            (r"\\?\UNC\server\share\a.db3", "////server/share/a.db3"),
+            (r"\\?\C:\drives\a.db3", r"\\?\C:\drives\a.db3"),
             (r"\\server\share\a.db3", "////server/share/a.db3"),
             (r"drives\a.db3", "drives/a.db3"),
         ] {
