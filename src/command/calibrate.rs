@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::Value;
 
-use super::remedy_flags::with_flags;
+use super::remedy_flags::finding_line;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
@@ -34,7 +34,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
         if arguments.json {
             objects.push(json::calibration(&deployment, &analysis, &answer, load_ms));
         } else {
-            print(&text::calibration(&deployment, &analysis, &answer, with_flags))?;
+            print(&text::calibration(&deployment, &analysis, &answer, finding_line))?;
             print(&text::durations(&analysis, &answer))?;
         }
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::remedy_flags::with_flags;
+use super::remedy_flags::finding_line;
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::{CalibrationError, Method};
@@ -91,7 +91,7 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     text += &first_look(analysis);
     text += "\nfindings\n";
     for finding in &deployment.findings {
-        _ = writeln!(text, "  {} {}", finding.severity.mark(), with_flags(finding));
+        _ = writeln!(text, "  {} {}", finding.severity.mark(), finding_line(finding));
     }
     text
 }
@@ -106,7 +106,7 @@ fn first_look(analysis: &Analysis) -> String {
             _ = writeln!(text, "  {}", calibration.verdict_in_words());
             let own = |f: &&Finding| f.severity > Severity::Note && !f.kind.is_doubt();
             for finding in calibration.findings.iter().filter(own) {
-                _ = writeln!(text, "  {} {}", finding.severity.mark(), with_flags(finding));
+                _ = writeln!(text, "  {} {}", finding.severity.mark(), finding_line(finding));
             }
         }
         // Ranges in a wrong unit may leave no triplets, as the error explains.

@@ -10,19 +10,24 @@ use resect_core::simulation::Preset;
 /// Values with their words and their help (may be empty).
 type Choices<T> = &'static [(T, &'static str, &'static str)];
 
-/// Parses one of the words.
+/// Parses one of the words, or the letter with which its help begins: "B: static control points".
 pub fn choice<T>(choices: Choices<T>) -> impl TypedValueParser<Value = T>
 where
     T: Copy + Send + Sync + 'static,
 {
     let words = choices.iter().map(|(_, word, help)| match *help {
         "" => PossibleValue::new(*word),
-        help => PossibleValue::new(*word).help(help),
+        help => PossibleValue::new(*word).help(help).aliases(letter(help)),
     });
     PossibleValuesParser::new(words).map(move |word| {
-        let chosen = choices.iter().find(|(_, own, _)| *own == word);
+        let chosen =
+            choices.iter().find(|(_, own, help)| *own == word || letter(help) == Some(&*word));
         chosen.expect("clap accepts these words only").0
     })
+}
+
+fn letter(help: &str) -> Option<&str> {
+    help.split_once(": ").map(|(letter, _)| letter).filter(|letter| letter.len() == 1)
 }
 
 pub const METHODS: Choices<Method> = &[

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::progress_line::with_progress;
-use super::remedy_flags::with_flags;
+use super::remedy_flags::finding_line;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use resect_core::experiment::compare;
@@ -26,7 +26,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         print(&format!("{:#}\n", study::comparison_json(&result)))?;
     } else {
         print(&study::table(&result.study))?;
-        print(&study::transforms_table(&result, with_flags))?;
+        print(&study::transforms_table(&result, finding_line))?;
     }
     arguments.study.write(&result.study)
 }

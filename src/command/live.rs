@@ -11,7 +11,7 @@ use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::remedy_flags::with_flags;
+use super::remedy_flags::finding_line;
 use super::settings_args::AnswerArguments;
 use super::{Failure, complain, print};
 use resect_core::analysis::{Analyst, Settings};
@@ -180,7 +180,7 @@ fn lines(before: &View, view: &View) -> String {
     }
     for warning in &view.warnings {
         if !is_known(before, &warning.finding) {
-            text += &format!("! {}\n", with_flags(&warning.finding));
+            text += &format!("! {}\n", finding_line(&warning.finding));
         }
     }
     for left in &view.left_out {
@@ -241,7 +241,7 @@ fn end(finished: Finished, arguments: &LiveArguments, settings: &Settings) -> Re
         let answer = json::calibration(&deployment, &analysis, &answer, 0.0);
         print(&format!("{}\n", json!({ "schema": json::SCHEMA, "answer": answer })))?;
     } else {
-        print(&text::calibration(&deployment, &analysis, &answer, with_flags))?;
+        print(&text::calibration(&deployment, &analysis, &answer, finding_line))?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Remedies of findings as flags of the command line.
 
 use resect_core::calibration::CalibrationError;
-use resect_core::deployment::{Finding, Remedy};
+use resect_core::deployment::{Finding, Remedy, Severity};
 use resect_core::estimates::Unjudged;
 use resect_core::estimates::unfit::Unfit;
 use resect_core::evaluation::requested_trajectory::RequestError;
@@ -24,8 +24,17 @@ fn flag(remedy: &Remedy) -> Option<&'static str> {
     }
 }
 
+/// Returns the line of a finding in a list; a warning or a problem has its code at the end, by which the book explains it.
+pub fn finding_line(finding: &Finding) -> String {
+    let line = with_flags(finding);
+    match finding.severity {
+        Severity::Note => line,
+        Severity::Warning | Severity::Problem => format!("{line} [{}]", finding.kind.code()),
+    }
+}
+
 /// Returns the message of a finding with the flags of its remedies: "…; use --gcp or --rig".
-pub fn with_flags(finding: &Finding) -> String {
+fn with_flags(finding: &Finding) -> String {
     let mut line = finding.to_string();
     for (index, flag) in finding.remedies.iter().filter_map(flag).enumerate() {
         line += if index == 0 { "; use " } else { " or " };

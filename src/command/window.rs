@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::remedy_flags::with_flags;
+use super::remedy_flags::finding_line;
 use super::{Failure, complain, load, note, print};
 use crate::app;
 use crate::app::persist::{hashes::HashCache, session_file};
@@ -131,7 +131,7 @@ fn in_terminal(
     for (deployment, settings) in deployments {
         let analysis = Analyst::new(Arc::clone(deployment)).run(settings);
         let answer = analysis.answer.clone()?;
-        print(&text::calibration(deployment, &analysis, &answer, with_flags))?;
+        print(&text::calibration(deployment, &analysis, &answer, finding_line))?;
         print(&text::durations(&analysis, &answer))?;
     }
     let window = if cfg!(target_os = "linux") {

@@ -125,7 +125,7 @@ fn the_result_begins_with_the_answer_to_use() {
         words.starts_with("Use the joint estimate for this drive. σ of a station's"),
         "{words}"
     );
-    let published = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
+    let published = json(&["calibrate", text(&path), "--method", "D", "--json"]);
     assert_eq!(published["recommendation"]["answer"], "inter-prism");
 
     let folder = tempfile::tempdir().expect("a folder");
