@@ -151,16 +151,24 @@ This page is generated from the source: `UPDATE_GOLDEN=1 cargo test --test struc
 |---|---|
 | note | information; needs no remedy unless one is given |
 | warning | may bias the answer, or loses data |
-| doubt | a warning about the data: no answer from it is better than *weak* |
+| warning, *weak* | a warning about the data: the verdict of every answer from it is *weak* at best; `warning` in JSON |
 | problem | no answer, or an answer with an unobservable direction |
 
 The table has the usual severity. Some findings have a lower or higher one by their size, so scripts should read `severity` from the output.
 The last column links to the advice of the Guide (Help in the window), which is below.
+
+## Findings that limit the verdict
+Any finding with one of these codes limits the verdict of every answer from the data to *weak*:
+";
+
+const LIMITS: &str = ".
+
+Other warnings limit it in some answers only. `diagnosis.verdict` of the JSON has the verdict, and `diagnosis.doubts` the warnings and problems about the answer.
 ";
 
 fn severity(kind: FindingKind) -> &'static str {
     match kind.severity() {
-        _ if kind.is_doubt() => "doubt",
+        _ if kind.is_doubt() => "warning, *weak*",
         Severity::Note => "note",
         Severity::Warning => "warning",
         Severity::Problem => "problem",
@@ -176,7 +184,9 @@ fn remedy(kind: FindingKind) -> String {
 }
 
 fn page() -> String {
-    let mut page = HEAD.to_owned();
+    let doubts = FindingKind::ALL.iter().filter(|kind| kind.is_doubt());
+    let codes: Vec<String> = doubts.map(|kind| format!("`{}`", kind.code())).collect();
+    let mut page = format!("{HEAD}{}{LIMITS}", codes.join(",\n"));
     for kind in FindingKind::ALL {
         if let Some((_, title)) = SECTIONS.iter().find(|(first, _)| *first == kind.code()) {
             _ = write!(

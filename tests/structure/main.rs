@@ -6,6 +6,7 @@ mod documents;
 mod findings_page;
 mod licences;
 mod names;
+mod settings_page;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -403,11 +403,11 @@ finding_kinds! {
     ErrorsImplausible = "errors-implausible", Warning;
     /// An estimated inter-prism distance.
     DistanceEstimated = "distance-estimated", Tabled;
-    /// An estimated inter-prism distance is far from its measurement.
+    /// The estimate of an inter-prism distance differs from its measurement by more than 3 mm and 3 σ of the estimate; the verdict stays.
     DistanceOff = "distance-off", Warning;
-    /// An inter-prism distance contradicts its measurement.
+    /// One inter-prism distance contradicts its measurement: by more than 4.2 σ, given the stated σ of the distances; the answer is weak.
     DistanceImplausible = "distance-implausible", Warning;
-    /// The inter-prism distances, taken together, contradict their measurements.
+    /// The three inter-prism distances together contradict their measurements by more than 3 σ, and no single error does; the answer is weak.
     DistancesImplausible = "distances-implausible", Warning;
     /// An error is larger than the user stated.
     StatedErrorContradicted = "stated-error-contradicted", Warning;

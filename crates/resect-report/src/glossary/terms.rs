@@ -139,7 +139,8 @@ terms! {
         "The search of the prior uses only triplets slower than τ_v. It increases τ_v from 1 cm/s in steps of 10 cm/s over the range of \
          speeds." ("section III-B, search of prior");
     SIGMA_DISTANCES = "σ distances":
-        "The σ of the inter-prism distances: one millimetre unless given. It is part of every σ of the answer.";
+        "The prior σ of the measured inter-prism distances: 3 mm unless given (inter_prism_sigma_m of a settings file). Method D uses at most \
+         1 mm, as the paper does. It is part of every σ of the answer.";
 
     // Reliability of an answer.
     VERDICT = "verdict":
