@@ -15,8 +15,7 @@ use resect_core::evaluation::vehicle::Instants;
 use resect_report::{json, text};
 
 use crate::arrays::{plain, set_column};
-use crate::deployment::times_in_words;
-use crate::failure::{Failure, released};
+use crate::failure::{Failure, released, times_in_words};
 use crate::keywords::{of_request, with_keywords};
 use crate::trajectory::requested_arrays;
 

@@ -19,7 +19,7 @@ use serde_json::json;
 
 use crate::analysis::AnalysisHandle;
 use crate::arrays::{plain, set_column, set_points, set_stack};
-use crate::failure::{Failure, raised, released};
+use crate::failure::{Failure, raised, released, times_in_words};
 use crate::keywords::{extras, settings};
 
 /// An open deployment.
@@ -121,12 +121,6 @@ fn uses_none(deployment: &Deployment) -> bool {
     let is_used =
         |track: &Track| (0..track.measurements.len()).any(|index| !track.is_left_out(index));
     !deployment.tracks.iter().any(is_used)
-}
-
-/// Returns "1669750466.0 to 1669750822.4 s"; `None` without readings.
-pub fn times_in_words(deployment: &Deployment) -> Option<String> {
-    let (start_s, end_s) = (deployment.start_s()?, deployment.end_s()?);
-    Some(format!("{start_s:.1} to {end_s:.1} s"))
 }
 
 /// Opens a deployment, or a trajectory that is the ground truth.
