@@ -10,22 +10,25 @@
 
 Lengths are metres, angles radians, times seconds. `station1_from_station2` maps the frame of station 2 to that of
 station 1. The numbers are those of the program `resect`, which this package installs as well. Every error is a
-`ResectError` with one line.
+`ResectError` with one line; an argument of another form is one too.
 """
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from . import _arguments as arguments
 from . import _native
 from ._calibration import Calibration, Transform
 from ._deployment import Deployment, Pipeline, Track
 from ._evaluation import Evaluation
 from ._finding import Finding
-from ._keywords import Method, Overrides, Path, Settings, each, extras, plain
+from ._keywords import Method, Overrides, Path, Settings, extras, plain
+from ._keywords import settings as checked
 from ._native import ResectError
 from ._planning import Prediction
 from ._simulation import Simulation
@@ -74,7 +77,7 @@ def open(
     Raises:
         ResectError: if there is no such deployment, a file is not valid, or an override is unknown.
     """
-    return Deployment(_native.open(path, extras(rig, gcp, drives, overrides)))
+    return Deployment(_native.open(arguments.path("path", path), extras(rig, gcp, drives, overrides)))
 
 
 def evaluate(
@@ -109,18 +112,24 @@ def evaluate(
     Raises:
         ResectError: if no estimate can be compared with the ground truth.
     """
+    # All arguments are checked before a long reading.
+    given = checked(settings, method, _names_of(evaluate))
+    estimates = arguments.paths("estimate", estimate)
+    options = {
+        "align": arguments.choice("align", align, ("none", "rigid", "similarity")),
+        "time_offset_s": arguments.optional_number("time_offset_s", plain(time_offset_s)),
+        "body": _body_frame(plain(body)),
+        "as_evo": arguments.truth("as_evo", plain(as_evo)),
+        "truth_station": plain(truth_station),
+    }
+    if truth_station is not None:
+        arguments.choice("truth_station", options["truth_station"], (1, 2, 3))
     if isinstance(against, Deployment):
         truth = against._handle
     else:
-        truth = _native.open_truth(against, truth_topic, extras(rig, (), (), {}))
-    options = {
-        "align": align,
-        "time_offset_s": time_offset_s,
-        "body": plain(body),
-        "as_evo": as_evo,
-        "truth_station": truth_station,
-    }
-    return Evaluation(_native.evaluate(each(estimate), truth, options, plain({"method": method, **settings})))
+        topic = None if truth_topic is None else arguments.word("truth_topic", truth_topic)
+        truth = _native.open_truth(arguments.path("against", against), topic, extras(rig, (), (), {}))
+    return Evaluation(_native.evaluate(estimates, truth, options, given))
 
 
 def plan(
@@ -147,15 +156,21 @@ def plan(
     Raises:
         ResectError: if the plan is not valid, or the stations never track together.
     """
+    given = checked(settings, method, _names_of(plan))
+    options = {
+        "preset": None if preset is None else arguments.word("preset", preset),
+        "seed": arguments.seed(plain(seed)),
+        "way": None if way is None else arguments.path("way", way),
+        "target_mm": arguments.optional_number("target_mm", plain(target_mm)),
+    }
     past, file = None, None
     if isinstance(source, Deployment):
         past = source._handle
-    elif source is not None and _is_plan(source):
+    elif source is not None and _is_plan(arguments.path("source", source)):
         file = source
     elif source is not None:
         past = open(source)._handle
-    options = {"file": file, "preset": preset, "seed": seed, "way": way, "target_mm": target_mm}
-    return Prediction(_native.plan(past, options, plain({"method": method, **settings})))
+    return Prediction(_native.plan(past, {"file": file, **options}, given))
 
 
 def simulate(preset: str, *, seed: int = 1, field_errors: bool = False) -> Simulation:
@@ -167,11 +182,28 @@ def simulate(preset: str, *, seed: int = 1, field_errors: bool = False) -> Simul
         field_errors: add all errors of real instruments, drawn from the seed with the sizes seen in the field.
 
     Raises:
-        ResectError: if the preset is unknown.
+        ResectError: if the preset is unknown, or the seed is not a whole number from 0.
     """
-    return Simulation(_native.simulate(preset, seed, field_errors), f"{preset}, seed {seed}")
+    seed = arguments.seed(plain(seed))
+    has_errors = arguments.truth("field_errors", plain(field_errors))
+    return Simulation(_native.simulate(arguments.word("preset", preset), seed, has_errors), f"{preset}, seed {seed}")
 
 
 def _is_plan(path: Path) -> bool:
     """Returns true for a TOML file, as the program recognises a plan."""
     return os.path.isfile(path) and os.path.splitext(path)[1] == ".toml"
+
+
+def _names_of(function: Callable[..., Any]) -> list[str]:
+    """Returns the arguments of a function that are keywords."""
+    every = inspect.signature(function).parameters.values()
+    return [one.name for one in every if one.kind is inspect.Parameter.KEYWORD_ONLY]
+
+
+def _body_frame(value: Any) -> str | list[float]:
+    """Returns the body frame of an estimate: a word, or its origin in the vehicle (m)."""
+    if isinstance(value, list):
+        return arguments.numbers("body", value, 3)
+    if value in ("found", "same"):
+        return str(value)
+    arguments.refuse("body", arguments.in_words(value), "found, same, or three numbers in metres")

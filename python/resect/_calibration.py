@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from . import _arguments as arguments
 from ._finding import Finding, findings_by_code, lines
 from ._keywords import plain
 from ._tables import Array, Table, columns, html_page, text_table, with_sigma
@@ -65,6 +66,18 @@ class Transform:
     def __repr__(self) -> str:
         return text_table([TRANSFORM_HEADER, self._cells()])
 
+    def _repr_html_(self) -> str:
+        return html_page(f"Station 1 from station {self.station}", [TRANSFORM_HEADER, self._cells()])
+
+
+def significance(row: dict[str, Any]) -> bool | None:
+    """Returns the significance of a row; None if the row has no expected value, or no σ."""
+    # A distance of prisms that nobody measured would be compared with zero.
+    has_expected = row["group"] in ("survey", "clocks", "instruments") or (
+        row["group"] == "distances" and row["reference"] is not None
+    )
+    return bool(row["significant"]) if has_expected and row["sigma"] is not None else None
+
 
 TRANSFORM_HEADER = ["", "x (m)", "y (m)", "z (m)", "yaw (mrad)"]
 
@@ -108,8 +121,19 @@ class Calibration:
 
     @property
     def recommendation(self) -> str:
-        """The answer to use, in words; may change."""
+        """The answer to use, in words for people; for scripts, see `recommended_method` and `reason`."""
         return str(self._json["recommendation"]["text"])
+
+    @property
+    def recommended_method(self) -> str | None:
+        """Method of the answer to use; None if no answer can be used. Stable, for scripts."""
+        method: str | None = self._json["recommendation"]["answer"]
+        return method
+
+    @property
+    def reason(self) -> str:
+        """Code of the reason of `recommended_method`, such as "good". Stable, for scripts."""
+        return str(self._json["recommendation"]["reason"])
 
     @cached_property
     def transforms(self) -> tuple[Transform, Transform]:
@@ -150,10 +174,19 @@ class Calibration:
         """Findings about the data and the answer, by their code."""
         return findings_by_code(self._json["diagnosis"]["findings"])
 
+    @cached_property
+    def doubts(self) -> dict[str, tuple[Finding, ...]]:
+        """Findings that limit the verdict, by their code; empty without any."""
+        return findings_by_code(self._json["diagnosis"]["doubts"])
+
     @property
     def table(self) -> Table:
-        """Every number of the answer with its unit, σ and prior σ: columns for pandas or polars."""
-        return columns(self._json["rows"], ROW_NAMES)
+        """Every number of the answer with its unit, σ and prior σ: columns for pandas or polars.
+
+        `significant` is 1 or 0 for estimates that have an expected value: changes since the survey, clocks, instruments
+        and measured distances. It is NaN for transforms, noise levels and metrics, where significance has no meaning.
+        """
+        return columns([{**row, "significant": significance(row)} for row in self._json["rows"]], ROW_NAMES)
 
     @property
     def residuals(self) -> Table:
@@ -184,12 +217,13 @@ class Calibration:
         Raises:
             ResectError: if the answer has no poses at these times or in this frame.
         """
+        lever_m, times = plain(lever_arm_m), plain(times_s)
         options = {
-            "rate": rate,
-            "times_s": plain(times_s),
-            "max_error_m": max_error_m,
-            "lever_arm_m": plain(lever_arm_m),
-            "frame": frame,
+            "rate": arguments.optional_number("rate", plain(rate)),
+            "times_s": None if times is None else arguments.numbers("times_s", times),
+            "max_error_m": arguments.optional_number("max_error_m", plain(max_error_m)),
+            "lever_arm_m": None if lever_m is None else arguments.numbers("lever_arm_m", lever_m, 3),
+            "frame": arguments.choice("frame", frame, ("station1", "control-points")),
         }
         return Trajectory._of(self._handle.trajectory(options))
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from . import _native
 from ._calibration import Calibration
 from ._finding import Finding, findings_by_code, lines
-from ._keywords import Method, Settings, plain
+from ._keywords import Method, Settings
+from ._keywords import settings as checked
 from ._tables import Array, Table, html_page, text_table
 
 if TYPE_CHECKING:
@@ -101,6 +102,12 @@ class Pipeline:
         kept = ", ".join(f"{np.count_nonzero(fate == 'kept')}/{len(fate)}" for fate in self.fates)
         return f"<Pipeline: {len(self)} triplets in {self.intervals} intervals; readings kept: {kept}>"
 
+    def _repr_html_(self) -> str:
+        rows = [["station", "readings", "kept"]]
+        for station, fate in enumerate(self.fates, start=1):
+            rows.append([str(station), str(len(fate)), str(np.count_nonzero(fate == "kept"))])
+        return html_page(f"Pipeline: {len(self)} triplets in {self.intervals} intervals", rows)
+
 
 class Deployment:
     """One field session of three robotic total stations. `resect.open` reads it."""
@@ -140,7 +147,7 @@ class Deployment:
         Raises:
             ResectError: if a setting is unknown or out of its range.
         """
-        arrays = self._handle.run_pipeline(plain(settings))
+        arrays = self._handle.run_pipeline(checked(settings))
         names = np.array(arrays.pop("fate_names"))
         fates = tuple(names[codes] for codes in arrays.pop("fates"))
         return Pipeline(fates=fates, **arrays)
@@ -149,14 +156,14 @@ class Deployment:
         """Calibrates the stations, and evaluates the answer.
 
         Args:
-            method: the joint estimate by default, or one of the paper's methods: "two-point" (A), "static-gcp" (B),
-                "dynamic-gcp" (C), "inter-prism" (D).
+            method: the joint estimate by default, or one of the paper's methods by its name or letter: "two-point" (A),
+                "static-gcp" (B), "dynamic-gcp" (C), "inter-prism" (D).
             **settings: settings by their names in a settings file, such as `tau_s_seconds=2.0` or `prior="search"`.
 
         Raises:
             ResectError: if the data does not allow the method, or if a setting is unknown or out of its range.
         """
-        return Calibration(self._handle.calibrate(plain({"method": method, **settings})))
+        return Calibration(self._handle.calibrate(checked(settings, method, ("method",))))
 
     def _rows(self) -> list[list[str]]:
         rows = [["station", "readings", "from (s)", "to (s)"]]

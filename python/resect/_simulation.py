@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from functools import cached_property
 
+from . import _arguments as arguments
 from . import _native
 from ._calibration import Transform
 from ._deployment import Deployment
-from ._keywords import Path
+from ._keywords import Path, plain
 from ._trajectory import Trajectory
 
 __all__ = ["Simulation"]
@@ -36,12 +37,15 @@ class Simulation:
 
         Args:
             rate: poses per second (Hz).
+
+        Raises:
+            ResectError: if the rate is out of its range.
         """
-        return Trajectory._of(self._handle.trajectory(rate))
+        return Trajectory._of(self._handle.trajectory(arguments.number("rate", plain(rate))))
 
     def write(self, folder: Path) -> None:
         """Writes the files of the deployment, and its ground truth as truth.toml."""
-        self._handle.write(folder)
+        self._handle.write(arguments.path("folder", folder))
 
     def __repr__(self) -> str:
         return f"<Simulation of {self._name}>"

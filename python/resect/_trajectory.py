@@ -30,7 +30,7 @@ class Trajectory:
         inter_prism_error_m: shape (n,), largest error of an inter-prism distance around the instant (m); None for a
             single prism.
         vehicle: origin and axes of the vehicle's frame, in words; None for a single prism.
-        dropped: number of instants left out, since the inter-prism error is too large.
+        dropped: number of requested poses that are missing, for any reason.
     """
 
     frame: str

@@ -15,7 +15,7 @@ use resect_core::evaluation::vehicle::Instants;
 use resect_report::{json, text};
 
 use crate::arrays::{plain, set_column};
-use crate::failure::{Failure, released};
+use crate::failure::{Failure, released, times_in_words};
 use crate::keywords::{of_request, with_keywords};
 use crate::trajectory::requested_arrays;
 
@@ -77,12 +77,30 @@ impl AnalysisHandle {
     ) -> PyResult<Bound<'py, PyDict>> {
         let requested = released(py, || {
             let request = options.request()?;
+            self.check_times(options.times_s.as_deref().unwrap_or_default())?;
             let (triplets, targets) = (self.analysis.triplets(), self.analysis.offer.targets);
             let calibration = &self.answer.calibration;
             requested_trajectory(&self.deployment, triplets, targets, calibration, &request)
                 .map_err(|why| of_request(&why))
         })?;
         requested_arrays(py, &requested)
+    }
+}
+
+impl AnalysisHandle {
+    /// Refuses times that all lie outside of the drive; no times are not refused.
+    fn check_times(&self, times_s: &[f64]) -> Result<(), Failure> {
+        let deployment = &self.deployment;
+        let (Some(start_s), Some(end_s)) = (deployment.start_s(), deployment.end_s()) else {
+            return Ok(());
+        };
+        let is_outside = |time_s: &f64| !(start_s..=end_s).contains(time_s);
+        match times_in_words(deployment).filter(|_| !times_s.is_empty()) {
+            Some(times) if times_s.iter().all(is_outside) => {
+                Err(Failure(format!("times_s lies outside of the drive, which is {times}")))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use resect_core::analysis::Analyst;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, Track};
 use resect_core::pipeline;
 use resect_core::pipeline::{PipelineOutput, SampleFate};
 use resect_core::progress::Progress;
@@ -19,7 +19,7 @@ use serde_json::json;
 
 use crate::analysis::AnalysisHandle;
 use crate::arrays::{plain, set_column, set_points, set_stack};
-use crate::failure::{Failure, raised, released};
+use crate::failure::{Failure, raised, released, times_in_words};
 use crate::keywords::{extras, settings};
 
 /// An open deployment.
@@ -105,9 +105,22 @@ pub fn open(
     let extras = raised(extras(given))?;
     released(py, || {
         let started = Instant::now();
+        let has_span = extras.corrections.span_s.is_some();
         let deployment = Source::at(path).with(extras).open(&Progress::default())?;
+        if has_span
+            && let Some(times) = times_in_words(&deployment).filter(|_| uses_none(&deployment))
+        {
+            return Err(Failure(format!("span_s contains no reading; the drive is {times}")));
+        }
         Ok(DeploymentHandle::new(deployment, started.elapsed().as_secs_f64() * 1e3))
     })
+}
+
+/// Returns true if all readings are left out.
+fn uses_none(deployment: &Deployment) -> bool {
+    let is_used =
+        |track: &Track| (0..track.measurements.len()).any(|index| !track.is_left_out(index));
+    !deployment.tracks.iter().any(is_used)
 }
 
 /// Opens a deployment, or a trajectory that is the ground truth.

@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pyo3::prelude::*;
 use resect_core::calibration::CalibrationError;
+use resect_core::deployment::Deployment;
 use resect_core::deployment::printable::printable;
 
 use crate::keywords::with_keywords;
@@ -59,6 +60,12 @@ pub fn released<T: Send>(
 /// Returns the exception of a failure.
 pub fn raised<T>(result: Result<T, Failure>) -> PyResult<T> {
     result.map_err(|Failure(line)| ResectError::new_err(printable(&line)))
+}
+
+/// Returns the times of a drive for an error: "1669750466.0 to 1669750822.4 s"; `None` without readings.
+pub fn times_in_words(deployment: &Deployment) -> Option<String> {
+    let (start_s, end_s) = (deployment.start_s()?, deployment.end_s()?);
+    Some(format!("{start_s:.1} to {end_s:.1} s"))
 }
 
 fn fault(panic: &(dyn Any + Send)) -> Failure {

@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::depythonize;
 use resect_core::analysis::Settings;
-use resect_core::calibration::Evidence;
-use resect_core::deployment::{Finding, Remedy};
+use resect_core::calibration::{Evidence, Method};
+use resect_core::deployment::{Finding, Overrides, Remedy};
 use resect_core::estimates::Unjudged;
 use resect_core::estimates::unfit::Unfit;
 use resect_core::evaluation::requested_trajectory::RequestError;
@@ -40,6 +40,7 @@ pub fn settings(given: &Bound<'_, PyDict>) -> Result<Settings, Failure> {
             ("evidence", Value::String(words)) => {
                 Value::try_from(words.parse::<Evidence>().map_err(Failure)?)?
             }
+            ("method", Value::String(name)) => Value::try_from(method(name)?)?,
             _ => value.clone(),
         };
         table(&mut all, path).insert(name.clone(), value);
@@ -49,6 +50,23 @@ pub fn settings(given: &Bound<'_, PyDict>) -> Result<Settings, Failure> {
     let settings = Settings::deserialize(all)?;
     settings.check().map_err(Failure)?;
     Ok(settings)
+}
+
+/// Returns the method with a name, or with a letter of the paper in either case.
+fn method(name: &str) -> Result<Method, Failure> {
+    let has_letter = |method: &Method| {
+        method
+            .letter()
+            .is_some_and(|letter| name.eq_ignore_ascii_case(letter.encode_utf8(&mut [0; 4])))
+    };
+    let is_named = |method: &Method| method.name() == name || has_letter(method);
+    Method::ALL.into_iter().find(is_named).ok_or_else(|| {
+        let names = Method::ALL.map(|method| match method.letter() {
+            Some(letter) => format!("{} ({letter})", method.name()),
+            None => method.name().to_owned(),
+        });
+        Failure(format!("unknown method `{name}`; methods are {}", names.join(", ")))
+    })
 }
 
 /// Returns the names of all settings in words.
@@ -84,7 +102,13 @@ fn table<'a>(all: &'a mut Table, path: &[&str]) -> &'a mut Table {
 
 /// Returns the further files and overrides of a deployment.
 pub fn extras(given: &Bound<'_, PyDict>) -> Result<Extras, Failure> {
-    Extras::deserialize(plain(given)?).map_err(|error| refused("overrides", &error))
+    let given = plain(given)?;
+    for (name, value) in given.get("corrections").and_then(Value::as_table).into_iter().flatten() {
+        // One at a time, so that an error names the override.
+        let single = Table::from_iter([(name.clone(), value.clone())]);
+        Overrides::deserialize(single).map_err(|error| refused(name, &error))?;
+    }
+    Extras::deserialize(given).map_err(|error| refused("overrides", &error))
 }
 
 /// Returns the choice with a name, of those that a settings file can name.

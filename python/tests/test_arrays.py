@@ -101,6 +101,33 @@ def test_covariance_and_standard_deviations_agree(answer: resect.Calibration) ->
     assert np.allclose(trajectory.sigma_rotation_rad[:, 2] ** 2, trajectory.covariance[:, 5, 5])
 
 
+def test_significance_is_missing_where_it_has_no_meaning(answer: resect.Calibration) -> None:
+    for table in (answer.table, resect.open(SAMPLES / "warthog").calibrate("inter-prism").table):
+        by_pandas, by_polars = pd.DataFrame(table), pl.DataFrame(table)
+        estimated = np.isin(table["group"], ["survey", "clocks", "instruments", "distances"])
+        assert np.array_equal(np.isnan(table["significant"]), ~estimated)
+        assert np.array_equal(by_pandas["significant"].isna(), ~estimated)
+        assert np.array_equal(by_polars["significant"].is_nan().to_numpy(), ~estimated)
+    assert estimated.sum() == 0
+    drawn = resect.simulate("warthog", field_errors=True).deployment.calibrate()
+    far = drawn.table["significant"] == 1
+    assert [bool(row["significant"]) for row in drawn.to_dict()["rows"]] == far.tolist()
+    assert 0 < far.sum() < len(far)
+    assert len(pl.DataFrame(drawn.table).filter(pl.col("significant") == 1)) == far.sum()
+    # A distance that nobody measured has no expected value.
+    from resect._calibration import significance
+
+    distance = {"group": "distances", "significant": True, "sigma": 1e-3, "reference": None}
+    assert significance(distance) is None
+    assert significance({**distance, "reference": {"name": "measured", "value": 0.9}}) is True
+
+
+def test_columns_of_pandas_and_polars_are_arguments(answer: resect.Calibration) -> None:
+    times_s = answer.trajectory().time_s[100:110]
+    for column in (times_s, list(times_s), tuple(times_s), pd.Series(times_s), pl.Series(times_s)):
+        assert np.array_equal(answer.trajectory(times_s=column).time_s, times_s)
+
+
 def test_one_prism_has_positions_without_orientation() -> None:
     answer = resect.simulate("single-prism").deployment.calibrate()
     trajectory = answer.trajectory(1.0)
@@ -128,10 +155,11 @@ def test_notebooks_and_terminals_show_verdict_and_table(
     assert two.startswith("T12") and three.startswith("T13") and "±" in two
     evaluation = resect.evaluate(simulated.parent / "truth.tum", simulated)
     shown = [answer, warthog, answer.trajectory(), evaluation, resect.plan(preset="circle")]
-    for one in shown:
+    parts = [answer.transforms[0], warthog.run_pipeline()]
+    for one in [*shown, *parts]:
         html = one._repr_html_()
         assert html.count("<table>") == html.count("</table>") == 1, html
-        assert "verdict" in html or isinstance(one, (resect.Deployment, resect.Trajectory))
+        assert "verdict" in html or one in parts or isinstance(one, (resect.Deployment, resect.Trajectory))
         assert "object at 0x" not in repr(one)
     for one in [*warthog.tracks, warthog.run_pipeline(), resect.simulate("circle"), answer.transforms[0]]:
         assert "object at 0x" not in repr(one)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +39,45 @@ def test_methods_and_settings_are_those_of_the_program(warthog: resect.Deploymen
         assert answer.to_dict() == expected, method
     by_drive = printed("calibrate", SAMPLES / "warthog", "--evidence", "drive,rig")
     assert warthog.calibrate(evidence="drive,rig").to_dict() == by_drive
-    assert warthog.calibrate(evidence={"control_points": False}).to_dict() == by_drive
+    same: list[Any] = [
+        {"control_points": False},
+        {"control-points": False},
+        ["drive", "rig"],
+        ("rig", "drive"),
+        np.array(["drive", "rig"]),
+    ]
+    for evidence in same:
+        assert warthog.calibrate(evidence=evidence).to_dict() == by_drive, evidence
+    by_points = printed("calibrate", SAMPLES / "warthog", "--evidence", "drive,control-points")
+    for evidence in ("drive, control_points", ["drive", "control_points"], ["control-points", "drive"]):
+        assert warthog.calibrate(evidence=evidence).to_dict() == by_points, evidence
+
+
+def test_methods_have_letters(warthog: resect.Deployment) -> None:
+    for letter, name in zip("ABD", ("two-point", "static-gcp", "inter-prism")):
+        expected = warthog.calibrate(name).to_dict()
+        assert expected["method"] == name
+        for method in (letter, letter.lower()):
+            assert warthog.calibrate(method).to_dict() == expected
+    prism = resect.simulate("single-prism").deployment
+    assert prism.calibrate("c").method == prism.calibrate("C").method == "dynamic-gcp"
+
+
+def test_doubts_and_the_recommendation_are_those_of_the_program(warthog: resect.Deployment) -> None:
+    circle = resect.simulate("circle").deployment
+    answers = [warthog.calibrate(), circle.calibrate(), circle.calibrate("inter-prism")]
+    for answer in answers:
+        expected = answer.to_dict()
+        doubts = expected["diagnosis"]["doubts"]
+        assert [one.message for found in answer.doubts.values() for one in found] == [one["message"] for one in doubts]
+        assert all(one.severity != "note" for found in answer.doubts.values() for one in found)
+        assert answer.recommended_method == expected["recommendation"]["answer"]
+        assert answer.reason == expected["recommendation"]["reason"]
+    assert not answers[0].doubts and (answers[0].recommended_method, answers[0].reason) == ("joint", "good")
+    assert (answers[1].recommended_method, answers[1].reason) == ("joint", "doubtful")
+    assert list(answers[1].doubts) == ["drive-circle"]
+    assert (answers[2].recommended_method, answers[2].reason) == (None, "degenerate")
+    assert len(answers[2].doubts) < len(answers[2].findings)
 
 
 def test_files_and_overrides_are_those_of_the_program(tmp_path: Path) -> None:
