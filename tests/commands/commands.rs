@@ -81,14 +81,16 @@ fn without_a_method_the_joint_estimate_answers_and_has_the_papers_beside_it() {
         for axis in 0..3 {
             let off = number(&now["translation_m"][axis]) - number(&before["translation_m"][axis]);
             assert!((number(&moved["translation_m"][axis]) - off).abs() < 1e-12);
-            let sigmas = off.abs() / number(&now["sigma"]["translation_m"][axis]);
+            let sigma = |of: &Value| number(&of["sigma"]["translation_m"][axis]);
+            let sigmas = off.abs() / sigma(now).hypot(sigma(before));
             assert!((number(&moved["translation_sigmas"][axis]) - sigmas).abs() < 1e-9);
             square += off * off;
         }
         assert!((number(&moved["distance_m"]) - square.sqrt()).abs() < 1e-12);
         let turned = number(&now["yaw_rad"]) - number(&before["yaw_rad"]);
         assert!((number(&moved["yaw_rad"]) - turned).abs() < 1e-12);
-        let sigmas = turned.abs() / number(&now["sigma"]["yaw_rad"]);
+        let sigma = |of: &Value| number(&of["sigma"]["yaw_rad"]);
+        let sigmas = turned.abs() / sigma(now).hypot(sigma(before));
         assert!((number(&moved["yaw_sigmas"]) - sigmas).abs() < 1e-9);
     }
     // The terminal's text has it as well.

@@ -171,9 +171,9 @@ fn station_difference(
     moved(before, after, sigma, covariance)
 }
 
-/// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of the joint estimate, because both
-/// use the same readings. `None` for an answer without another beside it, if the joint estimate failed, and if the readings do not
-/// determine the paper's answer.
+/// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of both combined: a difference from an uncertain
+/// answer is no evidence against the joint estimate. `None` for an answer without another beside it, if the joint estimate failed,
+/// and if the readings do not determine the paper's answer.
 pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
     let published = joint.published.as_deref().filter(|_| joint.joint_failure().is_none())?;
     if published.verdict == Verdict::Degenerate {
@@ -184,8 +184,11 @@ pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2
             let sigma = answer.sigma.map(|sigma| sigma[k]);
             StationSummary::new(k + 2, &answer.station1_from_station[k + 1], sigma)
         });
-        let covariance = joint.covariance.map(|covariance| of_translation(&covariance, k));
-        moved(&before, &after, after.sigma, covariance)
+        let sigma = after.sigma.zip(before.sigma);
+        let sigma = sigma.map(|(a, b)| std::array::from_fn(|i| a[i].hypot(b[i])));
+        let covariance = joint.covariance.zip(published.covariance);
+        let covariance = covariance.map(|(a, b)| of_translation(&(a + b), k));
+        moved(&before, &after, sigma, covariance)
     }))
 }
 

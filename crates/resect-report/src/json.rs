@@ -168,7 +168,7 @@ fn published(joint: &Calibration) -> Option<Value> {
         "findings": findings(&published.findings),
         "transforms": [transform(published, 1), transform(published, 2)],
         "covariance": published.covariance.map(|covariance| rows(&covariance)),
-        // Joint estimate minus the paper's answer, in m, rad and σ of the joint estimate; null if one of them failed.
+        // Joint estimate minus the paper's answer, in m, rad and σ of both combined; null if one of them failed.
         "moved": moved,
     }))
 }

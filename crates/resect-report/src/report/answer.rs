@@ -223,7 +223,7 @@ fn published(joint: &Calibration) -> Markup {
                 } }
             }
         }
-        p.weak { "Differences are in σ of the joint estimate, because both answers use the same readings." }
+        p.weak { "Differences are in σ of both answers combined." }
     }
 }
 
