@@ -284,3 +284,20 @@ fn with(plan: &Plan, place_m: &Vector2<f64>, piece: Piece) -> Plan {
     }
     with
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_prism_is_put_below_the_ground() {
+        let mut plan = Plan::from_preset(crate::simulation::Preset::Warthog, 1);
+        let lower = |plan: &Plan| {
+            candidates(plan).iter().filter(|candidate| candidate.what.contains("lower")).count()
+        };
+        assert_eq!(lower(&plan), 3);
+        // The prisms of a recorded drive lie about its origin.
+        plan.rig.prisms_m.iter_mut().for_each(|prism_m| prism_m.z -= 1.4);
+        assert_eq!(lower(&plan), 0);
+    }
+}
