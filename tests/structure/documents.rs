@@ -15,6 +15,17 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// Compares a generated page with its file; `UPDATE_GOLDEN=1` writes it first.
+pub fn assert_written(path: &str, page: &str) {
+    let file = root().join(path);
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(&file, page).expect("written");
+    }
+    let written = text(&file);
+    let differs = page.lines().zip(written.lines()).find(|(code, page)| code != page);
+    assert!(page == written, "the page differs from the code, first here: {differs:#?}");
+}
+
 /// README, CONTRIBUTING and the pages of the book.
 fn documents() -> Vec<PathBuf> {
     let mut documents = vec![root().join("README.md"), root().join("CONTRIBUTING.md")];

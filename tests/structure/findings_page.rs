@@ -3,9 +3,8 @@
 //! `UPDATE_GOLDEN=1 cargo test --test structure findings_page` writes it again.
 
 use std::fmt::Write;
-use std::path::Path;
 
-use crate::documents::anchor;
+use crate::documents::{anchor, assert_written};
 use resect_core::deployment::{ADVICE, Advice, FindingKind, Severity};
 
 /// Sections of the page, each with the code of its first kind.
@@ -206,14 +205,7 @@ fn page() -> String {
 
 #[test]
 fn the_page_has_every_kind_as_the_code_does() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/findings.md");
-    let page = page();
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(&file, &page).expect("written");
-    }
-    let written = std::fs::read_to_string(&file).expect("the page");
-    let differs = page.lines().zip(written.lines()).find(|(code, page)| code != page);
-    assert!(page == written, "the page differs from the code, first here: {differs:#?}");
+    assert_written("docs/src/findings.md", &page());
 }
 
 #[test]

@@ -5,8 +5,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::Bound;
-use std::path::Path;
 
+use crate::documents::assert_written;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{CALIBRATION_NUMBERS, Method};
 use resect_core::number_setting::NumberSetting;
@@ -281,14 +281,7 @@ fn page() -> String {
 
 #[test]
 fn the_page_has_every_setting_as_the_types_do() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/settings.md");
-    let page = page();
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(&file, &page).expect("written");
-    }
-    let written = std::fs::read_to_string(&file).expect("the page");
-    let differs = page.lines().zip(written.lines()).find(|(code, page)| code != page);
-    assert!(page == written, "the page differs from the code, first here: {differs:#?}");
+    assert_written("docs/src/settings.md", &page());
 }
 
 /// Each field of the settings has a row in a table of the page, and each row a field.
