@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::deployment::{ControlPointSet, PAIRS};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -22,7 +23,7 @@ pub fn distance_errors_m(
 
 /// Returns the same errors triplet by triplet, from points by station (m, each in its station's frame).
 pub fn each_distance_error_m(
-    points_m: &[Vec<Vector3<f64>>; 3],
+    points_m: &PerStation<Vec<Vector3<f64>>>,
     station1_from_station: &[RigidTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> impl Iterator<Item = [f64; 3]> {

@@ -118,7 +118,7 @@ mod tests {
     fn triplets(blocks: usize, rng: &mut ChaCha8Rng) -> Triplets {
         let noise = Normal::new(0.0, 0.002).expect("a σ");
         let time_s: Vec<f64> = (0..10 * blocks).map(|k| 0.5 * k as f64).collect();
-        let points_m = [0, 1, 2].map(|_| {
+        let points_m = [0, 1, 2].map(|_| -> Vec<Vector3<f64>> {
             let at = |t: &f64| {
                 let (x, y) = (20.0 * (0.13 * t).sin(), 15.0 * (0.29 * t + 1.0).cos());
                 Vector3::new(x, y, 0.3 * (0.2 * t).sin()).map(|axis| axis + noise.sample(rng))

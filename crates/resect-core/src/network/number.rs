@@ -14,12 +14,16 @@ pub trait Number: Copy {
 }
 
 /// A total station. People count from 1, lists from 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[serde(transparent)]
 pub struct Station(u8);
 
 /// A prism on the vehicle. People count from 1, lists from 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[serde(transparent)]
 pub struct Prism(u8);
 
@@ -137,6 +141,9 @@ mod tests {
     fn people_count_from_one() {
         let second = Station::numbered(2).expect("a station");
         assert_eq!((second.index(), second.number(), second.to_string()), (1, 2, "2".to_owned()));
-        assert_eq!((Station::numbered(0), Station::FIRST.slot(), second.slot()), (None, None, Some(0)));
+        assert_eq!(
+            (Station::numbered(0), Station::FIRST.slot(), second.slot()),
+            (None, None, Some(0))
+        );
     }
 }

@@ -105,6 +105,11 @@ impl<N: Number, T> Per<N, T> {
         self.as_slice().try_into().ok()
     }
 
+    /// Returns the values as an array of a fixed size; `None` if there are more or fewer.
+    pub fn into_array<const COUNT: usize>(self) -> Option<[T; COUNT]> {
+        self.into_iter().collect::<Vec<T>>().try_into().ok()
+    }
+
     pub fn push(&mut self, value: T) {
         self.values.push(value);
     }
@@ -139,6 +144,21 @@ impl<N: Number, T> Index<N> for Per<N, T> {
 impl<N: Number, T> IndexMut<N> for Per<N, T> {
     fn index_mut(&mut self, number: N) -> &mut T {
         &mut self.values[number.index()]
+    }
+}
+
+/// By place, for code that counts stations, prisms and pairs in `usize`.
+impl<N, T> Index<usize> for Per<N, T> {
+    type Output = T;
+
+    fn index(&self, index: usize) -> &T {
+        &self.values[index]
+    }
+}
+
+impl<N, T> IndexMut<usize> for Per<N, T> {
+    fn index_mut(&mut self, index: usize) -> &mut T {
+        &mut self.values[index]
     }
 }
 

@@ -94,7 +94,7 @@ pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
         observability: foreseen.map(|foreseen| foreseen.observability),
         mirror_cost_ratio,
         way,
-        readings: driven.deployment.tracks.each_ref().map(|track| track.measurements.len()),
+        readings: driven.deployment.tracks.map(|track| track.measurements.len()),
         kept: driven.pipeline.kept(),
         locks: driven.locks,
         duration_s: driven.simulated.scenario.duration_s,

@@ -26,7 +26,7 @@ impl Simulated {
         let is_rig = rig.inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
         Deployment {
             name: self.scenario.name.to_owned(),
-            tracks: [track(0), track(1), track(2)],
+            tracks: [0, 1, 2].map(track).into(),
             track_frame: TrackFrame::Own,
             control_points: Vec::new(),
             rig: is_rig.then_some(rig),

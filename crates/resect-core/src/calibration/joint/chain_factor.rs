@@ -17,6 +17,7 @@ use super::state_vector::{CONSTANTS, ConstantsMatrix, SLOW, SLOW_RANGES};
 use crate::linear_algebra::block_tridiagonal::{
     BlockRow, add_border_gram, back_substitute, eliminate_block, forward_substitute,
 };
+use crate::network::PerStation;
 
 const ROW: usize = 2 * SLOW + CONSTANTS;
 
@@ -288,7 +289,7 @@ mod tests {
         };
         let drive = Drive {
             segments: Vec::new(),
-            mean_sights: (0..blocks).map(|_| std::array::from_fn(|_| mean_sight())).collect(),
+            mean_sights: (0..blocks).map(|_| PerStation::from_fn(3, |_| mean_sight())).collect(),
             block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
             coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
             spans_s: vec![[0.0, 6.0 * blocks as f64]],
