@@ -159,9 +159,8 @@ impl Peer {
     fn new(triplets: &Triplets, distances: [f64; 3], p: Vector8) -> Self {
         let points = triplets
             .points_m
-            .each_ref()
             .map(|list| list.iter().map(|q| Vector3::new(q.x, q.y, q.z)).collect());
-        Self { points, distances, p }
+        Self { points: points.into_array().expect("three stations"), distances, p }
     }
 
     /// Returns the position in frame 1 and its derivative with respect to yaw.

@@ -1,7 +1,7 @@
-//! Writes the seeds of the fuzz targets into `fuzz/corpus`: a simulated drive in every format that the program writes, the test
-//! fixtures, and a few lines of every other format.
+//! Writes the seeds of the fuzz targets into the folder of its argument, or into `fuzz/corpus`: a simulated drive in every format
+//! that the program writes, the test fixtures, and a few lines of every other format.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use resect::app::persist::session::{Files, SavedDeployment, Session};
 use resect_core::analysis::Settings;
@@ -13,7 +13,8 @@ use resect_io::source::Source;
 const LONGEST_SEED_BYTES: usize = 8 << 10;
 
 fn main() {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    let argument = std::env::args_os().nth(1).map(PathBuf::from);
+    let corpus = argument.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus"));
     let folder = tempfile::tempdir().expect("a folder");
     let drive = folder.path().join("drive");
     write_folder(&simulate(Preset::Warthog, 1), &drive).expect("written");

@@ -15,13 +15,17 @@ use resect_core::evaluation::vehicle::Instants;
 use resect_report::{json, text};
 
 use crate::arrays::{plain, set_column};
-use crate::failure::{Failure, released, times_in_words};
+use crate::failure::{Failure, times_in_words};
+use crate::interruptible::interruptible;
 use crate::keywords::{of_request, with_keywords};
 use crate::trajectory::requested_arrays;
 
 /// An answer of a deployment.
 #[pyclass(frozen, module = "resect._native")]
-pub struct AnalysisHandle {
+pub struct AnalysisHandle(pub Arc<AnsweredDeployment>);
+
+/// A deployment with its answer.
+pub struct AnsweredDeployment {
     pub deployment: Arc<Deployment>,
     pub analysis: Analysis,
     pub answer: Arc<Answer>,
@@ -43,25 +47,32 @@ struct TrajectoryOptions {
 impl AnalysisHandle {
     /// Returns the object that `resect calibrate --json` prints.
     fn json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let Self { deployment, analysis, answer, load_ms } = self;
-        let value = released(py, || Ok(json::calibration(deployment, analysis, answer, *load_ms)))?;
+        let answered = Arc::clone(&self.0);
+        let value = interruptible(py, move |_| {
+            let AnsweredDeployment { deployment, analysis, answer, load_ms } = &*answered;
+            Ok(json::calibration(deployment, analysis, answer, *load_ms))
+        })?;
         plain(py, &value)
     }
 
     /// Returns the text that `resect calibrate` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        let Self { deployment, analysis, answer, .. } = self;
-        released(py, || Ok(text::calibration(deployment, analysis, answer, with_keywords)))
+        let answered = Arc::clone(&self.0);
+        interruptible(py, move |_| {
+            let AnsweredDeployment { deployment, analysis, answer, .. } = &*answered;
+            Ok(text::calibration(deployment, analysis, answer, with_keywords))
+        })
     }
 
     /// Returns the distance errors of the prisms at each triplet; columns of unknown distances are left out.
     fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let triplets = self.analysis.triplets();
+        let AnsweredDeployment { analysis, answer, .. } = &*self.0;
+        let triplets = analysis.triplets();
         let table = PyDict::new(py);
         set_column(&table, "time_s", triplets.time_s.iter().copied())?;
         table.set_item("interval", PyArray1::from_slice(py, &triplets.interval))?;
         let names = ["error_12_mm", "error_13_mm", "error_23_mm"];
-        for (name, errors_mm) in names.iter().zip(&self.answer.evaluation.distance_errors_mm) {
+        for (name, errors_mm) in names.iter().zip(&answer.evaluation.distance_errors_mm) {
             if errors_mm.len() == triplets.len() {
                 set_column(&table, name, errors_mm.iter().copied())?;
             }
@@ -75,32 +86,30 @@ impl AnalysisHandle {
         py: Python<'py>,
         options: TrajectoryOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let requested = released(py, || {
+        let answered = Arc::clone(&self.0);
+        let requested = interruptible(py, move |_| {
             let request = options.request()?;
-            self.check_times(options.times_s.as_deref().unwrap_or_default())?;
-            let (triplets, targets) = (self.analysis.triplets(), self.analysis.offer.targets);
-            let calibration = &self.answer.calibration;
-            requested_trajectory(&self.deployment, triplets, targets, calibration, &request)
+            let AnsweredDeployment { deployment, analysis, answer, .. } = &*answered;
+            check_times(deployment, options.times_s.as_deref().unwrap_or_default())?;
+            let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+            requested_trajectory(deployment, triplets, targets, &answer.calibration, &request)
                 .map_err(|why| of_request(&why))
         })?;
         requested_arrays(py, &requested)
     }
 }
 
-impl AnalysisHandle {
-    /// Refuses times that all lie outside of the drive; no times are not refused.
-    fn check_times(&self, times_s: &[f64]) -> Result<(), Failure> {
-        let deployment = &self.deployment;
-        let (Some(start_s), Some(end_s)) = (deployment.start_s(), deployment.end_s()) else {
-            return Ok(());
-        };
-        let is_outside = |time_s: &f64| !(start_s..=end_s).contains(time_s);
-        match times_in_words(deployment).filter(|_| !times_s.is_empty()) {
-            Some(times) if times_s.iter().all(is_outside) => {
-                Err(Failure(format!("times_s lies outside of the drive, which is {times}")))
-            }
-            _ => Ok(()),
+/// Refuses times that all lie outside of the drive; no times are not refused.
+fn check_times(deployment: &Deployment, times_s: &[f64]) -> Result<(), Failure> {
+    let (Some(start_s), Some(end_s)) = (deployment.start_s(), deployment.end_s()) else {
+        return Ok(());
+    };
+    let is_outside = |time_s: &f64| !(start_s..=end_s).contains(time_s);
+    match times_in_words(deployment).filter(|_| !times_s.is_empty()) {
+        Some(times) if times_s.iter().all(is_outside) => {
+            Err(Failure(format!("times_s lies outside of the drive, which is {times}")))
         }
+        _ => Ok(()),
     }
 }
 

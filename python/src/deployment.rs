@@ -9,17 +9,16 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use resect_core::analysis::Analyst;
 use resect_core::deployment::{Deployment, Track};
-use resect_core::pipeline;
-use resect_core::pipeline::{PipelineOutput, SampleFate};
-use resect_core::progress::Progress;
+use resect_core::pipeline::{PipelineOutput, SampleFate, StagedPipeline};
 use resect_io::source::Source;
 use resect_io::truth;
 use resect_report::json;
 use serde_json::json;
 
-use crate::analysis::AnalysisHandle;
+use crate::analysis::{AnalysisHandle, AnsweredDeployment};
 use crate::arrays::{plain, set_column, set_points, set_stack};
-use crate::failure::{Failure, raised, released, times_in_words};
+use crate::failure::{Failure, raised, times_in_words};
+use crate::interruptible::interruptible;
 use crate::keywords::{extras, settings};
 
 /// An open deployment.
@@ -78,19 +77,25 @@ impl DeploymentHandle {
         given: &Bound<'py, PyDict>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let settings = raised(settings(given))?;
-        let output = released(py, || Ok(pipeline::run(&self.deployment, &settings.pipeline)))?;
+        let deployment = Arc::clone(&self.deployment);
+        let output = interruptible(py, move |progress| {
+            let mut pipeline = StagedPipeline::default();
+            Ok(pipeline.run_while(&deployment, &settings.pipeline, progress)?)
+        })?;
         pipeline_arrays(py, &output)
     }
 
     /// Runs pipeline, calibration and evaluation.
     fn calibrate(&self, py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<AnalysisHandle> {
         let settings = raised(settings(given))?;
-        released(py, || {
-            let deployment = Arc::clone(&self.deployment);
-            let analysis = Analyst::new(Arc::clone(&deployment)).run(&settings);
+        let (deployment, load_ms) = (Arc::clone(&self.deployment), self.load_ms);
+        interruptible(py, move |progress| {
+            let mut analyst = Analyst::new(Arc::clone(&deployment));
+            let analysis = analyst.run_while(&settings, progress)?;
             let answer =
                 analysis.answer.clone().map_err(|error| Failure::of_calibration(&error))?;
-            Ok(AnalysisHandle { deployment, analysis, answer, load_ms: self.load_ms })
+            let answered = AnsweredDeployment { deployment, analysis, answer, load_ms };
+            Ok(AnalysisHandle(Arc::new(answered)))
         })
     }
 }
@@ -103,10 +108,10 @@ pub fn open(
     given: &Bound<'_, PyDict>,
 ) -> PyResult<DeploymentHandle> {
     let extras = raised(extras(given))?;
-    released(py, || {
+    interruptible(py, move |progress| {
         let started = Instant::now();
         let has_span = extras.corrections.span_s.is_some();
-        let deployment = Source::at(path).with(extras).open(&Progress::default())?;
+        let deployment = Source::at(path).with(extras).open(progress)?;
         if has_span
             && let Some(times) = times_in_words(&deployment).filter(|_| uses_none(&deployment))
         {
@@ -132,8 +137,8 @@ pub fn open_truth(
     given: &Bound<'_, PyDict>,
 ) -> PyResult<DeploymentHandle> {
     let extras = raised(extras(given))?;
-    released(py, || {
-        let deployment = truth::open_truth(&path, topic.as_deref(), extras, &Progress::default())?;
+    interruptible(py, move |progress| {
+        let deployment = truth::open_truth(&path, topic.as_deref(), extras, progress)?;
         Ok(DeploymentHandle::new(deployment, 0.0))
     })
 }

@@ -1,6 +1,7 @@
 //! Evaluation of trajectories of other systems.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 use pyo3::prelude::*;
@@ -8,13 +9,15 @@ use pyo3::types::PyDict;
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
 use resect_core::estimates::{Body, EstimatesJudgement, GroundTruth, Judged, Options, judge};
+use resect_core::progress::Progress;
 use resect_io::estimate_file;
 use resect_report::estimates;
 use serde_json::Value;
 
 use crate::arrays::{plain, set_column, set_points};
 use crate::deployment::DeploymentHandle;
-use crate::failure::{Failure, raised, released};
+use crate::failure::{Failure, raised};
+use crate::interruptible::interruptible;
 use crate::keywords::{choice, of_estimate, settings};
 
 /// Options of the comparison.
@@ -89,7 +92,10 @@ pub fn evaluate<'py>(
     given: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = raised(settings(given))?;
-    let evaluated = released(py, || evaluated(&paths, against, &options, &settings))?;
+    let against = Arc::clone(&against.deployment);
+    let evaluated = interruptible(py, move |progress| {
+        evaluated(&paths, &against, &options, &settings, progress)
+    })?;
     let table = PyDict::new(py);
     table.set_item("json", plain(py, &evaluated.json)?)?;
     table.set_item("text", evaluated.text)?;
@@ -103,9 +109,10 @@ pub fn evaluate<'py>(
 
 fn evaluated(
     paths: &[PathBuf],
-    against: &DeploymentHandle,
+    against: &Arc<Deployment>,
     options: &EvaluationOptions,
     settings: &Settings,
+    progress: &Progress,
 ) -> Result<Evaluated, Failure> {
     let station = options.station()?;
     let options = options.options()?;
@@ -116,13 +123,12 @@ fn evaluated(
     for path in paths {
         read.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
     }
-    let deployment: &Deployment = &against.deployment;
-    if deployment.ground_truth.is_some() && station.is_some() {
+    if against.ground_truth.is_some() && station.is_some() {
         let line = "truth_station is for a deployment, and the ground truth is a trajectory";
         return Err(Failure::new(line));
     }
-    let analysis = Analyst::new(against.deployment.clone()).run(settings);
-    let truth = GroundTruth::of(deployment, &analysis, station);
+    let analysis = Analyst::new(Arc::clone(against)).run_while(settings, progress)?;
+    let truth = GroundTruth::of(against, &analysis, station);
     if let (GroundTruth::Deployment { .. }, Err(error)) = (&truth, &analysis.answer) {
         return Err(Failure::of_calibration(error));
     }

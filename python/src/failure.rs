@@ -1,7 +1,4 @@
-//! Errors as Python exceptions, and work without the interpreter's lock.
-
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+//! Errors as Python exceptions.
 
 use pyo3::prelude::*;
 use resect_core::calibration::CalibrationError;
@@ -43,20 +40,6 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Runs work without the interpreter's lock, so that other threads of Python go on.
-///
-/// # Errors
-/// [`ResectError`] with the line of a failure. A fault of resect is one too: `except Exception` does not catch a panic.
-pub fn released<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> PyResult<T> {
-    raised(py.detach(|| {
-        // Nothing that the work was changing is used after a panic.
-        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(fault(panic.as_ref())))
-    }))
-}
-
 /// Returns the exception of a failure.
 pub fn raised<T>(result: Result<T, Failure>) -> PyResult<T> {
     result.map_err(|Failure(line)| ResectError::new_err(printable(&line)))
@@ -66,10 +49,4 @@ pub fn raised<T>(result: Result<T, Failure>) -> PyResult<T> {
 pub fn times_in_words(deployment: &Deployment) -> Option<String> {
     let (start_s, end_s) = (deployment.start_s()?, deployment.end_s()?);
     Some(format!("{start_s:.1} to {end_s:.1} s"))
-}
-
-fn fault(panic: &(dyn Any + Send)) -> Failure {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
-    Failure(format!("a fault of resect, not of the input: {text}; report it with the input"))
 }

@@ -4,7 +4,8 @@
 //!
 //! | module | content | next change |
 //! |---|---|---|
-//! | [`failure`] | errors as one line, and work without the interpreter's lock | |
+//! | [`failure`] | errors as one line | |
+//! | [`thread_pool`], [`interruptible`] | the threads of a process; work without the interpreter's lock, which Ctrl-C interrupts | |
 //! | [`keywords`] | keyword arguments as settings, overrides and choices; remedies as keyword arguments | a remedy: `keywords.rs` |
 //! | [`arrays`] | numpy arrays | |
 //! | [`deployment`], [`analysis`], [`trajectory`], [`evaluation`], [`planning`], [`simulation`] | one file for each part of the module | an array of a result: its file here, its field in `resect/` |
@@ -14,9 +15,11 @@ mod arrays;
 mod deployment;
 mod evaluation;
 mod failure;
+mod interruptible;
 mod keywords;
 mod planning;
 mod simulation;
+mod thread_pool;
 mod trajectory;
 
 /// Native functions of `resect`; use the package itself.
@@ -34,4 +37,10 @@ mod _native {
     use super::planning::plan;
     #[pymodule_export]
     use super::simulation::{SimulationHandle, simulate};
+
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        super::thread_pool::remember_process();
+        Ok(())
+    }
 }

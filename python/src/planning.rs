@@ -1,18 +1,22 @@
 //! Predictions for drives before they are driven.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::Deployment;
 use resect_core::planning::{Plan, improvements, predict};
+use resect_core::progress::Progress;
 use resect_io::{plan_file, way_file};
 use resect_report::planning;
 use serde_json::Value;
 
 use crate::arrays::plain;
 use crate::deployment::DeploymentHandle;
-use crate::failure::{Failure, raised, released};
+use crate::failure::{Failure, raised};
+use crate::interruptible::interruptible;
 use crate::keywords::settings;
 use crate::simulation::preset_named;
 
@@ -36,7 +40,9 @@ pub fn plan<'py>(
     given: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = raised(settings(given))?;
-    let (json, text) = released(py, || predicted(past, &options, &settings))?;
+    let past = past.map(|past| Arc::clone(&past.deployment));
+    let (json, text) =
+        interruptible(py, move |progress| predicted(past.as_ref(), &options, &settings, progress))?;
     let table = PyDict::new(py);
     table.set_item("json", plain(py, &json)?)?;
     table.set_item("text", text)?;
@@ -44,14 +50,15 @@ pub fn plan<'py>(
 }
 
 fn predicted(
-    past: Option<&DeploymentHandle>,
+    past: Option<&Arc<Deployment>>,
     options: &PlanOptions,
     settings: &Settings,
+    progress: &Progress,
 ) -> Result<(Value, String), Failure> {
     let mut plan = match (past, &options.file, &options.preset) {
         (Some(past), None, None) => {
-            let analysis = Analyst::new(past.deployment.clone()).run(settings);
-            Plan::from_analysis(&past.deployment, &analysis)?
+            let analysis = Analyst::new(Arc::clone(past)).run_while(settings, progress)?;
+            Plan::from_analysis(past, &analysis)?
         }
         (None, Some(file), None) => plan_file::read(file)?,
         (None, None, Some(preset)) => Plan::from_preset(preset_named(preset)?, options.seed),
@@ -67,7 +74,7 @@ fn predicted(
         plan.check().map_err(senseless)?;
     }
     let prediction = predict(&plan)?;
-    let better = improvements(&plan)?;
+    let better = improvements(&plan, progress)?;
     let json = planning::json(&plan, &prediction, &better);
     Ok((json, planning::text(&plan, &prediction, &better)))
 }

@@ -1,6 +1,7 @@
 //! Simulated deployments.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,21 +12,25 @@ use serde_json::Value;
 
 use crate::arrays::plain;
 use crate::deployment::DeploymentHandle;
-use crate::failure::{Failure, raised, released};
+use crate::failure::{Failure, raised};
+use crate::interruptible::interruptible;
 use crate::trajectory::pose_arrays;
 use resect_core::evaluation::requested_trajectory::LARGEST_RATE_HZ;
 
 /// A simulated deployment with its ground truth.
 #[pyclass(frozen, module = "resect._native")]
 pub struct SimulationHandle {
-    simulated: Simulated,
+    simulated: Arc<Simulated>,
 }
 
 #[pymethods]
 impl SimulationHandle {
     /// Reads the simulated files.
     fn deployment(&self, py: Python<'_>) -> PyResult<DeploymentHandle> {
-        released(py, || Ok(DeploymentHandle::new(simulation_files::open(&self.simulated)?, 0.0)))
+        let simulated = Arc::clone(&self.simulated);
+        interruptible(py, move |_| {
+            Ok(DeploymentHandle::new(simulation_files::open(&simulated)?, 0.0))
+        })
     }
 
     /// Returns the true transforms at set-up, in the form of a calibration's.
@@ -36,8 +41,9 @@ impl SimulationHandle {
 
     /// Returns the true poses at a rate (1/s).
     fn trajectory<'py>(&self, py: Python<'py>, rate: f64) -> PyResult<Bound<'py, PyDict>> {
-        let trajectory = released(py, || match rate > 0.0 && rate <= LARGEST_RATE_HZ {
-            true => Ok(self.simulated.true_trajectory(1.0 / rate)),
+        let simulated = Arc::clone(&self.simulated);
+        let trajectory = interruptible(py, move |_| match rate > 0.0 && rate <= LARGEST_RATE_HZ {
+            true => Ok(simulated.true_trajectory(1.0 / rate)),
             false => Err(Failure(format!(
                 "rate is {rate} Hz; it must be above 0 and {LARGEST_RATE_HZ} at most"
             ))),
@@ -50,7 +56,8 @@ impl SimulationHandle {
 
     /// Writes the files of the deployment, and its truth.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        released(py, || Ok(simulation_files::write_folder(&self.simulated, &folder)?))
+        let simulated = Arc::clone(&self.simulated);
+        interruptible(py, move |_| Ok(simulation_files::write_folder(&simulated, &folder)?))
     }
 }
 
@@ -63,12 +70,13 @@ pub fn simulate(
     field_errors: bool,
 ) -> PyResult<SimulationHandle> {
     let preset = raised(preset_named(preset))?;
-    released(py, || {
+    interruptible(py, move |_| {
         let scenario = match field_errors {
             true => preset.scenario().with_field_errors(seed),
             false => preset.scenario().draw_errors(seed),
         };
-        Ok(SimulationHandle { simulated: simulate_scenario(&scenario, seed) })
+        let simulated = Arc::new(simulate_scenario(&scenario, seed));
+        Ok(SimulationHandle { simulated })
     })
 }
 

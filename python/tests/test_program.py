@@ -136,7 +136,8 @@ def test_a_trajectory_is_the_file_that_the_program_writes(folder: Path, tmp_path
         expected = rows_of(file)
         trajectory = answer.trajectory(rate)
         table = trajectory.table
-        assert len(trajectory) == len(expected["timestamp_s"]) > 100
+        # The shortest drive of the field, 20221205-2, has poses at 60 triplets.
+        assert len(trajectory) == len(expected["timestamp_s"]) >= 60
         # The file has microseconds, micrometres and seven significant digits of the covariance.
         assert np.allclose(table["time_s"], expected["timestamp_s"], rtol=0, atol=1e-6)
         for name in set(table) & set(expected):

@@ -10,6 +10,7 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
 use resect_core::planning::{Plan, improvements, predict};
+use resect_core::progress::Progress;
 use resect_core::simulation::Preset;
 use resect_io::file_mark::used_files;
 use resect_io::{plan_file, way_file};
@@ -58,7 +59,7 @@ pub fn run(arguments: &PlanArguments) -> Result<(), Failure> {
         spare(out, read)?;
     }
     let found = predict(&plan)?;
-    let better = improvements(&plan)?;
+    let better = improvements(&plan, &Progress::default())?;
     if let Some(out) = &arguments.out {
         write(out, plan_file::text(&plan))?;
     }

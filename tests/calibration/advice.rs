@@ -155,11 +155,11 @@ impl Site {
         let seen = self.known(&analysis)?.observability?;
         let calibration = &analysis.answer.as_ref().ok()?.calibration;
         let transforms = &calibration.station1_from_station;
-        let own = transforms.map(|at| {
+        let own = transforms.map(|at| -> Vec<_> {
             let station_from_station1 = at.inverse();
             self.places_m.iter().map(|place_m| station_from_station1.apply(place_m)).collect()
         });
-        let sigma_m = far_end(transforms, &calibration.covariance?, &own)?.sigma_m;
+        let sigma_m = far_end(transforms, &calibration.covariance?, &own.into())?.sigma_m;
         (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
     }
 

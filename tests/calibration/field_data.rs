@@ -179,8 +179,8 @@ fn a_bag_alone_says_what_it_lacks() {
     let copies = open(&folder).expect("opens");
     assert!(copies.findings.iter().any(|finding| finding.kind == FindingKind::CopiesLeftOut));
     assert_eq!(
-        copies.tracks.each_ref().map(|track| track.measurements.len()),
-        deployment.tracks.each_ref().map(|track| track.measurements.len())
+        copies.tracks.map(|track| track.measurements.len()),
+        deployment.tracks.map(|track| track.measurements.len())
     );
 }
 

@@ -15,6 +15,7 @@ use resect_core::planning::locks::WhyNotRead;
 use resect_core::planning::{
     FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, improvements, predict,
 };
+use resect_core::progress::Progress;
 use resect_core::simulation::{ErrorKind, Preset, Ramp, Scenario, Waypoint, simulate_scenario};
 use resect_io::plan_file;
 
@@ -403,7 +404,7 @@ fn a_plan_that_makes_no_sense_is_told_with_its_place() {
 /// Returns the improvement of one kind with the largest gain.
 #[track_caller]
 fn best(plan: &Plan, kind: ImprovementKind) -> (Plan, f64) {
-    let all = improvements(plan).expect("improvements");
+    let all = improvements(plan, &Progress::default()).expect("improvements");
     assert!(all.is_sorted_by(|a, b| a.after_m <= b.after_m), "ranked");
     let best = all.into_iter().find(|one| one.kind == kind).expect("one of this kind");
     (best.plan, best.after_m / best.before_m.expect("nothing was free"))
@@ -429,7 +430,8 @@ fn what_improves_a_plan_improves_its_drives() {
 
 #[test]
 fn a_line_is_improved_by_leaving_it() {
-    let all = improvements(&Plan::from_preset(Preset::StraightLine, 1)).expect("improvements");
+    let all = improvements(&Plan::from_preset(Preset::StraightLine, 1), &Progress::default())
+        .expect("improvements");
     let eight = all.iter().find(|one| one.kind == ImprovementKind::FigureEight);
     let eight = eight.expect("a figure-eight");
     assert_eq!(eight.before_m, None, "a line leaves directions free");
@@ -445,7 +447,11 @@ fn a_recorded_path_through_a_tunnel_is_improved_within_its_width() {
     let drawn = Plan::from_preset(Preset::StraightLine, 1);
     let driven = Plan { is_driven: true, ..drawn.clone() };
     let kinds = |plan: &Plan| -> Vec<ImprovementKind> {
-        improvements(plan).expect("improvements").iter().map(|one| one.kind).collect()
+        improvements(plan, &Progress::default())
+            .expect("improvements")
+            .iter()
+            .map(|one| one.kind)
+            .collect()
     };
     let wide = [ImprovementKind::FigureEight, ImprovementKind::Loop];
     let (of_drawn, of_driven) = (kinds(&drawn), kinds(&driven));

@@ -248,9 +248,7 @@ fn a_foreign_database_is_passed_over_with_a_reason() {
 fn the_same_drive_in_two_containers_is_read_once() {
     let all = open(&fixtures()).expect("eight times the same drive");
     let alone = open(&fixtures().join("ros1-plain.bag")).expect("one of them");
-    let counts = |deployment: &Deployment| {
-        deployment.tracks.each_ref().map(|track| track.measurements.len())
-    };
+    let counts = |deployment: &Deployment| deployment.tracks.map(|track| track.measurements.len());
     assert_eq!(counts(&all), counts(&alone));
     let told = |f: &&Finding| f.kind == FindingKind::CopiesLeftOut;
     assert_eq!(all.findings.iter().filter(told).count(), 1);

@@ -398,28 +398,8 @@ fn a_mod_rs_only_declares_and_re_exports() {
     assert!(with_code.is_empty(), "code in {with_code:#?}");
 }
 
-/// Largest package (bytes); crates.io accepts ten megabytes.
-const MOST_PACKAGE_BYTES: u64 = 3_000_000;
 /// Largest released program (bytes).
 const MOST_PROGRAM_BYTES: u64 = 40_000_000;
-
-#[test]
-fn the_packages_are_small() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let output = std::process::Command::new(env!("CARGO"))
-        .args(["package", "--workspace", "--exclude", "resect-fuzz"])
-        .args(["--no-verify", "--allow-dirty", "--offline", "--quiet", "--target-dir"])
-        .arg(folder.path())
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("cargo starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    for name in ["resect-core", "resect-io", "resect-live", "resect-report", "resect"] {
-        let file = format!("package/{name}-{}.crate", env!("CARGO_PKG_VERSION"));
-        let bytes = std::fs::metadata(folder.path().join(file)).expect("a package").len();
-        assert!(bytes < MOST_PACKAGE_BYTES, "{name}: {bytes} bytes");
-    }
-}
 
 #[test]
 #[cfg_attr(

@@ -9,6 +9,7 @@ use super::drawing::{Anchor, Drawing, Ink, Mark, text_width};
 use super::frame::{Frame, NUMBER};
 use resect_core::deployment::ControlPointSet;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::palette;
 use resect_core::pipeline::Triplets;
 
@@ -31,7 +32,7 @@ const STEP: f32 = 1.0;
 pub struct Tracks<'a> {
     pub triplets: &'a Triplets,
     /// Unused readings of each station, in its own frame (m).
-    pub unused_m: &'a [Vec<Vector3<f64>>; 3],
+    pub unused_m: &'a PerStation<Vec<Vector3<f64>>>,
 }
 
 /// Draws the plan view in a given width; its height follows from the scene. The transforms must be valid for the
@@ -276,6 +277,8 @@ fn draw_cross([x, y]: [f32; 2], marks: &mut Vec<Mark>) {
 
 #[cfg(test)]
 mod tests {
+    use resect_core::network::Station;
+
     use super::*;
 
     fn scene(x_m: f64, y_m: f64) -> Drawing {
@@ -341,8 +344,8 @@ mod tests {
             [0, 1, 2].map(|_| [0.0, 10.0].map(|x| Vector3::new(x, x, 0.0)).to_vec()),
         );
         let with = |unused: &[f64]| {
-            let unused_m = [0, 1, 2].map(|station| match station {
-                1 => unused.iter().map(|x| Vector3::new(*x, *x, 0.0)).collect(),
+            let unused_m = PerStation::from_fn(3, |station: Station| match station.number() {
+                2 => unused.iter().map(|x| Vector3::new(*x, *x, 0.0)).collect(),
                 _ => Vec::new(),
             });
             let tracks = Tracks { triplets: &triplets, unused_m: &unused_m };

@@ -8,6 +8,7 @@ use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{LayoutPreset, Pane, PlanCommand};
 use resect_core::planning::{Plan, improvements, predict};
+use resect_core::progress::Progress;
 use resect_io::atomic;
 use resect_io::plan_file;
 
@@ -122,7 +123,7 @@ impl State {
         if settled && shown[1] && self.planning.better.is_wanted(of) {
             let plan = self.planning.plan.clone();
             let number = self.jobs.start(
-                move || improvements(&plan),
+                move || improvements(&plan, &Progress::default()),
                 |state: &mut Self, number, found| state.planning.better.take(number, found),
             );
             self.planning.better.start(number, of);

@@ -9,8 +9,9 @@ use super::told::{OF_PROBES, ROUNDING, Within, in_another_frame};
 
 /// Renumbers the stations: station `i` is the former station `from[i]`.
 fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
-    deployment.tracks = from.map(|station| deployment.tracks[station].clone());
-    deployment.time_corrections = from.map(|station| deployment.time_corrections[station].clone());
+    deployment.tracks = from.map(|station| deployment.tracks[station].clone()).into();
+    deployment.time_corrections =
+        from.map(|station| deployment.time_corrections[station].clone()).into();
     for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
         point.readings = from.map(|station| point.readings[station]);
     }

@@ -27,7 +27,7 @@ pub fn each_distance_error_m(
     station1_from_station: &[RigidTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> impl Iterator<Item = [f64; 3]> {
-    (0..points_m[0].len()).map(move |index| {
+    (0..points_m.iter().next().map_or(0, Vec::len)).map(move |index| {
         let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
             station1_from_station[station].apply(&points_m[station][index])
         });

@@ -13,6 +13,9 @@ use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
 use crate::network::PerStation;
 
+/// Number of stations of a deployment in which no file names more.
+pub const USUAL_STATIONS: usize = 3;
+
 /// One field session: measurements of the stations, control points and the prism rig.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deployment {
@@ -56,6 +59,8 @@ impl Deployment {
         };
         Self {
             name: truth.name.clone(),
+            tracks: PerStation::repeat(USUAL_STATIONS, Track::default()),
+            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
             ingredients: vec![ingredient],
             findings: truth.findings.clone(),
             ground_truth: Some(truth),

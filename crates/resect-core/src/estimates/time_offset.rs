@@ -13,7 +13,7 @@ const RATE_HZ: f64 = 10.0;
 /// Largest number of speeds: a day. One wrong stamp may be years away.
 const MOST_SPEEDS: usize = 864_000;
 /// Largest number of products of speeds in a search over all offsets, and of offsets in one by positions.
-const MOST_PRODUCTS: usize = 10_000_000_000;
+const MOST_PRODUCTS: u64 = 10_000_000_000;
 const MOST_OFFSETS: usize = 100_000;
 /// Usual limit of the offset between clocks of one robot (s); GPS and UTC differ by 18 s, TAI and UTC by 37 s.
 const USUAL_S: f64 = 60.0;
@@ -169,7 +169,7 @@ fn by_speeds(
         Some((_, lag)) => Some(lag as f64 / RATE_HZ),
         None if overlap(0.0) > LEAST_COMMON_S => Some(0.0),
         // The stamps have different origins.
-        None if own.len().saturating_mul(known.len()) > MOST_PRODUCTS => None,
+        None if (own.len() as u64).saturating_mul(known.len() as u64) > MOST_PRODUCTS => None,
         None => best(far, 0)
             .filter(|(alike, _)| *alike > LEAST_CORRELATION)
             .map(|(_, lag)| from_s - first.time_s + lag as f64 / RATE_HZ),

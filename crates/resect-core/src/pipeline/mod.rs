@@ -20,6 +20,6 @@ pub use interval_split::Interval;
 pub use numbers::{PIPELINE_NUMBERS, RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
 pub use outlier_filter::{FilteredTrack, OutlierReason};
 pub use settings::{Interpolation, PipelineSettings, Thresholds};
-pub(crate) use staged::StagedPipeline;
+pub use staged::StagedPipeline;
 pub use staged::{Fates, PipelineOutput, SampleFate, run};
 pub use triplets::Triplets;

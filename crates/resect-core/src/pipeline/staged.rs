@@ -82,9 +82,9 @@ impl PipelineOutput {
         place.map_or(0, |place| self.fates[station].counts[place])
     }
 
-    /// Returns the number of readings of each station that interpolation uses.
-    pub fn kept(&self) -> PerStation<usize> {
-        self.fates.map_each(|station, _| self.count(station.index(), SampleFate::Kept))
+    /// Returns the number of readings of each station with this fate.
+    pub fn counts(&self, fate: SampleFate) -> PerStation<usize> {
+        self.fates.map_each(|station, _| self.count(station.index(), fate))
     }
 }
 
@@ -286,6 +286,6 @@ mod tests {
             let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
             assert_eq!(total, deployment.tracks[station].measurements.len());
         }
-        assert!(out.kept().iter().all(|kept| *kept > 0));
+        assert!(out.counts(SampleFate::Kept).iter().all(|kept| *kept > 0));
     }
 }

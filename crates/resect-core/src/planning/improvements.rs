@@ -14,6 +14,7 @@ use super::way::Piece;
 use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
 use crate::network::{Number, PerStation};
+use crate::progress::Progress;
 use crate::simulation::{Ramp, Waypoint};
 
 const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
@@ -79,13 +80,15 @@ struct Candidate {
     plan: Plan,
 }
 
-/// Returns changes that reduce the error at the far end of the plan's own track, the smallest error first.
-pub fn improvements(plan: &Plan) -> Result<Vec<Improvement>, PlanError> {
+/// Returns changes that reduce the error at the far end of the plan's own track, the smallest error first. Candidates that are
+/// not yet tried when `progress` is cancelled are left out.
+pub fn improvements(plan: &Plan, progress: &Progress) -> Result<Vec<Improvement>, PlanError> {
     let before = look(plan)?;
     let places_m = places_m(plan, &before);
     let before_m = far_end_m(plan, &before, &places_m);
     let before_s = before.driven.simulated.scenario.duration_s;
     let one = |candidate: Candidate| {
+        progress.check().ok()?;
         // Invalid plans and plans out of reach are omitted.
         let after = look(&candidate.plan).ok()?;
         let after_m = far_end_m(&candidate.plan, &after, &places_m)?;

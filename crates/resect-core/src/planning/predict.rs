@@ -22,6 +22,7 @@ use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
+use crate::pipeline::SampleFate;
 use crate::progress::Progress;
 use crate::simulation::{EPOCH_S, Scenario, Simulated};
 
@@ -95,7 +96,7 @@ pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
         mirror_cost_ratio,
         way,
         readings: driven.deployment.tracks.map(|track| track.measurements.len()),
-        kept: driven.pipeline.kept(),
+        kept: driven.pipeline.counts(SampleFate::Kept),
         locks: driven.locks,
         duration_s: driven.simulated.scenario.duration_s,
         length_m: way::length_m(&plan.waypoints()),

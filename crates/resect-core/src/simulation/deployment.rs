@@ -1,7 +1,10 @@
 //! Conversion of a simulated drive to a deployment, without files.
 
 use super::simulated::Simulated;
-use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
+use crate::deployment::{
+    Deployment, Overrides, Rig, Track, TrackFrame, USUAL_STATIONS, pairwise_distances,
+};
+use crate::network::PerStation;
 
 impl Simulated {
     /// Returns the readings of the drive with the true rig; numbers are not rounded as in files.
@@ -32,7 +35,7 @@ impl Simulated {
             rig: is_rig.then_some(rig),
             prisms: None,
             gnss: None,
-            time_corrections: Default::default(),
+            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
             overrides: Overrides::default(),
             as_read: Overrides::default(),
             ingredients: Vec::new(),

@@ -17,7 +17,6 @@ use super::state_vector::{CONSTANTS, ConstantsMatrix, SLOW, SLOW_RANGES};
 use crate::linear_algebra::block_tridiagonal::{
     BlockRow, add_border_gram, back_substitute, eliminate_block, forward_substitute,
 };
-use crate::network::PerStation;
 
 const ROW: usize = 2 * SLOW + CONSTANTS;
 
@@ -260,6 +259,7 @@ fn slow_covariance(
 
 #[cfg(test)]
 mod tests {
+    use crate::network::PerStation;
     use nalgebra::SMatrix;
     use rand::{RngExt, SeedableRng};
 
