@@ -9,6 +9,7 @@ use crate::common::{analyse, answer, assert_close, sample_folder};
 use resect_core::analysis::Settings;
 use resect_core::deployment::{Deployment, Finding, FindingKind, OneOrMany, Overrides};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
 use resect_io::open::open;
@@ -260,7 +261,7 @@ struct PeerBags {
     /// Number of readings of the sample in the bags.
     readings: usize,
     /// Transforms of the sample.
-    station1_from_station: [RigidTransform; 3],
+    station1_from_station: PerStation<RigidTransform>,
 }
 
 impl PeerBags {
@@ -271,7 +272,7 @@ impl PeerBags {
         Self {
             folder: PathBuf::from(folder),
             readings: sample.tracks.iter().map(|t| t.measurements.len()).sum(),
-            station1_from_station: answer(&analysis).calibration.station1_from_station,
+            station1_from_station: answer(&analysis).calibration.station1_from_station.clone(),
         }
     }
 

@@ -77,8 +77,8 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let last = harness.state().state.live.view.as_ref().and_then(|view| view.answer.clone());
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.clone().ok());
     let [last, answer] = [
-        last.map(|judged| judged.station1_from_station),
-        answer.map(|answer| answer.calibration.station1_from_station),
+        last.map(|judged| judged.station1_from_station.clone()),
+        answer.map(|answer| answer.calibration.station1_from_station.clone()),
     ];
     assert_eq!(last.expect("judged"), answer.expect("calibrated"));
     // The recording equals the shown deployment.

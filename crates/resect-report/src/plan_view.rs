@@ -40,10 +40,10 @@ pub struct Tracks<'a> {
 pub fn draw(
     control_points: &[ControlPointSet],
     Tracks { triplets, unused_m }: &Tracks<'_>,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     width: f32,
 ) -> Drawing {
-    let stations = station1_from_station.each_ref().map(|transform| transform.translation_m);
+    let stations = station1_from_station.map(|transform| transform.translation_m);
     let control_points = control_points_m(control_points, station1_from_station);
     let tracks = tracks_m(triplets, station1_from_station);
     // Control points may be far away, so they do not extend the range.
@@ -79,7 +79,7 @@ pub fn draw(
     for point in control_points.iter().filter(inside) {
         draw_cross(place(point), &mut marks);
     }
-    draw_stations(&stations.each_ref().map(place), &plot, &mut marks);
+    draw_stations(&stations.map(place), &plot, &mut marks);
     draw_scale_bar(plot_width, per_metre, [LEFT + 10.0, TOP + plot_height - 12.0], &mut marks);
     let unused = unused_m.iter().any(|unused_m| !unused_m.is_empty());
     let seen = control_points.iter().filter(inside).count();
@@ -95,13 +95,11 @@ pub fn draw(
 /// Returns the prisms' positions by station and interval (m, station 1's frame).
 fn tracks_m(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
-) -> [Vec<Vec<Vector3<f64>>>; 3] {
+    station1_from_station: &PerStation<RigidTransform>,
+) -> PerStation<Vec<Vec<Vector3<f64>>>> {
     let indices: Vec<usize> = (0..triplets.len()).collect();
-    std::array::from_fn(|station| {
-        let point = |index: &usize| {
-            station1_from_station[station].apply(&triplets.points_m[station][*index])
-        };
+    triplets.points_m.zip(station1_from_station, |points_m, transform| {
+        let point = |index: &usize| transform.apply(&points_m[*index]);
         indices
             .chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b])
             .map(|interval| interval.iter().map(point).collect())
@@ -113,7 +111,7 @@ fn tracks_m(
 /// away, so they are left out.
 fn control_points_m(
     control_points: &[ControlPointSet],
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Vec<Vector3<f64>> {
     let sets = control_points.iter().filter(|set| !set.pillars);
     sets.flat_map(|set| &set.points)
@@ -163,7 +161,7 @@ fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
 }
 
 /// Draws stations as triangles, as surveyors do, with names that cover neither each other nor a triangle.
-fn draw_stations(places: &[[f32; 2]; 3], plot: &Area, marks: &mut Vec<Mark>) {
+fn draw_stations(places: &PerStation<[f32; 2]>, plot: &Area, marks: &mut Vec<Mark>) {
     let mut taken: Vec<Area> = places.iter().map(|&at| Area::about(at, [CORNER; 2])).collect();
     for (station, &[x, y]) in places.iter().enumerate() {
         let (half, foot) = (0.866 * CORNER, 0.5 * CORNER);
@@ -290,7 +288,7 @@ mod tests {
             [points.clone(), points.clone(), points],
         );
         let tracks = Tracks { triplets: &triplets, unused_m: &Default::default() };
-        draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0)
+        draw(&[], &tracks, &PerStation::repeat(3, RigidTransform::IDENTITY), 700.0)
     }
 
     fn tracks(drawing: &Drawing) -> Vec<Vec<[f32; 2]>> {
@@ -349,7 +347,8 @@ mod tests {
                 _ => Vec::new(),
             });
             let tracks = Tracks { triplets: &triplets, unused_m: &unused_m };
-            let drawing = draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0);
+            let drawing =
+                draw(&[], &tracks, &PerStation::repeat(3, RigidTransform::IDENTITY), 700.0);
             let of_station_2 = |mark: &&Mark| {
                 matches!(mark, Mark::Line { ink, width, .. }
                 if *ink == Ink::Rgb(palette::STATIONS[1]) && *width == 0.9)

@@ -174,11 +174,11 @@ mod tests {
     use resect_core::calibration::Alignment;
     use resect_io::sample::Sample;
 
-    fn summary(settings: &Settings) -> (ResultSummary, [RigidTransform; 3]) {
+    fn summary(settings: &Settings) -> (ResultSummary, PerStation<RigidTransform>) {
         let deployment = Sample::Warthog.open().expect("built in");
         let analysis = Analyst::new(deployment.clone().into()).run(settings);
         let answer = analysis.answer.as_ref().expect("an answer");
-        let transforms = answer.calibration.station1_from_station;
+        let transforms = answer.calibration.station1_from_station.clone();
         (ResultSummary::of(&deployment, &analysis, answer), transforms)
     }
 
@@ -196,7 +196,7 @@ mod tests {
         settings.calibration.method = Some(Method::StaticGcp);
         settings.calibration.alignment = Alignment::Rigid;
         let (summary, transforms) = summary(&settings);
-        for (kept, whole) in summary.stations.iter().zip(&transforms[1..]) {
+        for (kept, whole) in summary.stations.iter().zip(transforms.iter().skip(1)) {
             assert!(whole.tilt_rad() > 1e-7, "the sample's control points are noisy");
             let off = kept.station1_from_station().matrix() - whole.matrix();
             assert!(off.norm() < 1e-12, "{off}");

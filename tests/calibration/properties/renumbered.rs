@@ -32,7 +32,8 @@ fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> 
         |deployment| renumber(deployment, from),
         |before, after, method| {
             let old_first = before.transforms[from[0]].inverse();
-            let expected = from.map(|station| old_first.then_from(&before.transforms[station]));
+            let expected =
+                from.map(|station| old_first.then_from(&before.transforms[station])).into();
             // With another station 1, σ refer to another frame.
             let swapped = before
                 .covariance

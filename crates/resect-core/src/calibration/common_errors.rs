@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::geometry::{RigidTransform, wrap_to_pi};
-use crate::network::Number;
+use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 
 /// Number of triplets from which the effect of a shared error is computed.
@@ -17,7 +17,7 @@ const ENOUGH: usize = 400;
 /// of 1 σ.
 pub fn covariance(
     triplets: &Triplets,
-    align: impl Fn(&Triplets) -> Option<[RigidTransform; 3]>,
+    align: impl Fn(&Triplets) -> Option<PerStation<RigidTransform>>,
 ) -> Option<SMatrix<f64, 8, 8>> {
     let stride = triplets.len().div_ceil(ENOUGH).max(1);
     let some: Vec<usize> = (0..triplets.len()).step_by(stride).collect();

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use super::time_blocks;
 use crate::calibration::{Clock, Estimate, with_clocks};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -40,7 +41,7 @@ impl TrackClocks {
 /// Estimates clocks and changes of the transforms; `None` if the drive does not separate clocks from transforms.
 pub fn estimate(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<TrackClocks> {
     let late = Clock { offset_s: STEP_S, drift: 0.0 };
     let moved = with_clocks(triplets, [late, late]);
@@ -137,7 +138,8 @@ mod tests {
             let (mut stated, mut truth) = ([0.0; 12], [0.0; 12]);
             for _ in 0..DRAWS {
                 let triplets = triplets(blocks, &mut rng);
-                let found = estimate(&triplets, &[RigidTransform::IDENTITY; 3]).expect("held");
+                let found = estimate(&triplets, &PerStation::repeat(3, RigidTransform::IDENTITY))
+                    .expect("held");
                 let clocks = found.offsets_s.into_iter().chain(found.drifts);
                 let moves = (0..8).map(|k| Estimate {
                     value: found.moves[k],

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::pairs::PAIRS;
 use crate::geometry::{Polar, RigidTransform};
+use crate::network::PerStation;
 
 /// A static target with the reading of each station (prism constant included).
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,7 @@ impl ControlPoint {
     /// measure it.
     pub fn disagreements_m(
         &self,
-        station1_from_station: &[RigidTransform; 3],
+        station1_from_station: &PerStation<RigidTransform>,
     ) -> impl Iterator<Item = f64> {
         let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
             self.readings[station]
@@ -53,7 +54,7 @@ impl ControlPointSet {
     ///
     /// Their median is the paper's control-point metric: up to three per point, fewer if a station did not measure it.
     /// `station1_from_station[0]` is the identity.
-    pub fn disagreements_m(&self, station1_from_station: &[RigidTransform; 3]) -> Vec<f64> {
+    pub fn disagreements_m(&self, station1_from_station: &PerStation<RigidTransform>) -> Vec<f64> {
         self.points.iter().flat_map(|point| point.disagreements_m(station1_from_station)).collect()
     }
 }

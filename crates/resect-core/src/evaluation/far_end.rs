@@ -26,7 +26,7 @@ pub struct FarEnd {
 ///
 /// A point q of station s has p = R(ψ) q + t, whose covariance is J Σ Jᵀ with J = (I, ∂R/∂ψ q).
 pub fn far_end(
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     covariance: &SMatrix<f64, 8, 8>,
     points_m: &PerStation<Vec<Vector3<f64>>>,
 ) -> Option<FarEnd> {
@@ -59,8 +59,9 @@ mod tests {
     fn a_yaw_counts_by_the_distance_and_may_cancel_with_a_translation() {
         let yaw_rad = 1.0;
         let level = LevelTransform::new(Vector3::new(5.0, -3.0, 0.2), yaw_rad);
-        let transforms =
-            [RigidTransform::IDENTITY, RigidTransform::from(level), RigidTransform::IDENTITY];
+        let transforms: PerStation<RigidTransform> =
+            [RigidTransform::IDENTITY, RigidTransform::from(level), RigidTransform::IDENTITY]
+                .into();
         let points_m: PerStation<Vec<Vector3<f64>>> =
             [vec![], vec![Vector3::new(10.0, 0.0, 1.0), Vector3::new(60.0, 0.0, 1.0)], vec![]]
                 .into();

@@ -212,12 +212,13 @@ impl Here {
 
     /// Simulates a manoeuvre and returns its triplets appended to those so far, and its duration (s).
     pub fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
-        let [_, second, third] = so_far.station1_from_station;
+        let yaws_rad = [1, 2].map(|station| so_far.station1_from_station[station].yaw_rad);
         let rig = PlannedRig { prisms_m: self.as_driven.prisms_m, ..PlannedRig::default() };
         let plan = Plan {
             speed_m_per_s: so_far.speed_m_per_s,
             turn_radius_m: so_far.turn_radius_m,
-            stations_m: so_far.station1_from_station.map(|at| at.translation_m),
+            stations_m: [0, 1, 2]
+                .map(|station: usize| so_far.station1_from_station[station].translation_m),
             ground: Ground {
                 height_m: self.ground_m,
                 slope_rms_rad: self.as_driven.slope_rms_rad.min(STEEPEST_RAD),
@@ -238,7 +239,7 @@ impl Here {
             )],
             ..Plan::default()
         };
-        let driven = drive_with(&plan, [second.yaw_rad, third.yaw_rad]).ok()?;
+        let driven = drive_with(&plan, yaws_rad).ok()?;
         let takes_s = driven.simulated.scenario.duration_s;
         Some((joined(so_far.triplets, &driven.pipeline.triplets), takes_s))
     }

@@ -137,7 +137,12 @@ fn far_end_m(
     looked: &Looked,
     places_m: &PerStation<Vec<Vector3<f64>>>,
 ) -> Option<f64> {
-    let transforms = looked.driven.simulated.truth.station1_from_station.map(RigidTransform::from);
+    let transforms = looked
+        .driven
+        .simulated
+        .truth
+        .station1_from_station
+        .map(|level| RigidTransform::from(*level));
     let own = places_m.map_each(|station, places_m| {
         let station_from_station1 = transforms[station.index()].inverse();
         places_m.iter().map(|p| station_from_station1.apply(&(p - plan.stations_m[0]))).collect()

@@ -188,7 +188,8 @@ fn distance_noise_m2(driven: &Driven, levels: &NoiseLevels) -> f64 {
 }
 
 fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> {
-    let transforms = driven.simulated.truth.station1_from_station.map(RigidTransform::from);
+    let transforms =
+        driven.simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let triplets = &driven.pipeline.triplets;
     let covariance = estimate.covariance;
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;

@@ -140,8 +140,8 @@ fn foreseen(
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })
 }
 
-fn rigid(so_far: &SoFar<'_>) -> [RigidTransform; 3] {
-    so_far.station1_from_station.map(RigidTransform::from)
+fn rigid(so_far: &SoFar<'_>) -> PerStation<RigidTransform> {
+    so_far.station1_from_station.map(|level| RigidTransform::from(*level))
 }
 
 /// Positions at which the far-end error is evaluated (m, by station in its own frame): the track so far and the places of

@@ -15,6 +15,7 @@ use super::simulated::{EPOCH_S, Simulated, Truth};
 use super::waypoint::Waypoint;
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
+use crate::network::PerStation;
 
 /// Number of readings of the rig that are averaged.
 const RIG_READINGS: f64 = 10.0;
@@ -28,11 +29,12 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     // Drawn even if unused: an option must not change other random numbers.
     let drawn: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
     let yaws = scenario.yaws_rad.unwrap_or(drawn);
-    let station1_from_station = [
+    let station1_from_station: PerStation<LevelTransform> = [
         LevelTransform::IDENTITY,
         LevelTransform::new(scenario.stations_m[0], yaws[0]),
         LevelTransform::new(scenario.stations_m[1], yaws[1]),
-    ];
+    ]
+    .into();
 
     let mut recording = Recording::default();
     for (station, set_up) in station1_from_station.iter().enumerate() {
@@ -241,7 +243,7 @@ struct SimulatedSurvey<'a> {
     scenario: &'a Scenario,
     seed: u64,
     /// Poses at the set-up for the drive.
-    station1_from_station: &'a [LevelTransform; 3],
+    station1_from_station: &'a PerStation<LevelTransform>,
 }
 
 impl SimulatedSurvey<'_> {

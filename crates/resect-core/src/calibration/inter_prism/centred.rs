@@ -81,7 +81,7 @@ impl CentredTriplets {
     }
 
     /// Returns the parameters of transforms: `q1 − c1 = R (q − c) + t'` with `t' = t + R c − c1`.
-    pub fn parameters(&self, station1_from_station: &[LevelTransform; 3]) -> Parameters {
+    pub fn parameters(&self, station1_from_station: &[LevelTransform]) -> Parameters {
         let mut parameters = Parameters::zeros();
         for (slot, station) in [1, 2].into_iter().enumerate() {
             let transform = &station1_from_station[station];

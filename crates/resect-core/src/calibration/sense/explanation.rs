@@ -6,7 +6,7 @@
 use crate::deployment::findings::checks::{
     SuspectedMisreading, misreading_not_found, misreading_suspected,
 };
-use crate::network::Number;
+use crate::network::{Number, PerStation};
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
@@ -63,7 +63,7 @@ pub struct Tried(Option<Tries>);
 
 struct Tries {
     /// Properties and transforms of the answer as read; `None` without an answer.
-    base: Option<(Shown, [RigidTransform; 3])>,
+    base: Option<(Shown, PerStation<RigidTransform>)>,
     undone: Option<Vec<Hypothesis>>,
 }
 
@@ -87,8 +87,8 @@ pub fn explain(
         });
         Tries { base, undone: None }
     });
-    let Some((base, base_transforms)) = tries.base else { return Ok(Vec::new()) };
-    let case = Case { witnesses: Witnesses::new(rig, sigma), base };
+    let Some((base, base_transforms)) = &tries.base else { return Ok(Vec::new()) };
+    let case = Case { witnesses: Witnesses::new(rig, sigma), base: *base };
     if !case.is_contradicted() {
         return Ok(Vec::new());
     }
@@ -98,8 +98,8 @@ pub fn explain(
             deployment,
             rig,
             triplets,
-            &base,
-            &base_transforms,
+            base,
+            base_transforms,
             progress,
         )?),
     };
@@ -113,7 +113,7 @@ fn try_all(
     rig: &Rig,
     triplets: &Triplets,
     base: &Shown,
-    base_transforms: &[RigidTransform; 3],
+    base_transforms: &PerStation<RigidTransform>,
     progress: &Progress,
 ) -> Result<Vec<Hypothesis>, Cancelled> {
     let points = deployment.comparable_control_points();
