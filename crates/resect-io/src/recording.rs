@@ -7,10 +7,10 @@ use crate::findings::readings::{
     station_without_readings,
 };
 use resect_core::deployment::{
-    AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track, USUAL_STATIONS,
+    AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
 use resect_core::geometry::Polar;
-use resect_core::network::PerStation;
+use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::statistics::median;
 
 /// Number of different station numbers that are remembered: more than three are no three stations.

@@ -13,7 +13,7 @@ fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
     deployment.time_corrections =
         from.map(|station| deployment.time_corrections[station].clone()).into();
     for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
-        point.readings = from.map(|station| point.readings[station]);
+        point.readings = from.map(|station| point.readings[station]).into();
     }
     let Some(rig) = &mut deployment.rig else { return };
     let old = rig.inter_prism_m;

@@ -181,6 +181,6 @@ fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
 }
 
 fn middle_range_m(set: &ControlPointSet) -> f64 {
-    let readings = set.points.iter().flat_map(|point| point.readings).flatten();
+    let readings = set.points.iter().flat_map(|point| &point.readings).flatten();
     median(readings.map(|polar| polar.range_m)).unwrap_or(0.0)
 }

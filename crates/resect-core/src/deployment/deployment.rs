@@ -11,10 +11,7 @@ use super::overrides::Overrides;
 use super::rig::Rig;
 use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
-use crate::network::PerStation;
-
-/// Number of stations of a deployment in which no file names more.
-pub const USUAL_STATIONS: usize = 3;
+use crate::network::{PerStation, USUAL_STATIONS};
 
 /// One field session: measurements of the stations, control points and the prism rig.
 #[derive(Clone, Debug, Default, PartialEq)]

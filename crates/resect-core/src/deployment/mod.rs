@@ -30,7 +30,7 @@ mod track_frame;
 
 pub use column_mapping::{ColumnMapping, TableAngle, TableLength, TimeFormat, VerticalAngle};
 pub use control_points::{ControlPoint, ControlPointSet};
-pub use deployment::{Deployment, USUAL_STATIONS};
+pub use deployment::Deployment;
 pub use drives::OtherSetUp;
 pub use estimated_trajectory::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories,

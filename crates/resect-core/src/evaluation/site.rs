@@ -205,8 +205,8 @@ mod tests {
             let known_m = Vector3::from(*place);
             let noise = Vector3::from_fn(|_, _| StandardNormal.sample(&mut *rng));
             let seen_m = station1_from_site.apply(&known_m) + sigma_m * noise;
-            let readings = [Some(Polar::from_cartesian(seen_m)), None, None];
-            ControlPoint { marker, readings, face_one: [None; 3], known_m: Some(known_m) }
+            let readings = [Some(Polar::from_cartesian(seen_m)), None, None].into();
+            ControlPoint { readings, ..ControlPoint::unread(marker, Some(known_m)) }
         });
         let points = points.collect();
         deployment.control_points =

@@ -4,6 +4,9 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::{Deserialize, Serialize};
 
+/// Number of stations where no file names more, as in the paper.
+pub const USUAL_STATIONS: usize = 3;
+
 /// A number that values are listed by.
 pub trait Number: Copy {
     /// Returns the place in a list, from 0.

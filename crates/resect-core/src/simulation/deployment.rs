@@ -1,10 +1,8 @@
 //! Conversion of a simulated drive to a deployment, without files.
 
 use super::simulated::Simulated;
-use crate::deployment::{
-    Deployment, Overrides, Rig, Track, TrackFrame, USUAL_STATIONS, pairwise_distances,
-};
-use crate::network::PerStation;
+use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
+use crate::network::{PerStation, USUAL_STATIONS};
 
 impl Simulated {
     /// Returns the readings of the drive with the true rig; numbers are not rounded as in files.

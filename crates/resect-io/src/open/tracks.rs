@@ -16,9 +16,9 @@ use crate::format::mapped_csv;
 use crate::recording::Recording;
 use resect_core::deployment::{
     ColumnMapping, Finding, Measurement, OneOrMany, Overrides, TimeCorrection, Track, TrackFrame,
-    USUAL_STATIONS, station_clocks,
+    station_clocks,
 };
-use resect_core::network::PerStation;
+use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::progress::Progress;
 
 /// Contents of the files with tracks.

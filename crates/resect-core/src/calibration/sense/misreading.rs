@@ -83,9 +83,9 @@ impl Misreading {
     ) -> Vec<ControlPointSet> {
         let mut sets = sets.to_vec();
         for point in sets.iter_mut().flat_map(|set| &mut set.points) {
-            let read = point.readings;
-            point.readings = std::array::from_fn(|station| {
-                let source = self.source(station);
+            let read = point.readings.clone();
+            point.readings = read.map_each(|station, _| {
+                let source = self.source(station.index());
                 let mut polar = read[source]?;
                 if self.reverses(source) {
                     polar.azimuth_rad = -polar.azimuth_rad;
