@@ -118,7 +118,7 @@ fn field(criterion: &mut Criterion) {
 /// Returns a prior as good as the closed form's on field data: millimetres and centimetres off.
 fn good_prior(analysis: &Analysis) -> Vector8 {
     let answer = analysis.answer.as_ref().expect("simulated");
-    let [_, t2, t3] = answer.calibration.station1_from_station;
+    let [_, t2, t3] = *answer.calibration.station1_from_station.as_array().expect("three stations");
     let mut p = Vector8::zeros();
     for (slot, t) in [t2, t3].into_iter().enumerate() {
         for (axis, off) in [0.002, -0.002, 0.04].into_iter().enumerate() {
@@ -135,7 +135,7 @@ fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::p
     resect_report::csv::write_triplets(analysis, &folder.join("triplets.csv"))
         .expect("target can be written");
     let answer = analysis.answer.as_ref().expect("simulated");
-    let [_, t2, t3] = &answer.calibration.station1_from_station;
+    let [_, t2, t3] = answer.calibration.station1_from_station.as_array().expect("three stations");
     let numbers =
         |t: &RigidTransform| [t.translation_m.x, t.translation_m.y, t.translation_m.z, t.yaw_rad()];
     let ours = [numbers(t2), numbers(t3)].concat();
@@ -159,9 +159,8 @@ impl Peer {
     fn new(triplets: &Triplets, distances: [f64; 3], p: Vector8) -> Self {
         let points = triplets
             .points_m
-            .each_ref()
             .map(|list| list.iter().map(|q| Vector3::new(q.x, q.y, q.z)).collect());
-        Self { points, distances, p }
+        Self { points: points.into_array().expect("three stations"), distances, p }
     }
 
     /// Returns the position in frame 1 and its derivative with respect to yaw.

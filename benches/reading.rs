@@ -78,7 +78,7 @@ fn measure(name: &str, path: &Path, read: fn(&Path) -> usize) {
 }
 
 fn ours(path: &Path) -> usize {
-    let mut recording = Recording::default();
+    let mut recording = Recording::new(None, false);
     let file = std::fs::File::open(path).expect("readable");
     polar_csv::read("bench.csv", file, &Progress::default(), &mut recording).expect("plain");
     let (tracks, _) = recording.finish("bench.csv").expect("readings");

@@ -13,6 +13,7 @@ use std::fmt::Write;
 
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::{Deployment, Measurement, RawRecord, Track};
+use resect_core::network::PerStation;
 use resect_io::error::OpenError;
 use resect_io::recording::Recording;
 use resect_io::sample::Sample;
@@ -55,7 +56,7 @@ fn reading(line: &str) -> Option<(i64, Measurement)> {
     Some((station.parse().ok()?, measurement))
 }
 
-fn write(tracks: &[Track; 3]) -> String {
+fn write(tracks: &PerStation<Track>) -> String {
     let mut text = String::new();
     for (station, track) in tracks.iter().enumerate() {
         for m in &track.measurements {

@@ -155,11 +155,11 @@ impl Site {
         let seen = self.known(&analysis)?.observability?;
         let calibration = &analysis.answer.as_ref().ok()?.calibration;
         let transforms = &calibration.station1_from_station;
-        let own = transforms.map(|at| {
+        let own = transforms.map(|at| -> Vec<_> {
             let station_from_station1 = at.inverse();
             self.places_m.iter().map(|place_m| station_from_station1.apply(place_m)).collect()
         });
-        let sigma_m = far_end(transforms, &calibration.covariance?, &own)?.sigma_m;
+        let sigma_m = far_end(transforms, &calibration.covariance?, &own.into())?.sigma_m;
         (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
     }
 
@@ -174,7 +174,7 @@ impl Site {
     /// Returns the error of the far end by the calibration (m).
     fn off_m(&self, drive: &Simulated, analysis: &Analysis, known: &Known) -> Option<f64> {
         let far = known.far_end?;
-        let truth = drive.truth.station1_from_station.map(RigidTransform::from);
+        let truth = drive.truth.station1_from_station.map(|level| RigidTransform::from(*level));
         let found = &analysis.answer.as_ref().ok()?.calibration.station1_from_station;
         let own = found[far.station].inverse().apply(&far.position_m);
         Some((truth[far.station].apply(&own) - far.position_m).norm())
@@ -335,7 +335,7 @@ fn an_open_field_has_figure_eights_and_so_has_a_drive_that_began() {
 fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
     let site = Site::new(Preset::LShape, 2, 0.001);
     let (_, drive, end_s) = followed(&site, beginning(&site, Preset::LShape, 45.0), 1);
-    let truth = drive.truth.station1_from_station;
+    let truth = &drive.truth.station1_from_station;
     for until_s in [48.0, 51.0, end_s] {
         let analysis = site.analysis(&drive, until_s);
         assert_eq!(analysis.offer.targets, Targets::ThreePrisms, "{until_s} s");

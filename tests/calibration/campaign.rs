@@ -25,6 +25,7 @@ use resect_core::calibration::joint::reliability::GroupKind;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::network::PerStation;
 use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_8;
 
@@ -224,17 +225,21 @@ fn largest_m(error: &SVector<f64, 8>) -> f64 {
 }
 
 /// Returns the poses of the stations in the middle of the drive in station 1's frame of that time.
-fn set_ups_in_the_middle(simulated: &Simulated) -> [LevelTransform; 3] {
+fn set_ups_in_the_middle(simulated: &Simulated) -> PerStation<LevelTransform> {
     let middle_s = 0.5 * simulated.scenario.duration_s;
-    let [station1, station2, station3] = simulated
+    let poses = simulated
         .station1_from_station_at(middle_s)
         .map(|pose| LevelTransform::new(pose.translation_m, pose.yaw_rad()));
-    let from_start = station1.inverse();
-    [LevelTransform::IDENTITY, from_start.then_from(&station2), from_start.then_from(&station3)]
+    let from_start = poses[0].inverse();
+    let [second, third] = [1, 2].map(|station| from_start.then_from(&poses[station]));
+    [LevelTransform::IDENTITY, second, third].into()
 }
 
 /// Returns the errors of (x, y, z, yaw) of stations 2 and 3: estimate minus truth.
-fn pose_errors(found: &[RigidTransform; 3], truth: &[LevelTransform; 3]) -> SVector<f64, 8> {
+fn pose_errors(
+    found: &PerStation<RigidTransform>,
+    truth: &PerStation<LevelTransform>,
+) -> SVector<f64, 8> {
     SVector::from_fn(|k, _| {
         let (found, truth) = (&found[k / 4 + 1], &truth[k / 4 + 1]);
         match k % 4 {

@@ -6,6 +6,7 @@ use crate::common::{analyse, answer, of_field, published};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_core::experiment::ablate;
+use resect_core::geometry::RigidTransform;
 use resect_core::pipeline::Interpolation;
 use resect_core::progress::Progress;
 use resect_core::simulation::{Path, Preset, simulate, simulate_scenario};
@@ -81,7 +82,8 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         let mut settings = published();
         settings.pipeline.interpolation = interpolation;
         let analysis = analyse(&deployment, &settings);
-        let transforms = simulated.truth.station1_from_station.map(Into::into);
+        let transforms =
+            simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
         let triplets = &analysis.pipeline.triplets;
         let errors_m = resect_core::calibration::distance_errors_m(
             triplets,

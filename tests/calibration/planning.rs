@@ -81,7 +81,7 @@ fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised>
     if calibration.verdict != Verdict::Good {
         return None;
     }
-    let truth = simulated.truth.station1_from_station.map(RigidTransform::from);
+    let truth = simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let error = SVector::<f64, 8>::from_fn(|k, _| {
         let (found, truth) = (&calibration.station1_from_station[k / 4 + 1], &truth[k / 4 + 1]);
         match k % 4 {

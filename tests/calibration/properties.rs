@@ -88,7 +88,7 @@ fn a_wrong_distance_or_swapped_stations_are_not_good() {
     let mut wrong_distance = sample();
     wrong_distance.rig.as_mut().expect("a rig").inter_prism_m[0] += 0.05;
     let mut swapped = sample();
-    swapped.tracks.swap(1, 2);
+    swapped.tracks.as_mut_slice().swap(1, 2);
     for (what, mut deployment) in [("d12 5 cm long", wrong_distance), ("2 and 3 swapped", swapped)]
     {
         deployment.control_points.clear();

@@ -9,6 +9,7 @@ use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Calibration, Method};
 use resect_core::deployment::{Deployment, FindingKind, Severity, Subject, TrackFrame};
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::network::PerStation;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::simulation_files::write_folder;
@@ -36,17 +37,18 @@ struct Published {
     name: PathBuf,
     /// The deployment as measured.
     own: Deployment,
-    applied: [RigidTransform; 3],
+    applied: PerStation<RigidTransform>,
 }
 
 impl Published {
-    fn new(name: &str, change: impl FnOnce(&mut [RigidTransform; 3])) -> Self {
+    fn new(name: &str, change: impl FnOnce(&mut PerStation<RigidTransform>)) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let simulated = simulate(Preset::Warthog, 3);
         let measured = folder.path().join("measured");
         write_folder(&simulated, &measured).expect("written");
         let own = open(&measured).expect("opens");
-        let mut applied = simulated.truth.station1_from_station.map(RigidTransform::from);
+        let mut applied =
+            simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
         change(&mut applied);
         let published = Self { name: folder.path().join(name), folder, own, applied };
         for (index, track) in published.own.tracks.iter().enumerate() {
@@ -74,7 +76,7 @@ impl Published {
         std::fs::write(path, text).expect("writable");
     }
 
-    fn list(&self, transforms: &[RigidTransform; 3]) {
+    fn list(&self, transforms: &PerStation<RigidTransform>) {
         let text: String = transforms.iter().map(line_of).collect();
         self.write("list_tf/TF_list_static_cp.csv", &text);
     }
@@ -171,7 +173,7 @@ fn without_them_the_frame_is_said_and_nothing_is_compared_across_it() {
 #[test]
 fn transforms_that_were_not_applied_are_not_undone() {
     let published = Published::new("run", |_| {});
-    let mut other = published.applied;
+    let mut other = published.applied.clone();
     other[1].translation_m.x += 0.003;
     published.list(&other);
     let deployment = published.open();
@@ -179,8 +181,8 @@ fn transforms_that_were_not_applied_are_not_undone() {
     let text = said(&deployment);
     assert!(text.contains("none of the 1 sets of transforms in list_tf/TF_list"), "{text}");
     // The applied transform is found among several.
-    let both = [other, published.applied].concat();
-    published.write("list_tf/more.csv", &both.iter().map(line_of).collect::<String>());
+    let both = other.iter().chain(&published.applied);
+    published.write("list_tf/more.csv", &both.map(line_of).collect::<String>());
     let deployment = published.open();
     assert_eq!(deployment.track_frame, TrackFrame::Own);
     assert!(said(&deployment).contains("list_tf/more.csv (from line 4)"), "{}", said(&deployment));
@@ -198,7 +200,8 @@ fn a_tilt_beyond_a_compensator_is_said() {
 
 #[test]
 fn tracks_in_their_own_frames_are_left_there() {
-    let published = Published::new("run", |applied| *applied = [RigidTransform::IDENTITY; 3]);
+    let published =
+        Published::new("run", |applied| *applied = PerStation::repeat(3, RigidTransform::IDENTITY));
     let deployment = published.open();
     assert_eq!(deployment.track_frame, TrackFrame::Own);
     assert!(said(&deployment).contains("in each station's own frame"));
@@ -330,9 +333,8 @@ fn the_published_run_gives_the_table_of_the_data() {
     settings.calibration.method = Some(Method::StaticGcp);
     settings.calibration.alignment = Alignment::Rigid;
     let applied = answer(&analyse(&deployment, &settings)).calibration.clone();
-    let whole: [RigidTransform; 3] = std::array::from_fn(|station| {
-        left.station1_from_station[station].then_from(&applied.station1_from_station[station])
-    });
+    let whole =
+        left.station1_from_station.zip(&applied.station1_from_station, RigidTransform::then_from);
     let table = |x: f64, y: f64, z: f64, yaw| LevelTransform::new(Vector3::new(x, y, z), yaw);
     let near = [0.003, 0.003, 0.005];
     assert_close(&whole[1], &table(5.3191, -2.5264, -0.2885, -0.51872), near, 1e-4);

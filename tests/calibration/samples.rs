@@ -3,6 +3,7 @@
 use crate::common::{analyse, answer, normalised, published, sample_folder};
 use resect_core::calibration::{PriorMethod, Verdict};
 use resect_core::geometry::LevelTransform;
+use resect_core::network::PerStation;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
@@ -18,13 +19,13 @@ struct TrueTransform {
     yaw_rad: f64,
 }
 
-fn truth(sample: &str) -> [LevelTransform; 3] {
+fn truth(sample: &str) -> PerStation<LevelTransform> {
     let text = std::fs::read_to_string(sample_folder(sample).join("truth.toml")).expect("readable");
     let truth: Truth = toml::from_str(&text).expect("valid");
     let [a, b] = [0, 1].map(|i| {
         LevelTransform::new(truth.transforms[i].translation_m.into(), truth.transforms[i].yaw_rad)
     });
-    [LevelTransform::IDENTITY, a, b]
+    [LevelTransform::IDENTITY, a, b].into()
 }
 
 #[test]

@@ -40,7 +40,7 @@ impl Mistake {
                 }
             }
             Self::Numbers(numbers, _) => {
-                wrong.tracks = numbers.map(|number| deployment.tracks[number].clone());
+                wrong.tracks = numbers.map(|number| deployment.tracks[number].clone()).into();
             }
             Self::Feet(which) => {
                 for (station, track) in wrong.tracks.iter_mut().enumerate() {

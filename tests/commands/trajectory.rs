@@ -8,6 +8,7 @@ use resect_core::calibration::joint::prism_motion::{MotionInstant, PrismMotion};
 use resect_core::evaluation::vehicle::{
     Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
+use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
 use resect_core::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
 use resect_io::open::open;
@@ -62,7 +63,8 @@ fn the_frame_of_deployment_toml_is_taken_over() {
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let analysis = analyse(&deployment, &published());
     deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
-    let transforms = simulated.truth.station1_from_station.map(Into::into);
+    let transforms =
+        simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let (trajectory, frame) = vehicle_trajectory(
         &deployment,
         &analysis.pipeline.triplets,

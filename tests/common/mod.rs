@@ -11,6 +11,7 @@ use resect_core::analysis::{Analysis, Analyst, Answer, Settings};
 use resect_core::calibration::{Calibration, Method};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::network::PerStation;
 use resect_core::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
 /// Returns a folder or file of the field data, which is never in the repository; `None`, with a message, if it is absent.
@@ -75,13 +76,13 @@ pub fn assert_close(
 
 /// Returns the errors of (x, y, z, yaw) of stations 2 and 3 relative to their stated σ.
 #[track_caller]
-pub fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
+pub fn normalised(analysis: &Analysis, truth: &PerStation<LevelTransform>) -> [f64; 8] {
     off_in_sigmas(&answer(analysis).calibration, truth)
 }
 
 /// Returns the same for a calibration.
 #[track_caller]
-pub fn off_in_sigmas(calibration: &Calibration, truth: &[LevelTransform; 3]) -> [f64; 8] {
+pub fn off_in_sigmas(calibration: &Calibration, truth: &PerStation<LevelTransform>) -> [f64; 8] {
     let sigma = calibration.sigma.expect("nothing is free");
     std::array::from_fn(|k| {
         let (station, part) = (k / 4 + 1, k % 4);

@@ -9,6 +9,7 @@ use crate::common::{analyse, answer, assert_close, sample_folder};
 use resect_core::analysis::Settings;
 use resect_core::deployment::{Deployment, Finding, FindingKind, OneOrMany, Overrides};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
 use resect_io::open::open;
@@ -248,9 +249,7 @@ fn a_foreign_database_is_passed_over_with_a_reason() {
 fn the_same_drive_in_two_containers_is_read_once() {
     let all = open(&fixtures()).expect("eight times the same drive");
     let alone = open(&fixtures().join("ros1-plain.bag")).expect("one of them");
-    let counts = |deployment: &Deployment| {
-        deployment.tracks.each_ref().map(|track| track.measurements.len())
-    };
+    let counts = |deployment: &Deployment| deployment.tracks.map(|track| track.measurements.len());
     assert_eq!(counts(&all), counts(&alone));
     let told = |f: &&Finding| f.kind == FindingKind::CopiesLeftOut;
     assert_eq!(all.findings.iter().filter(told).count(), 1);
@@ -262,7 +261,7 @@ struct PeerBags {
     /// Number of readings of the sample in the bags.
     readings: usize,
     /// Transforms of the sample.
-    station1_from_station: [RigidTransform; 3],
+    station1_from_station: PerStation<RigidTransform>,
 }
 
 impl PeerBags {
@@ -273,7 +272,7 @@ impl PeerBags {
         Self {
             folder: PathBuf::from(folder),
             readings: sample.tracks.iter().map(|t| t.measurements.len()).sum(),
-            station1_from_station: answer(&analysis).calibration.station1_from_station,
+            station1_from_station: answer(&analysis).calibration.station1_from_station.clone(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use resect_core::deployment::{Deployment, FindingKind, Subject};
 use resect_core::geometry::{Polar, RigidTransform};
+use resect_core::network::PerStation;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::error::OpenError;
 use resect_io::open::open_files;
@@ -40,7 +41,7 @@ fn jobxml(readings: &[(String, Polar)], constant_m: f64) -> String {
 }
 
 /// Returns each station's readings of the first set of simulated control points, by name.
-fn readings() -> ([Vec<(String, Polar)>; 3], [RigidTransform; 3]) {
+fn readings() -> ([Vec<(String, Polar)>; 3], PerStation<RigidTransform>) {
     let simulated = simulate(Preset::Warthog, 5);
     let points = &simulated.control_points[0].points;
     let of = |station: usize| {
@@ -48,7 +49,7 @@ fn readings() -> ([Vec<(String, Polar)>; 3], [RigidTransform; 3]) {
             points.iter().filter_map(|p| Some((format!("CP{}", p.marker), p.readings[station]?)));
         named.collect()
     };
-    let truth = simulated.truth.station1_from_station.map(RigidTransform::from);
+    let truth = simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     (std::array::from_fn(of), truth)
 }
 

@@ -158,7 +158,7 @@ fn a_constant_for_each_station_is_entered() {
     let constants = PrismConstants::Each([0.010, 0.0, 0.010]);
     assert_eq!(corrections(&harness).prism_constant_m, Some(constants));
     let tracks = &shown(&harness).deployment.tracks;
-    assert_eq!(tracks.each_ref().map(|track| track.prism_constant_m), [0.010, 0.0, 0.010]);
+    assert_eq!(tracks.map(|track| track.prism_constant_m), [0.010, 0.0, 0.010].into());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, LiveCommand, LiveForm, Pane, TimeCommand, WorkspaceCommand};
 use resect_core::calibration::Method;
+use resect_core::network::PerStation;
 
 use crate::common::sample_folder;
 use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, window};
@@ -56,8 +57,8 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     until(&mut harness, |window| shown(window).deployment.tracks[0].measurements.len() > before);
     assert_eq!(shown(&harness).id, id);
     let analysis = shown(&harness).analysis.clone().expect("never without an answer");
-    let fates = analysis.pipeline.fates.each_ref().map(|fates| fates.each.len());
-    let tracks = shown(&harness).deployment.tracks.each_ref().map(|t| t.measurements.len());
+    let fates = analysis.pipeline.fates.map(|fates| fates.each.len());
+    let tracks = shown(&harness).deployment.tracks.map(|t| t.measurements.len());
     assert_eq!(fates, tracks, "answer and readings belong together");
     assert!(harness.query_all_by_label_contains(" (live)").count() > 0, "named as what it is");
     // Beside σ, and in the legend of its curve.
@@ -76,8 +77,8 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let last = harness.state().state.live.view.as_ref().and_then(|view| view.answer.clone());
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.clone().ok());
     let [last, answer] = [
-        last.map(|judged| judged.station1_from_station),
-        answer.map(|answer| answer.calibration.station1_from_station),
+        last.map(|judged| judged.station1_from_station.clone()),
+        answer.map(|answer| answer.calibration.station1_from_station.clone()),
     ];
     assert_eq!(last.expect("judged"), answer.expect("calibrated"));
     // The recording equals the shown deployment.
@@ -222,14 +223,12 @@ fn what_is_corrections_while_it_is_live_holds_for_what_comes() {
     let mut harness = window(SMALL, Theme::Dark);
     replay(&mut harness, Some(file.clone()));
     until(&mut harness, has_answer);
-    let firsts = |window: &Window| {
-        shown(window).deployment.tracks.each_ref().map(|track| track.measurements[0])
-    };
-    let lengths = |window: &Window| {
-        shown(window).deployment.tracks.each_ref().map(|track| track.measurements.len())
-    };
+    let firsts =
+        |window: &Window| shown(window).deployment.tracks.map(|track| track.measurements[0]);
+    let lengths =
+        |window: &Window| shown(window).deployment.tracks.map(|track| track.measurements.len());
     let before = firsts(&harness);
-    let exchanged = [before[0], before[2], before[1]];
+    let exchanged = PerStation::from([before[0], before[2], before[1]]);
     let mut extras = harness.state().state.extras().expect("recorded").clone();
     extras.corrections.stations = Some([1, 3, 2]);
     send(&mut harness, DeploymentCommand::Correct(extras.clone()));
@@ -242,7 +241,7 @@ fn what_is_corrections_while_it_is_live_holds_for_what_comes() {
     let then = lengths(&harness);
     // The correction applies to later snapshots and at the end.
     until(&mut harness, |window| lengths(window)[0] > then[0] + 20);
-    assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged, [0.4; 3]));
+    assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged.clone(), [0.4; 3]));
     // It can be undone like any other change.
     send(&mut harness, DeploymentCommand::Undo);
     until(&mut harness, |window| rig_m(window) != [0.4; 3]);

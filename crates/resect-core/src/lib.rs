@@ -17,6 +17,7 @@
 //! | [`progress`] | progress and cancellation of long work | |
 //! | [`number_setting`] | a number that a user can set: its name, unit, limits and meaning | |
 //! | [`stopwatch`] | wall time of a calculation, on targets that have a clock | |
+//! | [`network`] | numbers of stations, prisms and pairs, and values by each of them | |
 //! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | a finding: its kind in `finding_kind.rs`, its constructor in `findings/`, its advice in `finding_advice.rs`; a prism constant per type of prism: `overrides.rs` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, its row in `numbers.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
 //! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and checks | method D: `inter_prism/` (the mirror solution: `mirror.rs`); an unknown of the joint estimate: its index in `joint/unknowns.rs`, its kind in `joint/instruments.rs`, its words in `joint/summary.rs`, its prior in `instrument.rs` and `numbers.rs`; the robust loss: `joint/loss.rs`; the verdict: `checks.rs`, `inter_prism/diagnosis.rs` |
@@ -37,6 +38,7 @@ pub mod evaluation;
 pub mod experiment;
 pub mod geometry;
 pub mod linear_algebra;
+pub mod network;
 pub mod number_setting;
 pub mod palette;
 pub mod pipeline;

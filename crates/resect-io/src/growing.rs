@@ -12,6 +12,7 @@ use crate::extras::Extras;
 use crate::open;
 use crate::recording::Recording;
 use resect_core::deployment::{Deployment, FindingKind, Overrides, Track};
+use resect_core::network::PerStation;
 use resect_core::progress::Progress;
 
 /// Source of the readings in findings.
@@ -51,7 +52,7 @@ impl Growing {
 
     /// Starts from a deployment without its readings, which arrive again from elsewhere; `corrections` applies to them.
     pub fn of_readings_again(mut deployment: Deployment, corrections: &Overrides) -> Self {
-        deployment.tracks = Default::default();
+        deployment.tracks = deployment.tracks.map(|_| Track::default());
         // This finding is repeated for the new readings.
         deployment.findings.retain(|finding| finding.kind != FindingKind::PrismConstantAdded);
         // The readings arrive as they were read, with the overrides about reading already applied.
@@ -113,13 +114,13 @@ impl Growing {
     }
 
     /// Tracks so far, in order of time.
-    pub fn tracks(&mut self) -> &[Track; 3] {
+    pub fn tracks(&mut self) -> impl ExactSizeIterator<Item = &Track> {
         self.recording.settle();
         self.recording.tracks()
     }
 
     /// Number of late and of repeated readings, for each station.
-    pub fn late_and_repeated(&self) -> [[usize; 2]; 3] {
+    pub fn late_and_repeated(&self) -> PerStation<[usize; 2]> {
         self.recording.late_and_repeated()
     }
 

@@ -10,6 +10,7 @@ use resect_core::deployment::{
     AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
 use resect_core::geometry::Polar;
+use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::statistics::median;
 
 /// Number of different station numbers that are remembered: more than three are no three stations.
@@ -25,29 +26,35 @@ const MOST_SET_BACKS: usize = 20;
 /// Number of reasons named in the error about a recording without a reading.
 const REASONS_IN_AN_ERROR: usize = 3;
 
-/// Collects the readings of tracks, file by file: usable ones, and counts of the others by reason.
+/// The readings of one station, and what was seen of the others.
 #[derive(Clone, Debug, Default)]
+struct StationRecording {
+    track: Track,
+    late: usize,
+    /// Number of readings in face right, converted to face left.
+    face_right: usize,
+    /// Largest time by which stamps go back into a time with other readings (s); 0 if none does.
+    set_back_s: f64,
+    /// True if the track contains late readings and is not sorted yet.
+    is_unsorted: bool,
+    /// Number of repeated stamps, and the place of the first.
+    duplicates: (usize, Option<String>),
+    sense: StationSense,
+    time_corrections: Vec<TimeCorrection>,
+}
+
+/// Collects the readings of tracks, file by file: usable ones, and counts of the others by reason.
+#[derive(Clone, Debug)]
 pub struct Recording {
     file: String,
     place_word: &'static str,
     /// Numbers that the files give to stations 1, 2, 3.
     numbers: Option<[i64; 3]>,
     counter_clockwise: bool,
-    tracks: [Track; 3],
-    late: [usize; 3],
-    /// Number of readings in face right, converted to face left.
-    face_right: [usize; 3],
-    /// Largest time by which stamps go back into a time with other readings (s); 0 if none does.
-    set_back_s: [f64; 3],
-    /// True if a track contains late readings and is not sorted yet.
-    unsorted: [bool; 3],
-    /// Number of repeated stamps, and the place of the first.
-    duplicates: [(usize, Option<String>); 3],
+    stations: PerStation<StationRecording>,
     dropped: DropCounts,
-    sense: [StationSense; 3],
     /// Different station numbers of the records, up to [`MOST_NUMBERS`], and how often they occur.
     numbers_seen: Vec<(i64, usize)>,
-    pub time_corrections: [Vec<TimeCorrection>; 3],
     /// True if the ranges contain the prism constant already, as coordinates do.
     pub ranges_include_prism_constant: bool,
     /// Findings about the readings.
@@ -57,7 +64,17 @@ pub struct Recording {
 impl Recording {
     /// Returns an empty recording; `numbers` are the files' numbers of stations 1, 2, 3, and the sense applies to azimuths.
     pub fn new(numbers: Option<[i64; 3]>, counter_clockwise: bool) -> Self {
-        Self { numbers, counter_clockwise, ..Self::default() }
+        Self {
+            file: String::new(),
+            place_word: "",
+            numbers,
+            counter_clockwise,
+            stations: (0..USUAL_STATIONS).map(|_| StationRecording::default()).collect(),
+            dropped: DropCounts::default(),
+            numbers_seen: Vec::new(),
+            ranges_include_prism_constant: false,
+            findings: Vec::new(),
+        }
     }
 
     /// Begins a file, to which the next records belong; a place in it is called `place_word` ("line", "message").
@@ -82,11 +99,11 @@ impl Recording {
             return;
         }
         let impossible = Impossible::of(&m);
-        self.sense[station].take(&m, impossible);
+        self.stations[station].sense.take(&m, impossible);
         match impossible {
             Some(impossible) => self.drop(Some(station), impossible.words().to_owned(), record),
             None => {
-                self.face_right[station] += usize::from(is_face_right);
+                self.stations[station].face_right += usize::from(is_face_right);
                 if self.counter_clockwise {
                     m.azimuth_rad = -m.azimuth_rad;
                 }
@@ -104,17 +121,13 @@ impl Recording {
     ) -> [Option<usize>; 3] {
         let from = numbers.unwrap_or(AS_NUMBERED).map(|number| self.station_of(number));
         self.numbers = numbers;
-        moved(&mut self.tracks, &from);
-        moved(&mut self.late, &from);
-        moved(&mut self.face_right, &from);
-        moved(&mut self.set_back_s, &from);
-        moved(&mut self.unsorted, &from);
-        moved(&mut self.duplicates, &from);
-        moved(&mut self.sense, &from);
-        moved(&mut self.time_corrections, &from);
+        let mut before = std::mem::take(&mut self.stations);
+        // A station without a former index has no readings.
+        let moved = |from: Option<usize>| from.map(|own| std::mem::take(&mut before[own]));
+        self.stations = from.map(moved).map(Option::unwrap_or_default).into();
         self.dropped.renumber(&from);
         if std::mem::replace(&mut self.counter_clockwise, counter_clockwise) != counter_clockwise {
-            for m in self.tracks.iter_mut().flat_map(|track| &mut track.measurements) {
+            for m in self.stations.iter_mut().flat_map(|own| &mut own.track.measurements) {
                 m.azimuth_rad = -m.azimuth_rad;
             }
         }
@@ -148,10 +161,11 @@ impl Recording {
     }
 
     fn keep(&mut self, station: usize, measurement: Measurement, record: &RawRecord) {
-        let track = &mut self.tracks[station];
+        let StationRecording { track, late, is_unsorted, duplicates, .. } =
+            &mut self.stations[station];
         match track.measurements.last() {
             Some(last) if measurement.time_s == last.time_s => {
-                let (count, first) = &mut self.duplicates[station];
+                let (count, first) = duplicates;
                 *count += 1;
                 let (word, file) = (self.place_word, &self.file);
                 first.get_or_insert_with(|| {
@@ -160,8 +174,8 @@ impl Recording {
                 return;
             }
             Some(last) if measurement.time_s < last.time_s => {
-                self.late[station] += 1;
-                self.unsorted[station] = true;
+                *late += 1;
+                *is_unsorted = true;
             }
             _ => {}
         }
@@ -181,37 +195,48 @@ impl Recording {
     /// Adds a correction of a station's clock; `number` is the station's number in the files.
     pub fn push_correction(&mut self, number: i64, correction: TimeCorrection) {
         if let Some(station) = self.station_of(number) {
-            self.time_corrections[station].push(correction);
+            self.stations[station].time_corrections.push(correction);
         }
     }
 
     /// Returns findings about units, clocks and the share of impossible readings; an error if a column cannot be in its unit.
     pub fn check_sense(&self, files: &str) -> Result<Vec<Finding>, OpenError> {
-        reading_sense::check(&self.sense, files, self.place_word == "line")
+        reading_sense::check(
+            &self.stations.iter().map(|own| &own.sense).collect(),
+            files,
+            self.place_word == "line",
+        )
     }
 
     /// Sorts the readings so far by time, and removes repeated stamps; the first reading of each stays.
     pub fn settle(&mut self) {
-        for (station, track) in self.tracks.iter_mut().enumerate() {
+        for StationRecording { track, set_back_s, is_unsorted, duplicates, .. } in
+            &mut self.stations
+        {
             if !track.own_clock_s.is_empty() {
                 track.own_clock_s.resize(track.measurements.len(), f64::NAN);
             }
-            if std::mem::take(&mut self.unsorted[station]) {
-                let set_back_s = largest_set_back_s(&track.measurements);
-                self.set_back_s[station] = self.set_back_s[station].max(set_back_s);
-                self.duplicates[station].0 += sort_by_time(track);
+            if std::mem::take(is_unsorted) {
+                *set_back_s = set_back_s.max(largest_set_back_s(&track.measurements));
+                duplicates.0 += sort_by_time(track);
             }
         }
     }
 
     /// Tracks so far; in order of time after [`Self::settle`].
-    pub fn tracks(&self) -> &[Track; 3] {
-        &self.tracks
+    pub fn tracks(&self) -> impl ExactSizeIterator<Item = &Track> {
+        self.stations.iter().map(|own| &own.track)
+    }
+
+    /// Removes the corrections of the stations' clocks, and returns them.
+    pub fn take_time_corrections(&mut self) -> PerStation<Vec<TimeCorrection>> {
+        let take = |own: &mut StationRecording| std::mem::take(&mut own.time_corrections);
+        self.stations.iter_mut().map(take).collect()
     }
 
     /// Number of late and of repeated readings, for each station.
-    pub fn late_and_repeated(&self) -> [[usize; 2]; 3] {
-        [0, 1, 2].map(|station| [self.late[station], self.duplicates[station].0])
+    pub fn late_and_repeated(&self) -> PerStation<[usize; 2]> {
+        self.stations.map(|own| [own.late, own.duplicates.0])
     }
 
     /// Number of records that cannot be readings.
@@ -222,12 +247,10 @@ impl Recording {
     /// Returns the tracks in order of time, and all findings; `files` names the source in errors.
     ///
     /// Without any usable reading, an error with the reasons why the records were dropped.
-    pub fn finish(mut self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
+    pub fn finish(mut self, files: &str) -> Result<(PerStation<Track>, Vec<Finding>), OpenError> {
         self.settle();
-        let Self {
-            tracks, late, face_right, set_back_s, duplicates, dropped, mut findings, ..
-        } = self;
-        if tracks.iter().all(|track| track.measurements.is_empty()) {
+        let Self { stations, dropped, mut findings, .. } = self;
+        if stations.iter().all(|own| own.track.measurements.is_empty()) {
             return Err(OpenError::file(
                 files,
                 format!("no usable measurement of any station{}", dropped.in_words()),
@@ -235,14 +258,16 @@ impl Recording {
             ));
         }
         findings.extend(dropped.into_findings());
-        findings.extend(clock_set_back(&set_back_s));
-        let with_face_right = face_right.iter().enumerate().filter(|(_, count)| **count > 0);
-        findings.extend(with_face_right.map(|(station, count)| {
-            readings_in_face_right(station, *count, tracks[station].measurements.len())
-        }));
-        let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
-        let tracks: Vec<Track> = stations
-            .map(|(station, ((track, late), (repeated, first)))| {
+        findings.extend(clock_set_back(&stations.map(|own| own.set_back_s)));
+        for (station, own) in stations.iter().enumerate().filter(|(_, own)| own.face_right > 0) {
+            let count = own.track.measurements.len();
+            findings.push(readings_in_face_right(station, own.face_right, count));
+        }
+        let tracks = stations
+            .into_iter()
+            .enumerate()
+            .map(|(station, own)| {
+                let StationRecording { track, late, duplicates: (repeated, first), .. } = own;
                 if late > 0 {
                     findings.push(stamps_out_of_order(station, late, files));
                 }
@@ -256,7 +281,7 @@ impl Recording {
                 track
             })
             .collect();
-        Ok((tracks.try_into().expect("three stations"), findings))
+        Ok((tracks, findings))
     }
 }
 
@@ -309,12 +334,6 @@ pub fn station_index(number: i64) -> Option<usize> {
         1..=3 => Some(number as usize - 1),
         _ => None,
     }
-}
-
-/// Moves each value to its new index; stations without a former index get the default.
-fn moved<T: Default>(all: &mut [T; 3], from: &[Option<usize>; 3]) {
-    let mut before = std::mem::take(all);
-    *all = from.map(|from| from.map(|own| std::mem::take(&mut before[own])).unwrap_or_default());
 }
 
 /// Counts of left-out records by station (if known) and reason, each with its first place.
@@ -377,8 +396,8 @@ mod tests {
         RawRecord { station, status: 0, place, measurement, own_clock_s: None }
     }
 
-    fn assemble(records: &[RawRecord]) -> ([Track; 3], Vec<Finding>) {
-        let mut recording = Recording::default();
+    fn assemble(records: &[RawRecord]) -> (PerStation<Track>, Vec<Finding>) {
+        let mut recording = Recording::new(None, false);
         recording.begin_file("x.csv", "line");
         records.iter().for_each(|record| recording.push(record));
         recording.finish("x.csv").expect("readings")
@@ -396,7 +415,7 @@ mod tests {
         broken.measurement.range_m = f64::NAN;
         records.push(broken);
         let (tracks, findings) = assemble(&records);
-        assert_eq!(tracks.each_ref().map(|t| t.measurements.len()), [3, 4, 3]);
+        assert_eq!(tracks.map(|t| t.measurements.len()), [3, 4, 3].into());
         assert!(tracks[1].measurements.windows(2).all(|w| w[0].time_s < w[1].time_s));
         let text = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         for expected in [
@@ -413,19 +432,20 @@ mod tests {
 
     #[test]
     fn what_was_counted_goes_with_its_station() {
-        let mut recording = Recording::default();
+        let mut recording = Recording::new(None, false);
         recording.begin_file("x.csv", "line");
         (0..6).for_each(|i| recording.push(&record(i % 3 + 1, i as usize + 2, i as f64)));
         recording.push(&RawRecord { status: 3, ..record(2, 8, 9.0) });
         recording.push(&record(3, 9, 5.0));
         assert_eq!(recording.count_as(Some([1, 3, 2]), true), [Some(0), Some(2), Some(1)]);
-        assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]]);
-        assert_eq!(recording.tracks()[1].measurements[0].time_s, 2.0);
+        assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]].into());
+        let second = recording.tracks().nth(1).expect("a station");
+        assert_eq!(second.measurements[0].time_s, 2.0);
         // Number 4 had no station so far; the readings of number 2 are lost.
         assert_eq!(recording.count_as(Some([1, 3, 4]), true), [Some(0), Some(1), None]);
         recording.push(&record(4, 10, 9.0));
         let (tracks, findings) = recording.finish("x.csv").expect("readings");
-        assert_eq!(tracks.each_ref().map(|track| track.measurements.len()), [2, 2, 1]);
+        assert_eq!(tracks.map(|track| track.measurements.len()), [2, 2, 1].into());
         assert!(tracks.iter().all(|track| track.measurements[0].azimuth_rad == -0.1));
         let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
         assert!(said.iter().any(|line| line.contains("status 3")), "{said:?}");
@@ -464,7 +484,7 @@ mod tests {
 
     #[test]
     fn no_reading_at_all_is_an_error_that_says_why() {
-        let mut recording = Recording::default();
+        let mut recording = Recording::new(None, false);
         recording.begin_file("x.csv", "line");
         for row in 0..10 {
             let mut broken = record(row % 2 + 1, row as usize + 2, row as f64);

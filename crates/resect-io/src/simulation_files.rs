@@ -11,6 +11,7 @@ use crate::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::open::open_files;
 use resect_core::deployment::{Deployment, pairwise_distances};
 use resect_core::geometry::{LevelTransform, Polar};
+use resect_core::network::PerStation;
 use resect_core::simulation::{Simulated, SystematicErrors};
 
 /// Ground truth of a simulation. A folder that contains this file may be overwritten.
@@ -156,7 +157,7 @@ fn truth_text(simulated: &Simulated) -> String {
     toml::to_string(&file).expect("plain data")
 }
 
-fn transform_entries(station1_from_station: &[LevelTransform; 3]) -> Vec<TransformEntry> {
+fn transform_entries(station1_from_station: &PerStation<LevelTransform>) -> Vec<TransformEntry> {
     let entry = |station: usize| TransformEntry {
         from: station + 1,
         to: 1,

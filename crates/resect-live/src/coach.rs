@@ -206,6 +206,8 @@ fn open_in_words(open: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use resect_core::network::PerStation;
+
     use std::sync::Arc;
 
     use nalgebra::Vector3;
@@ -234,7 +236,7 @@ mod tests {
             plan: None,
             late_s: None,
             stepped: Vec::new(),
-            station1_from_station: [RigidTransform::IDENTITY; 3],
+            station1_from_station: PerStation::repeat(3, RigidTransform::IDENTITY),
             sigma: None,
             inter_prism_mm: Some(1.0),
         };

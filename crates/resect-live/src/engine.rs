@@ -13,7 +13,7 @@ use super::status::{StationStatus, Watch};
 use super::view::{Left, Link, View};
 use super::warnings::{Seen, Told, Warning, amiss, speaks_against_readings};
 use resect_core::deployment::printable::printable;
-use resect_core::deployment::{Deployment, FindingKind};
+use resect_core::deployment::{Deployment, FindingKind, Track};
 use resect_core::planning::NextMove;
 use resect_io::error::OpenError;
 use resect_io::format::bag::stream::{Heard, Subscription};
@@ -287,7 +287,7 @@ impl Engine {
             (stations[1].late_s, stations[2].late_s) = (Some(late_s[0]), Some(late_s[1]));
         }
         self.warn(at_s, &stations);
-        let tracks = self.growing.tracks();
+        let tracks: Vec<&Track> = self.growing.tracks().collect();
         let firsts = tracks.iter().filter_map(|track| Some(track.measurements.first()?.time_s));
         let lasts = tracks.iter().filter_map(|track| Some(track.measurements.last()?.time_s));
         let (start_s, end_s) = (firsts.min_by(f64::total_cmp), lasts.max_by(f64::total_cmp));

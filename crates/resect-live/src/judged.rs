@@ -11,6 +11,7 @@ use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distanc
 use resect_core::deployment::{Deployment, Finding, PAIRS, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::planning::OPENING;
 use resect_core::statistics::median;
 
@@ -53,7 +54,7 @@ pub struct Judged {
     pub late_s: Option<[[f64; 2]; 2]>,
     /// Detected steps of stations and clocks.
     pub stepped: Vec<Finding>,
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
     pub sigma: Option<[TransformSigma; 2]>,
     /// Median distance error of the answer (mm).
     pub inter_prism_mm: Option<f64>,
@@ -167,7 +168,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
             .clock_estimates()
             .map(|clocks| clocks.map(|(offset_s, _)| [offset_s.value, offset_s.sigma])),
         stepped,
-        station1_from_station: calibration.station1_from_station,
+        station1_from_station: calibration.station1_from_station.clone(),
         sigma: calibration.sigma,
         inter_prism_mm: answer.evaluation.inter_prism_mm.map(|spread| spread.median),
     }
@@ -177,7 +178,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
 fn lately_off_m(
     deployment: &Deployment,
     analysis: &Analysis,
-    transforms: &[RigidTransform; 3],
+    transforms: &PerStation<RigidTransform>,
 ) -> Option<[f64; 3]> {
     let rig_m = deployment.rig.as_ref()?.inter_prism_m;
     let triplets = &analysis.pipeline.triplets;

@@ -261,7 +261,7 @@ mod tests {
         });
         ResultSummary {
             deployment: "field".to_owned(),
-            readings: [100, 100, 100],
+            readings: [100; 3].into(),
             method: Method::InterPrism,
             fallback: None,
             verdict: Verdict::Good,

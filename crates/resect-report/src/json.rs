@@ -31,6 +31,7 @@ use resect_core::calibration::{
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
+use resect_core::pipeline::SampleFate;
 
 /// Returns one object for one method. `load_ms` is the duration of opening.
 pub fn calibration(
@@ -54,8 +55,8 @@ pub fn calibration(
         "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
-            "raw": deployment.tracks.each_ref().map(|track| track.measurements.len()),
-            "kept": analysis.pipeline.kept(),
+            "raw": deployment.tracks.map(|track| track.measurements.len()),
+            "kept": analysis.pipeline.counts(SampleFate::Kept),
             "intervals": analysis.pipeline.kept_intervals.len(),
             "triplets": analysis.pipeline.triplets.len(),
         },

@@ -9,6 +9,7 @@ use super::drawing::{Anchor, Drawing, Ink, Mark, text_width};
 use super::frame::{Frame, NUMBER};
 use resect_core::deployment::ControlPointSet;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::palette;
 use resect_core::pipeline::Triplets;
 
@@ -31,7 +32,7 @@ const STEP: f32 = 1.0;
 pub struct Tracks<'a> {
     pub triplets: &'a Triplets,
     /// Unused readings of each station, in its own frame (m).
-    pub unused_m: &'a [Vec<Vector3<f64>>; 3],
+    pub unused_m: &'a PerStation<Vec<Vector3<f64>>>,
 }
 
 /// Draws the plan view in a given width; its height follows from the scene. The transforms must be valid for the
@@ -39,10 +40,10 @@ pub struct Tracks<'a> {
 pub fn draw(
     control_points: &[ControlPointSet],
     Tracks { triplets, unused_m }: &Tracks<'_>,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     width: f32,
 ) -> Drawing {
-    let stations = station1_from_station.each_ref().map(|transform| transform.translation_m);
+    let stations = station1_from_station.map(|transform| transform.translation_m);
     let control_points = control_points_m(control_points, station1_from_station);
     let tracks = tracks_m(triplets, station1_from_station);
     // Control points may be far away, so they do not extend the range.
@@ -78,7 +79,7 @@ pub fn draw(
     for point in control_points.iter().filter(inside) {
         draw_cross(place(point), &mut marks);
     }
-    draw_stations(&stations.each_ref().map(place), &plot, &mut marks);
+    draw_stations(&stations.map(place), &plot, &mut marks);
     draw_scale_bar(plot_width, per_metre, [LEFT + 10.0, TOP + plot_height - 12.0], &mut marks);
     let unused = unused_m.iter().any(|unused_m| !unused_m.is_empty());
     let seen = control_points.iter().filter(inside).count();
@@ -94,13 +95,11 @@ pub fn draw(
 /// Returns the prisms' positions by station and interval (m, station 1's frame).
 fn tracks_m(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
-) -> [Vec<Vec<Vector3<f64>>>; 3] {
+    station1_from_station: &PerStation<RigidTransform>,
+) -> PerStation<Vec<Vec<Vector3<f64>>>> {
     let indices: Vec<usize> = (0..triplets.len()).collect();
-    std::array::from_fn(|station| {
-        let point = |index: &usize| {
-            station1_from_station[station].apply(&triplets.points_m[station][*index])
-        };
+    triplets.points_m.zip(station1_from_station, |points_m, transform| {
+        let point = |index: &usize| transform.apply(&points_m[*index]);
         indices
             .chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b])
             .map(|interval| interval.iter().map(point).collect())
@@ -112,7 +111,7 @@ fn tracks_m(
 /// away, so they are left out.
 fn control_points_m(
     control_points: &[ControlPointSet],
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Vec<Vector3<f64>> {
     let sets = control_points.iter().filter(|set| !set.pillars);
     sets.flat_map(|set| &set.points)
@@ -162,7 +161,7 @@ fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
 }
 
 /// Draws stations as triangles, as surveyors do, with names that cover neither each other nor a triangle.
-fn draw_stations(places: &[[f32; 2]; 3], plot: &Area, marks: &mut Vec<Mark>) {
+fn draw_stations(places: &PerStation<[f32; 2]>, plot: &Area, marks: &mut Vec<Mark>) {
     let mut taken: Vec<Area> = places.iter().map(|&at| Area::about(at, [CORNER; 2])).collect();
     for (station, &[x, y]) in places.iter().enumerate() {
         let (half, foot) = (0.866 * CORNER, 0.5 * CORNER);
@@ -276,6 +275,8 @@ fn draw_cross([x, y]: [f32; 2], marks: &mut Vec<Mark>) {
 
 #[cfg(test)]
 mod tests {
+    use resect_core::network::Station;
+
     use super::*;
 
     fn scene(x_m: f64, y_m: f64) -> Drawing {
@@ -287,7 +288,7 @@ mod tests {
             [points.clone(), points.clone(), points],
         );
         let tracks = Tracks { triplets: &triplets, unused_m: &Default::default() };
-        draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0)
+        draw(&[], &tracks, &PerStation::repeat(3, RigidTransform::IDENTITY), 700.0)
     }
 
     fn tracks(drawing: &Drawing) -> Vec<Vec<[f32; 2]>> {
@@ -341,12 +342,13 @@ mod tests {
             [0, 1, 2].map(|_| [0.0, 10.0].map(|x| Vector3::new(x, x, 0.0)).to_vec()),
         );
         let with = |unused: &[f64]| {
-            let unused_m = [0, 1, 2].map(|station| match station {
-                1 => unused.iter().map(|x| Vector3::new(*x, *x, 0.0)).collect(),
+            let unused_m = PerStation::from_fn(3, |station: Station| match station.number() {
+                2 => unused.iter().map(|x| Vector3::new(*x, *x, 0.0)).collect(),
                 _ => Vec::new(),
             });
             let tracks = Tracks { triplets: &triplets, unused_m: &unused_m };
-            let drawing = draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0);
+            let drawing =
+                draw(&[], &tracks, &PerStation::repeat(3, RigidTransform::IDENTITY), 700.0);
             let of_station_2 = |mark: &&Mark| {
                 matches!(mark, Mark::Line { ink, width, .. }
                 if *ink == Ink::Rgb(palette::STATIONS[1]) && *width == 0.9)

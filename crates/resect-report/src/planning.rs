@@ -124,7 +124,7 @@ pub fn json(plan: &Plan, found: &Prediction, better: &[Improvement]) -> Value {
         },
         "readings": found.readings,
         "kept": found.kept,
-        "locks": found.locks.each_ref().map(lock),
+        "locks": found.locks.map(lock),
         "improvements": better.iter().map(|one| json!({
             "kind": one.kind.name(),
             "sentence": one.sentence,

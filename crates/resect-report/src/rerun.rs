@@ -32,6 +32,7 @@ use super::text;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::{Deployment, PAIRS, Track};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
@@ -107,8 +108,9 @@ fn log_deployment(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks
     }
     recording.log_static(EntityPath::properties(), &info)?;
     let answer = analysis.answer.as_ref().ok();
-    let transforms =
-        answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
+    let transforms = answer.map_or(PerStation::repeat(3, RigidTransform::IDENTITY), |a| {
+        a.calibration.station1_from_station
+    });
     // Entities in another frame would have wrong positions, so they are left out.
     let places_tracks = answer.is_none_or(|a| a.calibration.placing_tracks(deployment).is_some());
     let places_points =
@@ -197,7 +199,7 @@ fn log_station(
 fn log_control_points(
     recording: &mut Chunks,
     deployment: &Deployment,
-    transforms: &[RigidTransform; 3],
+    transforms: &PerStation<RigidTransform>,
 ) -> Result<()> {
     for set in &deployment.control_points {
         for station in 0..3 {

@@ -9,13 +9,14 @@ use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::{AnswerRow, estimate_rows};
 use resect_core::evaluation::{ControlPointMetric, Spread};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 
 /// An answer without its triplets and residuals: small, and unchanged by a round trip through TOML.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResultSummary {
     pub deployment: String,
     /// Numbers of raw readings of stations 1, 2, 3; with the name they identify the data.
-    pub readings: [usize; 3],
+    pub readings: PerStation<usize>,
     /// The requested method.
     pub method: Method,
     /// The published method that answers instead of a joint estimate that failed.
@@ -62,7 +63,7 @@ impl ResultSummary {
         let doubts = calibration.findings.iter().filter(|one| one.severity > Severity::Note);
         Self {
             deployment: deployment.name.clone(),
-            readings: deployment.tracks.each_ref().map(|track| track.measurements.len()),
+            readings: deployment.tracks.map(|track| track.measurements.len()),
             method: calibration.method,
             fallback: calibration.joint_failure().map(|_| calibration.answered_by()),
             verdict: calibration.verdict,
@@ -107,7 +108,7 @@ impl ResultSummary {
 
     /// Returns true if the answer uses this deployment's readings, judged by name and counts.
     pub fn is_of(&self, deployment: &Deployment) -> bool {
-        let readings = deployment.tracks.each_ref().map(|track| track.measurements.len());
+        let readings = deployment.tracks.map(|track| track.measurements.len());
         self.deployment == deployment.name && self.readings == readings
     }
 
@@ -173,11 +174,11 @@ mod tests {
     use resect_core::calibration::Alignment;
     use resect_io::sample::Sample;
 
-    fn summary(settings: &Settings) -> (ResultSummary, [RigidTransform; 3]) {
+    fn summary(settings: &Settings) -> (ResultSummary, PerStation<RigidTransform>) {
         let deployment = Sample::Warthog.open().expect("built in");
         let analysis = Analyst::new(deployment.clone().into()).run(settings);
         let answer = analysis.answer.as_ref().expect("an answer");
-        let transforms = answer.calibration.station1_from_station;
+        let transforms = answer.calibration.station1_from_station.clone();
         (ResultSummary::of(&deployment, &analysis, answer), transforms)
     }
 
@@ -195,7 +196,7 @@ mod tests {
         settings.calibration.method = Some(Method::StaticGcp);
         settings.calibration.alignment = Alignment::Rigid;
         let (summary, transforms) = summary(&settings);
-        for (kept, whole) in summary.stations.iter().zip(&transforms[1..]) {
+        for (kept, whole) in summary.stations.iter().zip(transforms.iter().skip(1)) {
             assert!(whole.tilt_rad() > 1e-7, "the sample's control points are noisy");
             let off = kept.station1_from_station().matrix() - whole.matrix();
             assert!(off.norm() < 1e-12, "{off}");

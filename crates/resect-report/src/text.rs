@@ -25,7 +25,7 @@ pub fn calibration(
 ) -> String {
     let Answer { calibration, evaluation, .. } = answer;
     let out = &analysis.pipeline;
-    let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
+    let raw = deployment.tracks.map(|track| track.measurements.len());
     let mut text = format!(
         "{} · {} · verdict: {}{}\n\n",
         deployment.name,
@@ -37,18 +37,14 @@ pub fn calibration(
         _ = writeln!(text, "{sentence}");
     }
     text.push('\n');
-    let kept = out.kept();
+    let kept = out.counts(SampleFate::Kept);
     _ = writeln!(
         text,
-        "pipeline    {} of {} readings kept (stations 1–3: {}/{}, {}/{}, {}/{}), {} intervals, {} triplets",
+        "pipeline    {} of {} readings kept (stations 1–{}: {}), {} intervals, {} triplets",
         kept.iter().sum::<usize>(),
         raw.iter().sum::<usize>(),
-        kept[0],
-        raw[0],
-        kept[1],
-        raw[1],
-        kept[2],
-        raw[2],
+        kept.len(),
+        kept.zip(&raw, |kept, raw| format!("{kept}/{raw}")).as_slice().join(", "),
         out.kept_intervals.len(),
         out.triplets.len(),
     );

@@ -12,6 +12,7 @@ use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, FindingIdentity};
+use resect_core::network::PerStation;
 use resect_io::source::Source;
 use resect_report::summary::ResultSummary;
 
@@ -27,7 +28,7 @@ pub struct OpenDeployment {
     /// The source from which the deployment can be read again.
     pub source: Option<Source>,
     /// Longest range of each station (m), cached because every frame needs it.
-    pub longest_range_m: [f64; 3],
+    pub longest_range_m: PerStation<f64>,
     pub settings: Settings,
     /// The newest result; older than the settings while it is stale.
     pub analysis: Option<Arc<Analysis>>,
@@ -118,7 +119,7 @@ impl OpenDeployment {
         if old.whole_s == self.timeline.whole_s {
             self.timeline = old;
         }
-        let readings = |of: &Deployment| of.tracks.each_ref().map(|track| track.measurements.len());
+        let readings = |of: &Deployment| of.tracks.map(|track| track.measurements.len());
         if readings(&self.deployment) != readings(&deployment) {
             // Indices of readings in the old result are no longer valid.
             (self.analysis, self.summary) = (None, None);
@@ -199,9 +200,6 @@ impl OpenDeployment {
     }
 }
 
-fn longest_range_m(deployment: &Deployment) -> [f64; 3] {
-    deployment
-        .tracks
-        .each_ref()
-        .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max))
+fn longest_range_m(deployment: &Deployment) -> PerStation<f64> {
+    deployment.tracks.map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max))
 }

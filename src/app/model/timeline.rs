@@ -20,13 +20,13 @@ pub struct Picked {
 impl Picked {
     /// Returns the time of the measurement (s); `None` if there is no such reading.
     pub fn time_s(&self, deployment: &Deployment) -> Option<f64> {
-        let track = deployment.tracks.get(self.station)?;
+        let track = deployment.tracks.as_slice().get(self.station)?;
         track.measurements.get(self.index).map(|reading| reading.time_s)
     }
 
     /// Returns the position (m, station 1's frame); `None` if there is no such reading, or its station has no pose.
     pub fn place_m(&self, deployment: &Deployment, analysis: &Analysis) -> Option<Vector3<f64>> {
-        let track = deployment.tracks.get(self.station)?;
+        let track = deployment.tracks.as_slice().get(self.station)?;
         let position_m = track.position_m(track.measurements.get(self.index)?);
         Some(placed_tracks(deployment, analysis)[self.station]?.apply(&position_m))
     }

@@ -27,6 +27,7 @@ use resect_core::analysis::{Analysis, Answer, Settings};
 use resect_core::calibration::{Calibration, Verdict, recommend};
 use resect_core::deployment::{Deployment, Finding, Severity, doubts};
 use resect_core::palette;
+use resect_core::pipeline::SampleFate;
 use resect_report::glossary;
 use resect_report::summary::ResultSummary;
 use resect_report::text;
@@ -214,7 +215,7 @@ fn head(
 fn readings(ui: &mut egui::Ui, open: &OpenDeployment, analysis: &Analysis) {
     let out = &analysis.pipeline;
     let all: usize = open.deployment.tracks.iter().map(|track| track.measurements.len()).sum();
-    let used: usize = out.kept().iter().sum();
+    let used: usize = out.counts(SampleFate::Kept).iter().sum();
     if all > 0 {
         let label = ui.weak(format!("{used} of {all} readings used"));
         if let Some(unused) = text::unused_readings(out) {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::pick::{PointTree, TimedPoint};
 use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, Track};
+use resect_core::network::PerStation;
 use resect_core::pipeline::Triplets;
 
 /// Returns the origin of the GPU's time (s, in the stations' clock): a reading in the middle of the drive. Single precision needs short
@@ -29,7 +30,7 @@ impl Cloud {
     /// Returns the cloud of all raw readings. Outliers may be at any position, so their trees are sorted by position.
     pub fn of_readings(deployment: &Deployment) -> Self {
         let origin_s = time_origin_s(deployment);
-        let stations = deployment.tracks.each_ref().map(|track| {
+        let stations = deployment.tracks.map(|track| {
             let point = |m| {
                 let p = track.position_m(m).cast::<f32>();
                 TimedPoint { position_m: p.into(), time_s: (m.time_s - origin_s) as f32 }
@@ -41,7 +42,7 @@ impl Cloud {
 
     /// Returns the cloud of the interpolated tracks. Neighbours in time are neighbours in space.
     pub fn of_triplets(triplets: &Triplets, origin_s: f64) -> Self {
-        let stations = triplets.points_m.each_ref().map(|points_m| {
+        let stations = triplets.points_m.map(|points_m| {
             let point = |(p, time_s): (&nalgebra::Vector3<f64>, &f64)| TimedPoint {
                 position_m: p.cast::<f32>().into(),
                 time_s: (time_s - origin_s) as f32,
@@ -51,14 +52,18 @@ impl Cloud {
         Self::of(&stations, PointTree::by_time)
     }
 
-    fn of(stations: &[Vec<TimedPoint>; 3], tree: impl Fn(&[TimedPoint]) -> PointTree) -> Self {
+    fn of(
+        stations: &PerStation<Vec<TimedPoint>>,
+        tree: impl Fn(&[TimedPoint]) -> PointTree,
+    ) -> Self {
         let mut ranges = [const { 0..0 }; 3];
         let mut from = 0;
         for (range, points) in ranges.iter_mut().zip(stations) {
             *range = from..from + points.len();
             from = range.end;
         }
-        Self { points: stations.concat(), ranges, trees: stations.each_ref().map(|p| tree(p)) }
+        let trees = stations.map(|points| tree(points)).into_array().expect("three stations");
+        Self { points: stations.as_slice().concat(), ranges, trees }
     }
 
     pub fn station(&self, station: usize) -> &[TimedPoint] {

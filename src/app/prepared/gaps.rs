@@ -35,7 +35,7 @@ impl Gaps {
         let (kept, short): (Vec<Interval>, Vec<Interval>) =
             pipeline.intervals.iter().map(since).partition(|span| span.length_s() > shortest_s);
         let whole_s = [readings.start_s, readings.start_s + readings.length_s()];
-        let filtered = pipeline.filtered.each_ref();
+        let filtered = pipeline.filtered.as_array::<3>().expect("three stations").each_ref();
         Self {
             outages: filtered.map(|track| {
                 let long = silences(track, whole_s).filter(|gap| gap.length_s() > tau_s_seconds);

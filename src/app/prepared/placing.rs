@@ -8,7 +8,10 @@ use resect_core::geometry::RigidTransform;
 /// is the world. If a station has no measurement, no calibration is possible, and each of the others is shown in its own frame.
 pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     match &analysis.answer {
-        Ok(answer) => answer.calibration.station1_from_station.map(Some),
+        Ok(answer) => {
+            let transforms = answer.calibration.station1_from_station.as_slice();
+            [0, 1, 2].map(|station: usize| transforms.get(station).copied())
+        }
         Err(_) if deployment.ground_truth.is_some() => [None; 3],
         Err(_) => {
             let present = deployment.stations_with_readings();

@@ -98,8 +98,8 @@ pub struct RateSeries {
 impl RawReadings {
     pub fn of(deployment: &Deployment) -> Self {
         let start_s = deployment.start_s().unwrap_or(0.0);
-        let stations =
-            deployment.tracks.each_ref().map(|track| StationReadings::of(track, start_s));
+        let stations = deployment.tracks.map(|track| StationReadings::of(track, start_s));
+        let stations = stations.into_array().expect("three stations");
         let clocks = std::array::from_fn(|station| {
             let corrections = &deployment.time_corrections[station];
             ClockSeries::of(&deployment.tracks[station], corrections, start_s)

@@ -7,6 +7,7 @@ use super::State;
 use crate::app::file_dialog::Question;
 use crate::app::model::{ChannelPlots, Horizontal, Visibility};
 use crate::app::prepared::channels::{Channel, Sources, Subject};
+use resect_core::network::PerStation;
 use resect_core::pipeline::Fates;
 use resect_io::atomic;
 use resect_report::csv::io_error;
@@ -18,7 +19,7 @@ struct ChannelTable {
     /// Time since the first measurement (s).
     window_s: [f64; 2],
     /// Fate of each raw reading, by station; `None` without that column.
-    fates: Option<Arc<[Fates; 3]>>,
+    fates: Option<Arc<PerStation<Fates>>>,
 }
 
 impl State {

@@ -182,7 +182,8 @@ pub fn is_masked(extras: &Extras, deployment: &Deployment, picked: Picked) -> bo
 
 /// Returns the readings of a station within a time interval (s).
 pub fn within(deployment: &Deployment, station: usize, [from_s, to_s]: [f64; 2]) -> Vec<Picked> {
-    let readings = deployment.tracks.get(station).map_or(&[][..], |track| &track.measurements);
+    let readings =
+        deployment.tracks.as_slice().get(station).map_or(&[][..], |track| &track.measurements);
     let from = readings.partition_point(|m| m.time_s < from_s);
     let to = readings.partition_point(|m| m.time_s <= to_s).max(from);
     (from..to).map(|index| Picked { station, index }).collect()

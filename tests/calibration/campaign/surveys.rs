@@ -74,7 +74,7 @@ fn surveyed(seed: u64) -> Surveyed {
     let joint = analysis.answer.as_ref().ok().and_then(|answer| answer.calibration.joint());
     let poses = joint.and_then(|joint| joint.survey.as_ref());
     let survey = poses.map(|poses| {
-        let found = poses.station1_from_station.map(RigidTransform::from);
+        let found = poses.station1_from_station.map(|level| RigidTransform::from(*level));
         let error = pose_errors(&found, &simulated.truth.station1_from_station_at_survey);
         Outcome {
             verdict: drive.verdict,

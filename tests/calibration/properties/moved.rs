@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, Vector3};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::network::Number;
 use resect_core::simulation::EPOCH_S;
 
 use super::cases::complaints;
@@ -38,8 +39,8 @@ fn complaints_of_turning(by_rad: [f64; 3]) -> Vec<String> {
                 LevelTransform::new(Vector3::zeros(), by_rad[station]).into()
             };
             let new_from_old = back(0).inverse();
-            let expected = std::array::from_fn(|station| {
-                new_from_old.then_from(&before.transforms[station]).then_from(&back(station))
+            let expected = before.transforms.map_each(|station, transform| {
+                new_from_old.then_from(transform).then_from(&back(station.index()))
             });
             let covariance = before.covariance.map(|c| turned(&c, &new_from_old));
             let within = in_another_frame(method);

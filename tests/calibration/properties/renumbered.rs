@@ -9,10 +9,11 @@ use super::told::{OF_PROBES, ROUNDING, Within, in_another_frame};
 
 /// Renumbers the stations: station `i` is the former station `from[i]`.
 fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
-    deployment.tracks = from.map(|station| deployment.tracks[station].clone());
-    deployment.time_corrections = from.map(|station| deployment.time_corrections[station].clone());
+    deployment.tracks = from.map(|station| deployment.tracks[station].clone()).into();
+    deployment.time_corrections =
+        from.map(|station| deployment.time_corrections[station].clone()).into();
     for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
-        point.readings = from.map(|station| point.readings[station]);
+        point.readings = from.map(|station| point.readings[station]).into();
     }
     let Some(rig) = &mut deployment.rig else { return };
     let old = rig.inter_prism_m;
@@ -31,7 +32,8 @@ fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> 
         |deployment| renumber(deployment, from),
         |before, after, method| {
             let old_first = before.transforms[from[0]].inverse();
-            let expected = from.map(|station| old_first.then_from(&before.transforms[station]));
+            let expected =
+                from.map(|station| old_first.then_from(&before.transforms[station])).into();
             // With another station 1, σ refer to another frame.
             let swapped = before
                 .covariance

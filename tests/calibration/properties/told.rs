@@ -5,13 +5,14 @@ use resect_core::analysis::Analyst;
 use resect_core::calibration::{Calibration, Method, Verdict, Witness};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::geometry::{RigidTransform, wrap_to_pi};
+use resect_core::network::PerStation;
 
 use crate::common::by;
 
 /// Results of a method, without numbers that cannot be compared.
 #[derive(Clone, Debug)]
 pub struct Answered {
-    pub transforms: [RigidTransform; 3],
+    pub transforms: PerStation<RigidTransform>,
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     pub verdict: Verdict,
     pub checked_by: Vec<Witness>,
@@ -67,7 +68,7 @@ fn answered(calibration: &Calibration) -> Answered {
         }
     });
     Answered {
-        transforms: calibration.station1_from_station,
+        transforms: calibration.station1_from_station.clone(),
         covariance: calibration.covariance,
         verdict: calibration.verdict,
         checked_by: calibration.checked_by.clone(),
@@ -181,7 +182,7 @@ impl Answered {
     /// Returns the differences from the expected transforms.
     pub fn stands_elsewhere(
         &self,
-        transforms: &[RigidTransform; 3],
+        transforms: &PerStation<RigidTransform>,
         covariance: Option<&SMatrix<f64, 8, 8>>,
         within: Within,
     ) -> Vec<String> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Matrix3x4, Rotation3, Vector3};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 use resect_core::statistics::median;
 use resect_io::open::open;
 
@@ -25,7 +26,7 @@ pub struct RealDrive {
 /// An independent answer, which no method uses.
 pub struct PublishedTransforms {
     pub method: &'static str,
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
 }
 
 /// Returns all real drives by name; none without the field data.
@@ -58,7 +59,7 @@ impl RealDrive {
     /// (mm).
     pub fn off_published_mm(
         &self,
-        station1_from_station: &[RigidTransform; 3],
+        station1_from_station: &PerStation<RigidTransform>,
         station: usize,
     ) -> Option<[f64; 2]> {
         let published = &self.published.as_ref()?.station1_from_station[station];
@@ -91,7 +92,7 @@ impl PublishedTransforms {
                 translation_m: matrix.column(3).into_owned(),
             }
         };
-        let station1_from_station = [RigidTransform::IDENTITY, transform(0), transform(1)];
+        let station1_from_station = [RigidTransform::IDENTITY, transform(0), transform(1)].into();
         Some(Self { method, station1_from_station })
     }
 }

@@ -3,6 +3,7 @@
 use resect_core::calibration::joint::SetUpChange;
 use resect_core::evaluation::{evaluate, known_distances_m};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 
 use super::drive_answers::{DriveAnswers, JudgedAnswer};
 use super::real_drive::RealDrive;
@@ -86,7 +87,7 @@ fn answer_cells(answers: &DriveAnswers, judged: &JudgedAnswer) -> Vec<String> {
 }
 
 /// Writes distance in plan and height of the tracks of stations 2 and 3, compared with the published transforms.
-fn format_off_published(drive: &RealDrive, transforms: &[RigidTransform; 3]) -> [String; 2] {
+fn format_off_published(drive: &RealDrive, transforms: &PerStation<RigidTransform>) -> [String; 2] {
     let off_mm = |station| drive.off_published_mm(transforms, station);
     match (off_mm(1), off_mm(2)) {
         (Some([plan2, height2]), Some([plan3, height3])) => {

@@ -80,10 +80,10 @@ fn assert_same_answer(live: &Deployment, recording: &Deployment) {
         assert_eq!(calibration.method.name(), "joint");
         let published = calibration.published.as_ref().expect("beside it");
         (
-            calibration.station1_from_station,
+            calibration.station1_from_station.clone(),
             calibration.covariance,
             calibration.verdict,
-            published.station1_from_station,
+            published.station1_from_station.clone(),
         )
     });
     assert_eq!(live, offline);

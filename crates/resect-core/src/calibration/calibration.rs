@@ -12,6 +12,7 @@ use super::method_answer::MethodAnswer;
 use super::{Clock, Estimate, Method, TransformSigma, Verdict, Witness};
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// A calibration by one method, with its uncertainty, verdict and checks.
@@ -20,7 +21,7 @@ pub struct Calibration {
     /// The requested method; see [`Self::answered_by`].
     pub method: Method,
     /// Transforms from the frames of stations 1 (identity), 2 and 3 to station 1's; level unless a rigid alignment was requested.
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
     /// Standard deviations of the transforms of stations 2 and 3; `None` when a direction is not determined.
     pub sigma: Option<[TransformSigma; 2]>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
@@ -44,8 +45,8 @@ impl<D: Into<Details>> From<MethodAnswer<D>> for Calibration {
     fn from(answer: MethodAnswer<D>) -> Self {
         Self {
             method: answer.method,
-            station1_from_station: answer.station1_from_station,
             sigma: answer.sigma(),
+            station1_from_station: answer.station1_from_station,
             covariance: answer.covariance,
             verdict: answer.judgement.verdict,
             findings: answer.judgement.findings,
@@ -94,22 +95,25 @@ impl Calibration {
 
     /// Returns the transforms of the tracks to station 1's frame; `None` if the answer is about the stations' own frames and the
     /// tracks are in another.
-    pub fn placing_tracks(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+    pub fn placing_tracks(&self, deployment: &Deployment) -> Option<&PerStation<RigidTransform>> {
         let placed = deployment.track_frame == TrackFrame::Own || self.method.is_from_tracks();
         placed.then_some(&self.station1_from_station)
     }
 
     /// Returns the transforms of the control points, which are in the stations' own frames; `None` if the answer is about the frame
     /// of the tracks.
-    pub fn placing_control_points(&self, deployment: &Deployment) -> Option<[RigidTransform; 3]> {
+    pub fn placing_control_points(
+        &self,
+        deployment: &Deployment,
+    ) -> Option<PerStation<RigidTransform>> {
         let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
         placed.then(|| self.survey_transforms())
     }
 
     /// Returns the transforms at the time of the survey, which differ from those of the drive if the joint estimate uses the control
     /// points.
-    pub fn survey_transforms(&self) -> [RigidTransform; 3] {
-        self.survey().map_or(self.station1_from_station, SurveyPoses::transforms)
+    pub fn survey_transforms(&self) -> PerStation<RigidTransform> {
+        self.survey().map_or_else(|| self.station1_from_station.clone(), SurveyPoses::transforms)
     }
 
     /// Returns the standard deviations of [`Self::survey_transforms`]; `None` when a direction is not determined.

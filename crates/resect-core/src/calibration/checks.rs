@@ -13,6 +13,7 @@ use crate::deployment::{
     ControlPoint, ControlPointSet, Deployment, Finding, Rig, TrackFrame, findings,
 };
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -41,8 +42,8 @@ const FAR_APART_M: f64 = 0.15;
 
 /// Returns the doubt about a joint estimate that is far from the published answer to the same readings.
 pub fn far_apart(
-    published: &[RigidTransform; 3],
-    joint: &[RigidTransform; 3],
+    published: &PerStation<RigidTransform>,
+    joint: &PerStation<RigidTransform>,
 ) -> Option<(Verdict, Finding)> {
     let apart_m =
         |station: usize| (published[station].translation_m - joint[station].translation_m).norm();
@@ -78,8 +79,10 @@ pub fn check_with_unused_data<D>(
     }
     if let Some(sigma) = &sigma {
         let transforms = &answer.station1_from_station;
-        let at_survey =
-            survey.map_or((*transforms, *sigma), |survey| (survey.transforms(), survey.sigma()));
+        let at_survey = survey.map_or_else(
+            || (transforms.clone(), *sigma),
+            |survey| (survey.transforms(), survey.sigma()),
+        );
         // Method B uses the control points itself.
         if answer.method != Method::StaticGcp
             && let Some(apart_m) =
@@ -115,7 +118,7 @@ pub fn check_with_unused_data<D>(
 /// Then a point or a station has moved, or the answer has a bias that its method does not model.
 pub fn control_points_contradict(
     deployment: &Deployment,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
     let mut worst: Option<(f64, f64, &ControlPointSet)> = None;
@@ -140,7 +143,7 @@ pub fn control_points_contradict(
 /// Returns the marker of the point with the largest disagreement of two stations.
 fn furthest_apart(
     points: &[ControlPoint],
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<i64> {
     let worst_m =
         |point: &ControlPoint| point.disagreements_m(station1_from_station).fold(0.0, f64::max);
@@ -152,7 +155,7 @@ fn furthest_apart(
 fn distances_contradict(
     rig: &Rig,
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
     let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
@@ -178,6 +181,6 @@ fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
 }
 
 fn middle_range_m(set: &ControlPointSet) -> f64 {
-    let readings = set.points.iter().flat_map(|point| point.readings).flatten();
+    let readings = set.points.iter().flat_map(|point| &point.readings).flatten();
     median(readings.map(|polar| polar.range_m)).unwrap_or(0.0)
 }

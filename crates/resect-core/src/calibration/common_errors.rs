@@ -7,6 +7,7 @@ use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::geometry::{RigidTransform, wrap_to_pi};
+use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 
 /// Number of triplets from which the effect of a shared error is computed.
@@ -16,15 +17,15 @@ const ENOUGH: usize = 400;
 /// of 1 σ.
 pub fn covariance(
     triplets: &Triplets,
-    align: impl Fn(&Triplets) -> Option<[RigidTransform; 3]>,
+    align: impl Fn(&Triplets) -> Option<PerStation<RigidTransform>>,
 ) -> Option<SMatrix<f64, 8, 8>> {
     let stride = triplets.len().div_ceil(ENOUGH).max(1);
     let some: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
     let some = triplets.select(&some);
     let without = align(&some)?;
     let moved_by = |error: &dyn Fn(usize, &Vector3<f64>) -> Vector3<f64>| {
-        let points_m = std::array::from_fn(|station| {
-            some.points_m[station].iter().map(|point| error(station, point)).collect()
+        let points_m = some.points_m.map_each(|station, points| {
+            points.iter().map(|point| error(station.index(), point)).collect()
         });
         let with = align(&Triplets { points_m, ..some.clone() })?;
         Some(SVector::<f64, 8>::from_fn(|k, _| {

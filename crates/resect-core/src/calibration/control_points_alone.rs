@@ -35,7 +35,7 @@ pub fn solve(
     let mut answer = MethodAnswer {
         // The checks treat it like method B, which uses the same points.
         method: Method::StaticGcp,
-        station1_from_station: poses.map(RigidTransform::from),
+        station1_from_station: poses.map(|level| RigidTransform::from(*level)),
         covariance: Some(covariance),
         judgement,
         checked_by: Vec::new(),

@@ -27,6 +27,7 @@ use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
 };
 use crate::geometry::{LevelTransform, RigidTransform};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -96,7 +97,8 @@ pub fn solve_jointly(
             return Ok(published.in_place_of_joint(failure));
         }
     };
-    answer.station1_from_station = estimate.station1_from_station.map(RigidTransform::from);
+    answer.station1_from_station =
+        estimate.station1_from_station.map(|level| RigidTransform::from(*level));
     answer.covariance = Some(estimate.covariance);
     let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
@@ -217,7 +219,7 @@ impl<'a> AlignedTracks<'a> {
     ) -> MethodAnswer<DynamicGcpDetails> {
         let common = common_errors::covariance(&self.used, |triplets| {
             let placed = point_to_point::transforms(&matches(triplets), alignment)?;
-            Some([RigidTransform::IDENTITY, placed[0], placed[1]])
+            Some([RigidTransform::IDENTITY, placed[0], placed[1]].into())
         });
         let details = self.details();
         MethodAnswer {
@@ -274,8 +276,8 @@ fn matches(triplets: &Triplets) -> Vec<Matches> {
         .collect()
 }
 
-fn transforms(aligned: &Aligned) -> [RigidTransform; 3] {
-    [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]]
+fn transforms(aligned: &Aligned) -> PerStation<RigidTransform> {
+    [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]].into()
 }
 
 /// Returns the triplets whose positions agree; `None` if these are all triplets, or too few.

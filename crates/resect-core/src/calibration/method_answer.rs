@@ -7,11 +7,12 @@ use super::judgement::Judgement;
 use super::{Method, TransformSigma, Verdict, Witness};
 use crate::deployment::Remedy;
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 
 /// Answer of one method, with details of its own.
 pub struct MethodAnswer<D> {
     pub method: Method,
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction is not determined.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     pub judgement: Judgement,

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -20,7 +21,7 @@ pub struct Clock {
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
     /// Velocities (m/s) by differences with the neighbours in the same interval; differences do not span omitted triplets.
-    pub velocity_m_per_s: [Vec<Vector3<f64>>; 3],
+    pub velocity_m_per_s: PerStation<Vec<Vector3<f64>>>,
     /// Factor of a clock's second unknown for each triplet: time from the middle of the drive (s), or −0.5 and 0.5 before and after
     /// a jump.
     pub growth: Vec<f64>,
@@ -55,10 +56,10 @@ impl<'a> MovingTriplets<'a> {
 /// A time step longer than this many median steps spans omitted triplets.
 const BRIDGE: f64 = 1.5;
 
-fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
+fn velocities(triplets: &Triplets, stride: usize) -> PerStation<Vec<Vector3<f64>>> {
     let of =
         |points: &Vec<_>| velocity_m_per_s(&triplets.time_s, &triplets.interval, points, stride);
-    triplets.points_m.each_ref().map(of)
+    triplets.points_m.map(of)
 }
 
 /// Returns the velocities at every `stride`-th of some points in one frame (m/s), from the points' times (s) and intervals.

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, SMatrix, Vector3};
 
 use super::Alignment;
 use crate::geometry::{LevelTransform, RigidTransform, align_level, align_rigid};
+use crate::network::PerStation;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
 
@@ -248,9 +249,9 @@ pub fn level_part(covariance: &DMatrix<f64>) -> SMatrix<f64, 8, 8> {
 ///
 /// With T = W1⁻¹ Ws: δt = R1ᵀ (δt_s − δt_1 − ω_1 × (t_s − t_1)) and ω = R1ᵀ (ω_s − ω_1).
 pub fn relative_to_station1(
-    world_from_station: &[RigidTransform; 3],
+    world_from_station: &PerStation<RigidTransform>,
     covariance: Option<&DMatrix<f64>>,
-) -> ([RigidTransform; 3], Option<DMatrix<f64>>) {
+) -> (PerStation<RigidTransform>, Option<DMatrix<f64>>) {
     let station1_from_world = world_from_station[0].inverse();
     let back = station1_from_world.rotation.matrix();
     let transforms = [
@@ -275,7 +276,7 @@ pub fn relative_to_station1(
         }
         &jacobian * covariance * jacobian.transpose()
     });
-    (transforms, covariance)
+    (transforms.into(), covariance)
 }
 
 #[cfg(test)]

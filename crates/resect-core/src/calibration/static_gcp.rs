@@ -82,12 +82,15 @@ pub fn solve(
     })?;
     let (station1_from_station, covariance, world_from_station1) = match aligned.to_from[..] {
         [first, second, third] => {
-            let worlds = [first, second, third];
+            let worlds = [first, second, third].into();
             let (transforms, covariance) =
                 point_to_point::relative_to_station1(&worlds, aligned.covariance.as_ref());
             (transforms, covariance, Some(first))
         }
-        [second, third] => ([RigidTransform::IDENTITY, second, third], aligned.covariance, None),
+        [second, third] => {
+            let transforms = [RigidTransform::IDENTITY, second, third].into();
+            (transforms, aligned.covariance, None)
+        }
         _ => return Err(lacking()),
     };
     let covariance = covariance.map(|c| point_to_point::level_part(&c));

@@ -5,8 +5,9 @@
 
 use nalgebra::Vector3;
 
-use crate::deployment::{Deployment, PAIRS};
+use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, align_level, wrap_to_pi};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -63,11 +64,16 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
 /// Returns the median distance between the tracks after stations 2 and 3 are aligned to station 1 (m).
 fn median_distance_m(triplets: &Triplets) -> Option<f64> {
     let step = triplets.len().div_ceil(MOST_TRIPLETS);
-    let points: [Vec<Vector3<f64>>; 3] =
-        triplets.points_m.each_ref().map(|points| points.iter().step_by(step).copied().collect());
-    let [a, b, c] = &points;
-    let placed = [a.clone(), aligned(a, b)?, aligned(a, c)?];
-    let pairs = PAIRS.iter().flat_map(|(a, b)| placed[*a].iter().zip(&placed[*b]));
+    let points: PerStation<Vec<Vector3<f64>>> =
+        triplets.points_m.map(|points| points.iter().step_by(step).copied().collect());
+    let (first, others) = points.as_slice().split_first()?;
+    let mut placed = vec![first.clone()];
+    for other in others {
+        placed.push(aligned(first, other)?);
+    }
+    let pairs = placed.iter().enumerate().flat_map(|(before, own)| {
+        placed[..before].iter().flat_map(move |other| other.iter().zip(own))
+    });
     median(pairs.map(|(a, b)| (a - b).norm()))
 }
 

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use super::time_blocks;
 use crate::calibration::{Clock, Estimate, with_clocks};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -40,7 +41,7 @@ impl TrackClocks {
 /// Estimates clocks and changes of the transforms; `None` if the drive does not separate clocks from transforms.
 pub fn estimate(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<TrackClocks> {
     let late = Clock { offset_s: STEP_S, drift: 0.0 };
     let moved = with_clocks(triplets, [late, late]);
@@ -118,7 +119,7 @@ mod tests {
     fn triplets(blocks: usize, rng: &mut ChaCha8Rng) -> Triplets {
         let noise = Normal::new(0.0, 0.002).expect("a σ");
         let time_s: Vec<f64> = (0..10 * blocks).map(|k| 0.5 * k as f64).collect();
-        let points_m = [0, 1, 2].map(|_| {
+        let points_m = [0, 1, 2].map(|_| -> Vec<Vector3<f64>> {
             let at = |t: &f64| {
                 let (x, y) = (20.0 * (0.13 * t).sin(), 15.0 * (0.29 * t + 1.0).cos());
                 Vector3::new(x, y, 0.3 * (0.2 * t).sin()).map(|axis| axis + noise.sample(rng))
@@ -137,7 +138,8 @@ mod tests {
             let (mut stated, mut truth) = ([0.0; 12], [0.0; 12]);
             for _ in 0..DRAWS {
                 let triplets = triplets(blocks, &mut rng);
-                let found = estimate(&triplets, &[RigidTransform::IDENTITY; 3]).expect("held");
+                let found = estimate(&triplets, &PerStation::repeat(3, RigidTransform::IDENTITY))
+                    .expect("held");
                 let clocks = found.offsets_s.into_iter().chain(found.drifts);
                 let moves = (0..8).map(|k| Estimate {
                     value: found.moves[k],

@@ -8,6 +8,7 @@ use crate::deployment::findings::points::{
     known_distance_off, known_point_misplaced, resection_inconsistent, resection_pair,
     resection_unchecked,
 };
+use crate::network::PerStation;
 use nalgebra::Vector3;
 
 use super::checks;
@@ -42,7 +43,7 @@ pub struct PairResection {
     pub baseline_m: f64,
     /// Measured minus known distance between the two points, for each station (m).
     pub baseline_errors_m: [f64; 3],
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
     /// Distances between the stations' positions of the points that the pair does not use (m), sorted.
     pub left_out_m: Vec<f64>,
     /// Points that the pair does not use.
@@ -151,7 +152,7 @@ pub fn solve(
 }
 
 struct PlacedStation {
-    world_from_station: [RigidTransform; 3],
+    world_from_station: PerStation<RigidTransform>,
     matches: Vec<Matches>,
     /// Sum of squared residuals of each station (m²).
     squares_m2: [f64; 3],
@@ -176,7 +177,7 @@ fn resect(
     let aligned = point_to_point::align(&matches, Alignment::Level, Errors::Known(1.0))?;
     // Two points at one place, or one above the other, do not determine yaw.
     aligned.covariance.as_ref()?;
-    let world_from_station: [RigidTransform; 3] = aligned.to_from.try_into().ok()?;
+    let world_from_station: PerStation<RigidTransform> = aligned.to_from.into_iter().collect();
     let mut squares_m2 = [0.0; 3];
     for (square, residuals) in squares_m2.iter_mut().zip(&aligned.residuals_m) {
         *square = residuals.iter().map(Vector3::norm_squared).sum();

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::pairs::PAIRS;
 use crate::geometry::{Polar, RigidTransform};
+use crate::network::{PerStation, USUAL_STATIONS};
 
 /// A static target with the reading of each station (prism constant included).
 #[derive(Clone, Debug, PartialEq)]
@@ -11,30 +11,38 @@ pub struct ControlPoint {
     /// Marker number, valid inside its own file only.
     pub marker: i64,
     /// Readings, the mean of both faces if there are both.
-    pub readings: [Option<Polar>; 3],
+    pub readings: PerStation<Option<Polar>>,
     /// Readings in face I alone, if there are both faces.
-    pub face_one: [Option<Polar>; 3],
+    pub face_one: PerStation<Option<Polar>>,
     /// Surveyed coordinates in a frame common to its set (m, z up); `None` if no file has them.
     pub known_m: Option<Vector3<f64>>,
 }
 
 impl ControlPoint {
+    /// Returns a point without readings.
+    pub fn unread(marker: i64, known_m: Option<Vector3<f64>>) -> Self {
+        let (readings, face_one) =
+            (PerStation::repeat(USUAL_STATIONS, None), PerStation::repeat(USUAL_STATIONS, None));
+        Self { marker, readings, face_one, known_m }
+    }
+
     /// Returns true if its coordinates are known and every station measured it.
     pub fn serves_resection(&self) -> bool {
         self.known_m.is_some() && self.readings.iter().all(Option::is_some)
     }
 
-    /// Distances (m) between the stations' readings of the point in station 1's frame: three, or fewer if a station did not
-    /// measure it.
+    /// Distances (m) between the readings of each two stations in station 1's frame, without those of stations that did not
+    /// measure the point.
     pub fn disagreements_m(
         &self,
-        station1_from_station: &[RigidTransform; 3],
+        station1_from_station: &PerStation<RigidTransform>,
     ) -> impl Iterator<Item = f64> {
-        let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
-            self.readings[station]
-                .map(|polar| station1_from_station[station].apply(&polar.to_cartesian()))
+        let placed = self.readings.zip(station1_from_station, |polar, transform| {
+            polar.map(|polar| transform.apply(&polar.to_cartesian()))
         });
-        PAIRS.into_iter().filter_map(move |(a, b)| Some((placed[a]? - placed[b]?).norm()))
+        let placed: Vec<Vector3<f64>> = placed.into_iter().flatten().collect();
+        let pairs = (0..placed.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        pairs.map(move |(a, b)| (placed[a] - placed[b]).norm())
     }
 }
 
@@ -51,9 +59,9 @@ pub struct ControlPointSet {
 impl ControlPointSet {
     /// Distances (m) between the stations' readings of the same point in station 1's frame.
     ///
-    /// Their median is the paper's control-point metric: up to three per point, fewer if a station did not measure it.
+    /// Their median is the paper's control-point metric.
     /// `station1_from_station[0]` is the identity.
-    pub fn disagreements_m(&self, station1_from_station: &[RigidTransform; 3]) -> Vec<f64> {
+    pub fn disagreements_m(&self, station1_from_station: &PerStation<RigidTransform>) -> Vec<f64> {
         self.points.iter().flat_map(|point| point.disagreements_m(station1_from_station)).collect()
     }
 }

@@ -11,13 +11,14 @@ use super::overrides::Overrides;
 use super::rig::Rig;
 use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
+use crate::network::{PerStation, USUAL_STATIONS};
 
-/// One field session: measurements of three stations, control points and the prism rig.
+/// One field session: measurements of the stations, control points and the prism rig.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deployment {
     pub name: String,
-    /// Tracks of stations 1, 2 and 3; a missing station has an empty track.
-    pub tracks: [Track; 3],
+    /// Tracks of the stations; a missing station has an empty track.
+    pub tracks: PerStation<Track>,
     /// The frames that the tracks are in.
     pub track_frame: TrackFrame,
     /// Static points, one set per file.
@@ -28,8 +29,8 @@ pub struct Deployment {
     pub prisms: Option<u8>,
     /// Positions of GNSS antennas 1, 2, 3 on the vehicle.
     pub gnss: Option<[Vec<GnssFix>; 3]>,
-    /// Corrections of the clocks of stations 1, 2 and 3 during the recording; empty if it has none.
-    pub time_corrections: [Vec<TimeCorrection>; 3],
+    /// Corrections of the stations' clocks during the recording; empty if it has none.
+    pub time_corrections: PerStation<Vec<TimeCorrection>>,
     /// Overrides with which it was read: `deployment.toml`, and the user's later corrections.
     pub overrides: Overrides,
     /// Overrides by its files alone: the folder's `deployment.toml`, and the rig's distances.
@@ -55,6 +56,8 @@ impl Deployment {
         };
         Self {
             name: truth.name.clone(),
+            tracks: PerStation::repeat(USUAL_STATIONS, Track::default()),
+            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
             ingredients: vec![ingredient],
             findings: truth.findings.clone(),
             ground_truth: Some(truth),
@@ -65,7 +68,7 @@ impl Deployment {
     /// Returns the stations (0 to 2) that have measurements.
     pub fn stations_with_readings(&self) -> Vec<usize> {
         let has_readings = |station: &usize| !self.tracks[*station].measurements.is_empty();
-        (0..3).filter(has_readings).collect()
+        (0..self.tracks.len()).filter(has_readings).collect()
     }
 
     /// Control points that can be compared with an answer from the tracks; their own answer can then be compared with the

@@ -16,6 +16,7 @@ use crate::deployment::findings::recordings::{
     self, ClockDifference, stamps_are_station_clocks, station_clock_drifts, station_clock_jumps,
     station_clocks_compared, time_corrections_contradict_stamps,
 };
+use crate::network::PerStation;
 use crate::statistics::{median, sigma_of_errors};
 
 /// Crystals of small computers are accurate to 20 to 50 ppm; a clock with a larger drift is being adjusted.
@@ -82,8 +83,11 @@ pub fn compare(track: &Track) -> Option<ClockComparison> {
 }
 
 /// Findings about both times of every station, and about the recorded corrections; empty if no station has both times.
-pub fn findings(tracks: &[Track; 3], time_corrections: &[Vec<TimeCorrection>; 3]) -> Vec<Finding> {
-    let comparisons = tracks.each_ref().map(compare);
+pub fn findings(
+    tracks: &PerStation<Track>,
+    time_corrections: &PerStation<Vec<TimeCorrection>>,
+) -> Vec<Finding> {
+    let comparisons = tracks.map(compare);
     let mut findings = Vec::new();
     let both: Vec<(usize, &ClockComparison)> =
         comparisons.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))).collect();
@@ -180,8 +184,9 @@ mod tests {
         }
     }
 
-    fn words(tracks: &[Track; 3]) -> String {
-        let found = findings(tracks, &Default::default());
+    fn words(tracks: [Track; 3]) -> String {
+        let corrections = PerStation::repeat(tracks.len(), Vec::new());
+        let found = findings(&tracks.into(), &corrections);
         found.iter().map(|f| format!("{} {f}\n", f.severity.mark())).collect()
     }
 
@@ -204,12 +209,12 @@ mod tests {
     #[test]
     fn an_offset_is_a_note_and_what_clocks_do_not_do_is_a_warning() {
         let steady = || track(|_| 3600.0);
-        let said = words(&[steady(), track(|_| 0.3), track(|_| -0.2)]);
+        let said = words([steady(), track(|_| 0.3), track(|_| -0.2)]);
         assert!(said.starts_with("- own clocks minus") && !said.contains('!'), "{said}");
         assert!(said.contains("station 2 +0.300") && said.contains("station 3 -0.200"), "{said}");
-        let said = words(&[steady(), track(|t| 150e-6 * t), steady()]);
+        let said = words([steady(), track(|t| 150e-6 * t), steady()]);
         assert!(said.contains("! station 2: its own clock") && said.contains("+150 ppm"), "{said}");
-        let said = words(&[steady(), steady(), track(|t| if t < 100.0 { 0.0 } else { 0.05 })]);
+        let said = words([steady(), steady(), track(|t| if t < 100.0 { 0.0 } else { 0.05 })]);
         assert!(said.contains("! station 3: own clock minus stamp jumps by +0.05"), "{said}");
         assert!(said.contains("at 100.0 s"), "{said}");
     }
@@ -217,13 +222,13 @@ mod tests {
     #[test]
     fn without_own_clocks_nothing_is_said() {
         let bare = || Track { own_clock_s: Vec::new(), ..track(|_| 0.0) };
-        assert_eq!(words(&[bare(), bare(), bare()]), "");
+        assert_eq!(words([bare(), bare(), bare()]), "");
         let same = || {
             let mut same = track(|_| 0.0);
             same.own_clock_s = same.measurements.iter().map(|m| m.time_s).collect();
             same
         };
-        assert!(words(&[same(), same(), same()]).contains("are the stations' own clocks"));
+        assert!(words([same(), same(), same()]).contains("are the stations' own clocks"));
     }
 
     #[test]
@@ -233,7 +238,8 @@ mod tests {
             every.map(|time_s| TimeCorrection { time_s, offset_s }).to_vec()
         };
         let tracks = [track(|_| 0.0), track(|_| 0.3), track(|_| 0.3)];
-        let found = findings(&tracks, &[vec![], corrections(0.3), corrections(0.0)]);
+        let corrections = [vec![], corrections(0.3), corrections(0.0)];
+        let found = findings(&tracks.into(), &corrections.into());
         let of = |station| found.iter().find(|f| f.is_about_station(station)).expect("said");
         assert_eq!(of(1).kind, FindingKind::TimeCorrections, "{found:?}");
         assert_eq!(of(2).kind, FindingKind::TimeCorrectionsContradictStamps, "{found:?}");

@@ -180,7 +180,7 @@ fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     };
     let mut rows = Vec::new();
     for station in 1..3 {
-        let [at_survey, of_drive] = [survey.transforms(), calibration.station1_from_station]
+        let [at_survey, of_drive] = [&survey.transforms(), &calibration.station1_from_station]
             .map(|transforms| numbers_of(&transforms[station]));
         let sigmas = [Some(survey.sigma()), calibration.sigma].map(|all| sigmas_of(all, station));
         for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().take(4).enumerate() {

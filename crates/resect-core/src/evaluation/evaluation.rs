@@ -6,6 +6,7 @@ use crate::calibration::distance_errors_m;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 use super::spread::Spread;
@@ -89,7 +90,7 @@ pub fn evaluate(
     deployment: &Deployment,
     triplets: &Triplets,
     inter_prism_m: Option<[f64; 3]>,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Evaluation {
     let distance_errors_mm: [Vec<f64>; 3] = match inter_prism_m {
         Some(inter_prism_m) => distance_errors_m(triplets, station1_from_station, &inter_prism_m)
@@ -110,7 +111,7 @@ pub fn evaluate(
 /// The control-point metric of each file (mm), without pillars.
 fn control_points_mm(
     deployment: &Deployment,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Vec<ControlPointMetric> {
     deployment
         .control_points

@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3x4, SMatrix, Vector3};
 
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 
 /// The point of the track with the largest standard deviation by the calibration alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,15 +26,15 @@ pub struct FarEnd {
 ///
 /// A point q of station s has p = R(ψ) q + t, whose covariance is J Σ Jᵀ with J = (I, ∂R/∂ψ q).
 pub fn far_end(
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     covariance: &SMatrix<f64, 8, 8>,
-    points_m: &[Vec<Vector3<f64>>; 3],
+    points_m: &PerStation<Vec<Vector3<f64>>>,
 ) -> Option<FarEnd> {
     let mut worst: Option<FarEnd> = None;
-    for station in [1, 2] {
+    for (station, points_m) in points_m.iter().enumerate().skip(1) {
         let transform = &station1_from_station[station];
         let of_station = covariance.fixed_view::<4, 4>(4 * (station - 1), 4 * (station - 1));
-        for point_m in &points_m[station] {
+        for point_m in points_m {
             let turned_m = transform.rotate(point_m);
             let mut jacobian = Matrix3x4::identity();
             jacobian.set_column(3, &Vector3::new(-turned_m.y, turned_m.x, 0.0));
@@ -58,10 +59,12 @@ mod tests {
     fn a_yaw_counts_by_the_distance_and_may_cancel_with_a_translation() {
         let yaw_rad = 1.0;
         let level = LevelTransform::new(Vector3::new(5.0, -3.0, 0.2), yaw_rad);
-        let transforms =
-            [RigidTransform::IDENTITY, RigidTransform::from(level), RigidTransform::IDENTITY];
-        let points_m =
-            [vec![], vec![Vector3::new(10.0, 0.0, 1.0), Vector3::new(60.0, 0.0, 1.0)], vec![]];
+        let transforms: PerStation<RigidTransform> =
+            [RigidTransform::IDENTITY, RigidTransform::from(level), RigidTransform::IDENTITY]
+                .into();
+        let points_m: PerStation<Vec<Vector3<f64>>> =
+            [vec![], vec![Vector3::new(10.0, 0.0, 1.0), Vector3::new(60.0, 0.0, 1.0)], vec![]]
+                .into();
         // Only the yaw is uncertain, by 1 mrad: 60 mm at 60 m.
         let mut open = SVector::<f64, 8>::zeros();
         open[3] = 1e-3;

@@ -6,6 +6,7 @@ use super::trajectory::{Pose, Twist};
 use crate::calibration::joint::prism_motion::MotionInstant;
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
+use crate::network::PerStation;
 
 /// Smallest σ of a coordinate (m): residuals of a few points determine σ poorly.
 const LEAST_SIGMA_M: f64 = 1e-3;
@@ -48,7 +49,7 @@ impl SiteFrame {
     /// from the residuals (e.g. Förstner & Wrobel 2016, chapter 4.2). It neglects the correlation with the calibration.
     pub fn of(
         deployment: &Deployment,
-        station1_from_station: &[RigidTransform; 3],
+        station1_from_station: &PerStation<RigidTransform>,
     ) -> Result<Self, NoSite> {
         let usable = |set: &ControlPointSet| {
             let both = |point| pair(point, station1_from_station);
@@ -153,7 +154,7 @@ impl SiteFrame {
 /// missing.
 fn pair(
     point: &ControlPoint,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
     Some((point.known_m?, seen_m(point, station1_from_station)?))
 }
@@ -161,7 +162,7 @@ fn pair(
 /// Mean of the stations' readings of a point in station 1's frame (m); `None` if no station read it.
 pub fn seen_m(
     point: &ControlPoint,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<Vector3<f64>> {
     let seen: Vec<Vector3<f64>> = (0..3)
         .filter_map(|station| {
@@ -182,7 +183,9 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    const HERE: [RigidTransform; 3] = [RigidTransform::IDENTITY; 3];
+    fn here() -> PerStation<RigidTransform> {
+        PerStation::repeat(3, RigidTransform::IDENTITY)
+    }
 
     /// The sample with one set of five surveyed points, with independent normal errors of each coordinate.
     fn surveyed(
@@ -202,8 +205,8 @@ mod tests {
             let known_m = Vector3::from(*place);
             let noise = Vector3::from_fn(|_, _| StandardNormal.sample(&mut *rng));
             let seen_m = station1_from_site.apply(&known_m) + sigma_m * noise;
-            let readings = [Some(Polar::from_cartesian(seen_m)), None, None];
-            ControlPoint { marker, readings, face_one: [None; 3], known_m: Some(known_m) }
+            let readings = [Some(Polar::from_cartesian(seen_m)), None, None].into();
+            ControlPoint { readings, ..ControlPoint::unread(marker, Some(known_m)) }
         });
         let points = points.collect();
         deployment.control_points =
@@ -226,7 +229,7 @@ mod tests {
     fn exact_points_give_the_frame_and_poses_keep_their_distances() {
         let station1_from_site = LevelTransform::new(Vector3::new(100.0, -40.0, 3.0), 2.2);
         let deployment = surveyed(&station1_from_site, 0.0, &mut ChaCha8Rng::seed_from_u64(1));
-        let site = SiteFrame::of(&deployment, &HERE).expect("a frame");
+        let site = SiteFrame::of(&deployment, &here()).expect("a frame");
         let pose = a_pose();
         let moved = site.pose(&pose);
         let expected = station1_from_site.inverse();
@@ -246,7 +249,7 @@ mod tests {
         let (mut position, mut heading, mut sigma_m) = (0.0, 0.0, 0.0);
         for _ in 0..DRAWS {
             let deployment = surveyed(&station1_from_site, 0.01, &mut rng);
-            let site = SiteFrame::of(&deployment, &HERE).expect("a frame");
+            let site = SiteFrame::of(&deployment, &here()).expect("a frame");
             let moved = site.pose(&a_pose());
             let off = moved.position_m - exact.apply(&a_pose().position_m);
             let covariance = moved.covariance.fixed_view::<3, 3>(0, 0).into_owned();
@@ -264,10 +267,10 @@ mod tests {
     #[test]
     fn without_coordinates_or_on_one_spot_there_is_no_frame() {
         let tunnel = simulate(Preset::Hd2Tunnel, 2).readings();
-        assert!(matches!(SiteFrame::of(&tunnel, &HERE), Err(NoSite::NoCoordinates(_))));
+        assert!(matches!(SiteFrame::of(&tunnel, &here()), Err(NoSite::NoCoordinates(_))));
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut few = surveyed(&LevelTransform::IDENTITY, 0.0, &mut rng);
         few.control_points[0].points.truncate(1);
-        assert!(matches!(SiteFrame::of(&few, &HERE), Err(NoSite::TooFew(_))));
+        assert!(matches!(SiteFrame::of(&few, &here()), Err(NoSite::TooFew(_))));
     }
 }

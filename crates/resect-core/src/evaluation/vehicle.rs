@@ -11,6 +11,7 @@ use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -291,7 +292,7 @@ pub fn vehicle_trajectory(
     deployment: &Deployment,
     triplets: &Triplets,
     targets: Targets,
-    station1_from_station: Option<&[RigidTransform; 3]>,
+    station1_from_station: Option<&PerStation<RigidTransform>>,
     largest_inter_prism_error_m: f64,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
@@ -312,7 +313,7 @@ pub fn vehicle_trajectory(
 /// interpolation's own σ is widened until it explains the distance errors, never narrowed.
 fn observed(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     inter_prism_m: &[f64; 3],
 ) -> Vec<ObservedRig> {
     let placed = |index: usize| -> [Vector3<f64>; 3] {
@@ -348,7 +349,7 @@ fn observed(
 pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<[f64; 3]> {
     let sigma_m = triplets.sigma_m.as_ref()?;
     let points = triplets.triplet_m(index);

@@ -13,6 +13,7 @@ use crate::deployment::{Deployment, Finding};
 use crate::evaluation;
 use crate::evaluation::known_distances_m;
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline;
 use crate::pipeline::PipelineSettings;
 
@@ -25,7 +26,7 @@ pub struct Judge {
     pub method: Method,
     plan: SplitPlan,
     /// Transforms estimated from each training subset.
-    station1_from_station: Vec<[RigidTransform; 3]>,
+    station1_from_station: Vec<PerStation<RigidTransform>>,
     inter_prism_m: Option<[f64; 3]>,
 }
 
@@ -95,7 +96,11 @@ impl Judge {
         (errors, triplets.len())
     }
 
-    fn part_errors_mm(&self, part: &DataSubset, transforms: &[RigidTransform; 3]) -> Vec<f64> {
+    fn part_errors_mm(
+        &self,
+        part: &DataSubset,
+        transforms: &PerStation<RigidTransform>,
+    ) -> Vec<f64> {
         let DataSubset { deployment, triplets } = part;
         let evaluation = evaluation::evaluate(deployment, triplets, self.inter_prism_m, transforms);
         evaluation.distance_errors_mm.into_iter().flatten().collect()

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::time_blocks;
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Track};
 use crate::pipeline::Triplets;
 
 /// Share of the training data, as in the paper.
@@ -115,12 +115,12 @@ fn sides(count: usize, rng: &mut ChaCha8Rng) -> Vec<bool> {
 fn without_tracks(deployment: &Deployment) -> Deployment {
     Deployment {
         name: deployment.name.clone(),
-        tracks: Default::default(),
+        tracks: deployment.tracks.map(|_| Track::default()),
         control_points: deployment.control_points.clone(),
         rig: deployment.rig.clone(),
         prisms: deployment.prisms,
         gnss: None,
-        time_corrections: Default::default(),
+        time_corrections: deployment.tracks.map(|_| Vec::new()),
         track_frame: deployment.track_frame,
         as_read: deployment.as_read.clone(),
         overrides: deployment.overrides.clone(),

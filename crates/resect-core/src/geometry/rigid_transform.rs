@@ -65,6 +65,12 @@ impl RigidTransform {
     }
 }
 
+impl From<&LevelTransform> for RigidTransform {
+    fn from(level: &LevelTransform) -> Self {
+        Self::from(*level)
+    }
+}
+
 impl From<LevelTransform> for RigidTransform {
     fn from(level: LevelTransform) -> Self {
         Self {

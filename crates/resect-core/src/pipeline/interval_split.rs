@@ -1,6 +1,7 @@
-//! Module 2: time intervals in which all three stations measured without a long gap.
+//! Module 2: time intervals in which all stations measured without a long gap.
 
 use super::FilteredTrack;
+use crate::network::PerStation;
 
 /// A closed time interval (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +16,10 @@ impl Interval {
     }
 }
 
-/// Splits each station's track at gaps longer than τ_s, and intersects the intervals of all three, in order.
-pub fn split(tracks: &[FilteredTrack; 3], tau_s_seconds: f64) -> Vec<Interval> {
-    let [first, second, third] =
-        tracks.each_ref().map(|track| uninterrupted(&track.time_s, tau_s_seconds));
-    intersect(&intersect(&first, &second), &third)
+/// Splits each station's track at gaps longer than τ_s, and intersects the intervals of all stations, in order.
+pub fn split(tracks: &PerStation<FilteredTrack>, tau_s_seconds: f64) -> Vec<Interval> {
+    let intervals = tracks.iter().map(|track| uninterrupted(&track.time_s, tau_s_seconds));
+    intervals.reduce(|common, own| intersect(&common, &own)).unwrap_or_default()
 }
 
 /// Returns one station's intervals without a gap longer than τ_s.
@@ -59,7 +59,7 @@ mod tests {
         let steady: Vec<f64> = (0..20).map(f64::from).collect();
         let with_gap: Vec<f64> = (0..8).chain(12..20).map(f64::from).collect();
         let late: Vec<f64> = (1..25).map(|t| f64::from(t) + 0.5).collect();
-        let intervals = split(&[track(steady), track(with_gap), track(late)], 1.0);
+        let intervals = split(&[track(steady), track(with_gap), track(late)].into(), 1.0);
         let expected =
             [Interval { start_s: 1.5, end_s: 7.0 }, Interval { start_s: 12.0, end_s: 19.0 }];
         assert_eq!(intervals, expected);
@@ -69,7 +69,7 @@ mod tests {
         /// For any stamps, every interval lies inside an uninterrupted span of each station.
         #[test]
         fn intervals_hold_no_gap(gaps in proptest::array::uniform3(proptest::collection::vec(0.1..3.0f64, 1..60)), tau in 0.2..2.5f64) {
-            let tracks = gaps.map(|gaps| track(gaps.iter().scan(0.0, |t, g| { *t += g; Some(*t) }).collect()));
+            let tracks: PerStation<FilteredTrack> = gaps.map(|gaps| track(gaps.iter().scan(0.0, |t, g| { *t += g; Some(*t) }).collect())).into();
             for interval in split(&tracks, tau) {
                 prop_assert!(interval.length_s() > 0.0);
                 for track in &tracks {

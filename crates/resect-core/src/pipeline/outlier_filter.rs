@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::Thresholds;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::geometry::wrap_to_pi;
+use crate::network::PerStation;
 
 /// Rate for which a reading was rejected: the first above its threshold, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,23 +37,20 @@ pub struct FilteredTrack {
 }
 
 /// Returns the positions of all raw readings (m), each station in its own frame. They do not depend on settings.
-pub fn positions_m(deployment: &Deployment) -> [Vec<Vector3<f64>>; 3] {
-    deployment
-        .tracks
-        .each_ref()
-        .map(|track| track.measurements.iter().map(|m| track.position_m(m)).collect())
+pub fn positions_m(deployment: &Deployment) -> PerStation<Vec<Vector3<f64>>> {
+    deployment.tracks.map(|track| track.measurements.iter().map(|m| track.position_m(m)).collect())
 }
 
-/// Filters the three tracks, whose positions are [`positions_m`]. `None` keeps everything, like the paper's pipeline
+/// Filters the tracks, whose positions are [`positions_m`]. `None` keeps everything, like the paper's pipeline
 /// without module 1.
 pub fn filter(
     deployment: &Deployment,
-    positions_m: &[Vec<Vector3<f64>>; 3],
+    positions_m: &PerStation<Vec<Vector3<f64>>>,
     thresholds: Option<&Thresholds>,
-) -> [FilteredTrack; 3] {
-    std::array::from_fn(|station| {
-        filter_track(&deployment.tracks[station], &positions_m[station], thresholds)
-    })
+) -> PerStation<FilteredTrack> {
+    deployment
+        .tracks
+        .zip(positions_m, |track, positions_m| filter_track(track, positions_m, thresholds))
 }
 
 /// Returns the rates between two readings; the azimuth difference is wrapped to ±π.

@@ -11,6 +11,7 @@ use super::settings::{Interpolation, PipelineSettings, Thresholds};
 use super::triplets::Triplets;
 use super::{interpolation, interval_filter, interval_split, outlier_filter};
 use crate::deployment::Deployment;
+use crate::network::{Number, PerStation};
 use crate::progress::{Cancelled, Progress};
 
 /// Fate of a raw reading.
@@ -55,13 +56,13 @@ impl SampleFate {
 /// Output of all stages; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct PipelineOutput {
-    pub filtered: Arc<[FilteredTrack; 3]>,
+    pub filtered: Arc<PerStation<FilteredTrack>>,
     /// The intervals after the split.
     pub intervals: Arc<Vec<Interval>>,
     /// The intervals after the interval filter; [`Triplets::interval`] counts these.
     pub kept_intervals: Arc<Vec<Interval>>,
     pub triplets: Arc<Triplets>,
-    pub fates: Arc<[Fates; 3]>,
+    pub fates: Arc<PerStation<Fates>>,
 }
 
 /// Fates of the readings of one station.
@@ -81,9 +82,9 @@ impl PipelineOutput {
         place.map_or(0, |place| self.fates[station].counts[place])
     }
 
-    /// Returns the number of readings of each station that interpolation uses.
-    pub fn kept(&self) -> [usize; 3] {
-        std::array::from_fn(|station| self.count(station, SampleFate::Kept))
+    /// Returns the number of readings of each station with this fate.
+    pub fn counts(&self, fate: SampleFate) -> PerStation<usize> {
+        self.fates.map_each(|station, _| self.count(station.index(), fate))
     }
 }
 
@@ -93,12 +94,12 @@ type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
 /// check that the deployment is the same. [`crate::analysis::Analyst`] keeps the two together.
 #[derive(Default)]
 pub struct StagedPipeline {
-    positions_m: Memory<(), [Vec<Vector3<f64>>; 3]>,
-    filtered: Memory<Option<RateThresholds>, [FilteredTrack; 3]>,
+    positions_m: Memory<(), PerStation<Vec<Vector3<f64>>>>,
+    filtered: Memory<Option<RateThresholds>, PerStation<FilteredTrack>>,
     intervals: Memory<f64, Vec<Interval>>,
     kept: Memory<Option<f64>, Vec<Interval>>,
     triplets: Memory<(Interpolation, f64), Triplets>,
-    fates: Memory<(), [Fates; 3]>,
+    fates: Memory<(), PerStation<Fates>>,
 }
 
 /// Settings of module 1.
@@ -143,7 +144,7 @@ impl StagedPipeline {
         // Fates depend on the intervals alone, not on the interpolation.
         let mut fates_stale = stale;
         let fates = remember(&mut self.fates, (), &mut fates_stale, || {
-            filtered.each_ref().map(|track| fates(track, &intervals, &kept_intervals))
+            filtered.map(|track| fates(track, &intervals, &kept_intervals))
         });
         let key = (settings.interpolation, settings.rate_hz);
         // Removed before the computation, so that cancelled triplets are not replaced by those of other readings.
@@ -285,6 +286,6 @@ mod tests {
             let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
             assert_eq!(total, deployment.tracks[station].measurements.len());
         }
-        assert!(out.kept().iter().all(|kept| *kept > 0));
+        assert!(out.counts(SampleFate::Kept).iter().all(|kept| *kept > 0));
     }
 }

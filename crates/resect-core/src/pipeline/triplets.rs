@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::FilteredTrack;
+use crate::network::PerStation;
 
 /// Tolerance of time comparisons (s); Unix times are stored to a quarter of a microsecond.
 const STAMP_ERROR_S: f64 = 1e-6;
@@ -18,19 +19,24 @@ pub struct Triplets {
     /// The interval each instant belongs to, numbered from 0.
     pub interval: Vec<u32>,
     /// Positions of each station's prism (m), in the station's own frame.
-    pub points_m: [Vec<Vector3<f64>>; 3],
+    pub points_m: PerStation<Vec<Vector3<f64>>>,
     /// Speed of prism 1 (m/s), by differences with the neighbouring instants.
     pub speed_m_per_s: Vec<f64>,
     /// Standard deviation of each station's positions along each axis (m); `None` if the interpolation gives none.
-    pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
+    pub sigma_m: Option<PerStation<Vec<Vector3<f64>>>>,
     /// Start of each further drive (s), as [`crate::deployment::Deployment::restarts_s`].
     pub restarts_s: Vec<f64>,
     /// Filtered readings from which the positions are interpolated; empty without readings.
-    pub readings: Arc<[FilteredTrack; 3]>,
+    pub readings: Arc<PerStation<FilteredTrack>>,
 }
 
 impl Triplets {
-    pub fn new(time_s: Vec<f64>, interval: Vec<u32>, points_m: [Vec<Vector3<f64>>; 3]) -> Self {
+    pub fn new(
+        time_s: Vec<f64>,
+        interval: Vec<u32>,
+        points_m: impl Into<PerStation<Vec<Vector3<f64>>>>,
+    ) -> Self {
+        let points_m = points_m.into();
         let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
         let readings = Arc::default();
         Self {
@@ -54,11 +60,11 @@ impl Triplets {
         Self {
             time_s: indices.iter().map(|i| self.time_s[*i]).collect(),
             interval: indices.iter().map(|i| self.interval[*i]).collect(),
-            points_m: self.points_m.each_ref().map(points),
+            points_m: self.points_m.map(points),
             speed_m_per_s: indices.iter().map(|i| self.speed_m_per_s[*i]).collect(),
             restarts_s: self.restarts_s.clone(),
             readings: Arc::clone(&self.readings),
-            sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(points)),
+            sigma_m: self.sigma_m.as_ref().map(|all| all.map(points)),
         }
     }
 
@@ -90,9 +96,9 @@ impl Triplets {
         Some(Self {
             time_s: vec![time_s],
             interval: vec![self.interval[before]],
-            points_m: self.points_m.each_ref().map(between),
+            points_m: self.points_m.map(between),
             speed_m_per_s: vec![speeds[0] + share * (speeds[1] - speeds[0])],
-            sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(between)),
+            sigma_m: self.sigma_m.as_ref().map(|all| all.map(between)),
             ..self.select(&[])
         })
     }
@@ -136,7 +142,7 @@ mod tests {
             .map(|y| time_s.iter().map(|t| Vector3::new(t - 10.0, y, 0.0)).collect::<Vec<_>>());
         let sigma_m = points_m.each_ref().map(|p| vec![Vector3::repeat(1e-3); p.len()]);
         let interval = vec![0, 0, 0, 1, 1];
-        Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) }
+        Triplets { sigma_m: Some(sigma_m.into()), ..Triplets::new(time_s, interval, points_m) }
     }
 
     #[test]

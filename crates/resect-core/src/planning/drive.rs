@@ -6,6 +6,7 @@ use super::prediction::PlanError;
 use super::{Plan, way};
 use crate::deployment::Deployment;
 use crate::geometry::ARCSECOND_RAD;
+use crate::network::PerStation;
 use crate::pipeline;
 use crate::pipeline::{PipelineOutput, PipelineSettings};
 use crate::simulation::{
@@ -26,7 +27,7 @@ pub struct Driven {
     pub simulated: Simulated,
     pub deployment: Deployment,
     pub pipeline: PipelineOutput,
-    pub locks: [Lock; 3],
+    pub locks: PerStation<Lock>,
 }
 
 impl Plan {

@@ -212,12 +212,13 @@ impl Here {
 
     /// Simulates a manoeuvre and returns its triplets appended to those so far, and its duration (s).
     pub fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
-        let [_, second, third] = so_far.station1_from_station;
+        let yaws_rad = [1, 2].map(|station| so_far.station1_from_station[station].yaw_rad);
         let rig = PlannedRig { prisms_m: self.as_driven.prisms_m, ..PlannedRig::default() };
         let plan = Plan {
             speed_m_per_s: so_far.speed_m_per_s,
             turn_radius_m: so_far.turn_radius_m,
-            stations_m: so_far.station1_from_station.map(|at| at.translation_m),
+            stations_m: [0, 1, 2]
+                .map(|station: usize| so_far.station1_from_station[station].translation_m),
             ground: Ground {
                 height_m: self.ground_m,
                 slope_rms_rad: self.as_driven.slope_rms_rad.min(STEEPEST_RAD),
@@ -238,7 +239,7 @@ impl Here {
             )],
             ..Plan::default()
         };
-        let driven = drive_with(&plan, [second.yaw_rad, third.yaw_rad]).ok()?;
+        let driven = drive_with(&plan, yaws_rad).ok()?;
         let takes_s = driven.simulated.scenario.duration_s;
         Some((joined(so_far.triplets, &driven.pipeline.triplets), takes_s))
     }
@@ -250,8 +251,7 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
     let later_s = so_far.time_s.last().map_or(0.0, |last_s| last_s + PAUSE_S - begins_s);
     let intervals = so_far.interval.last().map_or(0, |last| last + 1);
     let times_s = |all: &[f64]| all.iter().map(|t| t + later_s).collect::<Vec<_>>();
-    let track = |station: usize| {
-        let (own, more) = (&so_far.readings[station], &next.readings[station]);
+    let track = |own: &FilteredTrack, more: &FilteredTrack| {
         // Readings of one station in a gap of the others may be later than the start of the manoeuvre; they add no
         // information.
         let before = own.time_s.partition_point(|t| *t < begins_s + later_s);
@@ -261,8 +261,7 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
             ..FilteredTrack::default()
         }
     };
-    let points_m =
-        [0, 1, 2].map(|station| [&so_far.points_m[station][..], &next.points_m[station]].concat());
+    let points_m = so_far.points_m.zip(&next.points_m, |own, more| [&own[..], more].concat());
     let interval = next.interval.iter().map(|interval| interval + intervals);
     let mut joined = Triplets::new(
         [so_far.time_s.clone(), times_s(&next.time_s)].concat(),
@@ -270,7 +269,7 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
         points_m,
     );
     joined.restarts_s.clone_from(&so_far.restarts_s);
-    joined.readings = Arc::new([track(0), track(1), track(2)]);
+    joined.readings = Arc::new(so_far.readings.zip(&next.readings, track));
     joined
 }
 

@@ -13,6 +13,7 @@ use super::prediction::PlanError;
 use super::way::Piece;
 use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
+use crate::network::{Number, PerStation};
 use crate::progress::Progress;
 use crate::simulation::{Ramp, Waypoint};
 
@@ -120,23 +121,31 @@ fn sentence(what: &str, before_m: Option<f64>, after_m: f64, more_s: f64) -> Str
 }
 
 /// Positions of the three stations' prisms along the path (m, frame of the plan).
-fn places_m(plan: &Plan, looked: &Looked) -> [Vec<Vector3<f64>>; 3] {
+fn places_m(plan: &Plan, looked: &Looked) -> PerStation<Vec<Vector3<f64>>> {
     let triplets = &looked.driven.pipeline.triplets;
     let transforms = &looked.driven.simulated.truth.station1_from_station;
     let step = (triplets.len() / MOST_PLACES).max(1);
-    std::array::from_fn(|station| {
-        let own = triplets.points_m[station].iter().step_by(step);
-        own.map(|p| transforms[station].apply(p) + plan.stations_m[0]).collect()
+    triplets.points_m.map_each(|station, points_m| {
+        let own = points_m.iter().step_by(step);
+        own.map(|p| transforms[station.index()].apply(p) + plan.stations_m[0]).collect()
     })
 }
 
 /// Returns the largest predicted σ over some positions (m); `None` if a direction is unobservable.
-fn far_end_m(plan: &Plan, looked: &Looked, places_m: &[Vec<Vector3<f64>>; 3]) -> Option<f64> {
-    let transforms = looked.driven.simulated.truth.station1_from_station.map(RigidTransform::from);
-    let own: [Vec<Vector3<f64>>; 3] = std::array::from_fn(|station| {
-        let station_from_station1 = transforms[station].inverse();
-        let own = places_m[station].iter();
-        own.map(|p| station_from_station1.apply(&(p - plan.stations_m[0]))).collect()
+fn far_end_m(
+    plan: &Plan,
+    looked: &Looked,
+    places_m: &PerStation<Vec<Vector3<f64>>>,
+) -> Option<f64> {
+    let transforms = looked
+        .driven
+        .simulated
+        .truth
+        .station1_from_station
+        .map(|level| RigidTransform::from(*level));
+    let own = places_m.map_each(|station, places_m| {
+        let station_from_station1 = transforms[station.index()].inverse();
+        places_m.iter().map(|p| station_from_station1.apply(&(p - plan.stations_m[0]))).collect()
     });
     Some(far_end(&transforms, &looked.held()?.covariance, &own)?.sigma_m)
 }

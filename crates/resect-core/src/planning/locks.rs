@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::Plan;
 use crate::deployment::{Measurement, Track};
+use crate::network::PerStation;
 use crate::pipeline::OutlierReason;
 use crate::pipeline::outlier_filter::{rates, too_fast};
 use crate::simulation::{EPOCH_S, Simulated};
@@ -46,9 +47,12 @@ pub enum WhyNotRead {
 }
 
 /// Evaluates the tracking of the three stations, and removes readings that are impossible.
-pub fn held(tracks: &mut [Track; 3], simulated: &Simulated, plan: &Plan) -> [Lock; 3] {
-    std::array::from_fn(|station| {
-        let track = &mut tracks[station];
+pub fn held(
+    tracks: &mut PerStation<Track>,
+    simulated: &Simulated,
+    plan: &Plan,
+) -> PerStation<Lock> {
+    let of_each = tracks.iter_mut().enumerate().map(|(station, track)| {
         let lock = of_station(station, track, simulated, plan);
         let unread = |m: &Measurement| {
             let time_s = m.time_s - EPOCH_S;
@@ -59,7 +63,8 @@ pub fn held(tracks: &mut [Track; 3], simulated: &Simulated, plan: &Plan) -> [Loc
         };
         track.measurements.retain(|m| !unread(m));
         lock
-    })
+    });
+    of_each.collect()
 }
 
 fn of_station(station: usize, track: &Track, simulated: &Simulated, plan: &Plan) -> Lock {

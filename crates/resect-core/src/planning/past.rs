@@ -124,7 +124,8 @@ impl Plan {
                 _ => format!("{} (from a {} calibration)", deployment.name, verdict.name()),
             },
             // Numbers are rounded to the digits that matter in a plan.
-            stations_m: transforms.map(|station| station.translation_m.map(|m| rounded(m, 3))),
+            stations_m: [0, 1, 2]
+                .map(|station: usize| transforms[station].translation_m.map(|m| rounded(m, 3))),
             turn_radius_m: 1.0,
             // The height of the prisms above the ground is unknown, so the ground is placed at their mean height.
             ground: Ground {

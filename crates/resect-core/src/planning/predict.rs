@@ -22,6 +22,7 @@ use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
+use crate::pipeline::SampleFate;
 use crate::progress::Progress;
 use crate::simulation::{EPOCH_S, Scenario, Simulated};
 
@@ -94,8 +95,8 @@ pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
         observability: foreseen.map(|foreseen| foreseen.observability),
         mirror_cost_ratio,
         way,
-        readings: driven.deployment.tracks.each_ref().map(|track| track.measurements.len()),
-        kept: driven.pipeline.kept(),
+        readings: driven.deployment.tracks.map(|track| track.measurements.len()),
+        kept: driven.pipeline.counts(SampleFate::Kept),
         locks: driven.locks,
         duration_s: driven.simulated.scenario.duration_s,
         length_m: way::length_m(&plan.waypoints()),
@@ -187,7 +188,8 @@ fn distance_noise_m2(driven: &Driven, levels: &NoiseLevels) -> f64 {
 }
 
 fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> {
-    let transforms = driven.simulated.truth.station1_from_station.map(RigidTransform::from);
+    let transforms =
+        driven.simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let triplets = &driven.pipeline.triplets;
     let covariance = estimate.covariance;
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;

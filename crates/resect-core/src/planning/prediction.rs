@@ -8,6 +8,7 @@ use crate::calibration::joint::LargestSource;
 use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
 use crate::evaluation::far_end::FarEnd;
+use crate::network::PerStation;
 
 /// Reason for which a plan has no prediction.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -36,12 +37,12 @@ pub struct Prediction {
     /// The vehicle along the path, about once a second.
     pub way: Vec<OnTheWay>,
     /// Ranges, rates and failures of each station's tracking.
-    pub locks: [Lock; 3],
+    pub locks: PerStation<Lock>,
     pub duration_s: f64,
     pub length_m: f64,
     /// Number of readings of each station, and of those that the pipeline keeps.
-    pub readings: [usize; 3],
-    pub kept: [usize; 3],
+    pub readings: PerStation<usize>,
+    pub kept: PerStation<usize>,
 }
 
 /// Predicted covariance of the transforms of stations 2 and 3.

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::calibration::ErrorSizes;
 use crate::calibration::joint::ExpectedNoise;
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::pipeline::{Thresholds, Triplets};
 
 /// A drive in progress.
@@ -13,7 +14,7 @@ pub struct SoFar<'a> {
     /// Triplets of the readings so far.
     pub triplets: &'a Triplets,
     /// Approximate poses of the stations, from any calibration.
-    pub station1_from_station: &'a [LevelTransform; 3],
+    pub station1_from_station: &'a PerStation<LevelTransform>,
     /// Prisms in any frame of the vehicle (m); all equal if all stations track one prism.
     pub prisms_m: &'a [Vector3<f64>; 3],
     /// Standard deviations of the priors, that of the rig's distances included ([`ErrorSizes::inter_prism_m`]).

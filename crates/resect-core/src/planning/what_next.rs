@@ -11,6 +11,7 @@ use crate::calibration::joint;
 use crate::deployment::pairwise_distances;
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::geometry::RigidTransform;
+use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -139,17 +140,17 @@ fn foreseen(
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })
 }
 
-fn rigid(so_far: &SoFar<'_>) -> [RigidTransform; 3] {
-    so_far.station1_from_station.map(RigidTransform::from)
+fn rigid(so_far: &SoFar<'_>) -> PerStation<RigidTransform> {
+    so_far.station1_from_station.map(|level| RigidTransform::from(*level))
 }
 
 /// Positions at which the far-end error is evaluated (m, by station in its own frame): the track so far and the places of
 /// `so_far`.
-fn places_m(so_far: &SoFar<'_>) -> [Vec<Vector3<f64>>; 3] {
+fn places_m(so_far: &SoFar<'_>) -> PerStation<Vec<Vector3<f64>>> {
     let step = (so_far.triplets.len() / MOST_PLACES).max(1);
-    std::array::from_fn(|station| {
-        let own = so_far.triplets.points_m[station].iter().step_by(step).copied();
-        let station_from_station1 = so_far.station1_from_station[station].inverse();
+    so_far.triplets.points_m.map_each(|station, points_m| {
+        let own = points_m.iter().step_by(step).copied();
+        let station_from_station1 = so_far.station1_from_station[station.index()].inverse();
         let named = so_far.places_m.iter().map(|place_m| station_from_station1.apply(place_m));
         own.chain(named).collect()
     })

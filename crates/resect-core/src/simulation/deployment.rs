@@ -2,6 +2,7 @@
 
 use super::simulated::Simulated;
 use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
+use crate::network::{PerStation, USUAL_STATIONS};
 
 impl Simulated {
     /// Returns the readings of the drive with the true rig; numbers are not rounded as in files.
@@ -26,13 +27,13 @@ impl Simulated {
         let is_rig = rig.inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
         Deployment {
             name: self.scenario.name.to_owned(),
-            tracks: [track(0), track(1), track(2)],
+            tracks: [0, 1, 2].map(track).into(),
             track_frame: TrackFrame::Own,
             control_points: Vec::new(),
             rig: is_rig.then_some(rig),
             prisms: None,
             gnss: None,
-            time_corrections: Default::default(),
+            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
             overrides: Overrides::default(),
             as_read: Overrides::default(),
             ingredients: Vec::new(),

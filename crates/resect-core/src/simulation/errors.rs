@@ -9,6 +9,7 @@ use serde::{Serialize, Serializer};
 use super::facet_errors::FacetErrors;
 use super::random::{Stream, normal};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
+use crate::network::PerStation;
 
 /// Systematic errors of the instruments and the rig.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -264,15 +265,15 @@ impl SystematicErrors {
     /// Returns the level poses of the stations at the survey, in station 1's frame of that time.
     pub fn level_at_survey(
         &self,
-        station1_from_station: &[LevelTransform; 3],
-    ) -> [LevelTransform; 3] {
+        station1_from_station: &PerStation<LevelTransform>,
+    ) -> PerStation<LevelTransform> {
         let [first, second, third] = [0, 1, 2].map(|station| {
             let pose = self.at_survey(station, &station1_from_station[station]);
             LevelTransform::new(pose.translation_m, pose.yaw_rad())
         });
         let survey_from_drive = first.inverse();
         let [second, third] = [second, third].map(|pose| survey_from_drive.then_from(&pose));
-        [LevelTransform::IDENTITY, second, third]
+        [LevelTransform::IDENTITY, second, third].into()
     }
 
     /// Returns the rotation from a station's axes to its frame: the tilt, and the difference between its plumb line and

@@ -15,6 +15,7 @@ use super::simulated::{EPOCH_S, Simulated, Truth};
 use super::waypoint::Waypoint;
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
+use crate::network::{Number, PerStation};
 
 /// Number of readings of the rig that are averaged.
 const RIG_READINGS: f64 = 10.0;
@@ -28,11 +29,12 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     // Drawn even if unused: an option must not change other random numbers.
     let drawn: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
     let yaws = scenario.yaws_rad.unwrap_or(drawn);
-    let station1_from_station = [
+    let station1_from_station: PerStation<LevelTransform> = [
         LevelTransform::IDENTITY,
         LevelTransform::new(scenario.stations_m[0], yaws[0]),
         LevelTransform::new(scenario.stations_m[1], yaws[1]),
-    ];
+    ]
+    .into();
 
     let mut recording = Recording::default();
     for (station, set_up) in station1_from_station.iter().enumerate() {
@@ -241,7 +243,7 @@ struct SimulatedSurvey<'a> {
     scenario: &'a Scenario,
     seed: u64,
     /// Poses at the set-up for the drive.
-    station1_from_station: &'a [LevelTransform; 3],
+    station1_from_station: &'a PerStation<LevelTransform>,
 }
 
 impl SimulatedSurvey<'_> {
@@ -255,11 +257,11 @@ impl SimulatedSurvey<'_> {
         marker_m: &Vector3<f64>,
         targets: &mut CentredTargets,
         rng: &mut ChaCha8Rng,
-    ) -> [Option<Polar>; 3] {
+    ) -> PerStation<Option<Polar>> {
         let errors = &self.scenario.errors;
         let positions_m = targets.positions_m(marker_m);
-        std::array::from_fn(|station| {
-            let set_up = &self.station1_from_station[station];
+        self.station1_from_station.map_each(|station, set_up| {
+            let station = station.index();
             let frame = errors.at_survey(station, set_up);
             let seen = sight(errors, station, set_up, &frame, &positions_m[station]);
             Some(noisy(errors.misread(station, None, seen), self.scenario, 1.0, rng))
@@ -280,7 +282,8 @@ impl SimulatedSurvey<'_> {
                 let marker_m = station1_from_line.apply(&surveyed_m);
                 let readings = self.read_target(&marker_m, &mut targets, rng);
                 let marker = index as i64 + 1;
-                ControlPoint { marker, readings, face_one: [None; 3], known_m: Some(known_m) }
+                let face_one = readings.map(|_| None);
+                ControlPoint { marker, readings, face_one, known_m: Some(known_m) }
             })
             .collect();
         ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
@@ -294,7 +297,8 @@ impl SimulatedSurvey<'_> {
                 let marker_m = self.draw_marker_m(marker, rng);
                 let readings = self.read_target(&marker_m, &mut targets, rng);
                 let marker = i64::from(marker) + 1;
-                ControlPoint { marker, readings, face_one: [None; 3], known_m: None }
+                let face_one = readings.map(|_| None);
+                ControlPoint { marker, readings, face_one, known_m: None }
             })
             .collect();
         ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }

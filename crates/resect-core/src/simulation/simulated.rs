@@ -7,6 +7,7 @@ use super::scenario::Scenario;
 use crate::deployment::{ControlPointSet, GnssFix, RawRecord};
 use crate::evaluation::trajectory::{Pose, Trajectory};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
+use crate::network::{Number, PerStation};
 
 /// Unix time of the first reading (s), arbitrary.
 pub const EPOCH_S: f64 = 1_760_000_000.0;
@@ -30,9 +31,9 @@ pub struct Simulated {
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// Poses of the stations at set-up for the drive, level by station 1's plumb line. Other deviations are among the errors.
-    pub station1_from_station: [LevelTransform; 3],
+    pub station1_from_station: PerStation<LevelTransform>,
     /// Level poses of the stations when they measured the control points, in station 1's frame of that time.
-    pub station1_from_station_at_survey: [LevelTransform; 3],
+    pub station1_from_station_at_survey: PerStation<LevelTransform>,
     pub inter_prism_m: [f64; 3],
     /// Prisms in the vehicle's frame: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
@@ -50,11 +51,10 @@ impl Simulated {
     /// given. The transform of station 1 is the identity until it settles. A frame is fixed to the tripod, so it contains
     /// the tilt of [`super::Settling`]. Tilt and plumb line of the axes are errors relative to the frame and are not
     /// contained.
-    pub fn station1_from_station_at(&self, time_s: f64) -> [RigidTransform; 3] {
+    pub fn station1_from_station_at(&self, time_s: f64) -> PerStation<RigidTransform> {
         let errors = &self.scenario.errors;
-        std::array::from_fn(|station| {
-            errors.settled(station, &self.truth.station1_from_station[station], time_s)
-        })
+        let at_set_up = &self.truth.station1_from_station;
+        at_set_up.map_each(|station, pose| errors.settled(station.index(), pose, time_s))
     }
 
     /// Returns the true poses of the vehicle in the frame of station 1 at set-up, this far apart (s).

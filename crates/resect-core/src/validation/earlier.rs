@@ -6,6 +6,7 @@ use crate::analysis::Answer;
 use crate::calibration::{Method, Verdict};
 use crate::deployment::{Deployment, Finding, Severity, TrackFrame};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 
 /// An earlier calibration, to be validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Earlier {
     pub doubt: Option<String>,
     /// Frames of its tracks; `None` if unknown.
     pub track_frame: Option<TrackFrame>,
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` if a direction was unobservable.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     /// Inter-prism distances as measured for this calibration (m).
@@ -35,7 +36,7 @@ impl Earlier {
             verdict: calibration.verdict,
             doubt: first_doubt(&calibration.findings),
             track_frame: Some(deployment.track_frame),
-            station1_from_station: calibration.station1_from_station,
+            station1_from_station: calibration.station1_from_station.clone(),
             covariance: calibration.covariance,
             inter_prism_m: deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
         }

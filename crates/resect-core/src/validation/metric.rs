@@ -9,6 +9,7 @@ use crate::calibration::distance_errors_m;
 use crate::deployment::PAIRS;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// Critical value of a standard normal variable, one-sided, at significance level
@@ -45,7 +46,7 @@ pub fn metric_there(
     one_prism: bool,
 ) -> Option<MetricThere> {
     let transforms = &own.calibration.station1_from_station;
-    let by = |transforms: &[RigidTransform; 3]| {
+    let by = |transforms: &PerStation<RigidTransform>| {
         let errors = distance_errors_m(&own.triplets, transforms, known_m);
         Spread::of(errors.iter().flatten().map(|error_m| error_m.abs() * 1e3))
     };
@@ -63,7 +64,7 @@ pub fn metric_there(
 /// If all stations track one prism, the distance is zero and has no direction; the three coordinates are used instead.
 fn follows(
     triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: &PerStation<RigidTransform>,
     one_prism: bool,
 ) -> Option<SMatrix<f64, 8, 8>> {
     let mut sum = SMatrix::<f64, 8, 8>::zeros();

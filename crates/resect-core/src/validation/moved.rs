@@ -12,6 +12,7 @@ use super::outcome::{Cause, LEVEL_OF_ONE};
 use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::{LevelTransform, wrap_to_pi};
+use crate::network::PerStation;
 
 /// Critical χ² with four degrees of freedom at significance level [`LEVEL_OF_ONE`].
 const CHI_SQUARE_OF_ONE: f64 = 16.924;
@@ -87,8 +88,8 @@ impl StationMove {
 impl Difference {
     /// Compares two calibrations; `None` if the covariance is not positive definite.
     pub fn between(
-        before: &[LevelTransform; 3],
-        after: &[LevelTransform; 3],
+        before: &PerStation<LevelTransform>,
+        after: &PerStation<LevelTransform>,
         covariance: SMatrix<f64, 8, 8>,
     ) -> Option<Self> {
         let precision = covariance.cholesky()?.inverse();
@@ -151,7 +152,7 @@ impl Difference {
 }
 
 /// Covariance of (x, y, z, yaw) of stations 2 and 3 due to the settling of the three tripods between two runs.
-pub fn settled(before: &[LevelTransform; 3], sizes: &ErrorSizes) -> SMatrix<f64, 8, 8> {
+pub fn settled(before: &PerStation<LevelTransform>, sizes: &ErrorSizes) -> SMatrix<f64, 8, 8> {
     let (move_m2, turn_rad2) = (sizes.settling_m.powi(2), sizes.settling_rad.powi(2));
     let own = Matrix4::from_diagonal(&Vector4::new(move_m2, move_m2, move_m2, turn_rad2));
     let of = |station: usize| {
@@ -162,7 +163,7 @@ pub fn settled(before: &[LevelTransform; 3], sizes: &ErrorSizes) -> SMatrix<f64,
 }
 
 /// Jacobian of (x, y, z, yaw) of stations 2 and 3 with respect to a small move of one station.
-fn shape(station: usize, before: &[LevelTransform; 3]) -> SMatrix<f64, 8, 4> {
+fn shape(station: usize, before: &PerStation<LevelTransform>) -> SMatrix<f64, 8, 4> {
     let mut shape = SMatrix::<f64, 8, 4>::zeros();
     match station.checked_sub(1) {
         Some(slot) => shape.fixed_view_mut::<4, 4>(4 * slot, 0).fill_with_identity(),
@@ -182,12 +183,12 @@ fn shape(station: usize, before: &[LevelTransform; 3]) -> SMatrix<f64, 8, 4> {
 fn once_moved(
     station: usize,
     by: &Vector4<f64>,
-    before: &[LevelTransform; 3],
-) -> [LevelTransform; 3] {
-    let mut after = *before;
+    before: &PerStation<LevelTransform>,
+) -> PerStation<LevelTransform> {
+    let mut after = before.clone();
     if station == 0 {
         let now_from_before = LevelTransform::new(by.xyz(), by.w).inverse();
-        for other in &mut after[1..] {
+        for other in after.iter_mut().skip(1) {
             *other = now_from_before.then_from(other);
         }
     } else {
@@ -201,8 +202,8 @@ fn once_moved(
 /// the normal matrix is not positive definite.
 fn only(
     station: usize,
-    before: &[LevelTransform; 3],
-    after: &[LevelTransform; 3],
+    before: &PerStation<LevelTransform>,
+    after: &PerStation<LevelTransform>,
     precision: &SMatrix<f64, 8, 8>,
 ) -> Option<(Vector4<f64>, Matrix4<f64>, f64)> {
     let shape = shape(station, before);
@@ -217,7 +218,7 @@ fn only(
 }
 
 /// Difference a − b of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-fn minus(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> SVector<f64, 8> {
+fn minus(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> SVector<f64, 8> {
     SVector::from_fn(|k, _| {
         let (a, b) = (&a[k / 4 + 1], &b[k / 4 + 1]);
         match k % 4 {
@@ -244,9 +245,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn stations() -> [LevelTransform; 3] {
+    fn stations() -> PerStation<LevelTransform> {
         let at = |x: f64, y: f64, yaw: f64| LevelTransform::new(Vector3::new(x, y, -0.3), yaw);
-        [LevelTransform::IDENTITY, at(5.2, -2.6, 3.1), at(-5.4, 0.4, -0.5)]
+        [LevelTransform::IDENTITY, at(5.2, -2.6, 3.1), at(-5.4, 0.4, -0.5)].into()
     }
 
     /// Covariance with σ of 2 mm and 0.05 mrad, and a correlation of one half between the two stations.
@@ -270,7 +271,7 @@ mod tests {
     fn stations_that_moved_alike_cannot_be_told_apart() {
         // Stations 2 and 3 moved alike, or station 1 moved the opposite way: the simplest explanation is chosen.
         let before = stations();
-        let mut after = before;
+        let mut after = before.clone();
         after[1].translation_m.x += 0.05;
         after[2].translation_m.x += 0.05;
         let found = Difference::between(&before, &after, covariance()).expect("a covariance");
@@ -324,7 +325,7 @@ mod tests {
             off in proptest::collection::vec(-1.0..1.0f64, 8),
         ) {
             let before = stations();
-            let mut after = before;
+            let mut after = before.clone();
             for k in 0..8 {
                 let transform = &mut after[k / 4 + 1];
                 match k % 4 {

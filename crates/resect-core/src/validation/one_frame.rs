@@ -13,6 +13,7 @@ use crate::analysis::{Analysis, Answer};
 use crate::deployment::Deployment;
 use crate::evaluation::site::seen_m;
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
+use crate::network::PerStation;
 
 /// Smallest number of common control points for an alignment with a check that they are the same points.
 const FEWEST_POINTS: usize = 3;
@@ -79,8 +80,8 @@ pub fn place(
 }
 
 fn by_control_points(
-    (deployment, own): (&Deployment, &[RigidTransform; 3]),
-    (other, theirs): (&Deployment, &[RigidTransform; 3]),
+    (deployment, own): (&Deployment, &PerStation<RigidTransform>),
+    (other, theirs): (&Deployment, &PerStation<RigidTransform>),
 ) -> Result<Placed, String> {
     let mut pairs: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
     for set in &deployment.control_points {

@@ -15,6 +15,7 @@ use crate::deployment::findings::validation::{
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::evaluation::known_distances_m;
 use crate::geometry::{LevelTransform, RigidTransform};
+use crate::network::PerStation;
 
 /// Largest standard deviation of a conclusive difference (m); a calibration with a larger one is weak as well.
 const COARSE_SIGMA_M: f64 = 0.020;
@@ -69,7 +70,7 @@ pub fn validate(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> V
     if let Ok(answer) = &answer
         && !in_other_frames(earlier, deployment)
     {
-        let level = |transforms: &[RigidTransform; 3]| {
+        let level = |transforms: &PerStation<RigidTransform>| {
             transforms.map(|to| LevelTransform::new(to.translation_m, to.yaw_rad()))
         };
         let errors = &own.settings.calibration.errors;

@@ -1,6 +1,7 @@
 //! Findings about readings: impossible values, stamps, dropped records.
 
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use resect_core::network::PerStation;
 
 /// `place` is the place of the first dropped record.
 pub fn records_dropped(station: Option<usize>, reason: &str, count: usize, place: &str) -> Finding {
@@ -84,8 +85,9 @@ pub fn readings_in_face_right(station: usize, count: usize, all: usize) -> Findi
 }
 
 /// `set_back_s` are the largest steps of the three stations' stamps (s), 0 without one; returns `None` without any.
-pub fn clock_set_back(set_back_s: &[f64; 3]) -> Option<Finding> {
-    let stations: Vec<usize> = (1..=3).filter(|number| set_back_s[number - 1] > 0.0).collect();
+pub fn clock_set_back(set_back_s: &PerStation<f64>) -> Option<Finding> {
+    let with_steps = set_back_s.each().filter(|(_, back_s)| **back_s > 0.0);
+    let stations: Vec<usize> = with_steps.map(|(station, _)| station.number()).collect();
     let largest_s = set_back_s.iter().copied().fold(0.0, f64::max);
     let message = format!(
         "the stamps of {} go back by {largest_s:.1} s into a time that has other readings: the clock was set while \
@@ -164,7 +166,7 @@ pub(super) fn examples() -> Vec<Finding> {
         readings_implausible(0, 40, 400, &[("ranges of zero", 40)]),
         stamps_coarse(&[0, 2], 1.0),
         readings_in_face_right(1, 300, 900),
-        clock_set_back(&[0.0, 3.0, 3.1]).expect("two stations"),
+        clock_set_back(&[0.0, 3.0, 3.1].into()).expect("two stations"),
         stamps_relative(12.5),
         stations_without_common_time([0, 2], [[0.0, 60.0], [90.0, 150.0]]),
     ]

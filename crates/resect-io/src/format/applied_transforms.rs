@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::error::OpenError;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::PerStation;
 
 /// Numbers on a line.
 pub const FIELDS: usize = 12;
@@ -15,10 +16,10 @@ pub const FIELDS: usize = 12;
 const ORTHOGONAL: f64 = 1e-6;
 
 /// `common_from_station` of stations 1, 2, 3, and the first line of the set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AppliedTransforms {
     pub line: usize,
-    pub common_from_station: [RigidTransform; 3],
+    pub common_from_station: PerStation<RigidTransform>,
 }
 
 /// Returns true if a line is a rigid transform.
@@ -44,7 +45,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<AppliedTransforms>, OpenError>
     }
     let set = |set: &[(usize, RigidTransform)]| AppliedTransforms {
         line: set[0].0,
-        common_from_station: std::array::from_fn(|station| set[station].1),
+        common_from_station: set.iter().map(|(_, transform)| *transform).collect(),
     };
     Ok(transforms.chunks_exact(3).map(set).collect())
 }
@@ -63,7 +64,7 @@ fn transform(values: &[f64]) -> Option<RigidTransform> {
 }
 
 /// Returns a text that [`read`] reads.
-pub fn write(sets: &[[RigidTransform; 3]]) -> String {
+pub fn write(sets: &[PerStation<RigidTransform>]) -> String {
     let line = |transform: &RigidTransform| {
         let rows = transform.matrix().fixed_rows::<3>(0).transpose();
         rows.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n"
@@ -81,8 +82,8 @@ mod tests {
             rotation: Rotation3::from_euler_angles(1e-5, -2e-5, 0.4),
             translation_m: Vector3::new(2.5, 5.3, -0.3),
         };
-        let set = [RigidTransform::IDENTITY, transform, transform.inverse()];
-        let read_back = read("t.csv", &write(&[set, set])).expect("own text");
+        let set = PerStation::from([RigidTransform::IDENTITY, transform, transform.inverse()]);
+        let read_back = read("t.csv", &write(&[set.clone(), set.clone()])).expect("own text");
         assert_eq!(read_back.len(), 2);
         assert_eq!(read_back[1].line, 4);
         let off = read_back[1].common_from_station[1].matrix() - transform.matrix();

@@ -174,12 +174,12 @@ mod tests {
     }
 
     fn read_all(text: &str) -> (Vec<Measurement>, String, bool) {
-        let mut recording = Recording::default();
+        let mut recording = Recording::new(None, false);
         read("b.csv", text.as_bytes(), 2, &Progress::default(), &mut recording).expect("readable");
         let included = recording.ranges_include_prism_constant;
-        let ([_, track, _], findings) = recording.finish("b.csv").expect("readings");
+        let (tracks, findings) = recording.finish("b.csv").expect("readings");
         let said = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-        (track.measurements, said, included)
+        (tracks[1].measurements.clone(), said, included)
     }
 
     #[test]

@@ -57,8 +57,7 @@ pub fn read(
             continue;
         }
         let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
-            let (readings, face_one) = ([None; 3], [None; 3]);
-            points.push(ControlPoint { marker, readings, face_one, known_m: None });
+            points.push(ControlPoint::unread(marker, None));
             points.len() - 1
         });
         let faces = by_face.entry((index, station)).or_default();

@@ -11,6 +11,7 @@ use crate::findings::positions::{
 };
 use nalgebra::Vector3;
 use resect_core::geometry::ARCSECOND_RAD;
+use resect_core::network::PerStation;
 
 use super::found::FoundFile;
 use super::station_in_name::station_in_name;
@@ -119,7 +120,7 @@ pub fn read<'a>(
         *own = cartesian_tracks::read(&file.file, &file.text(progress)?)?;
     }
     into.ranges_include_prism_constant = true;
-    let mut station_from_file = [RigidTransform::IDENTITY; 3];
+    let mut station_from_file = PerStation::repeat(3, RigidTransform::IDENTITY);
     let mut frame = TrackFrame::Own;
     let mut used = None;
     if in_one_frame(&positions) {
@@ -210,7 +211,7 @@ fn applied<'a>(
         for set in sets {
             count += 1;
             let agreement = agreement(positions, &set);
-            if agreement > SHOWN && best.is_none_or(|(known, ..)| agreement > known) {
+            if agreement > SHOWN && best.as_ref().is_none_or(|(known, ..)| agreement > *known) {
                 best = Some((agreement, &file.file, set));
             }
         }

@@ -2,13 +2,14 @@
 
 use crate::findings::tracks::{ClockJump, stamps_jumped};
 use resect_core::deployment::{Finding, Measurement, Track};
+use resect_core::network::PerStation;
 
 /// Pause of all stations (s) behind which stamps are of another clock or another drive.
 const JUMP_S: f64 = 12.0 * 3600.0;
 
 /// Removes the readings before or behind a jump of the stamps from tracks in order of time: all but the part with the most readings.
 /// Leaves tracks unchanged if no part has readings of all stations, because then the clocks of the stations differ.
-pub fn keep_longest_part(tracks: &mut [Track; 3]) -> Option<Finding> {
+pub fn keep_longest_part(tracks: &mut PerStation<Track>) -> Option<Finding> {
     let mut times_s: Vec<f64> =
         tracks.iter().flat_map(|track| track.measurements.iter().map(|m| m.time_s)).collect();
     times_s.sort_by(f64::total_cmp);
@@ -57,7 +58,7 @@ mod tests {
         let days_s = 40.0 * 86_400.0;
         let times_s: Vec<f64> =
             (0..10).map(|k| f64::from(k) + if k < 3 { 0.0 } else { days_s }).collect();
-        let mut tracks = [track(&times_s), track(&times_s), track(&times_s)];
+        let mut tracks = PerStation::repeat(3, track(&times_s));
         let finding = keep_longest_part(&mut tracks).expect("a jump").to_string();
         assert!(
             finding.contains("40.0 days") && finding.contains("(21 readings); 9 readings"),
@@ -69,7 +70,8 @@ mod tests {
 
     #[test]
     fn a_station_with_another_clock_is_kept() {
-        let mut tracks = [track(&[0.0, 1.0]), track(&[0.0, 1.0]), track(&[90_000.0, 90_001.0])];
+        let mut tracks =
+            [track(&[0.0, 1.0]), track(&[0.0, 1.0]), track(&[90_000.0, 90_001.0])].into();
         assert_eq!(keep_longest_part(&mut tracks), None);
         assert_eq!(tracks[2].measurements.len(), 2);
     }

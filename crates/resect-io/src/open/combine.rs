@@ -142,7 +142,7 @@ mod tests {
         let rounded = TRACKS.replace("0.1,1.5", "0.1000001,1.5000000");
         let files = [("a (1).csv", TRACKS), ("a.csv", TRACKS), ("b.csv", &rounded)];
         let deployment = open_files("d", &files).expect("opens");
-        assert_eq!(deployment.tracks.each_ref().map(|track| track.measurements.len()), [1; 3]);
+        assert_eq!(deployment.tracks.map(|track| track.measurements.len()), [1; 3].into());
         let told = deployment.findings.iter().find(|f| f.kind == FindingKind::CopiesLeftOut);
         let told = told.expect("told").message().to_string();
         assert_eq!(told, "a.csv is read; the same readings are in b.csv, a (1).csv");

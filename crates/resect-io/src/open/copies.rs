@@ -3,6 +3,7 @@
 use super::found::FoundFile;
 use crate::error::OpenError;
 use resect_core::deployment::{Measurement, Track};
+use resect_core::network::PerStation;
 
 /// Largest difference of stamps of one reading (s): text files round them to microseconds.
 pub const SAME_STAMP_S: f64 = 2e-6;
@@ -16,9 +17,9 @@ const SAME_RANGE_M: f64 = 1e-5;
 /// If the reading is cancelled. A file that cannot be read is no copy.
 pub fn are_copies(
     candidates: &[&FoundFile],
-    read: impl Fn(&FoundFile) -> Result<[Track; 3], OpenError>,
+    read: impl Fn(&FoundFile) -> Result<PerStation<Track>, OpenError>,
 ) -> Result<bool, OpenError> {
-    let mut first: Option<[Track; 3]> = None;
+    let mut first: Option<PerStation<Track>> = None;
     for file in candidates {
         let tracks = match read(file) {
             Ok(tracks) => tracks,

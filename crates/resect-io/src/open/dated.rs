@@ -4,6 +4,7 @@ use crate::findings::tracks::{OtherDate, folder_date_contradicts_stamps};
 use jiff::civil::{Date, date};
 
 use resect_core::deployment::{Finding, Track};
+use resect_core::network::PerStation;
 
 const DAY_S: f64 = 86_400.0;
 /// Tolerance (days): names are local dates, stamps UTC, and a drive may continue past midnight.
@@ -13,7 +14,7 @@ const EARLIEST_STAMP_S: f64 = 978_307_200.0;
 
 /// Returns a finding if a station's stamps differ by more than a day from the date in the folder's name. The folder then contains
 /// other data than its name states, and the rig and control points may be of another day as well.
-pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
+pub fn contradicts_folder(name: &str, tracks: &PerStation<Track>) -> Option<Finding> {
     let day = date_in(name)?;
     let day_s = day.duration_since(date(1970, 1, 1)).as_secs_f64();
     let off: Vec<(usize, f64)> = tracks
@@ -90,7 +91,7 @@ mod tests {
             let m =
                 Measurement { time_s: start_s, range_m: 1.0, azimuth_rad: 0.0, zenith_rad: 1.5 };
             let track = Track { measurements: vec![m], ..Track::default() };
-            [track.clone(), track.clone(), track]
+            PerStation::repeat(3, track)
         };
         let on_the_day_s = 1657569001.0;
         for (start_s, fine) in [

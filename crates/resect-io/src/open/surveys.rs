@@ -186,8 +186,7 @@ impl Group<'_> {
             for PointReading { name, polar, face_one } in read {
                 let index = *index_of.entry(name.clone()).or_insert_with(|| {
                     let known_m = coordinates.get(name.as_str()).copied();
-                    let (readings, face_one) = ([None; 3], [None; 3]);
-                    points.push((name, ControlPoint { marker: 0, readings, face_one, known_m }));
+                    points.push((name, ControlPoint::unread(0, known_m)));
                     points.len() - 1
                 });
                 let point = &mut points[index].1;

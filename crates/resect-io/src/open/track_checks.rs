@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::findings::tracks::{cartesian_origin_doubtful, ranges_repeated, station_clock_off};
 use resect_core::deployment::{EstimatedPose, Finding, Measurement, Track};
 use resect_core::estimates::offset_by_speeds_s;
+use resect_core::network::PerStation;
 use resect_core::statistics::quantiles;
 
 /// Ranges repeat if so many consecutive ones are equal although the prism moves across the sight by this length (m).
@@ -18,7 +19,7 @@ const FAR_EXTENTS: f64 = 2.0;
 const LEAST_OFFSET_S: f64 = 1.0;
 
 /// Leaves out readings whose range is that of an earlier one, and returns findings about them.
-pub fn leave_out_repeated_ranges(tracks: &mut [Track; 3]) -> Vec<Finding> {
+pub fn leave_out_repeated_ranges(tracks: &mut PerStation<Track>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (station, track) in tracks.iter_mut().enumerate() {
         let runs: Vec<std::ops::Range<usize>> = repeated_ranges(&track.measurements);
@@ -56,7 +57,7 @@ fn across_m(a: &Measurement, b: &Measurement) -> f64 {
 }
 
 /// Returns a finding if Cartesian positions of most stations are far from their origin, compared with their extent.
-pub fn cartesian_origins(tracks: &[Track; 3]) -> Option<Finding> {
+pub fn cartesian_origins(tracks: &PerStation<Track>) -> Option<Finding> {
     let far: Vec<(usize, [f64; 2], f64)> = (tracks.iter().enumerate())
         .filter_map(|(station, track)| {
             let [near_m, far_m] =
@@ -84,20 +85,23 @@ fn extent_m(track: &Track) -> f64 {
 }
 
 /// Returns findings about stations whose speeds match those of the others at another time.
-pub fn clock_offsets(tracks: &[Track; 3]) -> Vec<Finding> {
-    let [first, second, third] = tracks.each_ref().map(poses);
+pub fn clock_offsets(tracks: &PerStation<Track>) -> Vec<Finding> {
+    let poses = tracks.map(poses);
+    let Some((first, others)) = poses.as_slice().split_first() else { return Vec::new() };
     // Positive if the station's stamps are later than station 1's.
-    let late_s = [&second, &third].map(|own| offset_by_speeds_s(own, &first).map(|s| -s));
+    let late_s = others.iter().map(|own| offset_by_speeds_s(own, first).map(|s| -s));
     let is_large = |late_s: &f64| late_s.abs() >= LEAST_OFFSET_S;
-    match late_s.map(|late_s| late_s.filter(is_large)) {
-        [Some(a_s), Some(b_s)] if (a_s - b_s).abs() < LEAST_OFFSET_S => {
-            vec![station_clock_off(0, -0.5 * (a_s + b_s))]
-        }
-        both => (1..)
-            .zip(both)
-            .filter_map(|(station, late_s)| Some(station_clock_off(station, late_s?)))
-            .collect(),
+    let late_s: Vec<Option<f64>> = late_s.map(|late_s| late_s.filter(is_large)).collect();
+    let all_s: Vec<f64> = late_s.iter().copied().flatten().collect();
+    let least_s = all_s.iter().copied().fold(f64::INFINITY, f64::min);
+    let most_s = all_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if all_s.len() > 1 && all_s.len() == late_s.len() && most_s - least_s < LEAST_OFFSET_S {
+        // The others agree with each other, so station 1 is off.
+        let mean_s = all_s.iter().sum::<f64>() / all_s.len() as f64;
+        return vec![station_clock_off(0, -mean_s)];
     }
+    let off = late_s.into_iter().zip(1..);
+    off.filter_map(|(late_s, station)| Some(station_clock_off(station, late_s?))).collect()
 }
 
 fn poses(track: &Track) -> Vec<EstimatedPose> {
@@ -137,7 +141,7 @@ mod tests {
         resting.measurements[101..200].iter_mut().for_each(|m| {
             (m.azimuth_rad, m.zenith_rad, m.range_m) = (at.azimuth_rad, at.zenith_rad, at.range_m);
         });
-        let mut tracks = [circling(), frozen, resting];
+        let mut tracks = [circling(), frozen, resting].into();
         let findings = leave_out_repeated_ranges(&mut tracks);
         assert_eq!(findings.len(), 1, "{findings:?}");
         let left_out: Vec<usize> = (0..500).filter(|i| tracks[1].left_out[*i]).collect();

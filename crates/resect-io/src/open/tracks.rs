@@ -18,13 +18,14 @@ use resect_core::deployment::{
     ColumnMapping, Finding, Measurement, OneOrMany, Overrides, TimeCorrection, Track, TrackFrame,
     station_clocks,
 };
+use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::progress::Progress;
 
 /// Contents of the files with tracks.
 pub struct TracksRead<'a> {
-    pub tracks: [Track; 3],
+    pub tracks: PerStation<Track>,
     pub frame: TrackFrame,
-    pub time_corrections: [Vec<TimeCorrection>; 3],
+    pub time_corrections: PerStation<Vec<TimeCorrection>>,
     /// Prism constants of the ranges of each station (m), even if those of the tracks contain them already.
     pub prism_constants_m: [f64; 3],
     /// Finding about added prism constants; `None` without ranges.
@@ -104,7 +105,7 @@ pub fn of_recording<'a>(
     corrections: &Overrides,
     overrides: &Overrides,
 ) -> Result<TracksRead<'a>, OpenError> {
-    let time_corrections = std::mem::take(&mut recording.time_corrections);
+    let time_corrections = recording.take_time_corrections();
     let include_constant =
         overrides.ranges_include_prism_constant.unwrap_or(recording.ranges_include_prism_constant);
     let mut findings = recording.check_sense(track_names)?;
@@ -133,9 +134,9 @@ impl TracksRead<'_> {
     /// Returns tracks without readings.
     pub fn none(overrides: &Overrides) -> Self {
         Self {
-            tracks: Default::default(),
+            tracks: PerStation::repeat(USUAL_STATIONS, Track::default()),
             frame: TrackFrame::Own,
-            time_corrections: Default::default(),
+            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
             prism_constants_m: overrides.prism_constant_m.unwrap_or_default().each_m(),
             about_prism_constant: None,
             files: Vec::new(),
@@ -160,7 +161,7 @@ fn about_prism_constant(
 }
 
 /// Marks the readings that the user leaves out: those outside the span, and the masked ones.
-fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<Finding>) {
+fn leave_out(tracks: &mut PerStation<Track>, overrides: &Overrides, findings: &mut Vec<Finding>) {
     if let Some([from_s, to_s]) = overrides.span_s {
         for track in tracks.iter_mut() {
             let used = |m: &Measurement| (from_s..=to_s).contains(&m.time_s);

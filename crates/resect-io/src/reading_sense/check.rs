@@ -5,6 +5,7 @@ use super::units;
 use crate::error::OpenError;
 use crate::findings::readings::{stamps_coarse, stamps_relative, stations_without_common_time};
 use resect_core::deployment::Finding;
+use resect_core::network::PerStation;
 
 /// Stamps before March 1973 do not count from 1970.
 const EARLIEST_UNIX_S: f64 = 1e8;
@@ -13,15 +14,16 @@ const EARLIEST_UNIX_S: f64 = 1e8;
 ///
 /// `is_table` is true if `[columns]` of `deployment.toml` can correct it.
 pub fn check(
-    all: &[StationSense; 3],
+    all: &PerStation<&StationSense>,
     files: &str,
     is_table: bool,
 ) -> Result<Vec<Finding>, OpenError> {
     units::check(all, files, is_table)?;
     let mut findings: Vec<_> =
         all.iter().enumerate().filter_map(|(station, own)| own.doubt(station)).collect();
-    let mut resolutions_s: Vec<(usize, f64)> =
-        (0..3).filter_map(|station| Some((station, all[station].coarse_stamps_s()?))).collect();
+    let mut resolutions_s: Vec<(usize, f64)> = (0..all.len())
+        .filter_map(|station| Some((station, all[station].coarse_stamps_s()?)))
+        .collect();
     // A single station may measure at exact tenths of a second.
     let measuring = all.iter().filter(|station| station.span_s.is_some()).count();
     if resolutions_s.len() < measuring {
@@ -37,9 +39,9 @@ pub fn check(
 }
 
 /// Returns findings about clocks that do not count from 1970, and about stations without common measuring time.
-fn clocks(all: &[StationSense; 3]) -> Vec<Finding> {
+fn clocks(all: &PerStation<&StationSense>) -> Vec<Finding> {
     let spans: Vec<_> =
-        (0..3).filter_map(|station| Some((station, all[station].span_s?))).collect();
+        (0..all.len()).filter_map(|station| Some((station, all[station].span_s?))).collect();
     let Some((_, [start_s, _])) = spans.iter().min_by(|a, b| a.1[0].total_cmp(&b.1[0])) else {
         return Vec::new();
     };

@@ -1,5 +1,6 @@
 //! Columns that cannot be in radians, metres or seconds: their probable unit, and a remedy.
 
+use resect_core::network::PerStation;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::impossible::{LARGEST_AZIMUTH_RAD, LATEST_STAMP_S};
@@ -17,7 +18,11 @@ const LONGEST_STEP_S: f64 = 20.0;
 /// Returns an error if a column of any station cannot be in its unit.
 ///
 /// `is_table` is true if `[columns]` of `deployment.toml` can correct it.
-pub fn check(all: &[StationSense; 3], files: &str, is_table: bool) -> Result<(), OpenError> {
+pub fn check(
+    all: &PerStation<&StationSense>,
+    files: &str,
+    is_table: bool,
+) -> Result<(), OpenError> {
     let judged = Judged::all(all);
     let whats: Vec<_> = judged.iter().filter_map(Judged::what).collect();
     if whats.is_empty() {
@@ -140,7 +145,7 @@ impl LooksLike {
 
 /// A column, with its suspicions by station and the words of its message.
 struct Judged {
-    suspicions: [Option<Suspicion>; 3],
+    suspicions: PerStation<Option<Suspicion>>,
     /// Name of the column, as in "zenith angles of station 2 lie about".
     name: &'static str,
     verb: &'static str,
@@ -149,8 +154,8 @@ struct Judged {
 }
 
 impl Judged {
-    fn all(stations: &[StationSense; 3]) -> [Self; 5] {
-        let of = |judge: fn(&StationSense) -> Option<Suspicion>| stations.each_ref().map(judge);
+    fn all(stations: &PerStation<&StationSense>) -> [Self; 5] {
+        let of = |judge: fn(&StationSense) -> Option<Suspicion>| stations.map(|own| judge(own));
         [
             Self {
                 suspicions: of(StationSense::zenith),
@@ -193,13 +198,14 @@ impl Judged {
     }
 
     fn first(&self) -> Option<Suspicion> {
-        self.suspicions.into_iter().flatten().next()
+        self.suspicions.iter().copied().flatten().next()
     }
 
     /// Returns the message: "zenith angles of station 2 lie about 91.3: degrees? (in radians …)".
     fn what(&self) -> Option<String> {
         let first = self.first()?;
-        let numbers: Vec<_> = (1..=3).filter(|n| self.suspicions[n - 1].is_some()).collect();
+        let with_suspicion = self.suspicions.each().filter(|(_, suspicion)| suspicion.is_some());
+        let numbers: Vec<_> = with_suspicion.map(|(station, _)| station.number()).collect();
         let values = self.suspicions.iter().flatten().map(|s| short_number(s.value));
         let values = values.collect::<Vec<_>>().join(", ");
         let Self { name, verb, expected, .. } = self;
@@ -209,8 +215,8 @@ impl Judged {
 }
 
 /// Returns the remedy: a line for each unit if one corrects all stations alike, otherwise a conversion by the user.
-fn remedy(all: &[StationSense; 3], judged: &[Judged], is_table: bool) -> String {
-    let with_data = all.each_ref().map(|own| own.sample.len() >= FEWEST);
+fn remedy(all: &PerStation<&StationSense>, judged: &[Judged], is_table: bool) -> String {
+    let with_data = all.map(|own| own.sample.len() >= FEWEST);
     let mut keys = Vec::new();
     let mut units = Vec::new();
     let mut one_key_each = is_table;
@@ -218,7 +224,7 @@ fn remedy(all: &[StationSense; 3], judged: &[Judged], is_table: bool) -> String 
         let Some(first) = column.first() else { continue };
         units.push(column.unit);
         let alike = column.suspicions.map(|own| own.map(|s| s.looks == first.looks));
-        one_key_each &= (0..3).all(|k| alike[k] == with_data[k].then_some(true));
+        one_key_each &= (0..all.len()).all(|k| alike[k] == with_data[k].then_some(true));
         one_key_each &= first.looks.key().is_some();
         keys.extend(first.looks.key());
     }

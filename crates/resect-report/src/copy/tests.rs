@@ -29,7 +29,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
     let [two, three] = transforms();
     ResultSummary {
         deployment: "field\nrm -rf everything".to_owned(),
-        readings: [1, 2, 3],
+        readings: [1, 2, 3].into(),
         method: Method::InterPrism,
         fallback: None,
         verdict,

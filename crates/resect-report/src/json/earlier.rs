@@ -116,7 +116,8 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
         verdict: written.diagnosis.verdict,
         doubt: written.diagnosis.doubts.into_iter().next().map(|doubt| doubt.message),
         track_frame: written.track_frame,
-        station1_from_station: [RigidTransform::IDENTITY, second_transform?, third_transform?],
+        station1_from_station: [RigidTransform::IDENTITY, second_transform?, third_transform?]
+            .into(),
         covariance,
         inter_prism_m: written.inter_prism_m,
     })

@@ -11,6 +11,7 @@ use crate::svg::{Colours, to_svg};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Targets;
 use resect_core::deployment::Deployment;
+use resect_core::network::PerStation;
 use resect_core::pipeline::{SampleFate, Triplets};
 
 /// Width at which texts have their nominal size on the screen, and nearly so on paper.
@@ -42,11 +43,9 @@ pub fn plan(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Ma
 }
 
 /// Readings of each station that were rejected, left out or outside the used intervals, in its own frame (m).
-fn unused_m(deployment: &Deployment, analysis: &Analysis) -> [Vec<Vector3<f64>>; 3] {
-    std::array::from_fn(|station| {
-        let track = &deployment.tracks[station];
-        let fates = &analysis.pipeline.fates[station].each;
-        let unused = track.measurements.iter().zip(fates);
+fn unused_m(deployment: &Deployment, analysis: &Analysis) -> PerStation<Vec<Vector3<f64>>> {
+    deployment.tracks.zip(&analysis.pipeline.fates, |track, fates| {
+        let unused = track.measurements.iter().zip(&fates.each);
         let unused = unused.filter(|(_, fate)| **fate != SampleFate::Kept);
         unused.map(|(measurement, _)| track.position_m(measurement)).collect()
     })

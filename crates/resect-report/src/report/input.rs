@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::findings::findings;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, pair_label};
+use resect_core::network::PerStation;
 use resect_core::pipeline::SampleFate;
 use resect_io::file_mark::FileMark;
 
@@ -21,10 +22,10 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, files: &[FileMark]) 
 /// Counts from raw readings to triplets, one column a station.
 fn pipeline(deployment: &Deployment, analysis: &Analysis) -> Markup {
     let out = &analysis.pipeline;
-    let row = |name: &str, counts: [usize; 3]| {
+    let row = |name: &str, counts: PerStation<usize>| {
         html! { tr {
             th { (name) }
-            @for count in counts { td.number { (count) } }
+            @for count in &counts { td.number { (count) } }
             td.number { (counts.iter().sum::<usize>()) }
         } }
     };
@@ -34,15 +35,15 @@ fn pipeline(deployment: &Deployment, analysis: &Analysis) -> Markup {
         table {
             thead { tr {
                 th { "readings" }
-                @for station in 1..4 { th.number { "station " (station) } }
+                @for station in deployment.tracks.numbers() { th.number { "station " (station) } }
                 th.number { "all" }
             } }
             tbody {
-                (row("raw", deployment.tracks.each_ref().map(|track| track.measurements.len())))
+                (row("raw", deployment.tracks.map(|track| track.measurements.len())))
                 @for fate in dropped {
-                    (row(fate.label(), std::array::from_fn(|station| out.count(station, fate))))
+                    (row(fate.label(), out.counts(fate)))
                 }
-                (row(SampleFate::Kept.label(), out.kept()))
+                (row(SampleFate::Kept.label(), out.counts(SampleFate::Kept)))
             }
         }
         p {
@@ -66,8 +67,8 @@ fn data(deployment: &Deployment) -> Markup {
             }
         }
         p {
-            "Prism constants of stations 1, 2, 3: "
-            (deployment.tracks.each_ref().map(|track| format!("{:+.1}", track.prism_constant_m * 1e3)).join(", "))
+            "Prism constants of stations " (deployment.tracks.map_each(|station, _| station.to_string()).as_slice().join(", ")) ": "
+            (deployment.tracks.map(|track| format!("{:+.1}", track.prism_constant_m * 1e3)).as_slice().join(", "))
             " mm. "
             @match &deployment.rig {
                 Some(rig) => {

@@ -146,7 +146,7 @@ fn summary(chapters: &[Chapter]) -> Markup {
 fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
     html! {
         td { (verdict(calibration)) }
-        @for transform in &calibration.station1_from_station[1..] {
+        @for transform in calibration.station1_from_station.iter().skip(1) {
             @for metres in &transform.translation_m { td.number { (format!("{metres:.3}")) } }
             td.number { (format!("{:.4}", transform.yaw_rad().to_degrees())) }
         }

@@ -12,6 +12,7 @@ use crate::app::prepared::gaps::{Seen, first_from, visible};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
+use resect_core::network::PerStation;
 use resect_core::palette;
 use resect_core::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
@@ -72,7 +73,7 @@ struct Chart<'a> {
     state: &'a State,
     times: &'a Times,
     /// Readings of each track after the outlier filter.
-    filtered: &'a [FilteredTrack; 3],
+    filtered: &'a PerStation<FilteredTrack>,
     shown: ShownPlot,
 }
 

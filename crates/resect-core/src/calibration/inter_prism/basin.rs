@@ -30,7 +30,7 @@ impl Basin {
 }
 
 /// Returns true if two solutions are the same minimum.
-pub fn same_solution(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> bool {
+pub fn same_solution(a: &[LevelTransform], b: &[LevelTransform]) -> bool {
     a.iter().zip(b).all(|(a, b)| {
         (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
             && wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD

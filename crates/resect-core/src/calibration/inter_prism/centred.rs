@@ -6,6 +6,7 @@
 use nalgebra::{SVector, Vector3};
 
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// Fewest triplets of an answer; each has three residuals, and there are eight unknowns.
@@ -27,23 +28,23 @@ pub struct CentredTriplets {
 
 impl CentredTriplets {
     pub fn new(triplets: &Triplets, inter_prism_m: [f64; 3]) -> Self {
-        let points_m = triplets.points_m.each_ref();
-        Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
+        Self::of(triplets.points_m.map(|points| centred(&points.iter())), inter_prism_m)
     }
 
     /// Returns some of the triplets, relative to their own centroids.
     pub fn some(triplets: &Triplets, instants: &[usize], inter_prism_m: [f64; 3]) -> Self {
-        let points_m = triplets.points_m.each_ref();
         let some = |points: &Vec<_>| centred(&instants.iter().map(|i| &points[*i]));
-        Self::of(points_m.map(some), inter_prism_m)
+        Self::of(triplets.points_m.map(some), inter_prism_m)
     }
 
     /// Converts points by station (m, each in its station's frame). Frees the memory of each station's points after its conversion.
-    pub fn from_points(points_m: [Vec<Vector3<f64>>; 3], inter_prism_m: [f64; 3]) -> Self {
-        Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
+    pub fn from_points(points_m: PerStation<Vec<Vector3<f64>>>, inter_prism_m: [f64; 3]) -> Self {
+        let stations = points_m.into_iter().map(|points| centred(&points.iter()));
+        Self::of(stations.collect(), inter_prism_m)
     }
 
-    fn of(stations: [(Vector3<f64>, [Vec<f64>; 3]); 3], inter_prism_m: [f64; 3]) -> Self {
+    fn of(stations: PerStation<(Vector3<f64>, [Vec<f64>; 3])>, inter_prism_m: [f64; 3]) -> Self {
+        let stations = stations.into_array::<3>().expect("three stations");
         let centre_m = stations.each_ref().map(|(centre_m, _)| *centre_m);
         let coordinates = stations.map(|(_, coordinates)| coordinates);
         Self { centre_m, coordinates, inter_prism_m }
@@ -80,7 +81,7 @@ impl CentredTriplets {
     }
 
     /// Returns the parameters of transforms: `q1 − c1 = R (q − c) + t'` with `t' = t + R c − c1`.
-    pub fn parameters(&self, station1_from_station: &[LevelTransform; 3]) -> Parameters {
+    pub fn parameters(&self, station1_from_station: &[LevelTransform]) -> Parameters {
         let mut parameters = Parameters::zeros();
         for (slot, station) in [1, 2].into_iter().enumerate() {
             let transform = &station1_from_station[station];
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn parameters_and_transforms_are_inverse() {
-        let points = |offset: f64| {
+        let points = |offset: f64| -> Vec<Vector3<f64>> {
             (0..5).map(|i| Vector3::new(f64::from(i), offset, 0.3 * f64::from(i * i))).collect()
         };
         let triplets =

@@ -19,6 +19,7 @@ use crate::deployment::findings::drive::{
 };
 use crate::deployment::{Deployment, Finding, Severity};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::statistics::median;
 
 /// Cost ratio below which a minimum that is not the mirror twin makes the answer ambiguous.
@@ -40,7 +41,7 @@ pub struct DiagnosisInput<'a> {
     pub observability: &'a Observability,
     pub choice: &'a Choice,
     /// Answer and its σ.
-    pub station1_from_station: &'a [RigidTransform; 3],
+    pub station1_from_station: &'a PerStation<RigidTransform>,
     pub sigma: Option<[TransformSigma; 2]>,
     /// Poses when the control points were measured; `None` if they are those of the answer.
     pub survey: Option<&'a SurveyPoses>,
@@ -66,7 +67,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     }
     let at_survey = match evidence.survey {
         Some(survey) => Some((survey.transforms(), survey.sigma())),
-        None => evidence.sigma.map(|sigma| (*evidence.station1_from_station, sigma)),
+        None => evidence.sigma.map(|sigma| (evidence.station1_from_station.clone(), sigma)),
     };
     let control_points = at_survey.and_then(|(transforms, sigma)| {
         control_points_contradict(evidence.deployment, &transforms, &sigma)

@@ -7,6 +7,7 @@ use super::minima::{SAME_TWIN_M, THINNED};
 use super::observability::{Observability, observe};
 use super::{CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, minimise, uncertainty};
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// Predicted observability of a drive.
@@ -27,14 +28,14 @@ pub struct Foreseen {
 pub fn foresee(
     triplets: &Triplets,
     inter_prism_m: &[f64; 3],
-    station1_from_station: &[LevelTransform; 3],
+    station1_from_station: &PerStation<LevelTransform>,
     covariance: Option<SMatrix<f64, 8, 8>>,
 ) -> Option<Foreseen> {
     if triplets.len() < FEWEST_TRIPLETS {
         return None;
     }
     let data = CentredTriplets::new(triplets, *inter_prism_m);
-    let parameters = data.parameters(station1_from_station);
+    let parameters = data.parameters(station1_from_station.as_slice());
     let normal = NormalEquations::at(&data, &parameters);
     let answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let uncertainty = uncertainty::foreseen(&data, &answer, covariance);

@@ -4,6 +4,7 @@
 use crate::deployment::findings::outliers::{
     outliers_left_out, outliers_shift_answer, span_left_out,
 };
+use crate::network::PerStation;
 use nalgebra::Vector3;
 
 use super::{CentredTriplets, Minimum, NormalEquations};
@@ -88,8 +89,8 @@ fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
 
 /// Returns the indices of the triplets that fit an answer, from points by station (m, each in its station's frame).
 pub fn fitting_triplets(
-    points_m: &[Vec<Vector3<f64>>; 3],
-    station1_from_station: &[RigidTransform; 3],
+    points_m: &PerStation<Vec<Vector3<f64>>>,
+    station1_from_station: &PerStation<RigidTransform>,
     inter_prism_m: &[f64; 3],
 ) -> Vec<usize> {
     fitting(each_distance_error_m(points_m, station1_from_station, inter_prism_m))

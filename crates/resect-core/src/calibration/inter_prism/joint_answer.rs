@@ -42,7 +42,7 @@ pub fn solve(
     used: &Used<'_>,
     is_determined_by_drive: bool,
 ) -> JointAnswer {
-    let level = estimate.station1_from_station;
+    let level = &estimate.station1_from_station;
     let (time_s, interval) = used.instants();
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
@@ -50,7 +50,7 @@ pub fn solve(
         estimate.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
     let rig = Rig { inter_prism_m, ..rig.clone() };
     // Gross outliers must not move the minima.
-    let placed = level.map(RigidTransform::from);
+    let placed = level.map(|level| RigidTransform::from(*level));
     let fitting = gross_errors::fitting_triplets(&points_m, &placed, &inter_prism_m);
     let mut kept_s = None;
     if fitting.len() >= FEWEST_TRIPLETS {
@@ -59,12 +59,12 @@ pub fn solve(
     }
     let data = CentredTriplets::from_points(points_m, inter_prism_m);
     let mut solution = published::solve(&rig, control_points, &data, None);
-    let parameters = data.parameters(&level);
+    let parameters = data.parameters(level.as_slice());
     let normal = NormalEquations::at(&data, &parameters);
     solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let answer = basin(&data, &solution.answer);
     let other = solution.choice.answer;
-    let same = |basin: &Basin| same_solution(&basin.station1_from_station, &level);
+    let same = |basin: &Basin| same_solution(&basin.station1_from_station, level.as_slice());
     if let Some(own) = solution.basins.iter_mut().find(|basin| same(basin)) {
         *own = answer;
     }

@@ -133,7 +133,7 @@ fn by_control_points(
     twin: &Basin,
 ) -> Option<bool> {
     let misfit = |basin: &Basin| {
-        let transforms = basin.station1_from_station.map(RigidTransform::from);
+        let transforms = basin.station1_from_station.map(RigidTransform::from).into();
         control_points_apart_m(control_points, &transforms)
     };
     better(misfit(lowest)?, misfit(twin)?)

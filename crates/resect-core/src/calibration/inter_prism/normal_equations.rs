@@ -185,7 +185,7 @@ pub(super) mod tests {
         let wave = |seed: f64, i: usize| {
             40.0 * (43758.5453 * (seed * 12.9898 + i as f64 * 78.233).sin()).fract()
         };
-        let points = |s: f64| {
+        let points = |s: f64| -> Vec<Vector3<f64>> {
             (0..count)
                 .map(|i| Vector3::new(wave(s, i), wave(s + 1.0, i), wave(s + 2.0, i) / 9.0))
                 .collect()

@@ -132,7 +132,7 @@ fn metric_m(
     transforms: &[LevelTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> f64 {
-    let transforms = transforms.map(RigidTransform::from);
+    let transforms = transforms.map(RigidTransform::from).into();
     let [a, b, c] = distance_errors_m(triplets, &transforms, inter_prism_m);
     median(a.into_iter().chain(b).chain(c).map(f64::abs)).unwrap_or(f64::INFINITY)
 }

@@ -53,7 +53,7 @@ pub fn solve(
     }
     Ok(MethodAnswer {
         method: Method::InterPrism,
-        station1_from_station: answer.station1_from_station,
+        station1_from_station: answer.station1_from_station.clone(),
         covariance,
         judgement,
         checked_by: Vec::new(),

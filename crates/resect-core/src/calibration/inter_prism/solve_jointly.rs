@@ -18,6 +18,7 @@ use crate::calibration::{
 };
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::{LevelTransform, RigidTransform};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -46,7 +47,7 @@ pub fn solve_jointly(
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
-    let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
+    let start = if is_determined_by_drive { Some(plain.into()) } else { by_survey() };
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
@@ -80,7 +81,7 @@ pub fn solve_jointly(
     judgement.put_first(doubts);
     Ok(MethodAnswer {
         method: Method::Joint,
-        station1_from_station: answer.station1_from_station,
+        station1_from_station: answer.station1_from_station.clone(),
         covariance: answer.uncertainty.covariance,
         judgement,
         checked_by: Vec::new(),
@@ -107,7 +108,7 @@ fn screened<'a>(
     let mut published = solve(&used, &data);
     progress.check()?;
     for _ in 0..MOST_SCREENINGS {
-        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from);
+        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from).into();
         let kept = gross_errors::fitting_triplets(&triplets.points_m, &answer, &rig.inter_prism_m);
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
@@ -131,7 +132,7 @@ fn estimate(
     progress: &Progress,
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
     let points = deployment.comparable_control_points();
-    let estimate_from = |published: &[LevelTransform; 3]| {
+    let estimate_from = |published: &PerStation<LevelTransform>| {
         let input = JointInput { published, survey: input.survey.clone(), ..*input };
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
@@ -143,7 +144,7 @@ fn estimate(
     };
     let first = estimate_from(input.published)?;
     let Ok((_, JointAnswer { fits_better: Some(other), .. })) = &first else { return Ok(first) };
-    let again = estimate_from(&other.station1_from_station)?;
+    let again = estimate_from(&other.station1_from_station.into())?;
     let stays = matches!(&again, Ok((_, evaluated)) if evaluated.fits_better.is_none());
     Ok(if stays { again } else { first })
 }
@@ -167,12 +168,12 @@ fn replace(
         has_control_points: estimate.survey.is_some(),
         ..uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance)
     };
-    let placed = estimate.station1_from_station.map(RigidTransform::from);
-    let published = std::mem::replace(&mut answer.station1_from_station, placed);
+    let placed = estimate.station1_from_station.map(|level| RigidTransform::from(*level));
     let mut doubts = Vec::new();
     if is_determined_by_drive {
-        doubts.extend(checks::far_apart(&published, &placed));
+        doubts.extend(checks::far_apart(&answer.station1_from_station, &placed));
     }
+    answer.station1_from_station = placed;
     doubts.extend(doubt);
     doubts.extend(joint::findings::doubts(estimate));
     (kept_s, doubts)

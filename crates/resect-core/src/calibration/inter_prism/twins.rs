@@ -8,6 +8,7 @@ use super::{
 use crate::calibration::Basin;
 use crate::deployment::{ControlPointSet, Rig};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -44,8 +45,12 @@ impl Twins {
     }
 
     /// Returns the transforms of the stations to station 1's frame by the solution that rig, control points or cost select.
-    pub fn chosen(&self, rig: &Rig, control_points: &[ControlPointSet]) -> [RigidTransform; 3] {
+    pub fn chosen(
+        &self,
+        rig: &Rig,
+        control_points: &[ControlPointSet],
+    ) -> PerStation<RigidTransform> {
         let choice = mirror::choose(rig, control_points, self.lowest, self.twin);
-        choice.answer.station1_from_station.map(RigidTransform::from)
+        choice.answer.station1_from_station.map(RigidTransform::from).into()
     }
 }

@@ -12,6 +12,7 @@ use crate::calibration::method::why_no_triplets;
 use crate::calibration::{CalibrationError, CalibrationSettings, Method, Offer, Targets};
 use crate::deployment::{Deployment, Rig};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// Returns the rig, if the deployment has all data that the method needs.
@@ -42,7 +43,7 @@ pub struct UnjudgedAnswer {
     /// The triplets whose distances fit.
     pub fitting: CentredTriplets,
     pub uncertainty: Uncertainty,
-    pub station1_from_station: [RigidTransform; 3],
+    pub station1_from_station: PerStation<RigidTransform>,
 }
 
 impl UnjudgedAnswer {
@@ -64,7 +65,7 @@ impl UnjudgedAnswer {
             published,
             fitting,
             uncertainty,
-            station1_from_station: plain.map(RigidTransform::from),
+            station1_from_station: plain.map(RigidTransform::from).into(),
         }
     }
 

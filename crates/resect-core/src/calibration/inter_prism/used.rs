@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::CentredTriplets;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 /// The triplets that an answer uses, by their indices: a copy would need as much memory as everything computed from them.
@@ -43,8 +44,8 @@ impl<'a> Used<'a> {
     }
 
     /// Returns the points by station (m, each in its station's frame).
-    pub fn points_m(&self) -> [Vec<Vector3<f64>>; 3] {
-        self.all.points_m.each_ref().map(|points| match &self.kept {
+    pub fn points_m(&self) -> PerStation<Vec<Vector3<f64>>> {
+        self.all.points_m.map(|points| match &self.kept {
             Some(kept) => kept.iter().map(|i| points[*i]).collect(),
             None => points.clone(),
         })

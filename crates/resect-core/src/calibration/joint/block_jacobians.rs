@@ -3,6 +3,7 @@
 //! Within a block the errors of an instrument are approximated by one shift of its station, that of the mean sight, and a shift of station 1
 //! by the opposite shift of stations 2 and 3. So the readings of a block have the Jacobians of its 14 unknowns, `∂u = J_θ ∂θ + J_s ∂s`.
 
+use crate::network::PerStation;
 use std::sync::Arc;
 
 use nalgebra::{SMatrix, Vector3};
@@ -116,7 +117,7 @@ fn station_1_rotations(model: &StationModel) -> [(usize, Vector3<f64>); 3] {
 /// Jacobians of a block's unknowns, `since_middle_s` after the middle of its drive.
 fn block_jacobian(
     stations: &[StationModel; 3],
-    mean_sights: &[MeanSight; 3],
+    mean_sights: &PerStation<MeanSight>,
     since_middle_s: f64,
 ) -> BlockJacobian {
     let mut by_constants = SMatrix::<f64, BLOCK, CONSTANTS>::zeros();
@@ -167,7 +168,7 @@ mod tests {
     use super::*;
 
     /// Stations and their mean sights to a rig that rotates, far from level.
-    fn example() -> (Constants, [StationModel; 3], [MeanSight; 3]) {
+    fn example() -> (Constants, [StationModel; 3], PerStation<MeanSight>) {
         let mut constants = Constants::zeros();
         for (index, value) in
             [60.0, -12.0, 1.5, 0.7, 35.0, 48.0, -2.0, -2.1].into_iter().enumerate()
@@ -186,7 +187,7 @@ mod tests {
             });
             MeanSight::of(sights).expect("sights")
         });
-        (constants, stations, mean_sights)
+        (constants, stations, mean_sights.into())
     }
 
     /// Largest change of the block's unknowns if everything rotates about an axis through station 1: each station by its lean, or

@@ -259,6 +259,7 @@ fn slow_covariance(
 
 #[cfg(test)]
 mod tests {
+    use crate::network::PerStation;
     use nalgebra::SMatrix;
     use rand::{RngExt, SeedableRng};
 
@@ -288,7 +289,7 @@ mod tests {
         };
         let drive = Drive {
             segments: Vec::new(),
-            mean_sights: (0..blocks).map(|_| std::array::from_fn(|_| mean_sight())).collect(),
+            mean_sights: (0..blocks).map(|_| PerStation::from_fn(3, |_| mean_sight())).collect(),
             block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
             coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
             spans_s: vec![[0.0, 6.0 * blocks as f64]],

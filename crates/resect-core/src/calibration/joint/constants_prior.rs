@@ -9,6 +9,7 @@ use super::state_vector::{
 use super::station_model::EARTH_RADIUS_M;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 
 /// Precisions (1/σ²) of the constants; zero for the transforms, which have no prior.
 pub fn precisions(sizes: &ErrorSizes) -> Constants {
@@ -31,7 +32,10 @@ pub fn precisions(sizes: &ErrorSizes) -> Constants {
 }
 
 /// Returns the prior mean of the constants: a published answer, the measured distances (m), and leans by the curvature of the earth.
-pub fn prior_mean(published: &[LevelTransform; 3], inter_prism_m: Option<&[f64; 3]>) -> Constants {
+pub fn prior_mean(
+    published: &PerStation<LevelTransform>,
+    inter_prism_m: Option<&[f64; 3]>,
+) -> Constants {
     let mut constants = Constants::zeros();
     for slot in 0..2 {
         let transform = &published[slot + 1];

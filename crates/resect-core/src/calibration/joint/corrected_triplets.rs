@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::joint_estimate::JointEstimate;
 use super::station_model::{Sight, StationModel};
 use crate::calibration::{Clock, velocity_m_per_s};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
 impl JointEstimate {
@@ -26,7 +27,12 @@ impl JointEstimate {
     }
 
     /// Corrects the points of triplets by station (m), with their times (s) and intervals.
-    pub fn correct(&self, time_s: &[f64], interval: &[u32], points_m: &mut [Vec<Vector3<f64>>; 3]) {
+    pub fn correct(
+        &self,
+        time_s: &[f64],
+        interval: &[u32],
+        points_m: &mut PerStation<Vec<Vector3<f64>>>,
+    ) {
         for (station, points_m) in points_m.iter_mut().enumerate() {
             let velocity_m_per_s = velocity_m_per_s(time_s, interval, points_m, 1);
             let model = self.level_model(station);

@@ -42,8 +42,8 @@ pub fn estimate_cut_motion<const LOCAL: usize, const ROW: usize, const MOTION: u
 ) -> Option<CutMotion<LOCAL, ROW>> {
     let sides = linearisation.drive.segments.get(index..index + 2)?;
     let grid = sides[0].grid.across_cut(&sides[1].grid)?;
-    let readings = [0, 1, 2].map(|station| {
-        let both = sides.iter().flat_map(|side| &side.readings[station]);
+    let readings = sides[0].readings.zip(&sides[1].readings, |before, after| {
+        let both = before.iter().chain(after);
         both.filter(|reading| grid.contains(reading.time_s)).cloned().collect()
     });
     let mut coefficients_m = initial_coefficients_m::<LOCAL>(linearisation, &grid, index);

@@ -3,6 +3,7 @@
 use super::knot_grid::{KnotGrid, segment_grids};
 use super::state_vector::{Constants, Slow, StateVector};
 use super::station_model::{MeanSight, Sight, StationModel};
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 use nalgebra::Vector3;
@@ -31,7 +32,7 @@ impl Reading {
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub grid: KnotGrid,
-    pub readings: [Vec<Reading>; 3],
+    pub readings: PerStation<Vec<Reading>>,
     /// Middle of the drive (s), from which clock drifts count.
     pub middle_s: f64,
 }
@@ -41,7 +42,7 @@ pub struct Segment {
 pub struct Drive {
     pub segments: Vec<Segment>,
     /// Mean sights of the stations, by block over all segments.
-    pub mean_sights: Vec<[MeanSight; 3]>,
+    pub mean_sights: Vec<PerStation<MeanSight>>,
     pub block_times_s: Vec<f64>,
     /// True for a block whose next block belongs to the same segment.
     pub coupled_to_next: Vec<bool>,
@@ -65,7 +66,7 @@ impl Drive {
             spans_s: spans_s(triplets),
         };
         for grid in segment_grids(&triplets.time_s, &triplets.interval, knot_s, block_s) {
-            let readings = triplets.readings.each_ref().map(|track| {
+            let readings = triplets.readings.map(|track| {
                 let from = track.time_s.partition_point(|t| *t < grid.start_s);
                 let to = track.time_s.partition_point(|t| *t <= grid.end_s);
                 let both = track.time_s[from..to].iter().zip(&track.position_m[from..to]);
@@ -76,7 +77,7 @@ impl Drive {
                 continue;
             }
             for block in 0..grid.blocks {
-                drive.mean_sights.push(readings.each_ref().map(|readings| {
+                drive.mean_sights.push(readings.map(|readings| {
                     let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
                     let all = readings.iter().map(Reading::sight);
                     MeanSight::of(of_block.map(Reading::sight))
@@ -116,7 +117,7 @@ impl Drive {
             || taken.iter().flat_map(|index| first_blocks[*index]..first_blocks[*index + 1]);
         Self {
             segments: taken.iter().map(|index| self.segments[*index].clone()).collect(),
-            mean_sights: blocks().map(|block| self.mean_sights[block]).collect(),
+            mean_sights: blocks().map(|block| self.mean_sights[block].clone()).collect(),
             block_times_s: blocks().map(|block| self.block_times_s[block]).collect(),
             coupled_to_next: blocks().map(|block| self.coupled_to_next[block]).collect(),
             spans_s: self.spans_s.clone(),

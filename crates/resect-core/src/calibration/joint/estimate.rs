@@ -22,6 +22,7 @@ use super::survey::Survey;
 use super::survey_change::{PosesByDistances, SurveyEvidence};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -58,7 +59,7 @@ const CONVERGED: f64 = 4e-3;
 /// Input of the joint estimate beside the readings of the drive.
 pub struct JointInput<'a> {
     /// The answer of a published method, from which the iteration starts.
-    pub published: &'a [LevelTransform; 3],
+    pub published: &'a PerStation<LevelTransform>,
     /// The distances of the rig; `None` where all stations follow one prism.
     pub rig: Option<RigDistances>,
     /// The control points, if they are evidence.

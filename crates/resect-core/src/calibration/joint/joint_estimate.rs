@@ -16,12 +16,13 @@ use super::survey::Survey;
 use super::survey_change::{SetUpChange, SurveyEvidence};
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform};
+use crate::network::PerStation;
 
 /// The result of the joint estimate.
 #[derive(Clone, Debug)]
 pub struct JointEstimate {
     /// Mean poses of the stations' level frames over the drive, in station 1's.
-    pub station1_from_station: [LevelTransform; 3],
+    pub station1_from_station: PerStation<LevelTransform>,
     /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
     /// Contribution of each source to these variances.
@@ -63,7 +64,7 @@ pub struct JointEstimate {
 /// Poses of the stations when they measured the control points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurveyPoses {
-    pub station1_from_station: [LevelTransform; 3],
+    pub station1_from_station: PerStation<LevelTransform>,
     /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
     /// The significant change of a set-up until the drive.
@@ -74,8 +75,8 @@ pub struct SurveyPoses {
 
 impl SurveyPoses {
     /// Returns the transforms at the survey.
-    pub fn transforms(&self) -> [RigidTransform; 3] {
-        self.station1_from_station.map(RigidTransform::from)
+    pub fn transforms(&self) -> PerStation<RigidTransform> {
+        self.station1_from_station.map(|level| RigidTransform::from(*level))
     }
 
     /// Returns the standard deviations of the transforms of stations 2 and 3.

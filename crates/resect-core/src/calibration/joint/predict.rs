@@ -18,6 +18,7 @@ use super::residuals::NoiseLevels;
 use super::state_vector::Constants;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -50,7 +51,7 @@ impl Default for ExpectedNoise {
 /// estimated and no step is detected. Returns `None` without readings, or if the normal matrix is not positive definite.
 pub fn predict(
     triplets: &Triplets,
-    station1_from_station: &[LevelTransform; 3],
+    station1_from_station: &PerStation<LevelTransform>,
     inter_prism_m: Option<&[f64; 3]>,
     sizes: &ErrorSizes,
     expected: &ExpectedNoise,

@@ -23,6 +23,7 @@ use super::state_vector::{
 };
 use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 
 /// Groups of constants in the variance budget.
 const BUDGET_GROUPS: [(&str, Range<usize>); 8] = [
@@ -193,12 +194,12 @@ fn group_reliability(
     groups
 }
 
-fn level_transforms(poses: &SVector<f64, 8>) -> [LevelTransform; 3] {
+fn level_transforms(poses: &SVector<f64, 8>) -> PerStation<LevelTransform> {
     let level = |slot: usize| {
         let pose = poses.fixed_rows::<4>(4 * slot);
         LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
     };
-    [LevelTransform::IDENTITY, level(0), level(1)]
+    [LevelTransform::IDENTITY, level(0), level(1)].into()
 }
 
 /// Poses at the survey, by the constants and their covariance.

@@ -10,6 +10,7 @@ use crate::deployment::findings::instruments::{NamedError, instrument_error};
 use crate::deployment::findings::points::control_point_outlier;
 use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 use crate::statistics::median;
 
 /// Standard deviations of the target's prism constant, and of the zero of a range beside it (m).
@@ -54,14 +55,17 @@ pub struct FaceErrors {
 
 impl Survey {
     /// Poses of the stations at the survey, and the covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-    pub fn poses(&self, sizes: &ErrorSizes) -> Option<([LevelTransform; 3], SMatrix<f64, 8, 8>)> {
+    pub fn poses(
+        &self,
+        sizes: &ErrorSizes,
+    ) -> Option<(PerStation<LevelTransform>, SMatrix<f64, 8, 8>)> {
         let information = self.information + survey_precisions(sizes);
         let covariance = information.cholesky()?.inverse();
         let level = |slot: usize| {
             let pose = self.constants.fixed_rows::<4>(4 * slot);
             LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
         };
-        let poses = [LevelTransform::IDENTITY, level(0), level(1)];
+        let poses = [LevelTransform::IDENTITY, level(0), level(1)].into();
         Some((poses, covariance.fixed_view::<8, 8>(0, 0).into_owned()))
     }
 

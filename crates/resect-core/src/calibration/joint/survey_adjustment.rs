@@ -26,6 +26,7 @@ use super::survey_elimination::{
 use crate::calibration::{CalibrationSettings, ErrorSizes, Estimate};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, align_level};
+use crate::network::PerStation;
 use crate::statistics::median;
 
 /// Standard deviations of a static reading: range (m, and share of the range), angle (rad), and position of the target across the
@@ -136,7 +137,7 @@ pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
 }
 
 /// Level transforms by the points that two stations share, as method B.
-fn approximate_transforms(sets: &[ControlPointSet]) -> Option<[LevelTransform; 3]> {
+fn approximate_transforms(sets: &[ControlPointSet]) -> Option<PerStation<LevelTransform>> {
     let points = || sets.iter().flat_map(|set| &set.points);
     let transform = |station: usize| {
         let shared = points().filter_map(|point| {
@@ -145,7 +146,7 @@ fn approximate_transforms(sets: &[ControlPointSet]) -> Option<[LevelTransform; 3
         let (to_m, from_m): (Vec<_>, Vec<_>) = shared.unzip();
         (to_m.len() >= FEWEST_SHARED).then(|| align_level(&to_m, &from_m))?
     };
-    Some([LevelTransform::IDENTITY, transform(1)?, transform(2)?])
+    Some([LevelTransform::IDENTITY, transform(1)?, transform(2)?].into())
 }
 
 fn markers(points: &ControlPointSet) -> Vec<Marker> {

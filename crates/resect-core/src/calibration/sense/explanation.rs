@@ -6,6 +6,7 @@
 use crate::deployment::findings::checks::{
     SuspectedMisreading, misreading_not_found, misreading_suspected,
 };
+use crate::network::{Number, PerStation};
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
@@ -62,7 +63,7 @@ pub struct Tried(Option<Tries>);
 
 struct Tries {
     /// Properties and transforms of the answer as read; `None` without an answer.
-    base: Option<(Shown, [RigidTransform; 3])>,
+    base: Option<(Shown, PerStation<RigidTransform>)>,
     undone: Option<Vec<Hypothesis>>,
 }
 
@@ -86,8 +87,8 @@ pub fn explain(
         });
         Tries { base, undone: None }
     });
-    let Some((base, base_transforms)) = tries.base else { return Ok(Vec::new()) };
-    let case = Case { witnesses: Witnesses::new(rig, sigma), base };
+    let Some((base, base_transforms)) = &tries.base else { return Ok(Vec::new()) };
+    let case = Case { witnesses: Witnesses::new(rig, sigma), base: *base };
     if !case.is_contradicted() {
         return Ok(Vec::new());
     }
@@ -97,8 +98,8 @@ pub fn explain(
             deployment,
             rig,
             triplets,
-            &base,
-            &base_transforms,
+            base,
+            base_transforms,
             progress,
         )?),
     };
@@ -112,11 +113,11 @@ fn try_all(
     rig: &Rig,
     triplets: &Triplets,
     base: &Shown,
-    base_transforms: &[RigidTransform; 3],
+    base_transforms: &PerStation<RigidTransform>,
     progress: &Progress,
 ) -> Result<Vec<Hypothesis>, Cancelled> {
     let points = deployment.comparable_control_points();
-    let constants_m = deployment.tracks.each_ref().map(|track| track.prism_constant_m);
+    let constants_m = deployment.tracks.map(|track| track.prism_constant_m);
     let rejected = mostly_rejected(deployment, triplets);
     let triplets = thinned(triplets);
     let hopeless_m = HOPELESS * (NO_WORSE * base.fit_m + FIT_NOISE_M);
@@ -125,7 +126,7 @@ fn try_all(
         let misreading = *misreading;
         let undone = match misreading {
             Misreading::Feet(_) if rejected => thinned(&filtered_again(deployment, misreading)),
-            _ => misreading.undone(&triplets, constants_m),
+            _ => misreading.undone(&triplets, &constants_m),
         };
         let found = twins(rig, &undone, hopeless_m);
         let show = |points: &[ControlPointSet]| {
@@ -133,7 +134,7 @@ fn try_all(
         };
         let mut all = vec![(Scope::Tracks, show(points))];
         if base.control_points_m.is_some() {
-            let points = misreading.undone_in_points(points, constants_m);
+            let points = misreading.undone_in_points(points, &constants_m);
             all.push((Scope::Both, show(&points)));
             let control_points_m = control_points_apart_m(&points, base_transforms);
             all.push((Scope::ControlPoints, Some(Shown { control_points_m, ..*base })));
@@ -189,11 +190,12 @@ fn mostly_rejected(deployment: &Deployment, triplets: &Triplets) -> bool {
 
 /// Returns the pipeline's triplets of the first readings with the misreading undone, by default settings.
 fn filtered_again(deployment: &Deployment, misreading: Misreading) -> Triplets {
-    let tracks: [Track; 3] = std::array::from_fn(|station| {
-        let track = &deployment.tracks[station];
+    let tracks = deployment.tracks.map_each(|station, track| {
         let readings = track.measurements.iter().take(MOST_READINGS);
         Track {
-            measurements: readings.map(|m| misreading.undone_in_range(station, m)).collect(),
+            measurements: readings
+                .map(|m| misreading.undone_in_range(station.index(), m))
+                .collect(),
             prism_constant_m: track.prism_constant_m,
             left_out: track.left_out.clone(),
             ..Track::default()

@@ -1,6 +1,7 @@
 //! Possible misreadings of sense, station numbers and units, and corrections of the data for each.
 
 use crate::geometry::FOOT_M;
+use crate::network::{Number, PerStation};
 use nalgebra::Vector3;
 
 use crate::deployment::{
@@ -59,7 +60,7 @@ impl Misreading {
     }
 
     /// Returns the triplets with the misreading undone.
-    pub fn undone(self, triplets: &Triplets, constants_m: [f64; 3]) -> Triplets {
+    pub fn undone(self, triplets: &Triplets, constants_m: &PerStation<f64>) -> Triplets {
         let right = |station: usize, point: &Vector3<f64>| {
             let (measured_m, mut point) = (point.norm(), *point);
             if self.reverses(station) {
@@ -67,8 +68,8 @@ impl Misreading {
             }
             point * (self.range_m(station, measured_m, constants_m[station]) / measured_m)
         };
-        let points_m = std::array::from_fn(|station| {
-            let source = self.source(station);
+        let points_m = triplets.points_m.map_each(|station, _| {
+            let source = self.source(station.index());
             triplets.points_m[source].iter().map(|point| right(source, point)).collect()
         });
         Triplets::new(triplets.time_s.clone(), triplets.interval.clone(), points_m)
@@ -78,13 +79,13 @@ impl Misreading {
     pub fn undone_in_points(
         self,
         sets: &[ControlPointSet],
-        constants_m: [f64; 3],
+        constants_m: &PerStation<f64>,
     ) -> Vec<ControlPointSet> {
         let mut sets = sets.to_vec();
         for point in sets.iter_mut().flat_map(|set| &mut set.points) {
-            let read = point.readings;
-            point.readings = std::array::from_fn(|station| {
-                let source = self.source(station);
+            let read = point.readings.clone();
+            point.readings = read.map_each(|station, _| {
+                let source = self.source(station.index());
                 let mut polar = read[source]?;
                 if self.reverses(source) {
                     polar.azimuth_rad = -polar.azimuth_rad;
@@ -183,13 +184,22 @@ mod tests {
     fn what_is_undone_twice_or_made_and_undone_is_as_it_was() {
         let right = triplets();
         for misreading in [Misreading::Azimuth(None), Misreading::Azimuth(Some(1))] {
-            let twice = misreading.undone(&misreading.undone(&right, [0.01; 3]), [0.01; 3]);
+            let twice = misreading.undone(
+                &misreading.undone(&right, &PerStation::repeat(3, 0.01)),
+                &PerStation::repeat(3, 0.01),
+            );
             assert!((twice.points_m[1][0] - right.points_m[1][0]).norm() < 1e-12);
-            assert_ne!(misreading.undone(&right, [0.01; 3]).points_m[1], right.points_m[1]);
+            assert_ne!(
+                misreading.undone(&right, &PerStation::repeat(3, 0.01)).points_m[1],
+                right.points_m[1]
+            );
         }
-        let turned = Misreading::Numbers([1, 2, 0]).undone(&right, [0.0; 3]);
+        let turned = Misreading::Numbers([1, 2, 0]).undone(&right, &PerStation::repeat(3, 0.0));
         assert_eq!(turned.points_m[0], right.points_m[1]);
-        assert_eq!(Misreading::Numbers([2, 0, 1]).undone(&turned, [0.0; 3]), right);
+        assert_eq!(
+            Misreading::Numbers([2, 0, 1]).undone(&turned, &PerStation::repeat(3, 0.0)),
+            right
+        );
     }
 
     #[test]
@@ -199,7 +209,7 @@ mod tests {
             let metres = point.norm();
             *point *= ((metres - 0.01) / FOOT_M + 0.01) / metres;
         }
-        let undone = Misreading::Feet(Some(2)).undone(&feet, [0.01; 3]);
+        let undone = Misreading::Feet(Some(2)).undone(&feet, &PerStation::repeat(3, 0.01));
         assert!((undone.points_m[2][0] - triplets().points_m[2][0]).norm() < 1e-12);
         assert_eq!(undone.points_m[0], triplets().points_m[0]);
     }

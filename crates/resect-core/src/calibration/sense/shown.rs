@@ -7,6 +7,7 @@ use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
 use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::{ControlPointSet, PAIRS, Rig};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::{central_sigma, median};
 
@@ -49,7 +50,7 @@ impl Shown {
         rig: &Rig,
         control_points: &[ControlPointSet],
         triplets: &Triplets,
-        station1_from_station: &[RigidTransform; 3],
+        station1_from_station: &PerStation<RigidTransform>,
     ) -> Option<Self> {
         let count = triplets.len();
         let mut errors_m = Vec::with_capacity(3 * count);

@@ -93,7 +93,7 @@ pub fn explain(
     station: usize,
     index: usize,
 ) -> Option<Explanation> {
-    let readings = &deployment.tracks.get(station)?.measurements;
+    let readings = &deployment.tracks.as_slice().get(station)?.measurements;
     let reading = *readings.get(index)?;
     let fate = *output.fates[station].each.get(index)?;
     let track = &deployment.tracks[station];

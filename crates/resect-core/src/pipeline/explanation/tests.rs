@@ -24,7 +24,7 @@ fn every_half_second(from: u32, to: u32) -> impl Iterator<Item = f64> {
 fn deployment(tracks: [Track; 3]) -> Deployment {
     Deployment {
         name: "test".to_owned(),
-        tracks,
+        tracks: tracks.into(),
         control_points: Vec::new(),
         rig: None,
         prisms: None,

@@ -1,9 +1,10 @@
-//! Interpolation of three tracks with one of the models.
+//! Interpolation of the tracks with one of the models.
 
 use rayon::prelude::*;
 
 use super::series::InterpolatedTrack;
 use super::{linear, squared_exponential, white_noise_on_acceleration};
+use crate::network::PerStation;
 use crate::pipeline::interval_split::Interval;
 use crate::pipeline::outlier_filter::FilteredTrack;
 use crate::pipeline::settings::Interpolation;
@@ -12,7 +13,7 @@ use crate::progress::{Cancelled, Progress};
 
 /// Interpolates triplets at `rate_hz` from the start of each interval, unless `progress` is cancelled.
 pub fn interpolate(
-    tracks: &[FilteredTrack; 3],
+    tracks: &PerStation<FilteredTrack>,
     intervals: &[Interval],
     method: Interpolation,
     rate_hz: f64,
@@ -21,20 +22,19 @@ pub fn interpolate(
     let (time_s, interval) = grid(intervals, rate_hz);
     let model = match method {
         Interpolation::Linear => {
-            let points_m = tracks.each_ref().map(|track| linear::at(track, &time_s));
+            let points_m = tracks.map(|track| linear::at(track, &time_s));
             return Ok(Triplets::new(time_s, interval, points_m));
         }
         Interpolation::Gp => squared_exponential::at,
         Interpolation::Wnoa => white_noise_on_acceleration::at,
     };
     let of_track = |track| model(track, intervals, (&time_s, &interval), progress);
-    let mut estimates: Vec<InterpolatedTrack> =
-        tracks.par_iter().map(of_track).collect::<Result<_, _>>()?;
-    let mut sigma_m = [const { Vec::new() }; 3];
-    let mut points_m = [const { Vec::new() }; 3];
-    for (station, estimate) in estimates.drain(..).enumerate() {
-        points_m[station] = estimate.points_m;
-        sigma_m[station] = estimate.sigma_m;
+    let estimates: Vec<InterpolatedTrack> =
+        tracks.as_slice().par_iter().map(of_track).collect::<Result<_, _>>()?;
+    let (mut points_m, mut sigma_m) = (PerStation::default(), PerStation::default());
+    for estimate in estimates {
+        points_m.push(estimate.points_m);
+        sigma_m.push(estimate.sigma_m);
     }
     Ok(Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) })
 }

@@ -1,6 +1,7 @@
 //! Tests of facets, of targets at control points, and of set-ups that change between survey and drive.
 
 use super::*;
+use crate::network::PerStation;
 
 /// Errors of three different prisms.
 fn facets() -> [FacetErrors; 3] {
@@ -60,7 +61,7 @@ fn survey_m(errors: SystematicErrors) -> Vec<[(Vector3<f64>, Vector3<f64>); 3]> 
     let (right, wrong) = (drive(none()), drive(errors));
     let positions = |simulated: &Simulated| -> Vec<[Vector3<f64>; 3]> {
         let points = simulated.control_points.iter().flat_map(|set| set.points.clone());
-        let frames = simulated.truth.station1_from_station_at_survey;
+        let frames = &simulated.truth.station1_from_station_at_survey;
         let place = |point: ControlPoint| {
             std::array::from_fn(|station| {
                 let reading = point.readings[station].expect("read");
@@ -106,12 +107,12 @@ fn set_ups_change_between_the_survey_and_the_drive() {
         let (at_survey, in_drive) =
             (truth.station1_from_station_at_survey, truth.station1_from_station);
         for point in drive(errors(changed)).control_points.iter().flat_map(|set| &set.points) {
-            let apart_m = |transforms: [LevelTransform; 3]| {
-                let transforms = transforms.map(RigidTransform::from);
+            let apart_m = |transforms: &PerStation<LevelTransform>| {
+                let transforms = transforms.map(|level| RigidTransform::from(*level));
                 point.disagreements_m(&transforms).fold(0.0, f64::max)
             };
-            assert!(apart_m(at_survey) < 1e-9, "{changed}: {point:?}");
-            assert!(apart_m(in_drive) > 0.002, "{changed}: {point:?}");
+            assert!(apart_m(&at_survey) < 1e-9, "{changed}: {point:?}");
+            assert!(apart_m(&in_drive) > 0.002, "{changed}: {point:?}");
         }
         assert_eq!(at_survey[0], LevelTransform::IDENTITY);
         if changed > 0 {

@@ -98,7 +98,7 @@ pub struct RecordedPoses {
 
 /// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`, `PointStamped`) in one recording, by topic.
 pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses, OpenError> {
-    let mut unused = Recording::default();
+    let mut unused = Recording::new(None, false);
     let mut intake = Intake::of_poses(&mut unused, progress);
     for piece in pieces {
         read_piece(piece, 0, &mut intake)?;
@@ -128,7 +128,7 @@ pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses,
 /// Returns the recording times of the first and the last message read (s, the recorder's clock); `None` without messages. Reads the
 /// whole file.
 pub fn span_s(piece: &Piece<'_>, progress: &Progress) -> Result<Option<[f64; 2]>, OpenError> {
-    let mut unused = Recording::default();
+    let mut unused = Recording::new(None, false);
     let mut intake = Intake::new(&mut unused, None, progress);
     // The bytes are counted when the file is read again for its content.
     read_piece(piece, 0, &mut intake)?;

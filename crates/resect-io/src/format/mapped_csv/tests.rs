@@ -26,7 +26,7 @@ fn what_is_suggested_reads_the_same_reading_from_every_table() {
             [m.time_s - 1657569001.5, m.range_m - 12.5, m.azimuth_rad - 1.0, m.zenith_rad - 1.6];
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{text}\n{mapping:?}\n{off:?}");
         assert!(looks_like(text), "{text}");
-        let mut recording = Recording::default();
+        let mut recording = Recording::new(None, false);
         let progress = Progress::default();
         read("x", text.as_bytes(), &mapping, None, &progress, &mut recording).expect(text);
         assert_eq!(progress.done(), text.trim_start_matches('\u{feff}').len() as u64);
@@ -120,8 +120,14 @@ fn errors_name_file_line_and_remedy() {
     ] {
         let text = header.to_owned() + rows;
         let progress = Progress::default();
-        let read =
-            read("x.csv", text.as_bytes(), mapping, None, &progress, &mut Recording::default());
+        let read = read(
+            "x.csv",
+            text.as_bytes(),
+            mapping,
+            None,
+            &progress,
+            &mut Recording::new(None, false),
+        );
         let error = read.expect_err(expected).to_string();
         assert!(error.contains(expected), "expected `{expected}`, got `{error}`");
         assert!(error.contains("; "), "no remedy in `{error}`");

@@ -126,9 +126,8 @@ fn seen(
 ) -> ([Vector3<f64>; 3], [Vector3<f64>; 3]) {
     let sights = data
         .triplets
-        .points_m
-        .each_ref()
-        .map(|points_m| points_m[index].try_normalize(1e-9).unwrap_or_default());
+        .triplet_m(index)
+        .map(|point_m| point_m.try_normalize(1e-9).unwrap_or_default());
     let points_m = std::array::from_fn(|station| {
         let seen_m = match station.checked_sub(1) {
             None => data.triplets.points_m[0][index],

@@ -21,8 +21,8 @@ pub fn exact_survey() -> Vec<ControlPointSet> {
         };
         // The last three are surveyed as well.
         let known_m = (marker > 9).then(|| position_m + Vector3::new(100.0, 50.0, 3.0));
-        let readings = stations.each_ref().map(reading);
-        ControlPoint { marker, readings, face_one: [None; 3], known_m }
+        let readings = stations.each_ref().map(reading).into();
+        ControlPoint { readings, ..ControlPoint::unread(marker, known_m) }
     };
     let points = (1..=12).map(point).collect();
     vec![ControlPointSet { file: "GCP.txt".to_owned(), points, pillars: false }]

@@ -1,0 +1,9 @@
+//! Numbers of a network: stations, prisms and pairs of prisms, and values by each of them.
+//!
+//! A station number, a prism number and the index of a pair are different types, so that the compiler rejects one where another belongs.
+
+mod number;
+mod per;
+
+pub use self::number::{Number, Pair, Prism, Station, USUAL_STATIONS};
+pub use self::per::{Per, PerPair, PerPrism, PerStation};

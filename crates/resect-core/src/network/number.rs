@@ -1,0 +1,152 @@
+//! Numbers of stations, prisms, and pairs of prisms.
+
+use std::fmt::{Display, Formatter, Result};
+
+use serde::{Deserialize, Serialize};
+
+/// Number of stations where no file names more, as in the paper.
+pub const USUAL_STATIONS: usize = 3;
+
+/// A number that values are listed by.
+pub trait Number: Copy {
+    /// Returns the place in a list, from 0.
+    fn index(self) -> usize;
+
+    /// Returns the number at a place in a list.
+    fn at(index: usize) -> Self;
+}
+
+/// A total station. People count from 1, lists from 0.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(transparent)]
+pub struct Station(u8);
+
+/// A prism on the vehicle. People count from 1, lists from 0.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(transparent)]
+pub struct Prism(u8);
+
+/// Two different prisms, the one with the lower number first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Pair {
+    pub first: Prism,
+    pub second: Prism,
+}
+
+impl Station {
+    /// The station whose frame is the reference.
+    pub const FIRST: Self = Self(0);
+
+    /// Returns the station that people call by this number, from 1.
+    pub fn numbered(number: usize) -> Option<Self> {
+        Some(Self(u8::try_from(number.checked_sub(1)?).ok()?))
+    }
+
+    /// Returns the number for people, from 1.
+    pub fn number(self) -> usize {
+        usize::from(self.0) + 1
+    }
+
+    /// Returns the place among the stations whose transforms are estimated; `None` for the reference.
+    pub fn slot(self) -> Option<usize> {
+        usize::from(self.0).checked_sub(1)
+    }
+}
+
+impl Prism {
+    /// Returns the number for people, from 1.
+    pub fn number(self) -> usize {
+        usize::from(self.0) + 1
+    }
+}
+
+impl Pair {
+    /// Returns the pair of two prisms; `None` if they are the same.
+    pub fn of(a: Prism, b: Prism) -> Option<Self> {
+        (a != b).then(|| Self { first: a.min(b), second: a.max(b) })
+    }
+
+    /// Returns the number of pairs of some prisms.
+    pub fn count(prisms: usize) -> usize {
+        prisms * prisms.saturating_sub(1) / 2
+    }
+}
+
+impl Number for Station {
+    fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
+    fn at(index: usize) -> Self {
+        Self(u8::try_from(index).expect("fewer than 256 stations"))
+    }
+}
+
+impl Number for Prism {
+    fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
+    fn at(index: usize) -> Self {
+        Self(u8::try_from(index).expect("fewer than 256 prisms"))
+    }
+}
+
+/// Pairs are in the order 12, 13, 23, 14, 24, 34, …, which does not depend on the number of prisms.
+impl Number for Pair {
+    fn index(self) -> usize {
+        Self::count(self.second.index()) + self.first.index()
+    }
+
+    fn at(index: usize) -> Self {
+        let second = (1..).find(|second| Self::count(second + 1) > index).expect("a larger count");
+        Self { first: Prism::at(index - Self::count(second)), second: Prism::at(second) }
+    }
+}
+
+impl Display for Station {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
+        self.number().fmt(formatter)
+    }
+}
+
+impl Display for Prism {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
+        self.number().fmt(formatter)
+    }
+}
+
+/// "1–2", for people.
+impl Display for Pair {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
+        write!(formatter, "{}–{}", self.first, self.second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_in_the_order_of_their_second_prism() {
+        let labels: Vec<String> = (0..6).map(|index| Pair::at(index).to_string()).collect();
+        assert_eq!(labels, ["1–2", "1–3", "2–3", "1–4", "2–4", "3–4"]);
+        for index in 0..Pair::count(8) {
+            assert_eq!(Pair::at(index).index(), index);
+        }
+    }
+
+    #[test]
+    fn people_count_from_one() {
+        let second = Station::numbered(2).expect("a station");
+        assert_eq!((second.index(), second.number(), second.to_string()), (1, 2, "2".to_owned()));
+        assert_eq!(
+            (Station::numbered(0), Station::FIRST.slot(), second.slot()),
+            (None, None, Some(0))
+        );
+    }
+}
