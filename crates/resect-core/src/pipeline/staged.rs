@@ -288,4 +288,24 @@ mod tests {
         }
         assert!(out.counts(SampleFate::Kept).iter().all(|kept| *kept > 0));
     }
+
+    #[test]
+    fn any_number_of_stations_has_common_instants() {
+        let three = simulate(Preset::Warthog, 1).readings();
+        let of_three = run(&three, &PipelineSettings::default());
+        let with_tracks = |tracks: &[usize]| {
+            let tracks = tracks.iter().map(|station| three.tracks[*station].clone()).collect();
+            let deployment = Deployment { tracks, ..three.clone() };
+            run(&deployment, &PipelineSettings::default())
+        };
+        // A station that is there twice interrupts no interval.
+        let of_four = with_tracks(&[0, 1, 2, 1]);
+        assert_eq!(of_four.triplets.time_s, of_three.triplets.time_s);
+        assert_eq!(of_four.triplets.points_m[3], of_three.triplets.points_m[1]);
+        // Two stations have more instants in common than three.
+        let of_two = with_tracks(&[0, 2]);
+        assert_eq!((of_two.triplets.points_m.len(), of_two.fates.len()), (2, 2));
+        assert!(of_two.triplets.len() > of_three.triplets.len());
+        assert!(with_tracks(&[]).triplets.is_empty());
+    }
 }

@@ -37,7 +37,9 @@ impl Triplets {
         points_m: impl Into<PerStation<Vec<Vector3<f64>>>>,
     ) -> Self {
         let points_m = points_m.into();
-        let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
+        let first = points_m.iter().next();
+        let speed_m_per_s =
+            first.map_or_else(Vec::new, |points_m| speeds(&time_s, &interval, points_m));
         let readings = Arc::default();
         Self {
             time_s,
