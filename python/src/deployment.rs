@@ -56,7 +56,7 @@ impl DeploymentHandle {
     fn track<'py>(&self, py: Python<'py>, station: usize) -> PyResult<Bound<'py, PyDict>> {
         let no_station =
             || Failure::new(format!("no station {}; stations are 1, 2, 3", station + 1));
-        let track = raised(self.deployment.tracks.get(station).ok_or_else(no_station))?;
+        let track = raised(self.deployment.tracks.as_slice().get(station).ok_or_else(no_station))?;
         let readings = &track.measurements;
         let table = PyDict::new(py);
         set_column(&table, "time_s", readings.iter().map(|reading| reading.time_s))?;

@@ -108,9 +108,10 @@ fn log_deployment(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks
     }
     recording.log_static(EntityPath::properties(), &info)?;
     let answer = analysis.answer.as_ref().ok();
-    let transforms = answer.map_or(PerStation::repeat(3, RigidTransform::IDENTITY), |a| {
-        a.calibration.station1_from_station
-    });
+    let transforms = answer.map_or_else(
+        || deployment.tracks.map(|_| RigidTransform::IDENTITY),
+        |answer| answer.calibration.station1_from_station.clone(),
+    );
     // Entities in another frame would have wrong positions, so they are left out.
     let places_tracks = answer.is_none_or(|a| a.calibration.placing_tracks(deployment).is_some());
     let places_points =
