@@ -29,7 +29,7 @@ use crate::progress::{Cancelled, Progress};
 const MOST_ITERATIONS: usize = 40;
 /// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
-/// The normal matrix is reused while the squared length of the steps shrinks at least by this factor.
+/// The normal matrix is reused while the squared length of the steps shrinks at least by this factor: the length by 3.2.
 const FAST: f64 = 0.1;
 /// Noise levels are estimated on a sample of about so many knots, in these steps: of all unknowns (true), or of the motion alone, which
 /// needs a third of the time. Before the constants are nearly right, their errors would count as noise.
@@ -236,7 +236,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
             if !self.apply(&step) {
                 return Ok(None);
             }
-            let converged = step.squared_length < CONVERGED;
+            let converged = step.squared_length < CONVERGED; // (21)
             if converged || self.iterations >= MOST_ITERATIONS {
                 return Ok(Some((step, converged)));
             }

@@ -1,8 +1,8 @@
 //! Covariance by errors of prisms that repeat with the incidence.
 //!
 //! An error that repeats does not average out where a vehicle drives to and fro. It is not estimated but considered: the poses change
-//! by `Sᵀ H f` for an error f of the sights, with the solution S for their Jacobian and the normal matrix H of the data (Schmidt 1966,
-//! "Application of state-space methods to navigation problems"). f is a Fourier series of the incidence, the azimuth of a station in the frame of the rig.
+//! by `Sᵀ H ε_F` for an error `ε_F` of the sights, with the solution S for their Jacobian and the normal matrix H of the data (Schmidt 1966,
+//! "Application of state-space methods to navigation problems"). `ε_F` is a Fourier series of the incidence, the azimuth of a station in the frame of the rig.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 

@@ -13,10 +13,10 @@ pub const EFFICIENCY: f64 = 0.95;
 /// Returns the loss of a squared error, both in σ².
 pub fn robust_loss(squared_error: f64) -> f64 {
     let scale = LOSS_SCALE.powi(2);
-    scale * (squared_error / scale).ln_1p()
+    scale * (squared_error / scale).ln_1p() // (13)
 }
 
 /// Returns the weight of a squared error in σ².
 pub fn robust_weight(squared_error: f64) -> f64 {
-    cauchy(squared_error.sqrt(), LOSS_SCALE).weight
+    cauchy(squared_error.sqrt(), LOSS_SCALE).weight // (13)
 }

@@ -1,7 +1,6 @@
 //! Marginal likelihood of the data by the variances of slow states, with which those of ranges and clocks are estimated.
 //!
-//! With the gradient g and the normal matrix H of data and priors P at the states s, minus twice its logarithm is
-//! `ln|H| − ln|P| + sᵀPs − gᵀH⁻¹g` plus a constant. The chain is eliminated for several priors in parallel, some blocks at a time, and
+//! Minus twice its logarithm is (18) of [`super`], with the gradient g at the states s. The chain is eliminated for several priors in parallel, some blocks at a time, and
 //! no more than one row of each factor is in memory.
 
 use rayon::prelude::*;
@@ -177,9 +176,9 @@ struct MarginalLikelihood<'a> {
     /// Gradient of the next block and of the constants, after elimination of the blocks before.
     own: [[f64; 1]; SLOW],
     constants: [[f64; 1]; CONSTANTS],
-    /// `gᵀH⁻¹g`.
+    /// The last term of (18).
     explained: f64,
-    /// `sᵀPs`.
+    /// `sᵀ P_s s`.
     prior_square: f64,
 }
 
@@ -229,7 +228,7 @@ impl<'a> MarginalLikelihood<'a> {
         let (factor, ln_determinant) = self.elimination.constants(corner, &priors.information())?;
         let gradient = Constants::from_column_slice(self.constants.as_flattened());
         let explained = self.explained + gradient.dot(&factor.solve(&gradient));
-        Some(ln_determinant + self.prior_square - explained)
+        Some(ln_determinant + self.prior_square - explained) // (18)
     }
 }
 

@@ -34,13 +34,14 @@ pub fn estimate_noise_levels(
         let expected = squares.expected[kind];
         (expected - squares.absorbed[kind]).max(0.02 * expected)
     };
+    // (15)
     let factor = |kind: usize| match squares.expected[kind] {
         expected if expected > 0.0 => {
             (squares.observed[kind] / (CONSISTENCY * remaining(kind))).sqrt()
         }
         _ => 1.0,
     };
-    // A step of expectation maximisation, which converges slowly where the motion absorbs most, is extrapolated by the redundancy.
+    // (17). A step of expectation maximisation, which converges slowly where the motion absorbs most, is extrapolated by the redundancy.
     let jerks = squares.expected[JERKS].max(1.0);
     let redundancy = (1.0 - squares.absorbed[JERKS] / jerks).max(LEAST_JERK_REDUNDANCY);
     let jerk_factor = (squares.observed[JERKS] + squares.absorbed[JERKS]) / jerks;
@@ -55,6 +56,7 @@ pub fn estimate_noise_levels(
         jitter_s: jitter_s.clamp(LEAST_JITTER_S, MOST_JITTER_S),
         jerk_m_per_s3: (levels.jerk_m_per_s3 * limited(jerk_factor)).max(LEAST_JERK_M_PER_S3),
     };
+    // (16)
     let expected = squares.expected[RANGES] + squares.expected[ANGLES];
     (levels, ((remaining(RANGES) + remaining(ANGLES)) / expected.max(1e-9)).min(1.0))
 }

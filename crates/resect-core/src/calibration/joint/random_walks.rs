@@ -84,6 +84,7 @@ struct Innovation {
 impl Innovation {
     /// The innovation after a time (s); `None` for the first block.
     fn new(process: &GaussMarkov, since_s: Option<f64>) -> Self {
+        // (11)
         let correlation = since_s.map_or(0.0, |since_s| (-since_s / process.correlation_s).exp());
         let share = (1.0 - correlation * correlation).max(1e-6);
         Self { correlation, precision: 1.0 / (process.sigma_m.powi(2) * share) }
@@ -197,6 +198,7 @@ impl SlowPrecisions {
 
     /// Precision of the random walks' increment to a block from the one before it.
     pub fn increment_precision(&self, block: usize) -> WalkMatrix {
+        // (10)
         let transition = self.transitions[block];
         let mut walk = WalkMatrix::zeros();
         walk.fixed_view_mut::<8, 8>(0, 0).copy_from(&(self.settling / transition.pose_share));

@@ -135,7 +135,7 @@ impl StepSearch<'_> {
 
     /// Normal matrix and right-hand side of an increment from a block to a later one, without its prior.
     ///
-    /// With the prior precision Q⁻¹ of the increment w, and its covariance C by data and prior, they are Q⁻¹ − Q⁻¹CQ⁻¹ and Q⁻¹w.
+    /// With the prior precision `(ωQ)⁻¹` of the increment Δs, and its covariance C by data and prior, they are (24) of [`super`].
     fn without_prior(
         &self,
         from: usize,
@@ -145,7 +145,7 @@ impl StepSearch<'_> {
     ) -> (WalkMatrix, SVector<f64, STEPPING>) {
         let increment = self.slow[to] - self.slow[from];
         let right = precision * increment.fixed_rows::<STEPPING>(0);
-        (precision - precision * covariance * precision, right)
+        (precision - precision * covariance * precision, right) // (24)
     }
 
     /// Returns a step with its size by a solution whose priors allow it; the search's own priors do not.

@@ -211,6 +211,7 @@ impl Adjustment {
     fn placed(stations: &[StationModel; 3], reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
         let model = reading.model(stations);
         let Sight { along, side, up, .. } = reading.sight;
+        // (5)
         let point_m = model.rotation * model.corrected(&reading.sight) + model.position_m;
         (point_m, model.rotation * Matrix3::from_columns(&[along, side, up]))
     }
@@ -307,7 +308,7 @@ impl Adjustment {
                     let axes = Self::placed(&stations, reading).1;
                     sum.residuals_m.push(axes.tr_mul(&(centre.point_m - equation.point_m)));
                 }
-                // Σ (J − C)ᵀΛ(J − C) = Σ JᵀΛJ − CᵀΣΛ C.
+                // Σ (J − J̄)ᵀW(J − J̄) = Σ JᵀWJ − J̄ᵀΣW J̄, with the mean J̄ by the information W.
                 add_gram(&mut information, &centre.jacobian, &-centre.information);
             }
             self.add_face_errors(markers, &mut information, &mut gradient);

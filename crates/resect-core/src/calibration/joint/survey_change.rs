@@ -1,8 +1,8 @@
 //! Changes of the stations' set-ups between the survey and the drive.
 //!
-//! The survey observes `θ + δ`: poses and leans of the drive, changed by settling in the meantime. With the information N of the survey
-//! ([`super::survey`]), its estimate φ, and the prior covariance D of the change, elimination of δ leaves `M = N − N_δ (N_δδ + D⁻¹)⁻¹ N_δᵀ`
-//! as information about θ. The prior is that of a drive ([`super::settling`]). A step of one station that the data demands beyond it
+//! The survey observes `θ + Δθ`: poses and leans of the drive, changed by settling in the meantime. With the information Λ of the survey
+//! ([`super::survey`]), its estimate θ̂, and the prior covariance D of the change, elimination of Δθ leaves
+//! `M = Λ − Λ_Δ (Λ_ΔΔ + D⁻¹)⁻¹ Λ_Δᵀ` as information about θ. The prior is that of a drive ([`super::settling`]). A step of one station that the data demands beyond it
 //! is detected like a step during the drive ([`super::step_search`]).
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::survey::Survey;
 use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::wrap_to_pi;
 
-/// Number of changes δ: of (x, y, z, yaw) of stations 2 and 3, then of the leans of stations 1 to 3.
+/// Number of changes Δθ: of (x, y, z, yaw) of stations 2 and 3, then of the leans of stations 1 to 3.
 const CHANGES: usize = 14;
 const POSES: usize = 8;
 /// Standard deviations of a change that rejects its prior (m, rad).
@@ -115,6 +115,7 @@ impl SurveyEvidence {
         });
         let of_changes =
             ChangeMatrix::from_fn(|i, j| information[(constant_of(i), constant_of(j))]);
+        // (12)
         let conditional =
             (of_changes + change_covariance.cholesky()?.inverse()).cholesky()?.inverse();
         let regression = conditional * by_changes.transpose();
@@ -153,7 +154,7 @@ impl SurveyEvidence {
     pub fn cost(&self, constants: &Constants) -> f64 {
         let change = constants - self.survey.constants;
         let gradient = self.without_changes(&self.survey.gradient);
-        change.dot(&(self.information * change)) + 2.0 * gradient.dot(&change)
+        change.dot(&(self.information * change)) + 2.0 * gradient.dot(&change) // (12)
     }
 
     /// Gradient of the survey's cost by the constants.
@@ -245,7 +246,7 @@ impl SurveyEvidence {
             let own =
                 SMatrix::<f64, 4, 4>::from_diagonal(&SVector::from_fn(|k, _| sigma(k).powi(2)));
             let mut poses = widened.fixed_view_mut::<POSES, POSES>(0, 0);
-            poses += jacobian * own * jacobian.transpose();
+            poses += jacobian * own * jacobian.transpose(); // (23)
         }
         let wrong = SVector::<f64, 3>::repeat(WRONG_DISTANCE_M2);
         let by_distances = self.by_distances.as_ref();
@@ -266,8 +267,8 @@ impl SurveyEvidence {
         if self.changed.is_empty() {
             return None;
         }
-        // By the data alone the change has the information N = C⁻¹ − D⁻¹. With the variance S of settling it is (N⁻¹ + S)⁻¹, which is
-        // S⁻¹ − S⁻¹ (N + S⁻¹)⁻¹ S⁻¹.
+        // By the data alone the change has the information Ω = C⁻¹ − D⁻¹. With the variance Q of settling it is (Ω⁻¹ + Q)⁻¹, which is
+        // Q⁻¹ − Q⁻¹ (Ω + Q⁻¹)⁻¹ Q⁻¹.
         let pose = |matrix: &ChangeMatrix| {
             let poses: PoseMatrix = matrix.fixed_view::<POSES, POSES>(0, 0).into_owned();
             Some(poses.cholesky()?.inverse())
