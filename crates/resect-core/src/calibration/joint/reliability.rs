@@ -4,8 +4,8 @@
 //! standard deviation 1. The minimal detectable bias is `δ₀ σ_∇`: a test with a false-alarm rate of 0.1 % detects it with a probability
 //! of 80 %, with `δ₀ = 4.13`. A reading of a control point has `σ_∇ = σ / √r`.
 //!
-//! An error that all readings of a group share is a constant, with the index ∗. With the prior precision P and the posterior covariance C of
-//! the constants, the score of a shift of its prior mean has the information `σ_∇⁻² = (P − PCP)_∗∗` (de Jong & Penzer 1998). `σ_∇⁻² / P_∗∗` is the
+//! An error that all readings of a group share is a constant, with the index ∗. P is the prior precision and C the posterior covariance of
+//! the constants. The score of a shift of the prior mean has the information `σ_∇⁻² = (P − PCP)_∗∗` (de Jong & Penzer 1998). `σ_∇⁻² / P_∗∗` is the
 //! redundancy number of the prior. An undetected bias ∇ moves the poses (o, ψ) by `Cov((o, ψ), θ) P_∗ ∇`.
 
 use std::ops::Range;
@@ -23,7 +23,8 @@ use crate::calibration::Quantity;
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
-/// Noncentrality of a bias that a test with a false-alarm rate of 0.1 % detects with a probability of 80 % (σ).
+/// Noncentrality of a bias that is detectable (σ). Textbook: a test with a false-alarm rate of 0.1 % detects it with a
+/// probability of 80 % (Baarda 1968).
 const NONCENTRALITY: f64 = 4.13;
 
 /// Change of (x, y, z, yaw) of stations 2 and 3 (m, rad).

@@ -13,9 +13,11 @@ pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
 /// Standard deviation of an observed distance of the rig, once a knot (m). Each prism shows its facets to a station for some seconds, so
 /// that errors of a millimetre at consecutive knots are not independent.
 pub const OBSERVED_DISTANCE_SIGMA_M: f64 = 0.0015;
-/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
+/// Stated noise of a range of length zero. Source: Trimble S7, 2 mm + 2 ppm (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;
+/// Stated noise of a range by its length. Source: Trimble S7, 2 mm + 2 ppm (Vaidis et al. 2022, "Experiments").
 const RANGE_SHARE: f64 = 2e-6;
+/// Stated noise of an angle. Source: Trimble S7, one arcsecond (Vaidis et al. 2022, "Experiments").
 pub const ANGLE_RAD: f64 = ARCSECOND_RAD;
 
 /// Noise of the readings and process noise of the motion.

@@ -6,8 +6,9 @@ use super::state_vector::{
     CLOCKS, COLLIMATIONS, Constants, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
 };
 
-/// Radius of the earth (m), and Gauss's coefficient of refraction: the curvature of a sight over that of the earth.
+/// Radius of the earth (m). Textbook: mean radius.
 pub const EARTH_RADIUS_M: f64 = 6.371e6;
+/// Coefficient of refraction: the curvature of a sight over that of the earth. Textbook: Gauss's value.
 const REFRACTION: f64 = 0.13;
 
 /// One station's frame, clock and instrument errors.

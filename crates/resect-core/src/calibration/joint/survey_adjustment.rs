@@ -28,16 +28,19 @@ use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, align_level};
 use crate::statistics::median;
 
-/// Standard deviations of a static reading: range (m, and share of the range), angle (rad), and position of the target across the
-/// sight (m). Angles in files of six digits are rounded to 10 µrad.
+/// Standard deviation of a static range of length zero.
 const RANGE_M: f64 = 0.001;
+/// Standard deviation of a static range by its length.
 const RANGE_SHARE: f64 = 1e-6;
+/// Standard deviation of a static angle. Angles in files of six digits are rounded to 10 µrad.
 const ANGLE_RAD: f64 = 6e-6;
+/// Standard deviation of the position of the target across the sight.
 const TARGET_M: f64 = 0.0003;
 /// Standard deviation of a surveyed coordinate with the centring of the target, which all stations share (m).
 const SURVEYED_M: f64 = 0.002;
 /// Fewest points that stations 2 and 3 share with station 1.
 const FEWEST_SHARED: usize = 3;
+/// Largest number of iterations of the adjustment.
 const MOST_ITERATIONS: usize = 60;
 /// The iteration has converged once no constant moves by more than this many σ.
 const CONVERGED_SIGMAS: f64 = 1e-3;

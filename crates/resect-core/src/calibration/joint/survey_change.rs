@@ -1,7 +1,7 @@
 //! Changes of the stations' set-ups between the survey and the drive.
 //!
-//! The survey observes `θ + Δθ`: poses and leans of the drive, changed by settling in the meantime. With the information Λ of the survey
-//! ([`super::survey`]), its estimate θ̂, and the prior covariance D of the change, elimination of Δθ leaves
+//! The survey observes `θ + Δθ`: poses and leans of the drive, changed by settling in the meantime. The survey
+//! ([`super::survey`]) has the information Λ and the estimate θ̂, and the change the prior covariance D. Elimination of Δθ leaves
 //! `M = Λ − Λ_Δ (Λ_ΔΔ + D⁻¹)⁻¹ Λ_Δᵀ` as information about θ. The prior is that of a drive ([`super::settling`]). A step of one station that the data demands beyond it
 //! is detected like a step during the drive ([`super::step_search`]).
 
@@ -20,19 +20,21 @@ use crate::geometry::wrap_to_pi;
 /// Number of changes Δθ: of (x, y, z, yaw) of stations 2 and 3, then of the leans of stations 1 to 3.
 const CHANGES: usize = 14;
 const POSES: usize = 8;
-/// Standard deviations of a change that rejects its prior (m, rad).
+/// Least standard deviation of a changed station's displacement, added to the prior (23).
 const CHANGED_M: f64 = 0.005;
+/// Least standard deviation of a changed station's rotation, added to the prior (23).
 const CHANGED_RAD: f64 = 0.002;
 /// A detected change is measured in directions with this multiple of the variances of settling.
 const DETECTED: f64 = 1e6;
-/// Critical χ² of the change of one station (4 degrees of freedom, 0.1 %): exceeded by chance in 0.3 % of drives.
+/// Critical χ² of the change of one station. Textbook: 4 degrees of freedom, 0.1 %; exceeded by chance in 0.3 % of drives.
 const CHANGE_CHI_SQUARE: f64 = 18.5;
-/// χ² from which a change is possible but not detected: exceeded by chance in 1.4 % of drives.
+/// χ² from which a change is possible but not detected. Textbook: exceeded by chance in 1.4 % of drives.
 const SUSPICIOUS_CHI_SQUARE: f64 = 15.0;
-/// Critical χ² of the rest once one station's change is fitted (4 degrees of freedom, 1 %).
+/// Critical χ² of the rest once one station's change is fitted. Textbook: 4 degrees of freedom, 1 %.
 const REST_CHI_SQUARE: f64 = 13.3;
-/// Variance of a distance of the rig that is wrong (m²), and critical χ² of the rest once all three are fitted (5 degrees of freedom, 1 %).
+/// Variance of a distance of the rig that is wrong (m²).
 const WRONG_DISTANCE_M2: f64 = 1e-4;
+/// Critical χ² of the rest once all three distances are fitted. Textbook: 5 degrees of freedom, 1 %.
 const REST_WITH_DISTANCES: f64 = 15.1;
 
 type Changes = SVector<f64, CHANGES>;
