@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "the counts of files and arrows are worth reading")]
 
+mod constants;
 mod documents;
 mod findings_page;
 mod licences;

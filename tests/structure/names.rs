@@ -28,7 +28,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-fn files_of(folder: &str) -> Vec<(PathBuf, String)> {
+/// Rust files of a folder of the repository, with their texts.
+pub fn files_of(folder: &str) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut files);
     let read = |path: PathBuf| {

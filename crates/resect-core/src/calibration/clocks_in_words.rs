@@ -8,8 +8,9 @@ use crate::deployment::findings::clocks::{
     clock_offset_suspected,
 };
 
-/// An offset that exceeds both limits, in σ and in s, is reported if clocks are not estimated.
+/// An offset of more σ is reported if clocks are not estimated and it exceeds the other limit as well.
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
+/// An offset of more seconds is reported if clocks are not estimated and it exceeds the limit in σ as well.
 pub const SUSPICIOUS_OFFSET_S: f64 = 0.002;
 /// Drifts beyond this are implausible (s/s): four times the σ of the prior.
 const IMPLAUSIBLE_DRIFT: f64 = 20e-6;

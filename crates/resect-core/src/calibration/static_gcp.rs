@@ -19,9 +19,11 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
+/// Fewest points for a σ by the sandwich estimator.
 const FEWEST_FOR_SANDWICH: usize = 10;
-/// A point with an error this many times the median, and larger than the second limit (m), is reported.
+/// A point with an error of more than this multiple of the median is reported, if it exceeds the other limit as well.
 const BLUNDER: f64 = 5.0;
+/// A point with a larger error is reported, if it exceeds the multiple of the median as well.
 const LEAST_BLUNDER_M: f64 = 0.010;
 
 /// Position of a point in the target frame, and in the station's frame (m).

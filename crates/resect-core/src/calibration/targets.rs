@@ -22,22 +22,25 @@ pub enum Targets {
 /// Largest median distance between tracks of one prism after alignment (m). Noise, chords of bends and clock offsets of some
 /// milliseconds cause far less; any rig is far larger.
 const COINCIDE_M: f64 = 0.05;
-/// Share of the triplets that is aligned, and number of rounds, so that a station with outliers for some seconds does not hide that
-/// the rest coincides.
+/// Share of the triplets that is aligned, so that a station with outliers for some seconds does not hide that the rest coincides.
 const KEPT: f64 = 0.9;
+/// Rounds of alignment, each with the triplets that fit best.
 const ROUNDS: usize = 3;
 /// Most triplets that are used; more add no information.
 const MOST_TRIPLETS: usize = 2000;
+/// Fewest triplets from which coinciding tracks are recognised.
 const FEWEST_TRIPLETS: usize = 10;
 /// Length of the chords by which the direction of travel is measured (m): much longer than noise, shorter than bends.
 const CHORD_M: f64 = 1.0;
 /// Share of the chords that count.
 const KEPT_CHORDS: f64 = 0.85;
-/// Distance of two prisms on the smallest rig (m), and the multiple of the median distance by which its prisms would be apart.
+/// Distance of two prisms on the smallest rig (m).
 const SMALLEST_RIG_M: f64 = 0.2;
+/// Multiple of the median distance by which the prisms of the smallest rig would be apart.
 const APART: f64 = 3.0;
-/// Limits of the spread of directions that is needed (rad): noise of chords, and a drive that turns in any case.
+/// Least spread of directions that is needed (rad): noise of chords.
 const LEAST_SPREAD_RAD: f64 = 0.06;
+/// Largest spread of directions that is needed (rad): a drive that turns has it.
 const MOST_SPREAD_RAD: f64 = 0.23;
 
 /// A track whose median distance from its centre is smaller stays at one place (m). Prisms are nearer to the middle of a vehicle.

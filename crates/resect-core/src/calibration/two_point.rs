@@ -22,16 +22,18 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
 
-/// Accuracy of ranges (m) and angles (rad, an arcsecond): the paper's nominal values.
+/// Accuracy of ranges (m). Source: the paper's nominal value (Vaidis et al. 2022).
 const RANGE_SIGMA_M: f64 = 0.002;
+/// Accuracy of angles (rad). Source: the paper's nominal value, an arcsecond (Vaidis et al. 2022).
 const ANGLE_SIGMA_RAD: f64 = ARCSECOND_RAD;
-/// A distance error beyond both limits, in parts per million and in metres, suggests a wrong atmospheric correction. The noise of
-/// three stations together hardly reaches the second.
+/// A larger distance error suggests a wrong atmospheric correction, if it exceeds the limit in metres as well (ppm).
 const NOTABLE_PPM: f64 = 10.0;
+/// A larger distance error suggests a wrong atmospheric correction, if it exceeds the limit in ppm as well. The noise of three
+/// stations together hardly reaches it.
 const NOTABLE_M: f64 = 0.008;
 /// A point with this many times the error of the next is reported and excluded.
 const MISPLACED: f64 = 3.0;
-/// Median of the sum of two squared normal errors, over their variance: χ² of two degrees of freedom.
+/// Median of the sum of two squared normal errors, over their variance. Textbook: χ² of two degrees of freedom.
 const MEDIAN_OF_TWO_SQUARES: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// Resection by one pair of points.

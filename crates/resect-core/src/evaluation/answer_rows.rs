@@ -277,12 +277,12 @@ pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     let Some(joint) = calibration.joint() else { return Vec::new() };
     let levels = &joint.levels;
     [
-        ("range", "σ_r", Quantity::Length, levels.range_m()),
-        ("angle", "σ_a", Quantity::Angle, levels.angle_rad),
+        ("range", "σ_ρ", Quantity::Length, levels.range_m()),
+        ("angle", "σ_α", Quantity::Angle, levels.angle_rad),
         ("time", "σ_t", Quantity::Time, levels.jitter_s),
-        ("slow error of ranges", "σ_w", Quantity::Length, joint.slow_ranges.sigma_m),
-        ("slow error across the sights", "σ_c", Quantity::Length, joint.slow_across.sigma_m),
-        ("slow error upward", "σ_u", Quantity::Length, joint.slow_upward.sigma_m),
+        ("slow error of ranges", "σ_sρ", Quantity::Length, joint.slow_ranges.sigma_m),
+        ("slow error across the sights", "σ_sh", Quantity::Length, joint.slow_across.sigma_m),
+        ("slow error upward", "σ_sv", Quantity::Length, joint.slow_upward.sigma_m),
     ]
     .map(|(name, symbol, quantity, value)| AnswerRow {
         group: RowGroup::Noise,

@@ -4,8 +4,11 @@ use super::centred::CentredTriplets;
 use super::levenberg_marquardt::Minimum;
 use crate::geometry::{LevelTransform, wrap_to_pi};
 
-/// Two solutions are the same minimum within these limits (m, rad), which the paper uses for its prior.
+/// Two solutions with a smaller distance are the same minimum (m). Source: the paper uses this limit for its prior (Vaidis et al.
+/// 2022).
 pub const SAME_TRANSLATION_M: f64 = 0.05;
+/// Two solutions with a smaller difference of yaw are the same minimum (rad). Source: the paper uses this limit for its prior
+/// (Vaidis et al. 2022).
 pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 /// A minimum of the cost.

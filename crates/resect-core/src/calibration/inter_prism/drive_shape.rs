@@ -18,15 +18,17 @@ use crate::statistics::{central_sigma, median};
 
 /// A drive with a smaller extent is standing (m).
 const STANDING_M: f64 = 1.0;
-/// Length of a chord: the longer of this (m) and the extent of the drive over [`CHORDS_ACROSS`].
+/// Least length of a chord (m).
 const SHORTEST_CHORD_M: f64 = 0.5;
+/// A chord has the extent of the drive over this number, if it is longer than [`SHORTEST_CHORD_M`].
 const CHORDS_ACROSS: f64 = 30.0;
 /// Chords this many times longer than the median bridge a gap.
 const GAP: f64 = 3.0;
 /// Courses within this are the same (rad): the effect of steering and noise on a chord of a straight leg.
 const SAME_COURSE_RAD: f64 = 5.0 * PI / 180.0;
-/// Smallest share of the chords on the course of a straight line, and on the two courses of an L; the rest is a short corner.
+/// Smallest share of the chords on the course of a straight line.
 const STRAIGHT_SHARE: f64 = 0.95;
+/// Smallest share of the chords on the two courses of an L; the rest is a short corner.
 const TWO_LEGS_SHARE: f64 = 0.9;
 /// Smallest share of the chords on each leg of an L.
 const SHORTER_LEG_SHARE: f64 = 0.1;
@@ -34,14 +36,14 @@ const SHORTER_LEG_SHARE: f64 = 0.1;
 const LEAST_CORNER_RAD: f64 = 15.0 * PI / 180.0;
 /// Largest distance from a line or a leg, over its length.
 const LINE_SHARE: f64 = 0.03;
-/// Largest distance of nearly all chords from a circle over its radius, and smallest net angle over the total angle driven, for one
-/// direction of rotation.
+/// Largest distance of nearly all chords from a circle, over its radius.
 const CIRCLE_SHARE: f64 = 0.03;
+/// Smallest net angle over the total angle driven, for one direction of rotation.
 const ONE_WAY: f64 = 0.9;
 /// A shorter arc is a bend (rad).
 const LEAST_ARC_RAD: f64 = PI / 3.0;
-/// Below this the rig does not pitch or roll (rad). With prisms that differ by 0.35 m in height it would move a mirrored prism by 2
-/// mm, the level of the noise. Simulated flat floors have 0.0005, the gentle bumps of a tunnel 0.006.
+/// Below this the rig does not pitch or roll (rad). With prisms that differ by 0.35 m in height it would move a mirrored prism by
+/// 2 mm, the level of the noise. Simulated: flat floors have 0.0005, the gentle bumps of a tunnel 0.006.
 const FLAT_TILT_RAD: f64 = 0.003;
 /// Ground with a smaller range of heights is a floor (m).
 const FLOOR_RELIEF_M: f64 = 0.05;

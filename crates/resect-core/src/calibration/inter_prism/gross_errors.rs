@@ -14,12 +14,11 @@ use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
-/// A triplet is a gross outlier if one of its distances exceeds both limits: this error (m), and this many times the median of the
-/// worst errors.
-///
-/// Bends and stops cause chord errors of 20 mm. Outliers seem to rotate the rig, so unobservable directions seem observable: a
-/// hundredth of the triplets with errors of 20 mm adds 5e-6 to the smallest eigenvalue.
+/// A triplet is a gross outlier if one of its distances exceeds both limits: this error (m), and the multiple [`WILD_TIMES`].
+/// Bends and stops cause chord errors of 20 mm. Outliers seem to rotate the rig, so unobservable directions seem observable.
+/// A hundredth of the triplets with errors of 20 mm adds 5e-6 to the smallest eigenvalue.
 const WILD_M: f64 = 0.02;
+/// A gross outlier also exceeds this multiple of the median of the worst errors.
 const WILD_TIMES: f64 = 5.0;
 /// Ratio of the mean square of all triplets to that of the inliers from which outliers affect least squares.
 const LONG_TAIL: f64 = 1.3;

@@ -8,6 +8,7 @@ pub const FINE_M: f64 = 1e-8;
 pub const ROUGH_M: f64 = 1e-6;
 /// Step below which the rate of convergence predicts the remaining distance (m).
 const NEAR_M: f64 = 1e-4;
+/// Most passes of a minimisation.
 const MOST_PASSES: usize = 60;
 
 /// End point of a descent.

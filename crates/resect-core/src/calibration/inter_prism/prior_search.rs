@@ -12,9 +12,11 @@ use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
+/// First speed limit of the search. Source: Vaidis et al. 2022.
 const FIRST_LIMIT_M_PER_S: f64 = 0.01;
+/// Increase of the speed limit from one run to the next. Source: Vaidis et al. 2022.
 const LIMIT_STEP_M_PER_S: f64 = 0.10;
-/// Number of other runs that must converge to the same optimum.
+/// Number of other runs that must converge to the same optimum. Source: Vaidis et al. 2022.
 const AGREEING_RUNS: usize = 3;
 /// Highest speed limit, so that an outlier does not prolong the search; no vehicle here drives faster.
 const HIGHEST_LIMIT_M_PER_S: f64 = 10.0;

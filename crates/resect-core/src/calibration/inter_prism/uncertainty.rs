@@ -15,9 +15,9 @@ use crate::statistics::sandwich::Block;
 const FEWEST_BLOCKS: usize = 16;
 /// Readings a second that the fallback assumes to be independent.
 const READINGS_HZ: f64 = 2.5;
-/// Ratio of the smallest to the largest scaled eigenvalue of JᵀJ below which a direction is unobservable. Drives with bends reach
-/// 2e-2 and more. At 2e-5 (twelve seconds of driving) simulated answers have errors of ten times the linearised σ, so no σ is
-/// returned.
+/// Ratio of the smallest to the largest scaled eigenvalue of JᵀJ below which a direction is unobservable, so no σ is returned.
+/// Drives with bends reach 2e-2 and more. Simulated: at 2e-5 (twelve seconds of driving) answers have errors of ten times the
+/// linearised σ.
 pub const FREE_DIRECTION: f64 = 1e-4;
 
 /// Covariance of the answer and observability of its directions.

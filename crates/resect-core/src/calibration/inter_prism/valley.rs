@@ -8,11 +8,13 @@ use super::levenberg_marquardt::descend;
 use super::{Minimum, NormalEquations, Parameters, SquaredCost};
 use crate::geometry::wrap_to_pi;
 
-/// A ridge whose cost is below this many times the higher end is noise: 10 % are one σ of 200 independent residuals.
+/// A ridge whose cost is below this many times the higher end is noise. Textbook: 10 % are one σ of 200 independent residuals.
 const RIDGE: f64 = 1.1;
+/// Number of steps along the line between two minima.
 const STEPS: usize = 8;
 /// Tolerance of each minimisation (m).
 const TOLERANCE_M: f64 = 1e-3;
+/// Most passes of each minimisation.
 const MOST_PASSES: usize = 20;
 
 pub fn one_valley(cost: &SquaredCost, a: &Minimum, b: &Minimum) -> bool {

@@ -120,6 +120,7 @@ fn block_jacobian(
     mean_sights: &PerStation<MeanSight>,
     since_middle_s: f64,
 ) -> BlockJacobian {
+    // (19)
     let mut by_constants = SMatrix::<f64, BLOCK, CONSTANTS>::zeros();
     let mut by_slow = SMatrix::<f64, BLOCK, SLOW>::zeros();
     for (station, (model, mean_sight)) in stations.iter().zip(mean_sights).enumerate() {

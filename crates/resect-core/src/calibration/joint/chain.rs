@@ -1,8 +1,8 @@
 //! Normal equations of the constants and slow states, once the motion is eliminated. They are a chain of blocks, each coupled to the next,
 //! with the constants as border.
 //!
-//! Jacobians of [`super::block_jacobians`] transform the information I of the blocks' unknowns to θ and s. Diagonal blocks are
-//! `J_sᵀ I J_s`, the border is `J_sᵀ I J_θ`, the corner `Σ J_θᵀ I J_θ`. These need twice the memory of the blocks, so those of a long
+//! Jacobians of [`super::block_jacobians`] transform the information `H_u` of the blocks' unknowns to θ and s. Diagonal blocks are
+//! `J_sᵀ H_u J_s`, the border is `J_sᵀ H_u J_θ`, the corner `Σ J_θᵀ H_u J_θ`. These need twice the memory of the blocks, so those of a long
 //! drive are recomputed, some blocks at a time.
 
 use std::borrow::Cow;
@@ -82,7 +82,7 @@ impl ChainEquations {
         precisions: &SlowPrecisions,
         state: &StateVector,
     ) -> ChainVectors<1> {
-        let mut gradient = self.gradient.clone();
+        let mut gradient = self.gradient.clone(); // (20)
         gradient.constants += priors.gradient(&state.constants);
         for (block, slow) in gradient.slow.iter_mut().enumerate() {
             *slow += precisions.multiply(&state.slow, block);
@@ -158,6 +158,7 @@ impl ChainMatrix {
 
     /// Gradient of constants and slow states, from that of the blocks' unknowns.
     pub fn gradient(&self, block_gradients: impl Iterator<Item = BlockVector>) -> ChainVectors<1> {
+        // (20)
         let mut gradient = ChainVectors::zeros(self.len());
         for (index, block_gradient) in block_gradients.enumerate() {
             let (by_constants, by_slow) = self.jacobians.of_block(index);

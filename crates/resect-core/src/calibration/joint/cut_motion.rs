@@ -14,8 +14,9 @@ use super::motion_band::{MotionBand, Rows};
 const USED_KNOTS: f64 = 8.0;
 /// Robust weights within this many knots of a cut are re-estimated.
 const REWEIGHTED_KNOTS: f64 = 4.0;
-/// Steps, from the motion of both sides, while weights are re-estimated and with fixed weights.
+/// Steps from the motion of both sides while weights are re-estimated.
 const REWEIGHTED_STEPS: usize = 4;
+/// Further steps with fixed weights.
 const FIXED_STEPS: usize = 2;
 
 /// The motion across a cut.

@@ -12,8 +12,9 @@ use crate::progress::{Cancelled, Progress};
 
 /// Largest number of steps that are detected.
 const MOST_STEPS: usize = 4;
-/// A step of more prior standard deviations, or a larger jump of a clock (s), is unusual.
+/// A step of a station of more prior standard deviations of settling is unusual, and the answer weak.
 const UNUSUAL_SIGMAS: f64 = 4.0;
+/// A larger jump of a clock is unusual, and the answer weak.
 const UNUSUAL_JUMP_S: f64 = 0.002;
 
 /// Returns true for a step of the size that instruments in the field are expected to make.

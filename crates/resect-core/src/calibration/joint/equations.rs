@@ -129,7 +129,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             }
             None => (robust_weight(square), robust_loss(square)),
         };
-        self.cost += numbers * loss;
+        self.cost += numbers * loss; // (14)
         self.weights.push(weight);
         weight
     }
@@ -157,7 +157,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
                 continue;
             }
             let gain = information * sigma_m;
-            // The weight is squared: outliers must not raise the noise level.
+            // (15). The weight is squared: outliers must not raise the noise level.
             let observed = (weight * gain.dot(residual_m)).powi(2);
             let expected = weight * weight * gain.dot(&sigma_m);
             self.squares.observed[kind] += observed;
@@ -206,7 +206,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
                 let (along, residual_m) =
                     distance_residual::<LOCAL>(self.point, &weights, (a, b), distances_m[pair]);
-                self.cost += precision * residual_m * residual_m;
+                self.cost += precision * residual_m * residual_m; // (14)
                 let mut jacobian = SVector::<f64, PRISMS>::zeros();
                 jacobian.fixed_rows_mut::<3>(3 * a).copy_from(&along);
                 jacobian.fixed_rows_mut::<3>(3 * b).copy_from(&-along);
@@ -235,7 +235,7 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
             // Vehicles start and stop: their jerks are weighted robustly.
             let square = residuals.iter().map(|residual| residual * residual).sum::<f64>();
             let weight = self.weight(square / LOCAL as f64, LOCAL as f64);
-            // The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
+            // (17). The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
             // like noise of stamps.
             self.squares.observed[JERKS] += square;
             self.squares.expected[JERKS] += LOCAL as f64;

@@ -30,26 +30,31 @@ use crate::progress::{Cancelled, Progress};
 const MOST_ITERATIONS: usize = 40;
 /// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
-/// The normal matrix is reused while the squared length of the steps shrinks at least by this factor.
+/// The normal matrix is reused while the squared length of the steps shrinks at least by this factor: the length by 3.2.
 const FAST: f64 = 0.1;
-/// Noise levels are estimated on a sample of about so many knots, in these steps: of all unknowns (true), or of the motion alone, which
-/// needs a third of the time. Before the constants are nearly right, their errors would count as noise.
+/// Noise levels are estimated on a sample of about so many knots.
 const SAMPLE_KNOTS: usize = 600;
+/// Steps of the sample: of all unknowns (true), or of the motion alone, which needs a third of the time. Before the constants are
+/// nearly right, their errors would count as noise.
 const SAMPLE_STEPS: [bool; 5] = [true, true, false, true, false];
-/// Least number of searches for slow changes near the solution. Detected changes move everything else: with one search alone the 95 % regions
-/// of 3000 drives covered 91.7 %, with two 94.1 %.
+/// Least number of searches for slow changes near the solution: detected changes move everything else. Simulated: with one search
+/// alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
 const SEARCHES: usize = 2;
 /// Steps of the motion alone that bring a whole drive near its readings once a sample of it is solved.
 const MOTION_STEPS: usize = 2;
-/// A step that raises the cost by more than this share is taken again with a quarter of its length. The Jacobians are approximations,
-/// so the cost may rise a little although the steps converge.
+/// A step that raises the cost by more than this share is taken again. The Jacobians are approximations, so the cost may rise a
+/// little although the steps converge.
 const COST_TOLERANCE: f64 = 0.01;
+/// Share of a step that is taken again, over its share before.
 const SHORTER: f64 = 0.25;
+/// A smaller share of a step is not taken again.
 const SHORTEST: f64 = 1e-3;
 /// Normal matrices are not reused after a longer step (σ²).
 const LONG_STEP: f64 = 10.0;
-/// Standard deviations of the published answer while noise is estimated: a sample may not determine all that the whole drive does.
+/// Standard deviation of the published positions while noise is estimated: a sample may not determine all that the whole drive
+/// does.
 const SAMPLE_PRIOR_M: f64 = 0.1;
+/// Standard deviation of the published yaws while noise is estimated.
 const SAMPLE_PRIOR_RAD: f64 = 0.002;
 /// An estimate this far from the published answer (m) has diverged.
 const DIVERGED_M: f64 = 30.0;
@@ -237,7 +242,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
             if !self.apply(&step) {
                 return Ok(None);
             }
-            let converged = step.squared_length < CONVERGED;
+            let converged = step.squared_length < CONVERGED; // (21)
             if converged || self.iterations >= MOST_ITERATIONS {
                 return Ok(Some((step, converged)));
             }

@@ -1,8 +1,9 @@
 //! Covariance by errors of prisms that repeat with the incidence.
 //!
 //! An error that repeats does not average out where a vehicle drives to and fro. It is not estimated but considered: the poses change
-//! by `Sᵀ H f` for an error f of the sights, with the solution S for their Jacobian and the normal matrix H of the data (Schmidt 1966,
-//! "Application of state-space methods to navigation problems"). f is a Fourier series of the incidence, the azimuth of a station in the frame of the rig.
+//! by `Sᵀ H ε_F` for an error `ε_F` of the sights (Schmidt 1966, "Application of state-space methods to navigation problems"). S is the
+//! solution for their Jacobian, and H the normal matrix of the data. `ε_F` is a Fourier series of the incidence, the azimuth of a station
+//! in the frame of the rig.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -10,9 +11,10 @@ use super::drive::{Drive, Segment};
 use super::state_vector::{SLOW, SLOW_ACROSS, SLOW_RANGES, StateVector};
 use super::station_model::StationModel;
 
-/// Root mean squares along the sight, across it and upward (m), as of the published drives.
+/// Root mean squares of errors that repeat with the incidence: along the sight, across it and upward (m). Measured: on the
+/// published drives.
 const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
-/// Orders of the series: 360° prisms have six to eight facets.
+/// Orders of the Fourier series of the incidence. Field: 360° prisms have six to eight facets.
 const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
 /// Instants of a block at which the incidence is taken.
 const INSTANTS: usize = 8;

@@ -17,15 +17,17 @@ use crate::deployment::findings::instruments::{
 use crate::deployment::{Finding, pair_label};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
-/// Critical distance of one constant from its prior (σ): one of thirty exceeds it by chance once in a thousand drives.
+/// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
 const CRITICAL_SIGMAS: f64 = 4.2;
-/// Critical distance of the constants of a station, and of all, from their priors together (σ): exceeded by chance once in a
+/// Critical distance of the constants of a station from their priors together (σ). Textbook: exceeded by chance once in a
 /// thousand drives.
 const CRITICAL_STATION_SIGMAS: f64 = 3.0;
+/// Critical distance of all constants from their priors together (σ). Textbook: exceeded by chance once in a thousand drives.
 const CRITICAL_ALL_SIGMAS: f64 = 3.3;
 /// An estimated distance this far from the measured one should be measured again (m).
 const NOTABLE_DISTANCE_M: f64 = 0.003;
-/// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
+/// A larger standard deviation of the slow errors of ranges is implausible (m). Source: the largest errors of ranges to prisms
+/// that turn are 5 mm (Lackner & Lienhart 2016).
 const LARGEST_WANDER_M: f64 = 0.005;
 /// Time that is shown before and after a step (s); its time is known to about six seconds.
 const STEP_MARGIN_S: f64 = 20.0;

@@ -181,7 +181,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         };
         let slow: f64 = state.slow.iter().enumerate().map(of_block).sum();
         let data: f64 = self.segments.iter().map(|segment| segment.cost).sum();
-        data + slow + priors.cost(&state.constants)
+        data + slow + priors.cost(&state.constants) // (14)
     }
 
     /// Subtracts the step from a state, with back substitution of the motion. Constants and slow states take this share of their step,
@@ -190,7 +190,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let step = &self.step.scaled(share);
         let block_step = |block: usize| -> BlockVector {
             let (by_constants, by_slow) = self.normal.matrix.jacobians.of_block(block);
-            by_constants * step.constants + by_slow * step.slow[block]
+            by_constants * step.constants + by_slow * step.slow[block] // (19)
         };
         let mut all_m = take(&mut state.coefficients_m);
         let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
@@ -243,7 +243,7 @@ fn solve_chain(
     Some(ChainSolution { slow_precisions, factor, step, squared_length })
 }
 
-/// Returns `xᵀHx` of a step x by the data's normal matrix H, from the right-hand side `(H + P)x` less the priors' `Px`.
+/// Returns the squared length of a step by the normal matrix of data and survey: its product with the right-hand side less the priors' part.
 fn squared_length(
     factor: &ChainFactor,
     step: &ChainVectors<1>,
@@ -254,7 +254,7 @@ fn squared_length(
     let of_block = |(block, slow): (usize, &Slow)| {
         slow.dot(&(right.slow[block] - factor.priors.multiply(&step.slow, block)))
     };
-    step.constants.dot(&by_data) + step.slow.iter().enumerate().map(of_block).sum::<f64>()
+    step.constants.dot(&by_data) + step.slow.iter().enumerate().map(of_block).sum::<f64>() // (21)
 }
 
 /// Takes one step of the motion alone, and returns the squared residuals before it; `None` if a normal matrix is not positive definite.

@@ -34,6 +34,7 @@ pub fn gradients<const LOCAL: usize>(
     for (station, readings) in segment.readings.iter().enumerate() {
         for reading in readings {
             let residual = ReadingResidual::new::<LOCAL>(grid, point, levels, station, reading);
+            // (20)
             let gradient =
                 residual.axes * (residual.information * residual.residual_m) * next_weight();
             for (k, factor) in residual.weights.position.iter().enumerate() {

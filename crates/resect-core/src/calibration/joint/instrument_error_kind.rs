@@ -28,13 +28,13 @@ impl InstrumentErrorKind {
         }
     }
 
-    /// Symbol in tables and files.
+    /// Symbol in tables and files: that of the page [`super`].
     pub fn symbol(self) -> &'static str {
         match self {
             Self::RangeOffset => "a",
             Self::RangeScale => "k",
-            Self::Index => "i",
-            Self::Collimation => "c",
+            Self::Index => "ι",
+            Self::Collimation => "κ",
             Self::Latency => "λ",
             Self::Lean(0) => "η",
             Self::Lean(_) => "ξ",

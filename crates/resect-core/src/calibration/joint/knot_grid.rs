@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::linear_algebra::bordered_band::BANDWIDTH;
 use crate::statistics::median;
 
-/// Coefficients on which an instant depends: the order of a cubic spline.
+/// Coefficients on which an instant depends. Textbook: the order of a cubic spline.
 pub const ORDER: usize = BANDWIDTH;
 
 /// The splines reach this far beyond their segments (s), because clock offsets shift the readings.

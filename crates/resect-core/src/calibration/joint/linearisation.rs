@@ -64,6 +64,7 @@ impl<'a> Linearisation<'a> {
             drive,
             state,
             stations: [0, 1, 2].map(|station| StationModel::new(&state.constants, station)),
+            // (3), (5)
             slow: blocks.map(|(block, slow)| jacobians.of_block(block).1 * slow).collect(),
             first_blocks: drive.first_blocks(),
         }

@@ -1,8 +1,7 @@
 //! Marginal likelihood of the data by the variances of slow states, with which those of ranges and clocks are estimated.
 //!
-//! With the gradient g and the normal matrix H of data and priors P at the states s, minus twice its logarithm is
-//! `ln|H| − ln|P| + sᵀPs − gᵀH⁻¹g` plus a constant. The chain is eliminated for several priors in parallel, some blocks at a time, and
-//! no more than one row of each factor is in memory.
+//! Minus twice its logarithm is (18) of [`super`], with the gradient g at the states s. The chain is eliminated for several priors in
+//! parallel, some blocks at a time. No more than one row of each factor is in memory.
 
 use rayon::prelude::*;
 
@@ -16,12 +15,14 @@ use super::state_vector::{CONSTANTS, Constants, SLOW, Slow, StateVector};
 use crate::linear_algebra::block_tridiagonal::forward_substitute;
 use crate::progress::{Cancelled, Progress};
 
-/// Multiples of the prior variance of the clocks' random walks that are tried: up to 6 ms in a drive, as of clocks that a time server
-/// steers.
+/// Multiples of the prior variance of the clocks' random walks that are tried. Field: up to 6 ms in a drive, as of clocks that a time
+/// server steers.
 const CLOCK_MULTIPLES: [f64; 3] = [10.0, 100.0, 1000.0];
-/// Largest standard deviation of errors across the sights and upward (m): facets make 1 to 4 mm, and larger errors are leans.
+/// Largest standard deviation of errors across the sights and upward (m). Field: facets cause 1 to 4 mm; larger errors are
+/// leans.
 const MOST_ACROSS_M: f64 = 0.0045;
-/// Twice the logarithm of the likelihood gains no more than this by chance.
+/// The variance of the clocks changes only if twice the logarithm of the likelihood gains more. Textbook: the 95 % quantile of χ² with
+/// one degree of freedom is 3.8.
 const LEAST_GAIN: f64 = 4.0;
 
 /// Access to one of the processes.
@@ -177,9 +178,9 @@ struct MarginalLikelihood<'a> {
     /// Gradient of the next block and of the constants, after elimination of the blocks before.
     own: [[f64; 1]; SLOW],
     constants: [[f64; 1]; CONSTANTS],
-    /// `gᵀH⁻¹g`.
+    /// The last term of (18).
     explained: f64,
-    /// `sᵀPs`.
+    /// `sᵀ P_s s`.
     prior_square: f64,
 }
 
@@ -229,7 +230,7 @@ impl<'a> MarginalLikelihood<'a> {
         let (factor, ln_determinant) = self.elimination.constants(corner, &priors.information())?;
         let gradient = Constants::from_column_slice(self.constants.as_flattened());
         let explained = self.explained + gradient.dot(&factor.solve(&gradient));
-        Some(ln_determinant + self.prior_square - explained)
+        Some(ln_determinant + self.prior_square - explained) // (18)
     }
 }
 

@@ -4,7 +4,7 @@ use super::equations::{ANGLES, JERKS, RANGES, ResidualSquares, STAMPS};
 use super::loss::CONSISTENCY;
 use super::residuals::{ANGLE_RAD, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M};
 
-/// First linearisation: a vehicle on wheels, and angles twice as noisy as stated.
+/// Levels of the first linearisation: a vehicle on wheels, and angles twice as noisy as stated.
 pub const FIRST_LEVELS: NoiseLevels = NoiseLevels {
     range: 1.0,
     angle_rad: 2.0 * ANGLE_RAD,
@@ -12,15 +12,17 @@ pub const FIRST_LEVELS: NoiseLevels = NoiseLevels {
     distance_m: OBSERVED_DISTANCE_SIGMA_M,
     jerk_m_per_s3: 0.1,
 };
-/// No vehicle is smoother than this (m/s³), and no instrument twice as good as stated while its prism moves.
+/// Least process noise of the motion (m/s³): no vehicle is smoother.
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
+/// Least noise of ranges and angles over the stated one: no instrument is twice as good as stated while its prism moves.
 const LEAST_NOISE_FACTOR: f64 = 0.5;
 /// Largest factor by which one step changes a level.
 const LARGEST_FACTOR: f64 = 2.7;
 /// Least redundancy of jerks by which the step is extrapolated.
 const LEAST_JERK_REDUNDANCY: f64 = 0.25;
+/// Least noise of the stamps.
 const LEAST_JITTER_S: f64 = 1e-5;
-/// Stamps by a computer at the end of a serial line are randomly late by up to 15 ms.
+/// Largest noise of the stamps. Field: stamps by a computer at the end of a serial line are randomly late by up to 15 ms.
 const MOST_JITTER_S: f64 = 0.015;
 
 /// Returns the noise levels by Helmert's estimate of variance components, and the mean redundancy number of a reading.
@@ -34,13 +36,14 @@ pub fn estimate_noise_levels(
         let expected = squares.expected[kind];
         (expected - squares.absorbed[kind]).max(0.02 * expected)
     };
+    // (15)
     let factor = |kind: usize| match squares.expected[kind] {
         expected if expected > 0.0 => {
             (squares.observed[kind] / (CONSISTENCY * remaining(kind))).sqrt()
         }
         _ => 1.0,
     };
-    // A step of expectation maximisation, which converges slowly where the motion absorbs most, is extrapolated by the redundancy.
+    // (17). A step of expectation maximisation, which converges slowly where the motion absorbs most, is extrapolated by the redundancy.
     let jerks = squares.expected[JERKS].max(1.0);
     let redundancy = (1.0 - squares.absorbed[JERKS] / jerks).max(LEAST_JERK_REDUNDANCY);
     let jerk_factor = (squares.observed[JERKS] + squares.absorbed[JERKS]) / jerks;
@@ -55,6 +58,7 @@ pub fn estimate_noise_levels(
         jitter_s: jitter_s.clamp(LEAST_JITTER_S, MOST_JITTER_S),
         jerk_m_per_s3: (levels.jerk_m_per_s3 * limited(jerk_factor)).max(LEAST_JERK_M_PER_S3),
     };
+    // (16)
     let expected = squares.expected[RANGES] + squares.expected[ANGLES];
     (levels, ((remaining(RANGES) + remaining(ANGLES)) / expected.max(1e-9)).min(1.0))
 }

@@ -1,7 +1,7 @@
 //! Conflict of the data with the priors of the constants.
 //!
-//! If the priors are right, an estimate x with prior variance P and posterior variance C is normal about its prior mean with the
-//! variance P − C. It must not be compared with P, which an estimate that the data hardly determines never reaches, nor with C. The
+//! If the priors are right, an estimate with prior variance P⁻¹ and posterior variance C is normal about its prior mean with the
+//! variance P⁻¹ − C. It must not be compared with P⁻¹, which an estimate that the data hardly determines never reaches, nor with C. The
 //! same holds for several constants together (Evans & Moshonov 2006, "Checking for prior-data conflict").
 
 use nalgebra::{DMatrix, DVector, SVector};
@@ -14,7 +14,7 @@ use super::state_vector::{
 /// Directions whose prior variance the data reduces by less than this share are not tested.
 pub const LEAST_INFORMATION: f64 = 0.05;
 
-/// Distances of the constants from their priors, in standard deviations √(P − C).
+/// Distances of the constants from their priors, in standard deviations √(P⁻¹ − C).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PriorConflict {
     /// Change from the prior means, in the constants' own units.
@@ -34,7 +34,7 @@ impl PriorConflict {
     pub fn new(change: &Constants, prior: &ConstantsMatrix, covariance: &ConstantsMatrix) -> Self {
         let precision = prior.diagonal().map(|p| if p > 0.0 { p.recip() } else { 0.0 });
         let root = precision.map(f64::sqrt);
-        // In units of the priors: the covariance P − C of `scaled`, if they are right.
+        // In units of the priors: the covariance P⁻¹ − C of `scaled`, if they are right.
         let scaled = change.component_mul(&root);
         let expected = ConstantsMatrix::from_fn(|i, j| {
             (prior[(i, j)] - covariance[(i, j)]) * root[i] * root[j]

@@ -127,6 +127,7 @@ impl Priors {
             let moved_s2 = prior_s2 - covariance[(index, index)];
             let change_s = constants[index] - self.mean[index];
             let is_tested = moved_s2 > LEAST_INFORMATION * prior_s2;
+            // (22)
             if is_tested && change_s.powi(2) > REJECTED_SIGMAS.powi(2) * moved_s2 {
                 self.precision[index] = self.precision[index].min(WIDE_CLOCK_S.powi(-2));
             }
@@ -160,7 +161,7 @@ impl Priors {
     pub fn cost(&self, constants: &Constants) -> f64 {
         let change = constants - self.mean;
         let survey = self.survey.as_ref().map_or(0.0, |survey| survey.cost(constants));
-        change.dot(&(self.own_information() * change)) + survey
+        change.dot(&(self.own_information() * change)) + survey // (14)
     }
 
     /// Gradient of the costs of priors and survey.

@@ -20,16 +20,17 @@ pub struct GaussMarkov {
 }
 
 impl GaussMarkov {
-    /// Practically no error.
+    /// Practically no error, for settings without slow errors (m, s).
     pub const NONE: Self = Self { sigma_m: 1e-4, correlation_s: PROCESS_TIMES_S[1] };
-    /// The smallest process that is tried, with which the estimate starts.
+    /// The smallest process that is tried, with which the estimate starts (m, s).
     pub const SMALLEST: Self =
         Self { sigma_m: PROCESS_SIGMAS_M[0], correlation_s: PROCESS_TIMES_S[1] };
 }
 
-/// Standard deviations (m) and correlation times (s) that are tried. Several stations see different facets of a prism, so no drive has
-/// smaller errors: measured on real drives, they are 0.5 to 1.5 mm.
+/// Standard deviations of slow errors that are tried. Several stations see different facets of a prism, so no drive has smaller
+/// errors. Measured: on real drives they are 0.5 to 1.5 mm.
 pub const PROCESS_SIGMAS_M: [f64; 5] = [8e-4, 0.0014, 0.0025, 0.0045, 0.008];
+/// Correlation times of slow errors that are tried.
 pub const PROCESS_TIMES_S: [f64; 4] = [3.0, 12.0, 50.0, 200.0];
 
 /// Priors of the slow states.
@@ -84,6 +85,7 @@ struct Innovation {
 impl Innovation {
     /// The innovation after a time (s); `None` for the first block.
     fn new(process: &GaussMarkov, since_s: Option<f64>) -> Self {
+        // (11)
         let correlation = since_s.map_or(0.0, |since_s| (-since_s / process.correlation_s).exp());
         let share = (1.0 - correlation * correlation).max(1e-6);
         Self { correlation, precision: 1.0 / (process.sigma_m.powi(2) * share) }
@@ -150,6 +152,7 @@ impl SlowPrecisions {
 
     /// The precision for standard deviations a thousand times smaller.
     pub fn stiffer(&self) -> Self {
+        /// Factor of the precision of all slow states where these are unobservable.
         const MORE: f64 = 1e6;
         let stiffer = |transition: &Transition| Transition {
             clock_precision: transition.clock_precision * MORE,
@@ -197,6 +200,7 @@ impl SlowPrecisions {
 
     /// Precision of the random walks' increment to a block from the one before it.
     pub fn increment_precision(&self, block: usize) -> WalkMatrix {
+        // (10)
         let transition = self.transitions[block];
         let mut walk = WalkMatrix::zeros();
         walk.fixed_view_mut::<8, 8>(0, 0).copy_from(&(self.settling / transition.pose_share));

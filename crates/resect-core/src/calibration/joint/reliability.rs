@@ -1,12 +1,12 @@
 //! Reliability of the groups of readings (Baarda 1968, "A testing procedure for use in geodetic networks").
 //!
-//! The redundancy number r of a reading is the share of its error that remains in the residual v. Without an error `v / (σ √r)` has the
+//! The redundancy number r of a reading is the share of its error that remains in the residual ε. Without a bias `ε / (σ √r)` has the
 //! standard deviation 1. The minimal detectable bias is `δ₀ σ_∇`: a test with a false-alarm rate of 0.1 % detects it with a probability
 //! of 80 %, with `δ₀ = 4.13`. A reading of a control point has `σ_∇ = σ / √r`.
 //!
-//! An error that all readings of a group share is a constant `θ_c`. With the prior information Λ and the posterior covariance C of the
-//! constants, the score of a shift of its prior mean has the information `N = (Λ − ΛCΛ)_cc` (de Jong & Penzer 1998). So `σ_∇ = 1/√N`, and
-//! `N / Λ_cc` is the redundancy number of the prior. An undetected bias b moves the poses x by `Cov(x, θ) Λ e_c b`.
+//! An error that all readings of a group share is a constant, with the index ∗. P is the prior precision and C the posterior covariance of
+//! the constants. The score of a shift of the prior mean has the information `σ_∇⁻² = (P − PCP)_∗∗` (de Jong & Penzer 1998). `σ_∇⁻² / P_∗∗` is the
+//! redundancy number of the prior. An undetected bias ∇ moves the poses (o, ψ) by `Cov((o, ψ), θ) P_∗ ∇`.
 
 use std::ops::Range;
 
@@ -23,7 +23,8 @@ use crate::calibration::Quantity;
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
-/// Noncentrality of a bias that a test with a false-alarm rate of 0.1 % detects with a probability of 80 % (σ).
+/// Noncentrality of a bias that is detectable (σ). Textbook: a test with a false-alarm rate of 0.1 % detects it with a
+/// probability of 80 % (Baarda 1968).
 const NONCENTRALITY: f64 = 4.13;
 
 /// Change of (x, y, z, yaw) of stations 2 and 3 (m, rad).

@@ -13,9 +13,11 @@ pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
 /// Standard deviation of an observed distance of the rig, once a knot (m). Each prism shows its facets to a station for some seconds, so
 /// that errors of a millimetre at consecutive knots are not independent.
 pub const OBSERVED_DISTANCE_SIGMA_M: f64 = 0.0015;
-/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
+/// Stated noise of a range of length zero. Source: Trimble S7, 2 mm + 2 ppm (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;
+/// Stated noise of a range by its length. Source: Trimble S7, 2 mm + 2 ppm (Vaidis et al. 2022, "Experiments").
 const RANGE_SHARE: f64 = 2e-6;
+/// Stated noise of an angle. Source: Trimble S7, one arcsecond (Vaidis et al. 2022, "Experiments").
 pub const ANGLE_RAD: f64 = ARCSECOND_RAD;
 
 /// Noise of the readings and process noise of the motion.
@@ -88,6 +90,7 @@ impl ReadingResidual {
     ) -> Self {
         let model = &point.stations[station];
         let sight = &reading.sight();
+        // (3)
         let mut offset_s =
             model.clock_offset_s + model.clock_drift * (reading.time_s - point.middle_s);
         let block = grid.block_at(reading.time_s - offset_s);
@@ -103,15 +106,16 @@ impl ReadingResidual {
         let axes = model.rotation * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
         let along = axes.column(0).into_owned();
         let velocity_across = velocity - along * along.dot(&velocity);
+        // (5)
         let difference_m = spline_value::<LOCAL>(point, &weights, &weights.position, prism)
             - velocity_across * model.latency_s
             - prism_m;
 
-        let range_sigma_m = levels.range * stated_range_m(sight.range_m);
+        let range_sigma_m = levels.range * stated_range_m(sight.range_m); // (7)
         let across_sigma_m = levels.angle_rad * sight.range_m;
         let precision =
             Vector3::new(range_sigma_m.powi(-2), across_sigma_m.powi(-2), across_sigma_m.powi(-2));
-        // A stamp error displaces the reading along its velocity: inverse of diagonal + rank one (Sherman & Morrison 1950).
+        // (6). A stamp error displaces the reading along its velocity: inverse of diagonal + rank one (Sherman & Morrison 1950).
         let jitter_m = axes.tr_mul(&velocity) * levels.jitter_s;
         let weighted = precision.component_mul(&jitter_m);
         let information = Matrix3::from_diagonal(&precision)
@@ -155,6 +159,7 @@ fn spline_value<const LOCAL: usize>(
     let mut sum = Vector3::zeros();
     for (k, factor) in factors.iter().enumerate() {
         let first = LOCAL * (weights.first + k) + 3 * prism;
+        // (4)
         sum += *factor * Vector3::from_column_slice(&point.coefficients_m[first..first + 3]);
     }
     sum
@@ -177,13 +182,13 @@ pub fn distance_residual<const LOCAL: usize>(
     let prism_m = |prism: usize| spline_value::<LOCAL>(point, weights, &weights.position, prism);
     let between = prism_m(a) - prism_m(b);
     let length_m = between.norm().max(1e-9);
-    (between / length_m, length_m - distance_m)
+    (between / length_m, length_m - distance_m) // (8)
 }
 
 /// Jacobian of a jerk by four knots, in σ.
 pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels) -> [f64; ORDER] {
     let scale = 1.0 / (levels.jerk_m_per_s3 * grid.knot_s.powi(3));
-    [-scale, 3.0 * scale, -3.0 * scale, scale]
+    [-scale, 3.0 * scale, -3.0 * scale, scale] // (9)
 }
 
 /// Jerk of four knots from `first` on, by coordinate, in σ.

@@ -9,6 +9,7 @@ use crate::calibration::ErrorSizes;
 pub fn relative_settling(sizes: &ErrorSizes, mean: &Constants) -> SMatrix<f64, 8, 8> {
     let (own, by_station_1) = (own_settling(sizes), jacobian_by_station_1(mean));
     let both = SVector::<f64, 8>::from_fn(|k, _| own[k % 4]);
+    // (10)
     SMatrix::from_diagonal(&both)
         + by_station_1 * Matrix4::from_diagonal(&own) * by_station_1.transpose()
 }

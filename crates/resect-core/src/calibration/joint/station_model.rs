@@ -6,8 +6,9 @@ use super::state_vector::{
     CLOCKS, COLLIMATIONS, Constants, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
 };
 
-/// Radius of the earth (m), and Gauss's coefficient of refraction: the curvature of a sight over that of the earth.
+/// Radius of the earth (m). Textbook: mean radius.
 pub const EARTH_RADIUS_M: f64 = 6.371e6;
+/// Coefficient of refraction: the curvature of a sight over that of the earth. Textbook: Gauss's value.
 const REFRACTION: f64 = 0.13;
 
 /// One station's frame, clock and instrument errors.
@@ -37,7 +38,7 @@ impl StationModel {
         let yaw_rad = slot.map_or(0.0, |slot| constants[4 * slot + 3]);
         let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
         Self {
-            rotation: *(yaw * lean).matrix(),
+            rotation: *(yaw * lean).matrix(), // (2)
             position_m: slot
                 .map_or_else(Vector3::zeros, |slot| constants.fixed_rows::<3>(4 * slot).into()),
             offset_m: constants[OFFSETS + station],
@@ -52,6 +53,7 @@ impl StationModel {
 
     /// Returns the point of a reading without the errors of range, vertical index, collimation and refraction (m, own axes).
     pub fn corrected(&self, sight: &Sight) -> Vector3<f64> {
+        // (1)
         let range_m = sight.range_m * (1.0 - self.scale) - self.offset_m;
         let raised = self.index_rad - 0.5 * REFRACTION * sight.range_m / EARTH_RADIUS_M;
         sight.along * range_m + sight.up * (raised * sight.range_m)

@@ -15,16 +15,18 @@ use super::state_vector::Slow;
 use super::step_fit::{STEPPING, fit, step_jacobians};
 use crate::calibration::Estimate;
 
-/// Critical χ² of a step at any time of a drive, of a station (4 degrees of freedom) and of a clock (1).
+/// Critical χ² of a step of a station at any time of a drive (4 degrees of freedom).
 const STATION_CHI_SQUARE: f64 = 28.0;
+/// Critical χ² of a step of a clock at any time of a drive (1 degree of freedom).
 const CLOCK_CHI_SQUARE: f64 = 25.0;
 /// Critical χ² of a drift of one of three stations over the whole drive (4 degrees of freedom).
 const DRIFT_CHI_SQUARE: f64 = 20.0;
 
-/// Variances beside which the data must tell of a step to detect it: multiple of those of settling, and that of a clock (s²). A detected
-/// step is measured in all directions.
+/// Variances of a station's step beside which the data must determine it, as a multiple of those of settling.
 const STEP_SETTLING: f64 = 9.0;
+/// The same multiple once a step is detected, so that it is measured in all directions.
 const DETECTED: f64 = 1e6;
+/// Variance of a clock's step beside which the data must determine it (s²).
 const STEP_CLOCK_S2: SVector<f64, 1> = SVector::<f64, 1>::new(25e-6);
 
 /// A step of a station, or of its clock.
@@ -135,7 +137,7 @@ impl StepSearch<'_> {
 
     /// Normal matrix and right-hand side of an increment from a block to a later one, without its prior.
     ///
-    /// With the prior precision Q⁻¹ of the increment w, and its covariance C by data and prior, they are Q⁻¹ − Q⁻¹CQ⁻¹ and Q⁻¹w.
+    /// With the prior precision `(ωQ)⁻¹` of the increment Δs, and its covariance C by data and prior, they are (24) of [`super`].
     fn without_prior(
         &self,
         from: usize,
@@ -145,7 +147,7 @@ impl StepSearch<'_> {
     ) -> (WalkMatrix, SVector<f64, STEPPING>) {
         let increment = self.slow[to] - self.slow[from];
         let right = precision * increment.fixed_rows::<STEPPING>(0);
-        (precision - precision * covariance * precision, right)
+        (precision - precision * covariance * precision, right) // (24)
     }
 
     /// Returns a step with its size by a solution whose priors allow it; the search's own priors do not.

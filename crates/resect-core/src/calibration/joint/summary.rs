@@ -69,7 +69,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let drives = self.drive_clocks(&solution, &states);
         JointEstimate {
             station1_from_station: level_transforms(&mean),
-            covariance: covariance + settling + facets,
+            covariance: covariance + settling + facets, // (25)
             budget,
             reliability: group_reliability(&solution, &constants, &pose_sensitivity.constants),
             clock_offsets_s: drives[0].offsets_s,

@@ -13,13 +13,15 @@ use crate::geometry::LevelTransform;
 use crate::network::PerStation;
 use crate::statistics::median;
 
-/// Standard deviations of the target's prism constant, and of the zero of a range beside it (m).
+/// Standard deviation of the target's prism constant, which all stations share (m).
 const TARGET_CONSTANT_M: f64 = 0.005;
+/// Standard deviation of the zero of a station's ranges beside the prism constant.
 const ZERO_M: f64 = 0.0005;
-/// A reading is an outlier if its robust weight is smaller and its residual is larger than this multiple of the median, and than the
-/// length (m).
+/// An outlier among the readings of control points has a smaller robust weight.
 const OUTLIER_WEIGHT: f64 = 0.3;
+/// An outlier has a residual of more than this multiple of the median.
 const OUTLIER_RATIO: f64 = 5.0;
+/// An outlier has a larger residual (m).
 const LEAST_OUTLIER_M: f64 = 0.010;
 
 /// Kinds of numbers in a reading.

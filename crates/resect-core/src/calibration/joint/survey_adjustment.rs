@@ -29,16 +29,19 @@ use crate::geometry::{LevelTransform, align_level};
 use crate::network::PerStation;
 use crate::statistics::median;
 
-/// Standard deviations of a static reading: range (m, and share of the range), angle (rad), and position of the target across the
-/// sight (m). Angles in files of six digits are rounded to 10 µrad.
+/// Standard deviation of a static range of length zero.
 const RANGE_M: f64 = 0.001;
+/// Standard deviation of a static range by its length.
 const RANGE_SHARE: f64 = 1e-6;
+/// Standard deviation of a static angle. Angles in files of six digits are rounded to 10 µrad.
 const ANGLE_RAD: f64 = 6e-6;
+/// Standard deviation of the position of the target across the sight.
 const TARGET_M: f64 = 0.0003;
 /// Standard deviation of a surveyed coordinate with the centring of the target, which all stations share (m).
 const SURVEYED_M: f64 = 0.002;
 /// Fewest points that stations 2 and 3 share with station 1.
 const FEWEST_SHARED: usize = 3;
+/// Largest number of iterations of the adjustment.
 const MOST_ITERATIONS: usize = 60;
 /// The iteration has converged once no constant moves by more than this many σ.
 const CONVERGED_SIGMAS: f64 = 1e-3;
@@ -212,6 +215,7 @@ impl Adjustment {
     fn placed(stations: &[StationModel; 3], reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
         let model = reading.model(stations);
         let Sight { along, side, up, .. } = reading.sight;
+        // (5)
         let point_m = model.rotation * model.corrected(&reading.sight) + model.position_m;
         (point_m, model.rotation * Matrix3::from_columns(&[along, side, up]))
     }
@@ -308,7 +312,7 @@ impl Adjustment {
                     let axes = Self::placed(&stations, reading).1;
                     sum.residuals_m.push(axes.tr_mul(&(centre.point_m - equation.point_m)));
                 }
-                // Σ (J − C)ᵀΛ(J − C) = Σ JᵀΛJ − CᵀΣΛ C.
+                // Σ (J − J̄)ᵀW(J − J̄) = Σ JᵀWJ − J̄ᵀΣW J̄, with the mean J̄ by the information W.
                 add_gram(&mut information, &centre.jacobian, &-centre.information);
             }
             self.add_face_errors(markers, &mut information, &mut gradient);

@@ -61,7 +61,7 @@ impl OwnErrors {
     }
 }
 
-/// Adds `JᵀΛJ` of a Jacobian in which most columns are zero.
+/// Adds `JᵀWJ` of a Jacobian in which most columns are zero.
 pub fn add_gram(sum: &mut DMatrix<f64>, jacobian: &PointJacobian, information: &Matrix3<f64>) {
     let is_used = |column: &usize| jacobian.column(*column) != Vector3::zeros();
     let used: Vec<usize> = (0..jacobian.ncols()).filter(is_used).collect();

@@ -25,8 +25,9 @@ use crate::progress::{Cancelled, Progress};
 const THINNED: usize = 300;
 /// Fewest triplets of a drive that is explained: with fewer, any hypothesis fits.
 const FEWEST_TRIPLETS: usize = 20;
-/// Largest ratio of an explanation's fit to that without it, and to the fit of the best explanation.
+/// Largest ratio of an explanation's fit to that without it.
 const NO_WORSE: f64 = 1.2;
+/// Largest ratio of an explanation's fit to that of the best explanation.
 const AS_GOOD: f64 = 1.5;
 /// Differences of a fit below this are noise (m).
 const FIT_NOISE_M: f64 = 0.0005;
@@ -37,8 +38,9 @@ const CLEARLY_LESS: f64 = 0.5;
 /// Most explanations that are reported.
 const MOST_NAMED: usize = 3;
 /// If the outlier filter keeps a smaller share of a station's readings than this, its limits are probably in wrong units. The
-/// filter then runs again on the corrected readings, at most this many.
+/// filter then runs again on the corrected readings.
 const MOSTLY_REJECTED: f64 = 0.6;
+/// Most corrected readings on which the outlier filter runs again.
 const MOST_READINGS: usize = 20_000;
 
 /// The data that was misread.

@@ -11,16 +11,18 @@ use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::{central_sigma, median};
 
-/// A triangle of prisms with a smaller height than this, seen from above (m), has no significant orientation. The same is true if a
-/// tilt by [`SHEAR_RAD`] can reverse it.
+/// A triangle of prisms with a smaller height than this, seen from above (m), has no significant orientation. The same is true if
+/// a tilt by [`SHEAR_RAD`] can reverse it.
 const THIN_M: f64 = 0.010;
+/// Tilt of the rig that must not reverse the orientation of its prisms.
 const SHEAR_RAD: f64 = 0.1;
 /// Error of a height by noise and by the accuracy of a reading of the rig (m).
 const HEIGHT_NOISE_M: f64 = 0.005;
-/// Allowance for the tilt of the rig when its heights were read: slope of the ground (rad), number of σ of the pitch and roll
-/// during the drive, and upper limit of the sum (rad).
+/// Slope of the ground when the heights of the rig were read.
 const SLOPE_RAD: f64 = 0.05;
+/// Number of σ of pitch and roll during the drive that is allowed beside the slope.
 const CONTRADICTION_TILTS: f64 = 4.0;
+/// Upper limit of slope and tilts together.
 const STEEPEST_RAD: f64 = 0.2;
 /// From this number of σ on, heights are suspicious, and another explanation is searched.
 const SUSPICION_TILTS: f64 = 2.0;

@@ -10,14 +10,15 @@ use crate::pipeline::Triplets;
 use crate::statistics::robust::HUBER_BEND;
 use crate::statistics::sigma_of_errors;
 
-/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, section "Experiments").
+/// Noise of the Trimble S7: 2 mm + 2 ppm, one arcsecond. Source: Vaidis et al. 2022, section "Experiments".
 const INSTRUMENT: PolarNoise =
     PolarNoise { range_m: 0.002, range_share: 2e-6, angle_rad: ARCSECOND_RAD };
 /// Interpolation error of straight lines between readings on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
-/// Weight of a distance residual (1/m²). The value does not matter: λ and the loss scale with the residuals.
+/// Weight of a distance residual (1/m²). The value does not matter: the weight of the priors and the loss scale with the
+/// residuals.
 pub const WEIGHT_PER_M2: f64 = 1.0 / (CHORD_SIGMA_M * CHORD_SIGMA_M);
-/// Mean share of two readings' noise variance in a point between them: ∫(1−s)² + s² ds.
+/// Mean share of two readings' noise variance in a point between them. Textbook: ∫(1−s)² + s² ds.
 const CHORD_NOISE: f64 = 2.0 / 3.0;
 /// Smallest σ of the residuals, in units of the stated noise; a simulation without noise reaches zero.
 const LEAST_SIGMA: f64 = 1e-12;
