@@ -22,6 +22,21 @@ __all__ = ["Calibration", "Transform"]
 
 ROW_NAMES = ("group", "subject", "name", "symbol", "unit", "value", "sigma", "prior_sigma", "significant")
 
+TRACE_NAMES = (
+    "phase",
+    "cost",
+    "squared_length",
+    "largest_step_sigmas",
+    "share",
+    "matrix_reused",
+    "downweighted",
+    "range_m",
+    "angle_rad",
+    "stamp_s",
+    "jerk_m_per_s3",
+    "events",
+)
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Transform:
@@ -195,6 +210,25 @@ class Calibration:
         For one prism they are the distances between its positions by two stations.
         """
         return self._handle.residuals()
+
+    @cached_property
+    def _trace(self) -> dict[str, Any]:
+        return self._handle.trace() or {"status": None, "steps": []}
+
+    @property
+    def solver_status(self) -> str | None:
+        """Code of the outcome of the joint estimate's solver, such as "converged"; None for other methods."""
+        status: str | None = self._trace["status"]
+        return status
+
+    @property
+    def trace(self) -> Table:
+        """Steps of the joint estimate's solver: columns for pandas or polars, empty for other methods.
+
+        `cost`, `squared_length` and `largest_step_sigmas` are in σ² and σ, and NaN where the solver does not compute them.
+        `events` are in words, separated by semicolons.
+        """
+        return columns([{**row, "events": "; ".join(row["events"])} for row in self._trace["steps"]], TRACE_NAMES)
 
     def trajectory(
         self,

@@ -12,7 +12,7 @@ use resect_core::evaluation::requested_trajectory::{
     LARGEST_RATE_HZ, TrajectoryRequest, requested_trajectory,
 };
 use resect_core::evaluation::vehicle::Instants;
-use resect_report::{json, text};
+use resect_report::{json, text, trace};
 
 use crate::arrays::{plain, set_column};
 use crate::failure::{Failure, times_in_words};
@@ -53,6 +53,11 @@ impl AnalysisHandle {
             Ok(json::calibration(deployment, analysis, answer, *load_ms))
         })?;
         plain(py, &value)
+    }
+
+    /// Returns the trace that `resect calibrate --trace --json` adds; `None` without a joint estimate.
+    fn trace<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.0.answer.calibration.trace().map(|it| plain(py, &trace::json(it))).transpose()
     }
 
     /// Returns the text that `resect calibrate` prints.

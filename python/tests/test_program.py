@@ -116,6 +116,17 @@ def test_files_and_overrides_are_those_of_the_program(tmp_path: Path) -> None:
     assert [track.prism_constant_m for track in by_keywords.tracks] == [0.01, 0.02, 0.03]
 
 
+def test_the_trace_is_that_of_the_program(warthog: resect.Deployment, answer: resect.Calibration) -> None:
+    expected = printed("calibrate", SAMPLES / "warthog", "--trace")["trace"]
+    assert answer.solver_status == expected["status"] == "converged"
+    assert answer.trace["phase"].tolist() == [step["phase"] for step in expected["steps"]]
+    assert answer.trace["events"].tolist() == ["; ".join(step["events"]) for step in expected["steps"]]
+    lengths = [np.nan if step["squared_length"] is None else step["squared_length"] for step in expected["steps"]]
+    np.testing.assert_equal(answer.trace["squared_length"], lengths)
+    published = warthog.calibrate("inter-prism")
+    assert published.solver_status is None and len(published.trace["phase"]) == 0
+
+
 def test_the_text_is_that_of_the_program(answer: resect.Calibration) -> None:
     assert run("calibrate", SAMPLES / "warthog").stdout.startswith(str(answer))
 

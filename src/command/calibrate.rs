@@ -9,7 +9,7 @@ use super::remedy_flags::finding_line;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
-use resect_report::{json, text};
+use resect_report::{json, text, trace};
 
 #[derive(Args)]
 pub struct CalibrateArguments {
@@ -18,6 +18,9 @@ pub struct CalibrateArguments {
     /// Print one JSON object (a list for several methods)
     #[arg(long)]
     json: bool,
+    /// Add the trace of the joint estimate: a row for each step of the solver
+    #[arg(long)]
+    trace: bool,
     #[command(flatten)]
     settings: AnswerArguments,
 }
@@ -31,10 +34,18 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     for settings in settings {
         let analysis = analyst.run(&settings);
         let answer = analysis.answer.clone()?;
+        let trace = answer.calibration.trace().filter(|_| arguments.trace);
         if arguments.json {
-            objects.push(json::calibration(&deployment, &analysis, &answer, load_ms));
+            let mut object = json::calibration(&deployment, &analysis, &answer, load_ms);
+            if let Some(trace) = trace {
+                object["trace"] = trace::json(trace);
+            }
+            objects.push(object);
         } else {
             print(&text::calibration(&deployment, &analysis, &answer, finding_line))?;
+            if let Some(trace) = trace {
+                print(&format!("\n{}", trace::text(trace)))?;
+            }
             print(&text::durations(&analysis, &answer))?;
         }
     }

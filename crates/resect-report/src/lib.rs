@@ -11,7 +11,7 @@
 //! | [`box_chart`], [`residual_chart`], [`plan_view`] | the charts | |
 //! | [`rows`], [`summary`], [`csv`], [`arrow`] | the rows of an answer as text; an answer as a summary, and as tables | a table: a function in `csv.rs` |
 //! | [`of_run`], [`difference`] | the date and the durations of a run; the difference of two answers | |
-//! | [`text`] | an answer in the terminal | |
+//! | [`text`], [`trace`] | an answer in the terminal; the trace of the solver, as text and JSON | a column of the trace: `trace.rs` |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
 //! | [`copy`] | an answer for the clipboard | |
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
@@ -45,5 +45,6 @@ pub mod study;
 pub mod summary;
 pub mod svg;
 pub mod text;
+pub mod trace;
 pub mod trajectory;
 pub mod validation;

@@ -76,10 +76,8 @@ fn answer_cells(answers: &DriveAnswers, judged: &JudgedAnswer) -> Vec<String> {
     // An answer without estimated distances is evaluated with the measured ones.
     cells.push(format_mm(inter_prism_mm.filter(|_| against_measured_mm.is_some())));
     cells.push(format_mm(against_measured_mm.or(inter_prism_mm)));
-    let converged = answer.calibration.joint().map(|joint| {
-        let word = if joint.converged { "yes" } else { "no" };
-        format!("{word}, {} steps", joint.iterations)
-    });
+    let joint = answer.calibration.joint();
+    let converged = joint.map(|joint| format!("yes, {} steps", joint.iterations));
     cells.push(converged.unwrap_or_else(|| MISSING.to_owned()));
     cells.push(answer.calibration.verdict.name().to_owned());
     cells.push(format!("{:.0}", judged.analysis.total_ms()));

@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 
 use super::details::{Details, JointTargets};
 use super::inter_prism::InterPrismDetails;
-use super::joint::{JointEstimate, SurveyPoses};
+use super::joint::{JointEstimate, SurveyPoses, Trace};
 use super::joint_failure::JointFailure;
 use super::method_answer::MethodAnswer;
 use super::{Clock, Estimate, Method, TransformSigma, Verdict, Witness};
@@ -72,11 +72,17 @@ impl Calibration {
     }
 
     /// Returns the reason why the published method answers; `None` unless the joint estimate failed.
-    pub fn joint_failure(&self) -> Option<JointFailure> {
+    pub fn joint_failure(&self) -> Option<&JointFailure> {
         match &self.details {
-            Details::Joint(details) => details.estimate.as_ref().err().copied(),
+            Details::Joint(details) => details.estimate.as_ref().err(),
             _ => None,
         }
+    }
+
+    /// Returns the trace of the joint estimate, if it failed as well; `None` for other methods.
+    pub fn trace(&self) -> Option<&Trace> {
+        let joint = self.joint().map(|joint| &joint.trace);
+        joint.or_else(|| self.joint_failure().map(|failure| &failure.trace))
     }
 
     /// Returns the method of the answer for sentences: "the joint estimate", or "method D (the joint estimate did not converge)".

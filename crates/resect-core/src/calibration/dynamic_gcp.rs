@@ -10,7 +10,7 @@ use nalgebra::SMatrix;
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
 use super::joint::JointInput;
-use super::joint_failure::{JointResult, require_converged};
+use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
@@ -90,11 +90,11 @@ pub fn solve_jointly(
         sizes: &settings.errors,
     };
     let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;
-    let estimate = match require_converged(estimate) {
+    let estimate = match estimate {
         Ok(estimate) => estimate,
-        Err(failure) => {
+        Err(trace) => {
             let published = solve(deployment, triplets, settings, offer)?;
-            return Ok(published.in_place_of_joint(failure));
+            return Ok(published.in_place_of_joint(JointFailure::from(trace)));
         }
     };
     answer.station1_from_station =

@@ -1,46 +1,63 @@
 //! Failures of the joint estimate, after which the published method answers.
 
 use super::Method;
-use super::joint::JointEstimate;
+use super::joint::{JointEstimate, SolverStatus, Trace};
 use crate::deployment::Finding;
-use crate::deployment::findings::answers::{estimate_not_converged, joint_estimate_undetermined};
+use crate::deployment::findings::answers::{
+    estimate_diverged, estimate_not_converged, joint_estimate_undetermined, no_common_readings,
+    priors_tightened,
+};
 
 /// Reason why the published method answers instead of the joint estimate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointFailure {
-    /// The iteration stopped before it reached a minimum.
-    NotConverged,
-    /// The readings do not determine all parameters.
-    Undetermined,
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointFailure {
+    /// Trace of the iteration, with the status that is the reason.
+    pub trace: Trace,
 }
 
 impl JointFailure {
+    /// A failure before the first step.
+    pub fn before_first_step(status: SolverStatus) -> Self {
+        Self { trace: Trace { status, ..Trace::default() } }
+    }
+
+    /// Returns the reason.
+    pub fn status(&self) -> SolverStatus {
+        self.trace.status
+    }
+
+    /// Returns true if the iteration did not end at a minimum.
+    pub fn is_unconverged(&self) -> bool {
+        matches!(self.status(), SolverStatus::TooManySteps | SolverStatus::Diverged)
+    }
+
     /// Returns the reason in words: "the joint estimate did not converge".
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::NotConverged => "the joint estimate did not converge",
-            Self::Undetermined => "the joint estimate is not determined",
-        }
+    pub fn in_words(&self) -> String {
+        format!("the joint estimate {}", self.status().in_words())
     }
 
     /// Returns the finding that `published` answers instead.
-    pub fn finding(self, published: Method) -> Finding {
+    pub fn finding(&self, published: Method) -> Finding {
         let published = published.to_string();
-        match self {
-            Self::NotConverged => estimate_not_converged(&published),
-            Self::Undetermined => joint_estimate_undetermined(&published),
+        match self.status() {
+            SolverStatus::Diverged => estimate_diverged(&published),
+            SolverStatus::NoReadings => no_common_readings(&published),
+            SolverStatus::NotDefinite | SolverStatus::UnobservableStart => {
+                joint_estimate_undetermined(&published)
+            }
+            SolverStatus::StifferPriors => priors_tightened(&published),
+            SolverStatus::TooManySteps | SolverStatus::Converged => {
+                estimate_not_converged(&published)
+            }
         }
+    }
+}
+
+impl From<Trace> for JointFailure {
+    fn from(trace: Trace) -> Self {
+        Self { trace }
     }
 }
 
 /// A joint estimate that converged, or the reason why there is none.
 pub type JointResult = Result<JointEstimate, JointFailure>;
-
-/// Returns the estimate if it converged.
-pub fn require_converged(estimate: Option<JointEstimate>) -> JointResult {
-    match estimate {
-        Some(estimate) if estimate.converged => Ok(estimate),
-        Some(_) => Err(JointFailure::NotConverged),
-        None => Err(JointFailure::Undetermined),
-    }
-}

@@ -36,10 +36,11 @@ impl<D> MethodAnswer<D> {
             finding.remedies.retain(|remedy| *remedy != Remedy::JointEstimate);
         }
         let finding = failure.finding(self.method);
-        match failure {
-            JointFailure::NotConverged => judgement.put_first([(Verdict::Weak, finding)]),
+        if failure.is_unconverged() {
+            judgement.put_first([(Verdict::Weak, finding)]);
+        } else {
             // The directions that the data leaves open come first.
-            JointFailure::Undetermined => judgement.doubt([finding]),
+            judgement.doubt([finding]);
         }
         MethodAnswer {
             method: Method::Joint,

@@ -128,7 +128,7 @@ pub fn recommend(calibration: &Calibration, deployment: &Deployment) -> Recommen
 struct UsableAnswer<'a> {
     calibration: &'a Calibration,
     deployment: &'a Deployment,
-    failure: Option<JointFailure>,
+    failure: Option<&'a JointFailure>,
 }
 
 impl UsableAnswer<'_> {
@@ -168,16 +168,17 @@ impl UsableAnswer<'_> {
     }
 
     /// Recommends the answer of the published method in place of the joint estimate.
-    fn recommend_published(&self, failure: JointFailure) -> Recommendation {
+    fn recommend_published(&self, failure: &JointFailure) -> Recommendation {
         let method = self.calibration.answered_by();
         let doubt = doubts(&self.calibration.findings)
             .into_iter()
             .find(|doubt| !is_about_convergence(doubt.kind))
             .filter(|_| self.calibration.verdict > Verdict::Good);
         let caution = if doubt.is_some() { " with caution" } else { "" };
-        let reason = match failure {
-            JointFailure::NotConverged => RecommendationReason::NotConverged,
-            JointFailure::Undetermined => RecommendationReason::NotDetermined,
+        let reason = if failure.is_unconverged() {
+            RecommendationReason::NotConverged
+        } else {
+            RecommendationReason::NotDetermined
         };
         let (drive, why) = (self.drive(), failure.in_words());
         Recommendation {
@@ -344,7 +345,14 @@ impl UsableAnswer<'_> {
 const CORRECT_DATA: &str = "Correct or leave out the data that the findings name.";
 
 fn is_about_convergence(kind: FindingKind) -> bool {
-    matches!(kind, FindingKind::EstimateNotConverged | FindingKind::JointEstimateUndetermined)
+    matches!(
+        kind,
+        FindingKind::EstimateNotConverged
+            | FindingKind::EstimateDiverged
+            | FindingKind::JointEstimateUndetermined
+            | FindingKind::NoCommonReadings
+            | FindingKind::PriorsTightened
+    )
 }
 
 fn next_step_of_change(change: &Finding) -> String {

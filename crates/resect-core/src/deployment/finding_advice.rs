@@ -166,6 +166,9 @@ pub const ADVICE: [Advice; 19] = [
         step: "Leave out the data that the other findings name, or record a longer drive.",
         kinds: &[
             Kind::EstimateNotConverged,
+            Kind::EstimateDiverged,
+            Kind::NoCommonReadings,
+            Kind::PriorsTightened,
             Kind::SolverNotConverged,
             Kind::JointEstimateUndetermined,
         ],

@@ -282,6 +282,12 @@ finding_kinds! {
 
     /// The estimate stopped before it converged.
     EstimateNotConverged = "estimate-not-converged", Warning;
+    /// The estimate moved away from its start without reaching a minimum.
+    EstimateDiverged = "estimate-diverged", Warning;
+    /// No span of the drive has readings of all three stations.
+    NoCommonReadings = "no-common-readings", Warning;
+    /// The normal matrix of the joint estimate is positive definite only with tighter priors.
+    PriorsTightened = "priors-tightened", Warning;
     /// The solver stopped before it converged.
     SolverNotConverged = "solver-not-converged", Warning;
     /// The data does not determine all parameters of the joint estimate.

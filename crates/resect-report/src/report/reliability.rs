@@ -7,11 +7,8 @@ use resect_core::calibration::joint::JointEstimate;
 use resect_core::calibration::joint::reliability::GroupReliability;
 use resect_core::deployment::Deployment;
 
-/// The table of all groups; nothing without convergence.
+/// The table of all groups.
 pub fn reliability(deployment: &Deployment, found: &JointEstimate) -> Markup {
-    if !found.converged {
-        return html! {};
-    }
     html! {
         h3 { "Reliability" }
         table {

@@ -11,9 +11,9 @@ use resect_core::deployment::ControlPointSet;
 use resect_report::glossary;
 use resect_report::rows::largest_residual;
 
-/// Shows the table, folded; nothing without convergence.
+/// Shows the table, folded; nothing without groups.
 pub fn ui(ui: &mut egui::Ui, joint: &JointEstimate, sets: &[ControlPointSet], units: Units) {
-    if !joint.converged || joint.reliability.is_empty() {
+    if joint.reliability.is_empty() {
         return;
     }
     let header = egui::CollapsingHeader::new("Reliability").id_salt("reliability");

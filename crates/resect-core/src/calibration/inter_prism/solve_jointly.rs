@@ -10,8 +10,8 @@ use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
 };
-use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances};
-use crate::calibration::joint_failure::{JointFailure, JointResult, require_converged};
+use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances, SolverStatus};
+use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
@@ -59,7 +59,7 @@ pub fn solve_jointly(
             };
             estimate(&input, (deployment, rig), &used, progress)?
         }
-        None => Err(JointFailure::Undetermined),
+        None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
     let (estimate, evaluated) = match estimated {
         Ok(estimated) => estimated,
@@ -136,7 +136,7 @@ fn estimate(
         let input = JointInput { published, survey: input.survey.clone(), ..*input };
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
-        Ok(require_converged(estimate).map(|estimate| {
+        Ok(estimate.map_err(JointFailure::from).map(|estimate| {
             let evaluated =
                 joint_answer::solve(&estimate, rig, points, used, input.is_determined_by_drive);
             (estimate, evaluated)

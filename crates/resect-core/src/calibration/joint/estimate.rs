@@ -16,10 +16,12 @@ use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::residuals::NoiseLevels;
+use super::solver_status::SolverStatus;
 use super::state_vector::{CLOCKS, Constants, ConstantsMatrix, DISTANCES, StateVector};
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{PosesByDistances, SurveyEvidence};
+use super::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::network::PerStation;
@@ -74,35 +76,72 @@ pub struct JointInput<'a> {
     pub sizes: &'a ErrorSizes,
 }
 
+/// Reason why an attempt has no estimate.
+enum AttemptEnd {
+    Cancelled,
+    Failed(SolverStatus),
+}
+
+const NOT_DEFINITE: AttemptEnd = AttemptEnd::Failed(SolverStatus::NotDefinite);
+
+impl From<Cancelled> for AttemptEnd {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<SolverStatus> for AttemptEnd {
+    fn from(status: SolverStatus) -> Self {
+        Self::Failed(status)
+    }
+}
+
 /// Estimates all unknowns.
 ///
-/// Returns `None` without readings, if the normal matrix is not positive definite, or if the iteration diverges. `triplets` is
-/// called where they are needed: a copy for the whole iteration would double its memory.
+/// Returns the trace with its status if there is no estimate. `triplets` is called where they are needed: a copy for the whole
+/// iteration would double its memory.
 pub fn estimate<'a>(
     triplets: &dyn Fn() -> Cow<'a, Triplets>,
     input: &JointInput<'_>,
     progress: &Progress,
-) -> Result<Option<JointEstimate>, Cancelled> {
+) -> Result<Result<JointEstimate, Trace>, Cancelled> {
     let solve = match input.rig {
         Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
         None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
     };
+    let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
+    let survey_first = !input.is_determined_by_drive;
     for block_s in BLOCK_LENGTHS_S {
-        let drive = Drive::new(&triplets(), block_s);
-        let Some(drive) = drive.map(Arc::new) else { return Ok(None) };
-        let survey_first = !input.is_determined_by_drive;
-        let mut estimate = solve(Arc::clone(&drive), triplets(), input, survey_first, progress)?;
-        let is_converged = |estimate: &JointEstimate| estimate.converged;
-        if input.survey.is_some() && !survey_first && !estimate.as_ref().is_some_and(is_converged) {
+        let Some(drive) = Drive::new(&triplets(), block_s).map(Arc::new) else { break };
+        let mut attempt = |event: TraceEvent, survey_first: bool| {
+            trace.add_event(event);
+            let drive = Arc::clone(&drive);
+            match solve(drive, triplets(), input, survey_first, &mut trace, progress) {
+                Ok(estimate) => Ok(Ok(estimate)),
+                Err(AttemptEnd::Cancelled) => Err(Cancelled),
+                Err(AttemptEnd::Failed(status)) => {
+                    trace.add_event(TraceEvent::Failed(status));
+                    Ok(Err(status))
+                }
+            }
+        };
+        let mut solved = attempt(TraceEvent::BlockLength(block_s), survey_first)?;
+        if solved.is_err() && input.survey.is_some() && !survey_first {
             // A drive that determines little by itself converges only with the survey from the first step on.
-            let again = solve(drive, triplets(), input, true, progress)?;
-            estimate = again.filter(is_converged).or(estimate);
+            solved = attempt(TraceEvent::SurveyFirst, true)?.or(solved);
         }
-        if estimate.is_some() {
-            return Ok(estimate);
+        match solved {
+            Ok(estimate) => {
+                trace.status = SolverStatus::Converged;
+                return Ok(Ok(JointEstimate { trace, ..estimate }));
+            }
+            Err(status) => trace.status = status,
+        }
+        if trace.status == SolverStatus::TooManySteps {
+            break;
         }
     }
-    Ok(None)
+    Ok(Err(trace))
 }
 
 /// Estimates noise levels on a sample, then iterates with robust weights that follow the residuals, then with fixed ones.
@@ -114,8 +153,9 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     triplets: Cow<'_, Triplets>,
     input: &JointInput<'_>,
     survey_first: bool,
+    trace: &mut Trace,
     progress: &Progress,
-) -> Result<Option<JointEstimate>, Cancelled> {
+) -> Result<JointEstimate, AttemptEnd> {
     let JointInput { published, rig, survey, sizes, .. } = input;
     let mean = prior_mean(published, rig.as_ref().map(|rig| &rig.measured_m));
     let mut priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
@@ -125,8 +165,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         priors.survey = pending_survey.take();
     }
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
-    let learned = learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, progress)?;
-    let Some((weighting, mut state)) = learned else { return Ok(None) };
+    let (weighting, mut state) =
+        learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, trace, progress)?;
     let is_sampled = sample.segments.len() < drive.segments.len();
     if is_sampled {
         state = drive.initial_state(&triplets, &state.constants, LOCAL / 3);
@@ -134,9 +174,9 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     drop(triplets);
     if is_sampled {
         for _ in 0..MOTION_STEPS {
-            if step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?.is_none() {
-                return Ok(None);
-            }
+            step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?
+                .ok_or(NOT_DEFINITE)?;
+            trace.add_row(TraceRow::of_motion(weighting.levels));
         }
     }
     // The whole drive determines the constants better than its sample: the first step may be that much longer.
@@ -154,12 +194,14 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         iterations,
         before,
         pending_survey,
+        trace,
     };
-    let Some(step) = iteration.step_reweighted(near_sigmas)? else { return Ok(None) };
-    let Some((step, converged)) = iteration.step_with_fixed_weights(step)? else {
-        return Ok(None);
-    };
-    Ok(Some(iteration.summarise(&step, converged)))
+    let step = iteration.step_reweighted(near_sigmas)?;
+    let step = iteration.step_with_fixed_weights(step)?;
+    if step.is_stiffer {
+        return Err(SolverStatus::StifferPriors.into());
+    }
+    Ok(iteration.summarise(&step))
 }
 
 /// The state of the iteration.
@@ -177,6 +219,7 @@ struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
     before: Option<StateBefore>,
     /// The survey until the drive alone is nearly solved.
     pending_survey: Option<SurveyEvidence>,
+    trace: &'a mut Trace,
 }
 
 /// The state before a step, its cost (σ²), and the share of the step that was taken.
@@ -191,38 +234,36 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     fn step_reweighted(
         &mut self,
         near_sigmas: f64,
-    ) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+    ) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
         let mut searches = 0;
         loop {
-            let Some(mut step) = self.linearise()? else { return Ok(None) };
+            let mut step = self.linearise()?;
             let mut is_settled = false;
-            if step.largest_step_sigmas() < near_sigmas {
+            let largest_step_sigmas = step.largest_step_sigmas();
+            if largest_step_sigmas < near_sigmas {
                 let known = self.steps.len();
                 searches += 1;
-                if !self.search_slow_changes(&mut step, searches == SEARCHES)? {
-                    return Ok(None);
-                }
+                self.search_slow_changes(&mut step, searches == SEARCHES)?;
                 // Readings near a step seem to be outliers until the priors allow the step.
                 is_settled = searches >= SEARCHES && self.steps.len() == known;
             }
-            if !self.apply(&step) {
-                return Ok(None);
-            }
+            self.apply(&step, |row| row.largest_step_sigmas = Some(largest_step_sigmas))?;
             if is_settled || self.iterations >= MOST_ITERATIONS {
-                return Ok(Some(step));
+                return Ok(step);
             }
             self.buffers = step.into_buffers();
         }
     }
 
-    /// Steps with the robust weights of `step`, until the last step is small. Returns it, and true if it was small.
+    /// Steps with the robust weights of `step`, until the last step is small. Returns it.
     fn step_with_fixed_weights(
         &mut self,
         mut step: GaussNewtonStep<LOCAL, ROW>,
-    ) -> Result<Option<(GaussNewtonStep<LOCAL, ROW>, bool)>, Cancelled> {
+    ) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
         if self.iterations >= MOST_ITERATIONS {
-            return Ok(Some((step, false)));
+            return Err(SolverStatus::TooManySteps.into());
         }
+        self.trace.add_event(TraceEvent::WeightsFixed);
         self.weighting.fixed = Some(step.weights());
         self.weighting.squares = step.squares();
         // The cost is another one now.
@@ -236,40 +277,44 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
                 self.before = None;
             } else {
                 self.buffers = step.into_buffers();
-                let Some(next) = self.linearise()? else { return Ok(None) };
-                step = next;
+                step = self.linearise()?;
             }
-            if !self.apply(&step) {
-                return Ok(None);
+            self.apply(&step, |row| {
+                row.is_matrix_reused = reuse_matrix;
+                // The cost is that of the state at which the matrix was computed.
+                row.cost = row.cost.filter(|_| !reuse_matrix);
+            })?;
+            // (21)
+            if step.squared_length < CONVERGED {
+                return Ok(step);
             }
-            let converged = step.squared_length < CONVERGED; // (21)
-            if converged || self.iterations >= MOST_ITERATIONS {
-                return Ok(Some((step, converged)));
+            if self.iterations >= MOST_ITERATIONS {
+                return Err(SolverStatus::TooManySteps.into());
             }
             reuse_matrix = is_stored && step.squared_length < FAST * before;
         }
     }
 
     /// Linearises at the state; before that, goes back as long as the last step has raised the cost.
-    fn linearise(&mut self) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+    fn linearise(&mut self) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
         loop {
             let step = self.linearise_here()?;
-            let Some(before) = &self.before else { return Ok(step) };
+            let Some(before) = &self.before else { return step.ok_or(NOT_DEFINITE) };
             let cost = step.as_ref().map_or(f64::NAN, |it| it.cost(&self.state, &self.priors));
             // NaN has not decreased.
             if cost < before.cost * (1.0 + COST_TOLERANCE) || before.share < SHORTEST {
-                return Ok(step);
+                return step.ok_or(NOT_DEFINITE);
             }
             if self.iterations >= MOST_ITERATIONS {
-                return Ok(step);
+                return step.ok_or(NOT_DEFINITE);
             }
             let share = SHORTER * before.share;
             self.state = before.state.clone();
             if let Some(step) = step {
                 self.buffers = step.into_buffers();
             }
-            let Some(step) = self.linearise_here()? else { return Ok(None) };
-            self.take_share(&step, share);
+            let step = self.linearise_here()?.ok_or(NOT_DEFINITE)?;
+            self.take_share(&step, share, |_| ());
             self.buffers = step.into_buffers();
         }
     }
@@ -279,35 +324,50 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
 
-    /// Applies a step; `false` if the estimate has diverged.
-    fn apply(&mut self, step: &GaussNewtonStep<LOCAL, ROW>) -> bool {
+    /// Applies a step, and adds its row with some changes; fails if the estimate has diverged.
+    fn apply(
+        &mut self,
+        step: &GaussNewtonStep<LOCAL, ROW>,
+        change_row: impl FnOnce(&mut TraceRow),
+    ) -> Result<(), AttemptEnd> {
         let last_share = self.before.as_ref().map_or(1.0, |before| before.share);
-        self.take_share(step, (2.0 * last_share).min(1.0));
-        !has_diverged(&self.state.constants, &self.priors.mean)
+        self.take_share(step, (2.0 * last_share).min(1.0), change_row);
+        let has_diverged = has_diverged(&self.state.constants, &self.priors.mean);
+        if has_diverged { Err(SolverStatus::Diverged.into()) } else { Ok(()) }
     }
 
-    fn take_share(&mut self, step: &GaussNewtonStep<LOCAL, ROW>, share: f64) {
+    fn take_share(
+        &mut self,
+        step: &GaussNewtonStep<LOCAL, ROW>,
+        share: f64,
+        change_row: impl FnOnce(&mut TraceRow),
+    ) {
         let cost = step.cost(&self.state, &self.priors);
+        let is_fixed = self.weighting.fixed.is_some();
+        let phase = if is_fixed { SolverPhase::FixedWeights } else { SolverPhase::Reweighted };
+        let mut row = TraceRow { cost: Some(cost), share, ..step.trace_row(phase) };
+        change_row(&mut row);
+        self.trace.add_step(row, step.is_stiffer);
         self.before = Some(StateBefore { state: self.state.clone(), cost, share });
         step.apply(&mut self.state, share);
         self.iterations += 1;
     }
 
-    /// Estimates the variances of slow states and detects steps, then solves again; `false` if that fails.
+    /// Estimates the variances of slow states and detects steps, then solves again.
     fn search_slow_changes(
         &mut self,
         step: &mut GaussNewtonStep<LOCAL, ROW>,
         is_last: bool,
-    ) -> Result<bool, Cancelled> {
-        let Self { state, priors, progress, .. } = self;
+    ) -> Result<(), AttemptEnd> {
+        let Self { state, priors, progress, trace, .. } = self;
         // A smaller size is a statement of the user, which is tested elsewhere.
         if self.sizes.clock_offset_s >= ErrorSizes::default().clock_offset_s {
             let constants = state.constants - step.step.constants;
-            priors.widen_clock_offsets(&constants, &step.factor.constants_covariance());
+            let covariance = step.factor.constants_covariance();
+            let widened = priors.widen_clock_offsets(&constants, &covariance);
+            widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
         }
-        if !add_survey(step, &mut self.pending_survey, state, priors) {
-            return Ok(false);
-        }
+        add_survey(step, &mut self.pending_survey, state, priors, trace)?;
         if self.sizes.ranges_wander {
             choose_processes(&step.normal, priors, state, progress)?;
         }
@@ -316,40 +376,49 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
             priors.slow.clocks_s2 = likeliest_clocks_s2(&step.normal, priors, state, progress)?;
         }
         add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
-        Ok(step.solve_again(state, priors))
+        let slow = &priors.slow;
+        trace.add_event(TraceEvent::Search(SlowChanges {
+            processes: [slow.ranges, slow.across, slow.upward],
+            clocks_s: slow.clocks_s2.sqrt(),
+            steps: self.steps.len(),
+        }));
+        step.solve_again(state, priors).ok_or(NOT_DEFINITE)
     }
 
-    fn summarise(self, step: &GaussNewtonStep<LOCAL, ROW>, converged: bool) -> JointEstimate {
+    fn summarise(self, step: &GaussNewtonStep<LOCAL, ROW>) -> JointEstimate {
         let Self { drive, state, weighting, priors, sizes, steps, iterations, .. } = self;
         let steps = measured_steps(&steps, &step.factor, &priors, &drive, &state);
         let prisms = LOCAL / 3;
         let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
-        JointEstimate { steps, converged, iterations, ..step.summary(solution) }
+        JointEstimate { steps, iterations, ..step.summary(solution) }
     }
 }
 
-/// Adds the survey to the priors and widens that of a changed set-up; `false` if the equations cannot be solved.
+/// Adds the survey to the priors and widens that of a changed set-up.
 fn add_survey<const LOCAL: usize, const ROW: usize>(
     step: &mut GaussNewtonStep<LOCAL, ROW>,
     pending: &mut Option<SurveyEvidence>,
     state: &StateVector,
     priors: &mut Priors,
-) -> bool {
+    trace: &mut Trace,
+) -> Result<(), AttemptEnd> {
     if let Some(survey) = pending.take() {
         let by_distances = (LOCAL == 9 && priors.distances_are_evidence)
             .then(|| poses_by_distances(&step.factor.constants_covariance(), priors));
         priors.survey = Some(survey.with_distances(by_distances));
-        if !step.solve_again(state, priors) {
-            return false;
-        }
+        trace.add_event(TraceEvent::SurveyAdded);
+        step.solve_again(state, priors).ok_or(NOT_DEFINITE)?;
     }
     let constants = state.constants - step.step.constants;
     let covariance = step.factor.constants_covariance();
     let survey = priors.survey.as_ref();
     let changed = survey.and_then(|survey| survey.with_detected_change(&constants, &covariance));
-    let Some(changed) = changed else { return true };
+    let Some(changed) = changed else { return Ok(()) };
+    if !changed.changed.is_empty() {
+        trace.add_event(TraceEvent::SetUpChanged(changed.changed.clone()));
+    }
     priors.survey = Some(changed);
-    step.solve_again(state, priors)
+    step.solve_again(state, priors).ok_or(NOT_DEFINITE)
 }
 
 /// Change of the poses for errors of the measured distances, by the covariance of the constants by the drive alone.
@@ -370,8 +439,9 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     sample: &Arc<Drive>,
     triplets: &Triplets,
     priors: &Priors,
+    trace: &mut Trace,
     progress: &Progress,
-) -> Result<Option<(Weighting, StateVector)>, Cancelled> {
+) -> Result<(Weighting, StateVector), AttemptEnd> {
     let mut priors = priors.clone();
     for index in 0..CLOCKS {
         let sigma = if index % 4 == 3 { SAMPLE_PRIOR_RAD } else { SAMPLE_PRIOR_M };
@@ -386,15 +456,16 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         let squares = if is_whole_step {
             let step =
                 GaussNewtonStep::new(sample, &state, &weighting, &priors, &mut buffers, progress)?;
-            let Some(step) = step else { return Ok(None) };
+            let step = step.ok_or(NOT_DEFINITE)?;
+            trace.add_step(step.trace_row(SolverPhase::Sample), step.is_stiffer);
             step.apply(&mut state, 1.0);
             let squares = step.squares();
             buffers = step.into_buffers();
             squares
         } else {
             let squares = step_motion::<LOCAL, MOTION>(sample, &mut state, &weighting, progress)?;
-            let Some(squares) = squares else { return Ok(None) };
-            squares
+            trace.add_row(TraceRow::of_motion(weighting.levels));
+            squares.ok_or(NOT_DEFINITE)?
         };
         // The first residuals are those of splines through the triplets, not of noise.
         if index > 0 {
@@ -402,7 +473,7 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
                 estimate_noise_levels(&weighting.levels, &squares);
         }
     }
-    Ok(Some((weighting, state)))
+    Ok((weighting, state))
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::priors::Priors;
 use super::random_walks::SlowPrecisions;
 use super::residuals::NoiseLevels;
 use super::state_vector::{BlockVector, Slow, StateVector};
+use super::trace::{SolverPhase, TraceRow};
 use crate::progress::{Cancelled, Progress};
 
 /// Memory for the rows of each segment, reused by the next step: allocating it takes as long as filling it.
@@ -34,6 +35,8 @@ pub struct GaussNewtonStep<const LOCAL: usize, const ROW: usize> {
     pub step: ChainVectors<1>,
     /// Squared length of the step in units of the data's information (σ²), by which convergence is judged.
     pub squared_length: f64,
+    /// True if the normal matrix is positive definite only with tighter priors of slow states, so that σ is too small.
+    pub is_stiffer: bool,
 }
 
 impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
@@ -73,14 +76,15 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let normal = ChainEquations { matrix: Arc::new(matrix), gradient };
         progress.check()?;
         let solution = solve_chain(&normal, state, priors);
-        Ok(solution.map(|ChainSolution { slow_precisions, factor, step, squared_length }| Self {
+        Ok(solution.map(|solution| Self {
             segments,
             levels: weighting.levels,
             normal,
-            slow_precisions,
-            factor,
-            step,
-            squared_length,
+            slow_precisions: solution.slow_precisions,
+            factor: solution.factor,
+            step: solution.step,
+            squared_length: solution.squared_length,
+            is_stiffer: solution.is_stiffer,
         }))
     }
 
@@ -101,15 +105,30 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         self.segments.into_iter().map(|segment| segment.band.into_rows()).collect()
     }
 
-    /// Solves the same equations with other priors; `false` if the normal matrix is not positive definite.
-    pub fn solve_again(&mut self, state: &StateVector, priors: &Priors) -> bool {
-        let solution = solve_chain(&self.normal, state, priors);
-        let is_definite = solution.is_some();
-        if let Some(ChainSolution { slow_precisions, factor, step, squared_length }) = solution {
-            (self.slow_precisions, self.factor) = (slow_precisions, factor);
-            (self.step, self.squared_length) = (step, squared_length);
+    /// Solves the same equations with other priors; `None` if the normal matrix is not positive definite.
+    pub fn solve_again(&mut self, state: &StateVector, priors: &Priors) -> Option<()> {
+        let solution = solve_chain(&self.normal, state, priors)?;
+        (self.slow_precisions, self.factor) = (solution.slow_precisions, solution.factor);
+        (self.step, self.squared_length) = (solution.step, solution.squared_length);
+        self.is_stiffer = solution.is_stiffer;
+        Some(())
+    }
+
+    /// Returns the row of this whole step in the trace, without cost.
+    pub fn trace_row(&self, phase: SolverPhase) -> TraceRow {
+        let (mut readings, mut downweighted) = (0, 0);
+        for (eliminated, segment) in self.segments.iter().zip(&self.normal.drive().segments) {
+            let own: usize = segment.readings.iter().map(Vec::len).sum();
+            readings += own;
+            // The weights of jerks follow those of readings.
+            downweighted += eliminated.weights[..own].iter().filter(|it| **it < 0.5).count();
         }
-        is_definite
+        TraceRow {
+            phase,
+            squared_length: Some(self.squared_length),
+            downweighted: Some(downweighted as f64 / readings.max(1) as f64),
+            ..TraceRow::of_motion(self.levels)
+        }
     }
 
     /// The weighting with which a segment was eliminated; nothing else depends on the redundancy then.
@@ -224,6 +243,7 @@ struct ChainSolution {
     factor: ChainFactor,
     step: ChainVectors<1>,
     squared_length: f64,
+    is_stiffer: bool,
 }
 
 /// Solves the normal equations with the priors; `None` if the matrix is not positive definite.
@@ -238,9 +258,11 @@ fn solve_chain(
         ChainFactor::new(&normal.matrix, &priors.information(), precisions, right.clone())
     };
     // Far from the solution the slow states may be unobservable, and are constrained.
-    let (factor, step) = solve(&slow_precisions).or_else(|| solve(&slow_precisions.stiffer()))?;
+    let solved = solve(&slow_precisions);
+    let is_stiffer = solved.is_none();
+    let (factor, step) = solved.or_else(|| solve(&slow_precisions.stiffer()))?;
     let squared_length = squared_length(&factor, &step, &right, priors);
-    Some(ChainSolution { slow_precisions, factor, step, squared_length })
+    Some(ChainSolution { slow_precisions, factor, step, squared_length, is_stiffer })
 }
 
 /// Returns the squared length of a step by the normal matrix of data and survey: its product with the right-hand side less the priors' part.

@@ -14,11 +14,12 @@ use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{SetUpChange, SurveyEvidence};
+use super::trace::Trace;
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::PerStation;
 
-/// The result of the joint estimate.
+/// The result of a joint estimate that converged.
 #[derive(Clone, Debug)]
 pub struct JointEstimate {
     /// Mean poses of the stations' level frames over the drive, in station 1's.
@@ -55,8 +56,10 @@ pub struct JointEstimate {
     pub survey: Option<SurveyPoses>,
     /// Significant steps of stations and clocks, the most significant first.
     pub steps: Vec<StationStep>,
-    pub converged: bool,
+    /// Number of steps of the whole drive.
     pub iterations: usize,
+    /// Trace of the iteration; without rows for a prediction.
+    pub trace: Trace,
     /// The solution, from which the motion is evaluated.
     pub solution: Arc<Solution>,
 }

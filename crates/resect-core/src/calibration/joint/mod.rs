@@ -224,6 +224,9 @@
 //!   (ωQ)⁻¹ − (ωQ)⁻¹ C (ωQ)⁻¹,  (ωQ)⁻¹ Δs                                                      (24)
 //!   ```
 //!
+//! Far from the solution a normal matrix may be positive definite only with tighter priors of the slow states. If the last one is such a matrix, σ would be too
+//! small, and longer blocks are tried. The [`Trace`] has a row a step, and the [`SolverStatus`] at the end.
+//!
 //! # Results
 //! The answer is the mean pose of each station over the blocks of the drive. Its posterior covariance C is enlarged by the variance of a random
 //! walk's mean about its start, and by that of the facets F:
@@ -285,6 +288,7 @@ mod random_walks;
 pub mod reliability;
 mod residuals;
 mod settling;
+mod solver_status;
 mod state_vector;
 mod stated_size_conflict;
 mod station_model;
@@ -295,6 +299,7 @@ pub mod survey;
 pub mod survey_adjustment;
 mod survey_change;
 mod survey_elimination;
+mod trace;
 
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
@@ -304,6 +309,8 @@ pub use self::random_walks::GaussMarkov;
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };
+pub use self::solver_status::SolverStatus;
 pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;
+pub use self::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};

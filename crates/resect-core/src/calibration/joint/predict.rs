@@ -98,9 +98,10 @@ fn predict_step<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     }
     let mut buffers = RowBuffers::<LOCAL, ROW>::default();
     let step = GaussNewtonStep::new(&drive, &state, &weighting, &priors, &mut buffers, progress)?;
-    Ok(step.map(|step| {
+    // Tighter priors would predict a smaller σ.
+    Ok(step.filter(|step| !step.is_stiffer).map(|step| {
         let prisms = LOCAL / 3;
         let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
-        JointEstimate { converged: true, ..step.summary(solution) }
+        step.summary(solution)
     }))
 }

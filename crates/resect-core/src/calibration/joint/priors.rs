@@ -120,18 +120,28 @@ impl Priors {
         }
     }
 
-    /// Widens the priors of clock offsets that the constants reject; `covariance` is the posterior one.
-    pub fn widen_clock_offsets(&mut self, constants: &Constants, covariance: &ConstantsMatrix) {
+    /// Widens the priors of clock offsets that the constants reject, and returns their stations (1 or 2); `covariance` is the posterior
+    /// one.
+    pub fn widen_clock_offsets(
+        &mut self,
+        constants: &Constants,
+        covariance: &ConstantsMatrix,
+    ) -> Vec<usize> {
+        let mut widened = Vec::new();
         for index in CLOCKS..DRIFTS {
             let prior_s2 = self.precision[index].recip();
             let moved_s2 = prior_s2 - covariance[(index, index)];
             let change_s = constants[index] - self.mean[index];
             let is_tested = moved_s2 > LEAST_INFORMATION * prior_s2;
             // (22)
-            if is_tested && change_s.powi(2) > REJECTED_SIGMAS.powi(2) * moved_s2 {
-                self.precision[index] = self.precision[index].min(WIDE_CLOCK_S.powi(-2));
+            let is_rejected = change_s.powi(2) > REJECTED_SIGMAS.powi(2) * moved_s2;
+            let wide_precision = WIDE_CLOCK_S.powi(-2);
+            if is_tested && is_rejected && self.precision[index] > wide_precision {
+                self.precision[index] = wide_precision;
+                widened.push(index - CLOCKS + 1);
             }
         }
+        widened
     }
 
     /// Information of the priors about the constants, without the survey.

@@ -21,6 +21,7 @@ use super::state_vector::{
     CLOCKS, COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, DRIFTS, INDICES,
     LATENCIES, LEANS, OFFSETS, SCALES, SLOW, SLOW_ACROSS, SLOW_CLOCKS, SLOW_RANGES,
 };
+use super::trace::Trace;
 use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::LevelTransform;
 use crate::network::PerStation;
@@ -38,7 +39,7 @@ const BUDGET_GROUPS: [(&str, Range<usize>); 8] = [
 ];
 
 impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
-    /// Summarises a solution; the caller sets steps, iterations and convergence.
+    /// Summarises a solution; the caller sets steps, iterations and the rows of the trace.
     pub fn summary(&self, solution: Solution) -> JointEstimate {
         let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, prisms, .. } =
             &solution;
@@ -96,8 +97,8 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
             sizes: *sizes,
             survey: survey_poses(priors, &state.constants, &constants, sizes),
             steps: Vec::new(),
-            converged: false,
             iterations: 0,
+            trace: Trace::default(),
             solution: Arc::new(solution),
         }
     }

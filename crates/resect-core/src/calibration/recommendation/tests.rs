@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use super::*;
 use crate::analysis::{Analyst, Settings};
+use crate::calibration::joint::SolverStatus;
 use crate::calibration::{Details, Estimate};
 use crate::deployment::findings;
 use crate::deployment::findings::clocks::clock_offset_suspected;
@@ -36,10 +37,12 @@ fn judge(calibration: &mut Calibration, verdict: Verdict, findings: Vec<Finding>
     calibration.findings = findings;
 }
 
-fn fail(calibration: &mut Calibration, failure: JointFailure) {
+fn fail(calibration: &mut Calibration, status: SolverStatus) {
+    let failure = JointFailure::before_first_step(status);
+    let finding = failure.finding(Method::InterPrism);
     let Details::Joint(details) = &mut calibration.details else { panic!("a joint estimate") };
     details.estimate = Err(failure);
-    judge(calibration, Verdict::Weak, vec![failure.finding(Method::InterPrism)]);
+    judge(calibration, Verdict::Weak, vec![finding]);
 }
 
 fn published_of(calibration: &mut Calibration) -> &mut Calibration {
@@ -136,7 +139,7 @@ fn a_weak_answer_is_used_with_caution_and_its_doubt_has_a_remedy() {
 
 #[test]
 fn without_convergence_the_published_answer_is_used_and_nothing_leads_back() {
-    let unconverged = recommended(|calibration| fail(calibration, JointFailure::NotConverged));
+    let unconverged = recommended(|calibration| fail(calibration, SolverStatus::TooManySteps));
     assert_eq!(unconverged.answer, Some(Method::InterPrism));
     assert_eq!(unconverged.reason, RecommendationReason::NotConverged);
     assert_says(&unconverged, "Use method D for this drive: the joint estimate did not converge.");
@@ -150,13 +153,13 @@ fn without_convergence_the_published_answer_is_used_and_nothing_leads_back() {
     );
     assert_says(&unconverged, "To determine the joint estimate, ");
 
-    let undetermined = recommended(|calibration| fail(calibration, JointFailure::Undetermined));
+    let undetermined = recommended(|calibration| fail(calibration, SolverStatus::NotDefinite));
     assert_eq!(undetermined.answer, Some(Method::InterPrism));
     assert_eq!(undetermined.reason, RecommendationReason::NotDetermined);
 
     let late = clock_offset_suspected(1, &Estimate { value: 0.01, sigma: 0.001 });
     let biased = recommended(|calibration| {
-        fail(calibration, JointFailure::NotConverged);
+        fail(calibration, SolverStatus::TooManySteps);
         judge(published_of(calibration), Verdict::Weak, vec![late]);
     });
     assert_says(&biased, "Use method D with caution for this drive: ");

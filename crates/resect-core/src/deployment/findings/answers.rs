@@ -71,6 +71,36 @@ pub fn estimate_not_converged(published: &str) -> Finding {
     )
 }
 
+/// `published` is the name for people of the method that answers instead.
+pub fn estimate_diverged(published: &str) -> Finding {
+    Finding::new(
+        FindingKind::EstimateDiverged,
+        format!(
+            "The joint estimate diverged: a station moved 30 m or more from where it began. This is the answer of {published}."
+        ),
+    )
+}
+
+/// `published` is the name for people of the method that answers instead.
+pub fn no_common_readings(published: &str) -> Finding {
+    Finding::new(
+        FindingKind::NoCommonReadings,
+        format!(
+            "The joint estimate has no span with readings of all three stations. This is the answer of {published}."
+        ),
+    )
+}
+
+/// `published` is the name for people of the method that answers instead.
+pub fn priors_tightened(published: &str) -> Finding {
+    Finding::new(
+        FindingKind::PriorsTightened,
+        format!(
+            "The joint estimate converged only with tighter priors of slow changes, so its σ would be too small. This is the answer of {published}."
+        ),
+    )
+}
+
 pub fn solver_not_converged() -> Finding {
     Finding::new(
         FindingKind::SolverNotConverged,
@@ -195,6 +225,9 @@ pub(super) fn examples() -> Vec<Finding> {
         no_joint_estimate(too_few_triplets("drive", 4, 10), ["method D", "inter-prism"]),
         cancelled(),
         estimate_not_converged("method D"),
+        estimate_diverged("method D"),
+        no_common_readings("method D"),
+        priors_tightened("method D"),
         solver_not_converged(),
         joint_estimate_undetermined("method C"),
         other_minimum_fits_better(0.8),
