@@ -41,8 +41,8 @@
 //!
 //! # Conventions
 //! Lengths are metres, angles radians, times seconds unless the name says otherwise; `a_from_b` maps frame b to
-//! frame a. Stations, prisms and frames are numbered 1 to 3 for people and 0 to 2 in arrays; pairs of prisms
-//! are in the order 12, 13, 23. Errors are typed and carry file, place and remedy; warnings are data
+//! frame a. Stations and prisms are numbered from 1 for people and from 0 in lists; pairs of prisms are in the order
+//! 12, 13, 23, 14, … ([`resect_core::network`]). Errors are typed and carry file, place and remedy; warnings are data
 //! ([`resect_core::deployment::Finding`]) that travel with the answer.
 
 pub mod app;

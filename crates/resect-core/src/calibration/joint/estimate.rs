@@ -82,7 +82,9 @@ enum AttemptEnd {
     Failed(SolverStatus),
 }
 
-const NOT_DEFINITE: AttemptEnd = AttemptEnd::Failed(SolverStatus::NotDefinite);
+fn not_definite() -> AttemptEnd {
+    SolverStatus::NotDefinite.into()
+}
 
 impl From<Cancelled> for AttemptEnd {
     fn from(_: Cancelled) -> Self {
@@ -175,7 +177,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     if is_sampled {
         for _ in 0..MOTION_STEPS {
             step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?
-                .ok_or(NOT_DEFINITE)?;
+                .ok_or_else(not_definite)?;
             trace.add_row(TraceRow::of_motion(weighting.levels));
         }
     }
@@ -299,21 +301,21 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     fn linearise(&mut self) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
         loop {
             let step = self.linearise_here()?;
-            let Some(before) = &self.before else { return step.ok_or(NOT_DEFINITE) };
+            let Some(before) = &self.before else { return step.ok_or_else(not_definite) };
             let cost = step.as_ref().map_or(f64::NAN, |it| it.cost(&self.state, &self.priors));
             // NaN has not decreased.
             if cost < before.cost * (1.0 + COST_TOLERANCE) || before.share < SHORTEST {
-                return step.ok_or(NOT_DEFINITE);
+                return step.ok_or_else(not_definite);
             }
             if self.iterations >= MOST_ITERATIONS {
-                return step.ok_or(NOT_DEFINITE);
+                return step.ok_or_else(not_definite);
             }
             let share = SHORTER * before.share;
             self.state = before.state.clone();
             if let Some(step) = step {
                 self.buffers = step.into_buffers();
             }
-            let step = self.linearise_here()?.ok_or(NOT_DEFINITE)?;
+            let step = self.linearise_here()?.ok_or_else(not_definite)?;
             self.take_share(&step, share, |_| ());
             self.buffers = step.into_buffers();
         }
@@ -382,7 +384,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
             clocks_s: slow.clocks_s2.sqrt(),
             steps: self.steps.len(),
         }));
-        step.solve_again(state, priors).ok_or(NOT_DEFINITE)
+        step.solve_again(state, priors).ok_or_else(not_definite)
     }
 
     fn summarise(self, step: &GaussNewtonStep<LOCAL, ROW>) -> JointEstimate {
@@ -407,7 +409,7 @@ fn add_survey<const LOCAL: usize, const ROW: usize>(
             .then(|| poses_by_distances(&step.factor.constants_covariance(), priors));
         priors.survey = Some(survey.with_distances(by_distances));
         trace.add_event(TraceEvent::SurveyAdded);
-        step.solve_again(state, priors).ok_or(NOT_DEFINITE)?;
+        step.solve_again(state, priors).ok_or_else(not_definite)?;
     }
     let constants = state.constants - step.step.constants;
     let covariance = step.factor.constants_covariance();
@@ -418,7 +420,7 @@ fn add_survey<const LOCAL: usize, const ROW: usize>(
         trace.add_event(TraceEvent::SetUpChanged(changed.changed.clone()));
     }
     priors.survey = Some(changed);
-    step.solve_again(state, priors).ok_or(NOT_DEFINITE)
+    step.solve_again(state, priors).ok_or_else(not_definite)
 }
 
 /// Change of the poses for errors of the measured distances, by the covariance of the constants by the drive alone.
@@ -456,7 +458,7 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         let squares = if is_whole_step {
             let step =
                 GaussNewtonStep::new(sample, &state, &weighting, &priors, &mut buffers, progress)?;
-            let step = step.ok_or(NOT_DEFINITE)?;
+            let step = step.ok_or_else(not_definite)?;
             trace.add_step(step.trace_row(SolverPhase::Sample), step.is_stiffer);
             step.apply(&mut state, 1.0);
             let squares = step.squares();
@@ -465,7 +467,7 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         } else {
             let squares = step_motion::<LOCAL, MOTION>(sample, &mut state, &weighting, progress)?;
             trace.add_row(TraceRow::of_motion(weighting.levels));
-            squares.ok_or(NOT_DEFINITE)?
+            squares.ok_or_else(not_definite)?
         };
         // The first residuals are those of splines through the triplets, not of noise.
         if index > 0 {
