@@ -126,7 +126,7 @@ pub fn read<'a>(
     if in_one_frame(&positions) {
         match applied(&positions, files, &mut into.findings)? {
             Some((file, set)) => {
-                station_from_file = set.common_from_station.map(|applied| applied.inverse());
+                station_from_file = set.common_from_station.map(RigidTransform::inverse);
                 used = Some(file);
             }
             None => {
