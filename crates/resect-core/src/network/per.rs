@@ -4,18 +4,14 @@ use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
 use serde::{Deserialize, Serialize};
-use smallvec::SmallVec;
 
 use super::number::{Number, Pair, Prism, Station};
-
-/// Values that are stored in place; longer lists are on the heap.
-const IN_PLACE: usize = 3;
 
 /// One value for each number, in the order of the numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(transparent, bound(serialize = "T: Serialize", deserialize = "T: Deserialize<'de>"))]
 pub struct Per<N, T> {
-    values: SmallVec<[T; IN_PLACE]>,
+    values: Vec<T>,
     #[serde(skip)]
     number: PhantomData<fn(N) -> N>,
 }
@@ -107,7 +103,7 @@ impl<N: Number, T> Per<N, T> {
 
     /// Returns the values as an array of a fixed size; `None` if there are more or fewer.
     pub fn into_array<const COUNT: usize>(self) -> Option<[T; COUNT]> {
-        self.into_iter().collect::<Vec<T>>().try_into().ok()
+        self.values.try_into().ok()
     }
 
     pub fn push(&mut self, value: T) {
@@ -117,7 +113,7 @@ impl<N: Number, T> Per<N, T> {
 
 impl<N, T> Default for Per<N, T> {
     fn default() -> Self {
-        Self { values: SmallVec::new(), number: PhantomData }
+        Self { values: Vec::new(), number: PhantomData }
     }
 }
 
@@ -164,7 +160,7 @@ impl<N, T> IndexMut<usize> for Per<N, T> {
 
 impl<N, T> IntoIterator for Per<N, T> {
     type Item = T;
-    type IntoIter = smallvec::IntoIter<[T; IN_PLACE]>;
+    type IntoIter = std::vec::IntoIter<T>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.values.into_iter()
