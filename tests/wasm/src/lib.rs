@@ -33,7 +33,7 @@ pub extern "C" fn calibrate(joint: u32, alpha_m: f64, beta_m: f64, gamma_m: f64)
     ANSWER.with_borrow_mut(|answer| {
         *answer = [f64::NAN; 8];
         if let Ok(solved) = &analysis.answer {
-            for (index, transform) in solved.calibration.station1_from_station[1..].iter().enumerate() {
+            for (index, transform) in solved.calibration.station1_from_station.iter().skip(1).enumerate() {
                 answer[4 * index..4 * index + 3].copy_from_slice(transform.translation_m.as_slice());
                 answer[4 * index + 3] = transform.yaw_rad();
             }
