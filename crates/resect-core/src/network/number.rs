@@ -65,11 +65,6 @@ impl Prism {
 }
 
 impl Pair {
-    /// Returns the pair of two prisms; `None` if they are the same.
-    pub fn of(a: Prism, b: Prism) -> Option<Self> {
-        (a != b).then(|| Self { first: a.min(b), second: a.max(b) })
-    }
-
     /// Returns the number of pairs of some prisms.
     pub fn count(prisms: usize) -> usize {
         prisms * prisms.saturating_sub(1) / 2

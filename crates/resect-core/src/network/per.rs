@@ -68,11 +68,6 @@ impl<N: Number, T> Per<N, T> {
         self.numbers().zip(&self.values)
     }
 
-    /// Returns each number with its value, which can be changed.
-    pub fn each_mut(&mut self) -> impl DoubleEndedIterator<Item = (N, &mut T)> + ExactSizeIterator {
-        self.numbers().zip(&mut self.values)
-    }
-
     pub fn as_slice(&self) -> &[T] {
         &self.values
     }

@@ -118,10 +118,10 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
     pub fn trace_row(&self, phase: SolverPhase) -> TraceRow {
         let (mut readings, mut downweighted) = (0, 0);
         for (eliminated, segment) in self.segments.iter().zip(&self.normal.drive().segments) {
-            let own: usize = segment.readings.iter().map(Vec::len).sum();
-            readings += own;
+            let count: usize = segment.readings.iter().map(Vec::len).sum();
+            readings += count;
             // The weights of jerks follow those of readings.
-            downweighted += eliminated.weights[..own].iter().filter(|it| **it < 0.5).count();
+            downweighted += eliminated.weights[..count].iter().filter(|it| **it < 0.5).count();
         }
         TraceRow {
             phase,
