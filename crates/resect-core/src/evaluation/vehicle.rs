@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
 use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, MotionInstant, PrismMotion, Solution,
+    ConstantsJacobian, PrismInstant, Solution,
 };
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
-use crate::network::PerStation;
+use crate::network::{PerPair, PerStation};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -145,7 +145,7 @@ pub fn trajectory_by(
     let limit_m = largest_inter_prism_error_m;
     let by_triplets = || vehicle_trajectory(deployment, triplets, targets, placing, limit_m);
     let Some((joint, distances_m)) =
-        calibration.joint().and_then(|joint| Some((joint, joint.distances_m?)))
+        calibration.joint().and_then(|joint| Some((joint, joint.distances_m()?)))
     else {
         return match wanted {
             Instants::Triplets => by_triplets(),
@@ -155,12 +155,12 @@ pub fn trajectory_by(
             _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
         };
     };
-    let inter_prism_m = distances_m.map(|distance| distance.value);
     let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
+    let inter_prism_m = distances_m.map(|distance| distance.value).into_array().expect("three");
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
-    // Unreachable else branch: nothing cancels this calculation, and there are three prisms.
-    let Ok(PrismMotion::Rig(instants)) = found else { return by_triplets() };
+    // Unreachable else branch: nothing cancels this calculation.
+    let Ok(instants) = found else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
@@ -190,8 +190,8 @@ pub fn vehicle_at(
 ) -> Option<RigidTransform> {
     calibration.placing_tracks(deployment)?;
     let joint = calibration.joint()?;
-    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    align_rigid(&joint.solution.prisms_m(time_s)?, &rig_m)
+    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    align_rigid(joint.solution.prisms_m(time_s)?.as_slice(), &rig_m)
 }
 
 /// Largest |distance error| of pairs 12, 13, 23 at the triplet of this time, else at the triplets before and after it.
@@ -220,15 +220,12 @@ pub fn common_errors(
     if targets == Targets::OnePrism {
         return Some(found);
     }
-    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    let Ok(PrismMotion::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
-        return None;
-    };
+    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    let instants = joint.solution.instants(times_s, &progress).ok()?;
     let constants = found.covariance.nrows();
     let each = instants.iter().zip(&found.instants).filter_map(|(at, (time_s, prisms))| {
         let pose = rig_pose(&rig_m, rig_sigma_m, at)?;
         let gain = pose_by_prisms(&rig_m, rig_sigma_m, at, &pose)?;
-        let gain = DMatrix::from_column_slice(6, 9, gain.as_slice());
         let mut moved = DMatrix::zeros(6, constants + 9);
         moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
         // An error of a prism's position on the vehicle moves the pose in the opposite direction.
@@ -248,9 +245,9 @@ pub fn common_errors(
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
-    distances_m: &[Estimate; 3],
+    distances_m: &PerPair<Estimate>,
 ) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
-    let inter_prism_m = distances_m.map(|distance| distance.value);
+    let inter_prism_m = distances_m.map(|distance| distance.value).into_array().expect("three");
     let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.
@@ -266,14 +263,12 @@ pub fn prism_by(
     triplets: &Triplets,
     calibration: &Calibration,
     wanted: Instants<'_>,
-) -> Result<Vec<MotionInstant<3>>, NoTrajectory> {
+) -> Result<Vec<PrismInstant>, NoTrajectory> {
     let none = || NoTrajectory::OnePrism(deployment.name.clone());
     let solution = &calibration.joint().ok_or_else(none)?.solution;
     let times_s = wanted.times_s(triplets, solution);
-    match solution.instants(&times_s, &Progress::default()) {
-        Ok(PrismMotion::Prism(found)) => Ok(found),
-        _ => Err(none()),
-    }
+    let instants = solution.instants(&times_s, &Progress::default()).map_err(|_| none())?;
+    Ok(instants.iter().map(|instant| instant.prism(0)).collect())
 }
 
 fn rig_of(

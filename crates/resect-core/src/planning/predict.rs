@@ -11,7 +11,6 @@ use crate::calibration::inter_prism;
 use crate::calibration::inter_prism::Foreseen;
 use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
-use crate::calibration::joint::prism_motion::PrismMotion;
 use crate::calibration::joint::{
     ExpectedNoise, GaussMarkov, JointEstimate, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
     RIG_FLEX_SIGMA_M, stated_range_m,
@@ -215,20 +214,9 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
     };
     let known: Vec<(f64, [Option<f64>; 2])> =
         match estimate.map(|found| found.solution.instants(&times_s, &Progress::default())) {
-            Some(Ok(PrismMotion::Rig(instants))) => instants
+            Some(Ok(instants)) => instants
                 .iter()
-                .filter_map(|instant| {
-                    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
-                    let rms = |at: usize| {
-                        let block: Matrix3<f64> = pose.covariance.fixed_view::<3, 3>(at, at).into();
-                        Some(block.trace().sqrt())
-                    };
-                    Some((instant.time_s, [rms(0), rms(3)]))
-                })
-                .collect(),
-            Some(Ok(PrismMotion::Prism(instants))) => instants
-                .iter()
-                .map(|at| (at.time_s, [Some(at.position_covariance.trace().sqrt()), None]))
+                .filter_map(|instant| sigma_of_instant(plan, truth, instant))
                 .collect(),
             _ => Vec::new(),
         };
@@ -238,4 +226,18 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
         at(*time_s, sigma)
     };
     times_s.iter().map(with_sigma).collect()
+}
+
+/// Time of an instant, and root mean square errors of the vehicle's position (m) and rotation (rad), which one prism does not have.
+fn sigma_of_instant(
+    plan: &Plan,
+    truth: &Truth,
+    instant: &MotionInstant,
+) -> Option<(f64, [Option<f64>; 2])> {
+    if plan.rig.is_one_prism() {
+        return Some((instant.time_s, [Some(instant.position_covariance.trace().sqrt()), None]));
+    }
+    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
+    let rms = |at: usize| Some(pose.covariance.fixed_view::<3, 3>(at, at).trace().sqrt());
+    Some((instant.time_s, [rms(0), rms(3)]))
 }

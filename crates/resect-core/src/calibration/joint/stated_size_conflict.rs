@@ -4,66 +4,74 @@
 //! because the prior does not let it move. So the equations are solved once more with the usual sizes, and the result is compared
 //! with what was stated (a score test: Rao 1948).
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::DMatrix;
 
 use super::chain_factor::ChainFactor;
 use super::constants_prior::precisions;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::prior_conflict::LEAST_INFORMATION;
 use super::priors::Priors;
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, DISTANCES, StateVector};
+use super::state_vector::{Constants, ConstantsMatrix, StateVector};
+use super::unknown::{DISTANCE, Unknown};
 use crate::calibration::{ErrorSizes, Estimate};
 
 /// An error that the data shows to be larger than stated.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct StatedSizeConflict {
-    /// Index of the error among the constants.
-    pub index: usize,
+    pub unknown: &'static Unknown,
+    pub owner: usize,
     /// The error by the data alone.
     pub estimate: Estimate,
     /// Distance of the error from zero, in σ of the data and the stated size.
     pub sigmas: f64,
 }
 
-impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+impl GaussNewtonStep {
     /// Tests all sizes below the usual ones, as far as the data determines the error.
     pub fn stated_size_conflicts(
         &self,
         priors: &Priors,
         state: &StateVector,
     ) -> Vec<StatedSizeConflict> {
-        let usual = precisions(&ErrorSizes::default());
+        let layout = &priors.layout;
+        let usual = precisions(layout, &ErrorSizes::default());
         let looser = priors.precision.zip_map(&usual, f64::min);
         if looser == priors.precision {
             return Vec::new();
         }
-        let loosest = Matrix3::from_diagonal(&looser.fixed_rows::<3>(DISTANCES));
-        let is_looser = looser[DISTANCES] < priors.precision[DISTANCES];
-        let distances = if is_looser { loosest } else { priors.distances };
-        let loose = Priors { precision: looser, distances, ..priors.clone() };
+        let is_looser = |index: &usize| looser[*index] < priors.precision[*index];
+        let distances = match layout.indices(&DISTANCE).next().filter(is_looser) {
+            Some(first) => {
+                DMatrix::from_diagonal_element(layout.pairs(), layout.pairs(), looser[first])
+            }
+            None => priors.distances.clone(),
+        };
+        let loose = Priors { precision: looser.clone(), distances, ..priors.clone() };
         let right = self.normal.gradient_with_priors(&loose, &self.slow_precisions, state);
         let information = loose.information();
         let solution =
             ChainFactor::new(&self.normal.matrix, &information, &self.slow_precisions, right);
         let Some((factor, step)) = solution else { return Vec::new() };
-        let change = state.constants - step.constants - priors.mean;
+        let change = &state.constants - step.constants - &priors.mean;
         let covariance = factor.constants_covariance();
         let stated = &priors.precision;
-        (CLOCKS..CONSTANTS)
-            .filter(|index| looser[*index] < stated[*index])
-            .filter_map(|index| conflict(index, &change, &covariance, &looser, stated))
-            .collect()
+        let conflict = |(unknown, owner, index)| {
+            let (estimate, sigmas) = conflict(index, &change, &covariance, &looser, stated)?;
+            Some(StatedSizeConflict { unknown, owner, estimate, sigmas })
+        };
+        let tested = layout.each().filter(|(.., index)| is_looser(index));
+        tested.filter_map(conflict).collect()
     }
 }
 
-/// Compares one constant with its stated size; `change` from the prior mean and `covariance` are by the looser prior.
+/// Compares one constant with its stated size: its estimate by the data alone, and its distance from zero (σ). `change` from the prior mean and `covariance` are by the looser prior.
 fn conflict(
     index: usize,
     change: &Constants,
-    covariance: &SMatrix<f64, CONSTANTS, CONSTANTS>,
+    covariance: &ConstantsMatrix,
     looser: &Constants,
     stated: &Constants,
-) -> Option<StatedSizeConflict> {
+) -> Option<(Estimate, f64)> {
     let by_data = 1.0 - covariance[(index, index)] * looser[index];
     if by_data < LEAST_INFORMATION {
         return None;
@@ -72,8 +80,7 @@ fn conflict(
     let value = change[index] / by_data;
     let variance = covariance[(index, index)] / by_data;
     let sigmas = value / (variance + stated[index].recip()).sqrt();
-    let estimate = Estimate { value, sigma: variance.sqrt() };
-    Some(StatedSizeConflict { index, estimate, sigmas })
+    Some((Estimate { value, sigma: variance.sqrt() }, sigmas))
 }
 
 #[cfg(test)]
