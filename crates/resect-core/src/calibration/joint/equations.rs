@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
+use super::PAIRS;
 use super::drive::{Reading, Segment};
 use super::knot_grid::{KnotGrid, ORDER};
 use super::loss::{robust_loss, robust_weight};
@@ -11,7 +12,6 @@ use super::residuals::{
     jerk_factors, jerk_residuals,
 };
 use super::state_vector::BLOCK_DISTANCES;
-use crate::deployment::PAIRS;
 
 /// Noise levels and robust weights of a segment's equations.
 #[derive(Clone, Copy)]

@@ -7,6 +7,7 @@ use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::{StationStep, StepSize};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, Quantity, clocks_in_words};
+use crate::deployment::Finding;
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
     distance_estimated, distance_implausible, distances_implausible, errors_implausible,
@@ -14,7 +15,7 @@ use crate::deployment::findings::instruments::{
     set_up_change_undecided, set_up_changed, stated_error_contradicted, station_errors_implausible,
     station_moved, uncertainty_sources,
 };
-use crate::deployment::{Finding, pair_label};
+use crate::network::{Number, Pair};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
 /// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
@@ -168,7 +169,7 @@ fn stated_size(conflict: &StatedSizeConflict, joint: &JointEstimate) -> Finding 
             (sentence, Quantity::Drift, sizes.clock_drift)
         }
         _ => {
-            let pair = pair_label(index - DISTANCES);
+            let pair = Pair::at(index - DISTANCES);
             let sentence = format!("the distance between prisms {pair} is off by");
             (sentence, Quantity::Length, sizes.inter_prism_m)
         }

@@ -1,5 +1,6 @@
 //! Gradients of a segment's equations alone, for steps near the solution that reuse an earlier normal matrix.
 
+use super::PAIRS;
 use super::drive::Segment;
 use super::knot_grid::ORDER;
 use super::residuals::{
@@ -7,7 +8,6 @@ use super::residuals::{
     jerk_factors, jerk_residuals,
 };
 use super::state_vector::{BLOCK_DISTANCES, BlockVector};
-use crate::deployment::PAIRS;
 
 /// Gradients of a segment's equations.
 pub struct Gradients<const LOCAL: usize> {

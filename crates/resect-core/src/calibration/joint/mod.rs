@@ -314,3 +314,6 @@ pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;
 pub use self::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};
+
+/// Pairs of three prisms.
+const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector4};
 
+use super::PAIRS;
 use super::constants_prior::precisions;
 use super::prior_conflict::LEAST_INFORMATION;
 use super::random_walks::{GaussMarkov, SlowPriors};
@@ -10,7 +11,7 @@ use super::settling::{own_settling, relative_settling};
 use super::state_vector::{CLOCKS, Constants, ConstantsMatrix, DISTANCES, DRIFTS};
 use super::survey_change::SurveyEvidence;
 use crate::calibration::ErrorSizes;
-use crate::deployment::{PAIRS, Rig};
+use crate::deployment::Rig;
 
 /// Standard deviation of a clock offset once the data rejects its prior, and of that of a further drive (s).
 const WIDE_CLOCK_S: f64 = 1.0;
@@ -35,13 +36,14 @@ pub struct RigDistances {
 impl RigDistances {
     /// The distances of a rig, with the geometry of its reading.
     pub fn new(rig: &Rig, are_evidence: bool) -> Self {
-        let by_prism_constant = rig.prisms_m.map_or([0.0; 3], |prisms_m| {
+        let by_prism_constant = rig.prisms_m.as_ref().map_or([0.0; 3], |prisms_m| {
             PAIRS.map(|(a, b)| {
                 let along = (prisms_m[a] - prisms_m[b]).normalize();
                 (prisms_m[a].normalize() - prisms_m[b].normalize()).dot(&along)
             })
         });
-        Self { measured_m: rig.inter_prism_m, by_prism_constant, are_evidence }
+        let measured_m = *rig.inter_prism_m.as_array().expect("three prisms");
+        Self { measured_m, by_prism_constant, are_evidence }
     }
 
     /// Distances of a reading without a prism constant.

@@ -12,6 +12,7 @@ use std::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
+use super::PAIRS;
 use super::equations::{ANGLES, RANGES, ResidualSquares, SquareSum};
 use super::loss::CONSISTENCY;
 use super::prior_conflict::LEAST_INFORMATION;
@@ -20,7 +21,6 @@ use super::state_vector::{
 };
 use super::survey::SurveyReading;
 use crate::calibration::Quantity;
-use crate::deployment::PAIRS;
 use crate::statistics::median;
 
 /// Noncentrality of a bias that is detectable (σ). Textbook: a test with a false-alarm rate of 0.1 % detects it with a
