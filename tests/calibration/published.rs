@@ -294,7 +294,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("deployment.toml", "rig = \"again.csv\"\n");
     let deployment = published.open();
     let rig = deployment.rig.expect("named");
-    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03], None));
+    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03].into(), None));
     published.write("deployment.toml", "rig = \"total_stations/trimble1.csv\"\n");
     let error = open(&published.name).expect_err("no rig").to_string();
     assert!(error.contains("does not describe a rig"), "{error}");

@@ -52,7 +52,7 @@ pub fn calibration(
         // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
         // Distances of prisms 12, 13, 23 as measured on the vehicle.
-        "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
             "raw": deployment.tracks.map(|track| track.measurements.len()),

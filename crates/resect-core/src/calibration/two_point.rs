@@ -16,7 +16,7 @@ use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
 use super::{Alignment, CalibrationError, Method, Offer};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, pairwise_distances};
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
@@ -193,7 +193,7 @@ fn resect(
                 Some(world_from_station[station].apply(&reading(points[index], station)?))
             })
             .collect();
-        left_out_m.extend(PAIRS.iter().map(|(a, b)| (placed[*a] - placed[*b]).norm()));
+        left_out_m.extend(pairwise_distances(&placed));
         let known_m = point.known_m?;
         let from_known_m =
             placed.iter().map(|p| (p - known_m).norm()).sum::<f64>() / placed.len().max(1) as f64;

@@ -12,7 +12,7 @@ pub enum Subject {
     Station(usize),
     /// One error or property of a station, such as an error of its instrument or a reason why its readings are dropped.
     OfStation { station: usize, part: String },
-    /// A pair of prisms, by its index in [`PAIRS`](super::PAIRS).
+    /// A pair of prisms, by its index in the order of [`Pair`](crate::network::Pair).
     Pair(usize),
     /// A file, by its name in the folder.
     File(String),

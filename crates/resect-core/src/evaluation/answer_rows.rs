@@ -2,6 +2,7 @@
 //!
 //! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate needs a row here only.
 
+use crate::network::{Number, Pair};
 use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
@@ -10,7 +11,7 @@ use crate::calibration::joint::instrument_errors::instrument_errors;
 use crate::calibration::{
     Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets, TransformSigma,
 };
-use crate::deployment::{Deployment, PAIRS, pair_label};
+use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
 /// Names and symbols of the numbers of a transform.
@@ -226,13 +227,13 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
             }
         }));
     }
-    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
+    let measured_m = deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
     for (pair, distance_m) in joint.distances_m.iter().flatten().enumerate() {
-        let subject = format!("prisms {}", pair_label(pair));
-        let (a, b) = PAIRS[pair];
+        let prisms = Pair::at(pair);
+        let subject = format!("prisms {prisms}");
         let mut row = AnswerRow {
             name: "distance".to_owned(),
-            symbol: indexed("d", &[a + 1, b + 1]),
+            symbol: indexed("d", &prisms.indices().map(|prism| prism + 1)),
             quantity: Quantity::Length,
             prior: Some(joint.sizes.inter_prism_m),
             reference: measured_m

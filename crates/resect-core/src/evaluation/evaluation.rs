@@ -46,7 +46,7 @@ pub struct Evaluation {
 pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f64; 3]> {
     match targets {
         Targets::OnePrism => Some([0.0; 3]),
-        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        _ => deployment.rig.as_ref().and_then(|rig| rig.inter_prism_m.as_array().copied()),
     }
 }
 

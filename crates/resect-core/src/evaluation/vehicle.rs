@@ -9,9 +9,9 @@ use crate::calibration::joint::prism_motion::{
 };
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
-use crate::deployment::{Deployment, PAIRS, Rig};
+use crate::deployment::{Deployment, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
-use crate::network::{PerPair, PerStation};
+use crate::network::{Pair, PerPair, PerStation};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -76,14 +76,14 @@ impl VehicleFrame {
 /// The shape is that of the inter-prism distances, which average many readings. The single reading of the rig gives its
 /// attitude only.
 pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)> {
-    if let Some(given) = rig.in_vehicle_m {
-        return Some((given, VehicleFrame::Given));
+    if let Some(given) = &rig.in_vehicle_m {
+        return Some((*given.as_array()?, VehicleFrame::Given));
     }
-    let triangle = rig_from_distances(&rig.inter_prism_m)?;
-    let Some(read) = rig.prisms_m else {
+    let triangle = rig_from_distances(rig.inter_prism_m.as_array()?)?;
+    let Some(read) = rig.prisms_m.as_ref().and_then(|prisms_m| prisms_m.as_array::<3>()) else {
         return Some((triangle, VehicleFrame::Triangle));
     };
-    let reading_from_triangle = align_rigid(&read, &triangle)?;
+    let reading_from_triangle = align_rigid(read, &triangle)?;
     let standing = triangle.map(|prism| reading_from_triangle.rotate(&prism));
     let towards = [standing[1], standing[2]].into_iter().find(|p| p.xy().norm() > 1e-3)?;
     let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -towards.y.atan2(towards.x));
@@ -247,8 +247,9 @@ fn rig_by(
     joint: &JointEstimate,
     distances_m: &PerPair<Estimate>,
 ) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
-    let inter_prism_m = distances_m.map(|distance| distance.value).into_array().expect("three");
-    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
+    let inter_prism_m = distances_m.map(|distance| distance.value);
+    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.into(), ..rig.clone() };
+    let (prisms_m, frame) = rig_of(deployment, &shaped)?;
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
@@ -297,8 +298,9 @@ pub fn vehicle_trajectory(
     let station1_from_station =
         station1_from_station.ok_or_else(|| NoTrajectory::OtherFrame(name()))?;
     let (prisms_m, frame) = rig_of(deployment, &Rig::clone)?;
-    let inter_prism_m = deployment.rig.as_ref().map_or([0.0; 3], |rig| rig.inter_prism_m);
-    let observed = observed(triplets, station1_from_station, &inter_prism_m);
+    let inter_prism_m = deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+    let inter_prism_m = inter_prism_m.and_then(|all_m| all_m.as_array()).unwrap_or(&[0.0; 3]);
+    let observed = observed(triplets, station1_from_station, inter_prism_m);
     Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
 }
 
@@ -323,8 +325,8 @@ fn observed(
     for index in 0..triplets.len() {
         let points = placed(index);
         let sigma_m = distance_sigma_m(triplets, index, station1_from_station)
-            .unwrap_or([std::f64::consts::SQRT_2; 3]);
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            .unwrap_or_else(|| PerPair::repeat(3, std::f64::consts::SQRT_2));
+        for (pair, [a, b]) in Pair::among(3).map(Pair::indices).enumerate() {
             let error_m = (points[b] - points[a]).norm() - inter_prism_m[pair];
             ratios.push(error_m / sigma_m[pair]);
         }
@@ -345,12 +347,12 @@ pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
     station1_from_station: &PerStation<RigidTransform>,
-) -> Option<[f64; 3]> {
+) -> Option<PerPair<f64>> {
     let sigma_m = triplets.sigma_m.as_ref()?;
     let points = triplets.triplet_m(index);
     let placed: [Vector3<f64>; 3] =
         std::array::from_fn(|station| station1_from_station[station].apply(&points[station]));
-    Some(PAIRS.map(|(a, b)| {
+    let distance_sigma_m = |[a, b]: [usize; 2]| {
         let direction = (placed[b] - placed[a]).normalize();
         let variance = |station: usize| {
             // Direction in the station's own frame, in which σ is given.
@@ -358,7 +360,8 @@ pub fn distance_sigma_m(
             sigma_m[station][index].component_mul(&own).norm_squared()
         };
         (variance(a) + variance(b)).sqrt()
-    }))
+    };
+    Some(Pair::among(placed.len()).map(Pair::indices).map(distance_sigma_m).collect())
 }
 
 /// Transform from the position (m) and orientation of a pose.

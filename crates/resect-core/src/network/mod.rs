@@ -5,5 +5,5 @@
 mod number;
 mod per;
 
-pub use self::number::{Number, Pair, Prism, Station, USUAL_STATIONS};
+pub use self::number::{MOST_STATIONS, Number, Pair, Prism, Station, USUAL_STATIONS};
 pub use self::per::{Per, PerPair, PerPrism, PerStation};

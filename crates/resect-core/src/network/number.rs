@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Number of stations where no file names more, as in the paper.
 pub const USUAL_STATIONS: usize = 3;
 
+/// Largest number of stations, and of prisms.
+pub const MOST_STATIONS: usize = 8;
+
 /// A number that values are listed by.
 pub trait Number: Copy {
     /// Returns the place in a list, from 0.
@@ -65,6 +68,28 @@ impl Prism {
 }
 
 impl Pair {
+    /// Returns the pairs of some prisms.
+    pub fn among(prisms: usize) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator {
+        (0..Self::count(prisms)).map(Self::at)
+    }
+
+    /// Returns the places of both prisms in a list, from 0.
+    pub fn indices(self) -> [usize; 2] {
+        [self.first.index(), self.second.index()]
+    }
+
+    /// Returns the number of prisms that have this number of pairs; `None` if none has.
+    pub fn prisms_of(pairs: usize) -> Option<usize> {
+        (2..)
+            .take_while(|prisms| Self::count(*prisms) <= pairs)
+            .find(|prisms| Self::count(*prisms) == pairs)
+    }
+
+    /// Returns true if a prism is one of the two.
+    pub fn contains(self, prism: Prism) -> bool {
+        self.first == prism || self.second == prism
+    }
+
     /// Returns the number of pairs of some prisms.
     pub fn count(prisms: usize) -> usize {
         prisms * prisms.saturating_sub(1) / 2

@@ -16,11 +16,11 @@ use crate::calibration::joint::{
     RIG_FLEX_SIGMA_M, stated_range_m,
 };
 use crate::calibration::{ErrorSizes, Verdict};
-use crate::deployment::PAIRS;
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
+use crate::network::Pair;
 use crate::pipeline::SampleFate;
 use crate::progress::Progress;
 use crate::simulation::{EPOCH_S, Scenario, Simulated};
@@ -171,7 +171,7 @@ fn distance_noise_m2(driven: &Driven, levels: &NoiseLevels) -> f64 {
         let points_m = triplets.triplet_m(index);
         let placed: [Vector3<f64>; 3] =
             std::array::from_fn(|station| transforms[station].apply(&points_m[station]));
-        for (a, b) in PAIRS {
+        for [a, b] in Pair::among(3).map(Pair::indices) {
             let along = (placed[a] - placed[b]).normalize();
             for station in [a, b] {
                 let own = transforms[station].inverse().rotate(&along);

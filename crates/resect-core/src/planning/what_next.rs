@@ -127,7 +127,8 @@ fn foreseen(
     progress: &Progress,
 ) -> Result<PredictedDrive, Cancelled> {
     let SoFar { station1_from_station, sizes, expected, .. } = so_far;
-    let inter_prism_m = pairwise_distances(so_far.prisms_m);
+    let inter_prism_m: [f64; 3] =
+        *pairwise_distances(so_far.prisms_m).as_array().expect("three prisms");
     let is_rig = inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
     let distances_m = is_rig.then_some(&inter_prism_m);
     let estimate =

@@ -6,10 +6,9 @@ use super::earlier::Earlier;
 use super::moved::Difference;
 use crate::analysis::Answer;
 use crate::calibration::distance_errors_m;
-use crate::deployment::PAIRS;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{Pair, PerStation};
 use crate::pipeline::Triplets;
 
 /// Critical value of a standard normal variable, one-sided, at significance level
@@ -73,7 +72,7 @@ fn follows(
         let own = triplets.triplet_m(index);
         let placed: [Vector3<f64>; 3] =
             std::array::from_fn(|station| station1_from_station[station].apply(&own[station]));
-        for (a, b) in PAIRS {
+        for [a, b] in Pair::among(3).map(Pair::indices) {
             let apart = placed[a] - placed[b];
             let directions = if one_prism {
                 vec![Vector3::x(), Vector3::y(), Vector3::z()]

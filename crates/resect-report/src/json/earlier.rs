@@ -1,5 +1,6 @@
 //! Reads the JSON of a calibration again, for `validate`.
 
+use resect_core::network::PerPair;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector};
@@ -45,7 +46,7 @@ struct Written {
     deployment: String,
     method: Method,
     track_frame: Option<TrackFrame>,
-    inter_prism_m: Option<[f64; 3]>,
+    inter_prism_m: Option<PerPair<f64>>,
     transforms: [WrittenTransform; 2],
     covariance: Option<[[f64; 8]; 8]>,
     diagnosis: WrittenDiagnosis,

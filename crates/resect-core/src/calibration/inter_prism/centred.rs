@@ -154,7 +154,7 @@ impl CentredTriplets {
         let mut errors = Vec::with_capacity(3 * self.len());
         for i in 0..self.len() {
             let placed = [point(0, i), poses[0].apply(&point(1, i)), poses[1].apply(&point(2, i))];
-            for (pair, (a, b)) in crate::deployment::PAIRS.into_iter().enumerate() {
+            for (pair, (a, b)) in crate::calibration::inter_prism::PAIRS.into_iter().enumerate() {
                 errors.push((placed[a] - placed[b]).norm() - self.inter_prism_m[pair]);
             }
         }

@@ -121,7 +121,8 @@ mod tests {
                 points[station].push(truth[station].inverse().apply(&placed));
             }
         }
-        let distances = crate::deployment::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances =
+            crate::calibration::inter_prism::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
         let triplets = Triplets::new(vec![0.0; 200], vec![0; 200], points);
         let data = CentredTriplets::new(&triplets, distances);
         let best = closed_form_priors(&SquaredCost::of(&data))

@@ -8,7 +8,7 @@
 use multiversion::multiversion;
 
 use super::CentredTriplets;
-use crate::deployment::PAIRS;
+use super::PAIRS;
 
 /// Number of monomials m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). The constant one is last, so the first eight
 /// columns of the triangle are that of the problem without the constraints between the monomials.

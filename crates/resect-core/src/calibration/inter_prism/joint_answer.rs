@@ -47,8 +47,10 @@ pub fn solve(
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
     let inter_prism_m =
-        estimate.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
-    let rig = Rig { inter_prism_m, ..rig.clone() };
+        estimate.distances_m.map_or(*rig.inter_prism_m.as_array().expect("three prisms"), |all| {
+            all.map(|distance| distance.value)
+        });
+    let rig = Rig { inter_prism_m: inter_prism_m.into(), ..rig.clone() };
     // Gross outliers must not move the minima.
     let placed = level.map(|level| RigidTransform::from(*level));
     let fitting = gross_errors::fitting_triplets(&points_m, &placed, &inter_prism_m);

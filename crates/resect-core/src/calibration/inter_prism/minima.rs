@@ -138,7 +138,8 @@ pub(super) mod tests {
                 })
                 .collect()
         });
-        let distances = crate::deployment::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances =
+            crate::calibration::inter_prism::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
         let triplets =
             Triplets::new((0..400).map(|i| f64::from(i) * 0.1).collect(), vec![0; 400], points);
         CentredTriplets::new(&triplets, distances)
@@ -147,7 +148,10 @@ pub(super) mod tests {
     fn simulated(preset: Preset, seed: u64) -> CentredTriplets {
         let deployment = simulate(preset, seed).readings();
         let triplets = crate::pipeline::run(&deployment, &PipelineSettings::default()).triplets;
-        CentredTriplets::new(&triplets, deployment.rig.expect("simulated").inter_prism_m)
+        CentredTriplets::new(
+            &triplets,
+            *deployment.rig.expect("simulated").inter_prism_m.as_array().expect("three prisms"),
+        )
     }
 
     /// Rotating the rig by −90° and shifting the stations to match fits two legs at a right angle as well. The reason is that

@@ -165,9 +165,9 @@ mod tests {
 
     fn rig(prism1_above_m: Option<f64>) -> Rig {
         Rig {
-            inter_prism_m: [1.0; 3],
+            inter_prism_m: [1.0; 3].into(),
             prisms_m: prism1_above_m
-                .map(|h| [Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
+                .map(|h| [Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()].into()),
             inter_antenna_m: None,
             in_vehicle_m: None,
         }

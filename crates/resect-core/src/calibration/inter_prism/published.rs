@@ -42,7 +42,10 @@ pub fn solve(
     let priors = match search {
         None => closed_form_priors(&squared),
         Some(used) => {
-            let search = prior_search::search(&used.triplets(), rig.inter_prism_m);
+            let search = prior_search::search(
+                &used.triplets(),
+                *rig.inter_prism_m.as_array().expect("three prisms"),
+            );
             if !search.agreed {
                 findings.push(prior_search_unconfirmed());
             }

@@ -21,7 +21,7 @@ pub fn solve(
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
     let used = Used::all(triplets);
-    let data = used.centred(rig.inter_prism_m);
+    let data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
     let search = (settings.prior == PriorMethod::Search).then_some(&used);
     let points = deployment.comparable_control_points();
     let published = published::solve(rig, points, &data, search);
@@ -38,7 +38,12 @@ pub fn solve(
         },
         || {
             let sigma_m = settings.published_distance_sigma_m();
-            clock_check::suspected_clocks(triplets, &plain, &rig.inter_prism_m, sigma_m)
+            clock_check::suspected_clocks(
+                triplets,
+                &plain,
+                rig.inter_prism_m.as_array().expect("three prisms"),
+                sigma_m,
+            )
         },
     );
     drop(data);

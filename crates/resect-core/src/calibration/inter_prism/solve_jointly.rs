@@ -74,7 +74,10 @@ pub fn solve_jointly(
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
     // The conclusion of the survey comes before other notes.
     judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
-    judgement.findings.extend(joint::findings::distances(&estimate, &rig.inter_prism_m));
+    judgement.findings.extend(joint::findings::distances(
+        &estimate,
+        rig.inter_prism_m.as_array().expect("three prisms"),
+    ));
     judgement.findings.extend(joint::findings::findings(&estimate));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
@@ -104,18 +107,22 @@ fn screened<'a>(
         published::solve(rig, points, data, search)
     };
     let mut used = Used::all(triplets);
-    let mut data = used.centred(rig.inter_prism_m);
+    let mut data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
     let mut published = solve(&used, &data);
     progress.check()?;
     for _ in 0..MOST_SCREENINGS {
         let answer = published.choice.answer.station1_from_station.map(RigidTransform::from).into();
-        let kept = gross_errors::fitting_triplets(&triplets.points_m, &answer, &rig.inter_prism_m);
+        let kept = gross_errors::fitting_triplets(
+            &triplets.points_m,
+            &answer,
+            rig.inter_prism_m.as_array().expect("three prisms"),
+        );
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
         }
         used = Used::some(triplets, kept);
         drop(data);
-        data = used.centred(rig.inter_prism_m);
+        data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
         published = solve(&used, &data);
     }
     Ok((published, data, used))

@@ -138,7 +138,7 @@ fn rows(
 mod tests {
     use super::super::normal_equations::tests::irregular;
     use super::*;
-    use crate::deployment::PAIRS;
+    use crate::calibration::inter_prism::PAIRS;
     use crate::geometry::LevelTransform;
 
     /// Σ (‖e‖² − d²)²/(2d)², computed triplet by triplet.

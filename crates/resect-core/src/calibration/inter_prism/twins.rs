@@ -26,7 +26,8 @@ impl Twins {
     ///
     /// The search for all minima takes ten times as long, and correct triplets have a minimum near a prior.
     pub fn of(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Self> {
-        let data = CentredTriplets::new(triplets, rig.inter_prism_m);
+        let data =
+            CentredTriplets::new(triplets, *rig.inter_prism_m.as_array().expect("three prisms"));
         let thinned = data.thinned(THINNED);
         let squared = SquaredCost::of(&thinned);
         let priors = closed_form_priors(&squared);

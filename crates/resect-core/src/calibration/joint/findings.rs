@@ -6,7 +6,7 @@ use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::{StationStep, StepSize};
 use super::unknown::{DISTANCE, Owner};
 use crate::calibration::Verdict;
-use crate::calibration::{Estimate, Quantity, clocks_in_words};
+use crate::calibration::{Estimate, clocks_in_words};
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
     distance_estimated, distance_implausible, distances_implausible, errors_implausible,

@@ -40,13 +40,12 @@ impl RigDistances {
     /// The distances of a rig between the prisms that are followed, with the geometry of its reading.
     pub fn new(rig: &Rig, layout: &Layout, are_evidence: bool) -> Self {
         let pairs = PerPair::from_fn(layout.pairs(), |pair| layout.pair(pair));
-        let by_prism_constant = pairs.map(|pair| {
-            let Some(prisms_m) = &rig.prisms_m else { return 0.0 };
-            let (a, b) = (prisms_m[pair.first.index()], prisms_m[pair.second.index()]);
-            (a.normalize() - b.normalize()).dot(&(a - b).normalize())
-        });
-        let measured_m = pairs.map(|pair| rig.inter_prism_m[pair.index()]);
-        Self { measured_m, by_prism_constant, are_evidence }
+        let by_prism_constant = rig.distances_by_prism_constant();
+        Self {
+            measured_m: pairs.map(|pair| rig.inter_prism_m[*pair]),
+            by_prism_constant: pairs.map(|pair| by_prism_constant[*pair]),
+            are_evidence,
+        }
     }
 
     /// Distances of a reading without a prism constant.

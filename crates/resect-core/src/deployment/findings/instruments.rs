@@ -2,8 +2,8 @@
 
 use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Subject, Unit,
-    pair_label,
 };
+use crate::network::{Number, Pair};
 use crate::statistics::estimate::{
     Estimate, Quantity, SUPPORTED_SIGMAS, decimals_of, sigmas_in_words,
 };
@@ -166,7 +166,7 @@ pub fn distance_estimated(
     let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
     let line = format!(
         "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
-        pair_label(pair),
+        Pair::at(pair),
         off_m.value * 1e3,
         off_m.sigma * 1e3,
         sigmas_in_words(off_m.sigmas_from(0.0)),
@@ -187,7 +187,7 @@ pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas:
         format!(
             "prisms {} would be {:+.1} mm from their measured distance (σ {:.1} mm), implausible at {sigmas:.1} σ: the rig, its \
              units or the station numbers are wrong",
-            pair_label(pair),
+            Pair::at(pair),
             off_m * 1e3,
             prior_sigma_m * 1e3
         ),

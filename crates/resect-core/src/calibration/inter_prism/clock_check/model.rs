@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
+use crate::calibration::inter_prism::PAIRS;
 use crate::calibration::{Clock, MovingTriplets};
-use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 
 /// Size of the state vector: (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their

@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 use super::model::{Linearised, PolarNoise, State, residuals, transforms};
 use crate::calibration::MovingTriplets;
-use crate::deployment::PAIRS;
+use crate::calibration::inter_prism::PAIRS;
 use crate::geometry::{ARCSECOND_RAD, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::robust::HUBER_BEND;
