@@ -175,18 +175,20 @@ fn block_jacobian(
 
 #[cfg(test)]
 mod tests {
+    use super::super::state_vector::tests::layout;
     use super::super::station_model::Sight;
     use super::*;
 
     /// Stations and their mean sights to a rig that rotates, far from level.
-    fn example() -> (Constants, [StationModel; 3], PerStation<MeanSight>) {
-        let mut constants = Constants::zeros();
+    fn example() -> (Constants, Vec<StationModel>, PerStation<MeanSight>) {
+        let layout = layout(3);
+        let mut constants = Constants::zeros(layout.constants);
         for (index, value) in
             [60.0, -12.0, 1.5, 0.7, 35.0, 48.0, -2.0, -2.1].into_iter().enumerate()
         {
             constants[index] = value;
         }
-        let stations = [0, 1, 2].map(|station| StationModel::new(&constants, station));
+        let stations = StationModel::all(&layout, &constants);
         let mean_sights = [0, 1, 2].map(|k: usize| {
             let model = &stations[k];
             let sights = (0..15).map(|i| {
@@ -196,7 +198,7 @@ mod tests {
                 let prism_m = Vector3::new(30.0 + t, 20.0 - 0.5 * t, 0.8) + rig_m;
                 Sight::to(&model.rotation.tr_mul(&(prism_m - model.position_m)))
             });
-            MeanSight::of(sights).expect("sights")
+            MeanSight::of(&layout, sights).expect("sights")
         });
         (constants, stations, mean_sights.into())
     }
@@ -204,8 +206,9 @@ mod tests {
     /// Largest change of the block's unknowns if everything rotates about an axis through station 1: each station by its lean, or
     /// by its yaw and station 1 by its collimation.
     fn change_by_common_rotation(axis: &Vector3<f64>, lean: bool) -> f64 {
+        let layout = layout(3);
         let (constants, stations, mean_sights) = example();
-        let mut rotation = Constants::zeros();
+        let mut rotation = Constants::zeros(layout.constants);
         for slot in 0..2 {
             let position: Vector3<f64> = constants.fixed_rows::<3>(4 * slot).into();
             rotation.fixed_rows_mut::<3>(4 * slot).copy_from(&axis.cross(&position));
@@ -213,12 +216,14 @@ mod tests {
         if lean {
             for station in 0..3 {
                 let own_axis = stations[station].rotation.tr_mul(axis);
-                rotation.fixed_rows_mut::<2>(LEANS + 2 * station).copy_from(&own_axis.xy());
+                rotation[layout.index(&LEAN_X, station)] = own_axis.x;
+                rotation[layout.index(&LEAN_Y, station)] = own_axis.y;
             }
         } else {
-            (rotation[3], rotation[7], rotation[COLLIMATIONS]) = (1.0, 1.0, 1.0);
+            rotation[layout.index(&COLLIMATION, 0)] = 1.0;
+            (rotation[3], rotation[7]) = (1.0, 1.0);
         }
-        (block_jacobian(&stations, &mean_sights, 0.0).0 * rotation).amax()
+        (block_jacobian(&layout, &stations, &mean_sights, 0.0).0 * rotation).amax()
     }
 
     #[test]

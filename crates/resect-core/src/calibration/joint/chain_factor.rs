@@ -311,7 +311,7 @@ fn slow_covariance(
 #[cfg(test)]
 mod tests {
     use crate::network::PerStation;
-    use nalgebra::SMatrix;
+    use nalgebra::DVector;
     use rand::{RngExt, SeedableRng};
 
     use super::super::block_jacobians::BlockJacobians;
@@ -319,7 +319,7 @@ mod tests {
     use super::super::drive::Drive;
     use super::super::motion_band::BlockEquations;
     use super::super::random_walks::{GaussMarkov, SlowPriors};
-    use super::super::state_vector::{BLOCK, Constants};
+    use super::super::state_vector::tests::layout;
     use super::super::station_model::MeanSight;
     use super::*;
 
@@ -334,26 +334,28 @@ mod tests {
                 side: vector(),
                 up: vector(),
                 point_m: vector(),
-                up_m: vector(),
-                side_m: vector(),
+                corrections_m: (0..4).map(|_| vector()).collect(),
             }
         };
+        let layout = layout(3);
         let drive = Drive {
+            layout: Arc::clone(&layout),
             segments: Vec::new(),
             mean_sights: (0..blocks).map(|_| PerStation::from_fn(3, |_| mean_sight())).collect(),
             block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
             coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
             spans_s: vec![[0.0, 6.0 * blocks as f64]],
         };
-        let mut matrix = || SMatrix::<f64, BLOCK, BLOCK>::from_fn(|_, _| random());
+        let size = layout.block();
+        let mut matrix = || DMatrix::from_fn(size, size, |_, _| random());
         let all = (0..blocks).map(|_| {
             let root = matrix();
-            let information = root * root.transpose() + SMatrix::identity() * 30.0;
-            BlockEquations { information, with_next: matrix(), ..BlockEquations::ZERO }
+            let information = &root * root.transpose() + DMatrix::identity(size, size) * 30.0;
+            BlockEquations { information, with_next: matrix(), gradient: DVector::zeros(size) }
         });
         let all: Vec<BlockEquations> = all.collect();
         let priors = SlowPriors {
-            settling: SMatrix::identity(),
+            settling: DMatrix::identity(8, 8),
             clocks_s2: 2.0,
             ranges: GaussMarkov { sigma_m: 0.5, correlation_s: 5.0 },
             across: GaussMarkov { sigma_m: 0.3, correlation_s: 9.0 },
@@ -363,9 +365,20 @@ mod tests {
             station_steps: vec![2],
             clock_steps: vec![3],
         };
-        let priors = SlowPrecisions::new(&priors, &drive.block_times_s);
-        let jacobians = BlockJacobians::new(&Arc::new(drive), &Constants::zeros());
+        let priors = SlowPrecisions::of_drive(&priors, &drive);
+        let constants = Constants::zeros(layout.constants);
+        let jacobians = BlockJacobians::new(&Arc::new(drive), &constants);
         (ChainMatrix::new(all, jacobians), priors.expect("positive variances"))
+    }
+
+    fn precision(value: f64) -> ConstantsMatrix {
+        let size = layout(3).constants;
+        ConstantsMatrix::from_diagonal_element(size, size, value)
+    }
+
+    fn dot(a: &ChainVector, b: &ChainVector) -> f64 {
+        let slow: f64 = a.slow.iter().zip(&b.slow).map(|(a, b)| a.dot(b)).sum();
+        slow + a.constants.dot(&b.constants)
     }
 
     #[test]
@@ -373,21 +386,21 @@ mod tests {
         const BLOCKS: usize = 5;
         let (data, priors) = chain(BLOCKS);
         let data = Arc::new(data);
-        let any = ChainVectors::<1>::zeros(BLOCKS);
+        let layout = layout(3);
+        let any = ChainVector::zeros(&layout, BLOCKS);
         let (factor, _) =
-            ChainFactor::new(&data, &ConstantsMatrix::identity(), &priors, any).expect("definite");
+            ChainFactor::new(&data, &precision(1.0), &priors, any).expect("definite");
         let walks = factor.increment_covariances();
         assert_eq!(walks.len(), BLOCKS - 1);
         for (index, found) in walks.iter().enumerate() {
-            let mut walked = ChainVectors::<SLOW_RANGES>::zeros(BLOCKS);
-            for k in 0..SLOW_RANGES {
-                walked.slow[index + 1][(k, k)] = 1.0;
-                walked.slow[index][(k, k)] = -1.0;
+            for k in 0..layout.slow_ranges() {
+                let mut walked = ChainVector::zeros(&layout, BLOCKS);
+                (walked.slow[index + 1][k], walked.slow[index][k]) = (1.0, -1.0);
+                let solved = factor.solve_one(walked);
+                let expected = &solved.slow[index + 1] - &solved.slow[index];
+                let off = found.column(k) - expected.rows(0, layout.slow_ranges());
+                assert!(off.amax() < 1e-12, "{index}, {k}: {off}");
             }
-            let solved = factor.solve(walked);
-            let expected = solved.slow[index + 1] - solved.slow[index];
-            let expected = expected.fixed_rows::<SLOW_RANGES>(0);
-            assert!((found - expected).amax() < 1e-12, "{index}: {found} {expected}");
         }
     }
 
@@ -395,21 +408,20 @@ mod tests {
     fn a_solution_solves_the_normal_equations() {
         let (data, priors) = chain(7);
         let data = Arc::new(data);
-        let precision = ConstantsMatrix::from_diagonal_element(2.0);
-        let mut right = ChainVectors::<1>::zeros(7);
+        let precision = precision(2.0);
+        let mut right = ChainVector::zeros(&layout(3), 7);
         right.slow.iter_mut().for_each(|slow| slow.fill(0.7));
         right.constants.fill(-0.3);
         let (factor, found) =
             ChainFactor::new(&data, &precision, &priors, right.clone()).expect("definite");
-        assert_eq!(found.slow, factor.solve(right.clone()).slow);
+        assert_eq!(found.slow, factor.solve_one(right.clone()).slow);
         // xᵀHx is xᵀ times the right-hand side.
         let by_priors: f64 =
             (0..7).map(|block| found.slow[block].dot(&priors.multiply(&found.slow, block))).sum();
-        let square = data.quadratic_form(&found)[0]
-            + found.constants.dot(&(precision * found.constants))
-            + by_priors;
-        let pulled: f64 = found.slow.iter().zip(&right.slow).map(|(a, b)| a.dot(b)).sum();
-        let pulled = pulled + found.constants.dot(&right.constants);
+        let product = &data.multiply(std::slice::from_ref(&found))[0];
+        let by_constants = found.constants.dot(&(precision * &found.constants));
+        let square = dot(&found, product) + by_constants + by_priors;
+        let pulled = dot(&found, &right);
         assert!((square - pulled).abs() < 1e-9 * pulled.abs(), "{square} {pulled}");
     }
 
@@ -419,16 +431,17 @@ mod tests {
         let (data, priors) = chain(blocks);
         let kept = Arc::new(data);
         let again = Arc::new(without_stored_rows(&kept));
-        let precision = ConstantsMatrix::from_diagonal_element(2.0);
-        let mut right = ChainVectors::<2>::zeros(blocks);
+        let precision = precision(2.0);
+        let mut right = ChainVector::zeros(&layout(3), blocks);
         right.slow.iter_mut().enumerate().for_each(|(block, slow)| slow.fill(block as f64));
         let of =
             |data| ChainFactor::new(data, &precision, &priors, right.clone()).expect("definite");
         let ((factor, by), (mut other, by_other)) = (of(&kept), of(&again));
         other.stored = Vec::new();
-        assert_eq!(by_other.slow, other.solve(right.clone()).slow);
+        assert_eq!(by_other.slow, other.solve_one(right.clone()).slow);
         assert_eq!((&by.slow, &by.constants), (&by_other.slow, &by_other.constants));
-        assert_eq!(kept.quadratic_form(&by), again.quadratic_form(&by));
+        let [kept, again] = [kept, again].map(|matrix| matrix.multiply(std::slice::from_ref(&by)));
+        assert_eq!((&kept[0].slow, &kept[0].constants), (&again[0].slow, &again[0].constants));
         assert_eq!(factor.increment_covariances(), other.increment_covariances());
     }
 }

@@ -107,6 +107,7 @@ fn of_block(
 mod tests {
     use super::super::knot_grid::segment_grids;
     use super::super::state_vector::Constants;
+    use super::super::state_vector::tests::layout;
     use super::*;
 
     /// Variance of the first pose by errors of station 1's ranges (m²), each of which moves it by the same amount in every block, for
@@ -122,7 +123,9 @@ mod tests {
             (0..grid.knots).flat_map(|knot| rig_m(rate_rad_per_s * grid.knot_time_s(knot)));
         let coefficients_m: Vec<f64> = coefficients_m.flatten().collect();
         let blocks = grid.blocks;
+        let layout = layout(3);
         let mut drive = Drive {
+            layout: layout.clone(),
             segments: Vec::new(),
             mean_sights: Vec::new(),
             block_times_s: Vec::new(),
@@ -131,13 +134,13 @@ mod tests {
         };
         drive.segments.push(Segment { grid, readings: Default::default(), middle_s: 0.0 });
         let state = StateVector {
-            constants: Constants::zeros(),
+            constants: Constants::zeros(layout.constants),
             slow: Vec::new(),
             coefficients_m: vec![coefficients_m],
         };
-        let mut information = SMatrix::<f64, SLOW, 8>::zeros();
-        information[(SLOW_RANGES, 0)] = 1.0;
-        let covariance = facet_covariance(&drive, &state, &vec![information; blocks]);
+        let mut information = vec![ChainVector::zeros(&layout, blocks); 8];
+        information[0].slow.iter_mut().for_each(|slow| slow[layout.slow_ranges()] = 1.0);
+        let covariance = facet_covariance(&drive, &state, &information);
         (covariance[(0, 0)], blocks)
     }
 

@@ -63,7 +63,7 @@ pub fn each_knot_covariance(band: &MotionBand, mut visit: impl FnMut(&KnotCovari
 
 #[cfg(test)]
 mod tests {
-    use super::super::motion_band::tests::{KNOTS, LOCAL, example};
+    use super::super::motion_band::tests::{BLOCK, KNOTS, LOCAL, example};
     use super::*;
 
     #[test]

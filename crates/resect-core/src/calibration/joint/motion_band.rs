@@ -352,37 +352,39 @@ impl MotionBand {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::DVector;
     use rand::{RngExt, SeedableRng};
 
     pub const LOCAL: usize = 3;
-    pub const ROW: usize = ORDER * LOCAL + BORDER;
+    pub const BLOCK: usize = 14;
     pub const KNOTS: usize = 40;
 
     /// A band of random equations in three blocks, and the same equations as a dense normal matrix and gradient, in which the
     /// three blocks are one.
-    pub fn example() -> (MotionBand<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
+    pub fn example() -> (MotionBand, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
-        let mut band = MotionBand::<LOCAL, ROW>::new(Vec::new(), KNOTS, first_knots);
+        let shape = band_shape(LOCAL, BLOCK);
+        let mut band = MotionBand::new(Vec::new(), shape, BLOCK, KNOTS, first_knots);
         let size = KNOTS * LOCAL + BLOCK;
         let (mut full, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
         for first in 0..KNOTS - (ORDER - 1) {
             let block = [0, 13, 26].iter().filter(|begin| **begin <= first).count() - 1;
             for _ in 0..3 {
                 let factors: [f64; ORDER] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
-                let direction = SVector::<f64, LOCAL>::from_fn(|_, _| rng.random_range(-1.0..1.0));
-                let columns = BlockVector::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let direction = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let columns = BlockVector::from_fn(BLOCK, |_, _| rng.random_range(-1.0..1.0));
                 let error: f64 = rng.random_range(-1.0..1.0);
                 let information = direction * direction.transpose();
                 let knots = KnotFactors { first, factors: &factors };
-                band.add(knots, 0, &information, &(direction * error));
+                band.add_prism(knots, 0, &information, &(direction * error));
                 for column in 0..BLOCK {
                     let values = direction * columns[column];
-                    band.add_border(knots, 0, BlockUnknown { block, column }, &values);
+                    let unknown = BlockUnknown { block, column };
+                    band.add_border(knots, 0, unknown, values.as_slice());
                 }
-                band.blocks[block].information += columns * columns.transpose();
-                band.blocks[block].gradient += columns * error;
+                band.blocks[block].information += &columns * columns.transpose();
+                band.blocks[block].gradient += &columns * error;
                 let mut row = DVector::zeros(size);
                 for k in 0..ORDER {
                     for i in 0..LOCAL {
@@ -396,15 +398,13 @@ pub(super) mod tests {
         }
         for knot in 0..KNOTS - (ORDER - 1) {
             let knots = KnotFactors { first: knot, factors: &[0.3, 0.0, 0.0, 0.0] };
-            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
-            band.add(knots, 0, &information, &SVector::zeros());
+            band.add_prism(knots, 0, &Matrix3::identity(), &Vector3::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         for knot in KNOTS - (ORDER - 1)..KNOTS {
             let factors = &[0.0, 0.0, 0.0, 0.3];
-            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
             let knots = KnotFactors { first: knot - (ORDER - 1), factors };
-            band.add(knots, 0, &information, &SVector::zeros());
+            band.add_prism(knots, 0, &Matrix3::identity(), &Vector3::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         (band, full, gradient)
@@ -414,10 +414,11 @@ pub(super) mod tests {
     fn the_sum_of_all_blocks_is_the_dense_solution() {
         let (mut band, full, gradient) = example();
         assert!(band.eliminate());
-        let (mut information, mut pull) = (BlockMatrix::zeros(), BlockVector::zeros());
+        let mut information = BlockMatrix::zeros(BLOCK, BLOCK);
+        let mut pull = BlockVector::zeros(BLOCK);
         for block in &band.blocks {
-            information += block.information + block.with_next + block.with_next.transpose();
-            pull += block.gradient;
+            information += &block.information + &block.with_next + block.with_next.transpose();
+            pull += &block.gradient;
         }
         let locals = KNOTS * LOCAL;
         let dense = full.clone().cholesky().expect("definite").solve(&gradient);
@@ -425,12 +426,12 @@ pub(super) mod tests {
         let expected = inverse.view((locals, locals), (BLOCK, BLOCK)).into_owned();
         let expected = expected.try_inverse().expect("definite");
         assert!(
-            (information - &expected).amax() < 1e-9 * expected.amax(),
+            (&information - &expected).amax() < 1e-9 * expected.amax(),
             "{information} {expected}"
         );
         let step = information.cholesky().expect("definite").solve(&pull);
-        assert!((step - dense.rows(locals, BLOCK)).amax() < 1e-8, "{step}");
-        let local = band.motion_step(&[step; 3]);
+        assert!((&step - dense.rows(locals, BLOCK)).amax() < 1e-8, "{step}");
+        let local = band.motion_step(&[step.clone(), step.clone(), step]);
         for (found, expected) in local.iter().zip(dense.iter()) {
             assert!((found - expected).abs() < 1e-8, "{found} {expected}");
         }

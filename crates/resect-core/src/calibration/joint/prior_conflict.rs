@@ -91,21 +91,24 @@ fn joint_sigmas(covariance: DMatrix<f64>, numbers: &DVector<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::state_vector::tests::layout;
+    use super::super::unknown::{RANGE_OFFSET, VERTICAL_INDEX};
     use super::*;
 
     /// A prior of variance 4 and a reading of variance 4 that is off by 10: the estimate moves half way.
     #[test]
     fn a_conflict_is_measured_by_what_the_data_can_change() {
-        let mut prior = ConstantsMatrix::zeros();
-        prior[(INDICES, INDICES)] = 4.0;
-        let mut covariance = ConstantsMatrix::zeros();
-        covariance[(INDICES, INDICES)] = 2.0;
-        let mut change = Constants::zeros();
-        change[INDICES] = 5.0;
-        let conflict = PriorConflict::new(&change, &prior, &covariance);
+        let layout = layout(3);
+        let index = layout.index(&VERTICAL_INDEX, 0);
+        let mut prior = ConstantsMatrix::zeros(layout.constants, layout.constants);
+        let (mut covariance, mut change) = (prior.clone(), Constants::zeros(layout.constants));
+        prior[(index, index)] = 4.0;
+        covariance[(index, index)] = 2.0;
+        change[index] = 5.0;
+        let conflict = PriorConflict::new(&layout, &change, &prior, &covariance);
         // The variances of reading and prior are 8 together.
-        assert!((conflict.sigmas[INDICES] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(conflict.sigmas[OFFSETS], 0.0);
+        assert!((conflict.sigmas[index] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(conflict.sigmas[layout.index(&RANGE_OFFSET, 0)], 0.0);
     }
 
     #[test]

@@ -204,8 +204,8 @@ impl Priors {
 #[cfg(test)]
 mod tests {
     use super::super::random_walks::SlowPrecisions;
+    use super::super::state_vector::tests::layout;
     use super::*;
-    use crate::network::PerStation;
 
     #[test]
     fn error_sizes_of_zero_give_finite_precisions() {
@@ -217,9 +217,7 @@ mod tests {
             ..ErrorSizes::default()
         };
         for stations in 1..5 {
-            let layout = Arc::new(Layout::new(&PerStation::from_fn(stations, |station| {
-                Number::at(Number::index(station))
-            })));
+            let layout = layout(stations);
             let none = RigDistances::exact(PerPair::repeat(layout.pairs(), 1.0));
             let mean = Constants::zeros(layout.constants);
             let priors = Priors::new(&layout, &sizes, &mean, &none, &[30.0]);

@@ -234,3 +234,41 @@ impl Layout {
 pub fn by_station<T>(reference: T, by_slot: impl IntoIterator<Item = T>) -> PerStation<T> {
     std::iter::once(reference).chain(by_slot).collect::<Per<Station, T>>()
 }
+
+#[cfg(test)]
+pub mod tests {
+    use std::sync::Arc;
+
+    use super::super::unknown::{DISTANCE, LATENCY, LEAN_Y};
+    use super::*;
+
+    /// The layout of stations that each follow a prism of their own.
+    pub fn layout(stations: usize) -> Arc<Layout> {
+        let own = |station: Station| Prism::at(station.index());
+        Arc::new(Layout::new(&PerStation::from_fn(stations, own)))
+    }
+
+    #[test]
+    fn every_index_belongs_to_one_unknown_of_one_owner() {
+        for stations in 1..=8 {
+            let layout = layout(stations);
+            let mut indices: Vec<usize> = layout.each().map(|(.., index)| index).collect();
+            indices.sort_unstable();
+            assert_eq!(indices, (0..layout.constants).collect::<Vec<usize>>());
+        }
+        let layout = layout(3);
+        let sizes = [layout.constants, layout.slow(), layout.block()];
+        assert_eq!(sizes, [36, 19, 14]);
+        assert_eq!(layout.indices(&LEAN_Y).collect::<Vec<usize>>(), [28, 30, 32]);
+    }
+
+    #[test]
+    fn stations_may_share_prisms() {
+        let prism = |number: usize| Prism::at(number - 1);
+        let layout = Layout::new(&[prism(1), prism(3), prism(1), prism(3)].into());
+        assert_eq!((layout.prisms(), layout.pairs(), layout.indices(&DISTANCE).count()), (2, 1, 1));
+        assert_eq!(layout.owner_in_words(&DISTANCE, 0), "1–3");
+        assert_eq!(layout.prism_of(Station::at(3)), 1);
+        assert_eq!(layout.indices(&LATENCY).count(), 4);
+    }
+}

@@ -72,14 +72,12 @@ pub fn fit(
 mod tests {
     use nalgebra::Vector4;
 
+    use super::super::state_vector::tests::layout;
     use super::*;
-    use crate::network::{Number, PerStation};
 
     #[test]
     fn a_rotation_of_station_1_is_the_opposite_one_of_the_others() {
-        let layout = Layout::new(&PerStation::from_fn(3, |station: Station| {
-            Number::at(station.index())
-        }));
+        let layout = layout(3);
         let mut constants = DVector::zeros(layout.constants);
         (constants[0], constants[5]) = (10.0, 20.0);
         let (by_pose, by_clock) = step_jacobians(&layout, Station::FIRST, &constants);
