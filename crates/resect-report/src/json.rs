@@ -82,7 +82,7 @@ pub fn calibration(
             "mirror": calibration.inter_prism().map(|details| json!({
                 "cost_ratio": details.mirror.cost_ratio,
                 "resolved_by": details.mirror.resolved_by.name(),
-                "twin": details.mirror.twin.map(|twin| level_transforms(&twin)),
+                "twin": details.mirror.twin.as_ref().map(level_transforms),
             })),
             "basins": calibration.inter_prism().map(|details| {
                 details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! Prediction of the covariance of a planned drive, by the information matrix of the joint estimate.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::drive::{Driven, drive};
 use super::in_words;
@@ -8,7 +8,7 @@ use super::plan::{Plan, PlannedInstrument};
 use super::prediction::{Held, OnTheWay, PlanError, Prediction};
 use super::way;
 use crate::calibration::inter_prism;
-use crate::calibration::inter_prism::Foreseen;
+use crate::calibration::inter_prism::{Foreseen, PrismNetwork};
 use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
 use crate::calibration::joint::{
@@ -71,7 +71,9 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     .unwrap_or_default();
     let covariance = estimate.as_ref().map(|estimate| estimate.covariance);
     let foreseen = inter_prism_m.and_then(|distances_m| {
-        inter_prism::foresee(triplets, distances_m, &truth.station1_from_station, covariance)
+        let network = PrismNetwork::of_own_prisms(*distances_m);
+        let covariance = covariance.map(|c| DMatrix::from_column_slice(8, 8, c.as_slice()));
+        inter_prism::foresee(triplets, &network, &truth.station1_from_station, covariance)
     });
     Ok(Looked { driven, expected, estimate, foreseen })
 }

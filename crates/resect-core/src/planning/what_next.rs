@@ -1,11 +1,12 @@
 //! Manoeuvres to drive next from the vehicle's current position, ranked by the information they add to the readings so far.
 
-use nalgebra::{SMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, SMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::from_here::Here;
 use super::so_far::SoFar;
 use crate::calibration::inter_prism;
+use crate::calibration::inter_prism::PrismNetwork;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::calibration::joint;
 use crate::deployment::pairwise_distances;
@@ -135,7 +136,9 @@ fn foreseen(
         joint::predict(triplets, station1_from_station, distances_m, sizes, expected, progress)?;
     let covariance = estimate.map(|estimate| estimate.covariance);
     let seen = distances_m.and_then(|distances_m| {
-        inter_prism::foresee(triplets, distances_m, station1_from_station, covariance)
+        let network = PrismNetwork::of_own_prisms(*distances_m);
+        let covariance = covariance.map(|c| DMatrix::from_column_slice(8, 8, c.as_slice()));
+        inter_prism::foresee(triplets, &network, station1_from_station, covariance)
     });
     let held = covariance.filter(|_| seen.as_ref().is_none_or(|seen| seen.is_held));
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })

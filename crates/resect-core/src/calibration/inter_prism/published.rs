@@ -42,10 +42,7 @@ pub fn solve(
     let priors = match search {
         None => closed_form_priors(&squared),
         Some(used) => {
-            let search = prior_search::search(
-                &used.triplets(),
-                *rig.inter_prism_m.as_array().expect("three prisms"),
-            );
+            let search = prior_search::search(&used.triplets(), &data.network);
             if !search.agreed {
                 findings.push(prior_search_unconfirmed());
             }
@@ -61,7 +58,7 @@ pub fn solve(
     let basins = minima.basins(data);
     let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
-        rig,
+        data.network.height_differences_m(rig).as_ref(),
         control_points,
         basin(data, &lowest),
         twin.as_ref().map(|twin| basin(data, twin)),
@@ -71,7 +68,7 @@ pub fn solve(
         _ => lowest,
     };
     findings.extend(prior_search.as_ref().and_then(|search| astray(search, &choice)));
-    let rival = others.first().copied();
+    let rival = others.first().cloned();
     Published { thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
 }
 
@@ -81,8 +78,11 @@ fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
     if same_solution(&search.chosen, answer) {
         return None;
     }
-    let apart_m = (1..3)
-        .map(|s| (search.chosen[s].translation_m - answer[s].translation_m).norm())
+    let apart_m = search
+        .chosen
+        .iter()
+        .zip(answer)
+        .map(|(chosen, answer)| (chosen.translation_m - answer.translation_m).norm())
         .fold(0.0, f64::max);
     Some(prior_search_elsewhere(apart_m))
 }

@@ -2,12 +2,13 @@
 
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
-use super::{InterPrismDetails, clock_check, gross_errors, published};
+use super::{InterPrismDetails, PrismNetwork, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
+    CalibrationError, CalibrationSettings, Estimate, Method, Offer, PriorMethod, clocks_in_words,
 };
 use crate::deployment::Deployment;
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -21,13 +22,13 @@ pub fn solve(
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
     let used = Used::all(triplets);
-    let data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
+    let data = used.centred(&PrismNetwork::of_rig(rig));
     let search = (settings.prior == PriorMethod::Search).then_some(&used);
     let points = deployment.comparable_control_points();
     let published = published::solve(rig, points, &data, search);
     progress.check()?;
     let prior_ms = published.prior_ms;
-    let plain = published.choice.answer.station1_from_station;
+    let plain = published.choice.answer.station1_from_station.clone();
     let ((mut answer, pull), suspected) = rayon::join(
         || {
             let answer = UnjudgedAnswer::published(published, &data, &used, settings);
@@ -38,12 +39,7 @@ pub fn solve(
         },
         || {
             let sigma_m = settings.published_distance_sigma_m();
-            clock_check::suspected_clocks(
-                triplets,
-                &plain,
-                rig.inter_prism_m.as_array().expect("three prisms"),
-                sigma_m,
-            )
+            clock_check::suspected_clocks(triplets, &plain, &data.network, sigma_m)
         },
     );
     drop(data);
@@ -51,10 +47,10 @@ pub fn solve(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
-    let covariance = answer.uncertainty.covariance;
+    let covariance = answer.uncertainty.covariance_of_stations_2_and_3();
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
-        judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
-        judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
+        judgement.doubt(clocks_in_words::suspicions(&of_stations_2_and_3(&clocks.offsets_s)));
+        judgement.doubt(clocks_in_words::suspected_jumps(&of_stations_2_and_3(&clocks.jumps_s)));
     }
     Ok(MethodAnswer {
         method: Method::InterPrism,
@@ -65,4 +61,10 @@ pub fn solve(
         details: answer.into_details(observability),
         prior_ms,
     })
+}
+
+/// Converts estimates by station to those of stations 2 and 3, for findings of three stations.
+fn of_stations_2_and_3(by_station: &PerStation<Estimate>) -> [Estimate; 2] {
+    let [_, second, third] = by_station.as_array().expect("three stations");
+    [*second, *third]
 }

@@ -2,13 +2,15 @@
 
 use std::borrow::Cow;
 
+use nalgebra::DMatrix;
+
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
 use super::uncertainty::Uncertainty;
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{
-    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
+    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PrismNetwork, gross_errors, uncertainty,
 };
 use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances, SolverStatus};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
@@ -40,14 +42,14 @@ pub fn solve_jointly(
     );
     let (published, data, used) = screened?;
     let prior_ms = published.prior_ms;
-    let plain = published.choice.answer.station1_from_station;
+    let plain = published.choice.answer.station1_from_station.clone();
     let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
-    let start = if is_determined_by_drive { Some(plain.into()) } else { by_survey() };
+    let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
@@ -74,10 +76,7 @@ pub fn solve_jointly(
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
     // The conclusion of the survey comes before other notes.
     judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
-    judgement.findings.extend(joint::findings::distances(
-        &estimate,
-        rig.inter_prism_m.as_array().expect("three prisms"),
-    ));
+    judgement.findings.extend(joint::findings::distances(&estimate, &rig.inter_prism_m));
     judgement.findings.extend(joint::findings::findings(&estimate));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
@@ -85,7 +84,7 @@ pub fn solve_jointly(
     Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: answer.uncertainty.covariance,
+        covariance: answer.uncertainty.covariance_of_stations_2_and_3(),
         judgement,
         checked_by: Vec::new(),
         details: (Ok(estimate), answer.into_details(observability)),
@@ -107,22 +106,19 @@ fn screened<'a>(
         published::solve(rig, points, data, search)
     };
     let mut used = Used::all(triplets);
-    let mut data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
+    let network = PrismNetwork::of_rig(rig);
+    let mut data = used.centred(&network);
     let mut published = solve(&used, &data);
     progress.check()?;
     for _ in 0..MOST_SCREENINGS {
-        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from).into();
-        let kept = gross_errors::fitting_triplets(
-            &triplets.points_m,
-            &answer,
-            rig.inter_prism_m.as_array().expect("three prisms"),
-        );
+        let answer = &published.choice.answer.station1_from_station;
+        let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, &network);
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
         }
         used = Used::some(triplets, kept);
         drop(data);
-        data = used.centred(*rig.inter_prism_m.as_array().expect("three prisms"));
+        data = used.centred(&network);
         published = solve(&used, &data);
     }
     Ok((published, data, used))
@@ -151,7 +147,7 @@ fn estimate(
     };
     let first = estimate_from(input.published)?;
     let Ok((_, JointAnswer { fits_better: Some(other), .. })) = &first else { return Ok(first) };
-    let again = estimate_from(&other.station1_from_station.into())?;
+    let again = estimate_from(&other.station1_from_station)?;
     let stays = matches!(&again, Ok((_, evaluated)) if evaluated.fits_better.is_none());
     Ok(if stays { again } else { first })
 }
@@ -169,11 +165,12 @@ fn replace(
     let findings = std::mem::replace(&mut answer.published, solution).findings;
     answer.published.findings = findings;
     let Published { thinned, answer: minimum, .. } = &answer.published;
-    answer.fitting = observability::fitting(thinned, &minimum.parameters);
+    answer.fitting = gross_errors::inliers(thinned, &minimum.parameters);
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    let covariance = DMatrix::from_column_slice(8, 8, estimate.covariance.as_slice());
     answer.uncertainty = Uncertainty {
         has_control_points: estimate.survey.is_some(),
-        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance)
+        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, covariance)
     };
     let placed = estimate.station1_from_station.map(|level| RigidTransform::from(*level));
     let mut doubts = Vec::new();
