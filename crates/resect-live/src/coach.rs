@@ -234,10 +234,10 @@ mod tests {
             open: Vec::new(),
             advice: Some("turn more"),
             plan: None,
-            late_s: None,
+            late_s_by_station: None,
             stepped: Vec::new(),
             station1_from_station: PerStation::repeat(3, RigidTransform::IDENTITY),
-            sigma: None,
+            sigma_by_station: None,
             inter_prism_mm: Some(1.0),
         };
         change(&mut judged);

@@ -295,9 +295,11 @@ impl Engine {
         });
         let at_s = now_s.unwrap_or(0.0);
         let mut stations = self.watches.map(|watch| watch.status(at_s, self.is_live));
-        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s) {
-            for (station, late_s) in stations.iter_mut().skip(1).zip(late_s) {
-                station.late_s = Some(late_s);
+        if let Some(late_s) =
+            self.answer.as_ref().and_then(|judged| judged.late_s_by_station.as_ref())
+        {
+            for (station, late_s) in stations.iter_mut().zip(late_s).skip(1) {
+                station.late_s = Some(*late_s);
             }
         }
         self.warn(at_s, &stations);

@@ -70,8 +70,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     }
     let at_survey = match evidence.survey {
         Some(survey) => Some((survey.transforms(), survey.sigma())),
-        None => (evidence.sigma.as_ref().and_then(of_stations_2_and_3))
-            .map(|sigma| (evidence.station1_from_station.clone(), sigma)),
+        None => evidence.sigma.clone().map(|sigma| (evidence.station1_from_station.clone(), sigma)),
     };
     let control_points = at_survey.and_then(|(transforms, sigma)| {
         control_points_contradict(evidence.deployment, &transforms, &sigma)

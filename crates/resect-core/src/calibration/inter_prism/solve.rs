@@ -1,5 +1,7 @@
 //! Method D: from triplets to an answer with its verdict.
 
+use nalgebra::DMatrix;
+
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{InterPrismDetails, PrismNetwork, clock_check, gross_errors, published};
@@ -49,13 +51,14 @@ pub fn solve(
     judgement.doubt(pull);
     let covariance = answer.uncertainty.covariance_of_stations_2_and_3();
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
-        judgement.doubt(clocks_in_words::suspicions(&of_stations_2_and_3(&clocks.offsets_s)));
-        judgement.doubt(clocks_in_words::suspected_jumps(&of_stations_2_and_3(&clocks.jumps_s)));
+        judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
+        judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
     }
     Ok(MethodAnswer {
         method: Method::InterPrism,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance,
+        covariance: covariance
+            .map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice())),
         judgement,
         checked_by: Vec::new(),
         details: answer.into_details(observability),

@@ -84,7 +84,7 @@ pub fn solve_jointly(
     Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: answer.uncertainty.covariance_of_stations_2_and_3(),
+        covariance: answer.uncertainty.covariance.clone(),
         judgement,
         checked_by: Vec::new(),
         details: (Ok(estimate), answer.into_details(observability)),

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Dyn, SMatrix, SymmetricEigen, Vector3};
 use super::prism_network::{UNKNOWNS_PER_STATION, first_unknown};
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
-use crate::network::{PerStation, Station};
+use crate::network::PerStation;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
 
@@ -42,22 +42,9 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// Returns the covariance for answers of three stations.
-    pub fn covariance_of_stations_2_and_3(&self) -> Option<SMatrix<f64, 8, 8>> {
-        let covariance = self.covariance.as_ref().filter(|covariance| covariance.nrows() == 8)?;
-        Some(SMatrix::from_column_slice(covariance.as_slice()))
-    }
-
     /// Returns the standard deviations of each station's transform; zero of station 1.
     pub fn sigma(&self) -> Option<PerStation<TransformSigma>> {
-        let covariance = self.covariance.as_ref()?;
-        let stations = 1 + covariance.nrows() / UNKNOWNS_PER_STATION;
-        let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
-        Some(PerStation::from_fn(stations, |station: Station| {
-            let [x, y, z, yaw_rad] = first_unknown(station)
-                .map_or([0.0; 4], |first| [first, first + 1, first + 2, first + 3].map(sigma));
-            TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad }
-        }))
+        self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 }
 

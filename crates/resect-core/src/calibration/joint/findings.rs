@@ -175,6 +175,11 @@ fn jumping_clocks(joint: &JointEstimate) -> PerStation<bool> {
     })
 }
 
+/// Returns the estimates of stations 2 and 3 after that of station 1, the reference.
+fn by_station([second, third]: [Estimate; 2]) -> PerStation<Estimate> {
+    [Estimate::ZERO, second, third].into()
+}
+
 /// The finding of a step, and the best verdict that it allows.
 fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding) {
     let is_usual = joint.is_usual(step);

@@ -77,6 +77,11 @@ impl SurveyPoses {
     pub fn transforms(&self) -> PerStation<RigidTransform> {
         self.station1_from_station.map(|level| RigidTransform::from(*level))
     }
+
+    /// Returns the standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
+        TransformSigma::of_covariance(&self.covariance)
+    }
 }
 
 /// The clock offsets of one drive.
@@ -163,5 +168,10 @@ impl JointEstimate {
     /// Returns the significant change of a set-up between the survey and the drive.
     pub fn set_up_change(&self) -> Option<&SetUpChange> {
         self.survey.as_ref()?.change.as_ref()
+    }
+
+    /// Standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
+        TransformSigma::of_covariance(&self.covariance)
     }
 }
