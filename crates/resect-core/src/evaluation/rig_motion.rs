@@ -16,11 +16,7 @@ const STEPS: usize = 4;
 /// `rig_sigma_m` is σ of each along any axis (m). Gauss–Newton steps start at the unweighted pose, and the covariance is
 /// (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). The twist is estimated likewise from the
 /// velocities.
-pub fn rig_pose(
-    rig_m: &[Vector3<f64>],
-    rig_sigma_m: f64,
-    at: &MotionInstant,
-) -> Option<Pose> {
+pub fn rig_pose(rig_m: &[Vector3<f64>], rig_sigma_m: f64, at: &MotionInstant) -> Option<Pose> {
     let points_m: Vec<Vector3<f64>> = (0..rig_m.len()).map(|place| at.prism_m(place)).collect();
     let start = align_rigid(&points_m, rig_m)?;
     let (mut position_m, mut orientation) =
@@ -43,8 +39,7 @@ pub fn rig_pose(
     let weight = at.velocity_covariance.clone().cholesky()?.inverse();
     let (rates, left) = solve(&design(rig_m, &orientation), &weight, &at.velocity_m_per_s)?;
     let distance_error_m = |Pair { first, second }: Pair| {
-        let distance_m =
-            |all: &[Vector3<f64>]| (all[first.index()] - all[second.index()]).norm();
+        let distance_m = |all: &[Vector3<f64>]| (all[first.index()] - all[second.index()]).norm();
         (distance_m(&points_m) - distance_m(rig_m)).abs()
     };
     let pairs = (0..Pair::count(rig_m.len())).map(Pair::at);

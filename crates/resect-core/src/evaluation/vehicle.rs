@@ -4,9 +4,7 @@ use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
 
 use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, PrismInstant, Solution,
-};
+use crate::calibration::joint::prism_motion::{ConstantsJacobian, PrismInstant, Solution};
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, Rig};
@@ -248,7 +246,7 @@ fn rig_by(
     distances_m: &PerPair<Estimate>,
 ) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.into(), ..rig.clone() };
+    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.clone(), ..rig.clone() };
     let (prisms_m, frame) = rig_of(deployment, &shaped)?;
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.

@@ -291,7 +291,10 @@ mod tests {
                 let at = shape.size * block;
                 for (m, row) in rows.chunks_exact(shape.width()).enumerate() {
                     for c in m..shape.first_of_border().min(factor.nrows() - at) {
-                        assert!((row[c] - factor[(at + c, at + m)]).abs() < 1e-13, "{at}, {m}, {c}");
+                        assert!(
+                            (row[c] - factor[(at + c, at + m)]).abs() < 1e-13,
+                            "{at}, {m}, {c}"
+                        );
                     }
                     let border = DVector::from_column_slice(&row[shape.first_of_border()..]);
                     assert!((border - solved.row(at + m).transpose()).amax() < 1e-13);

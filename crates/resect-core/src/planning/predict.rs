@@ -1,6 +1,8 @@
 //! Prediction of the covariance of a planned drive, by the information matrix of the joint estimate.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::sync::Arc;
+
+use nalgebra::Vector3;
 
 use super::drive::{Driven, drive};
 use super::in_words;
@@ -11,19 +13,21 @@ use crate::calibration::inter_prism;
 use crate::calibration::inter_prism::{Foreseen, PrismNetwork};
 use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
+use crate::calibration::joint::prism_motion::MotionInstant;
 use crate::calibration::joint::{
-    ExpectedNoise, GaussMarkov, JointEstimate, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
+    ExpectedNoise, GaussMarkov, JointEstimate, Layout, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
     RIG_FLEX_SIGMA_M, stated_range_m,
 };
-use crate::calibration::{ErrorSizes, Verdict};
+use crate::calibration::targets::followed_prisms;
+use crate::calibration::{ErrorSizes, Targets, Verdict};
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
-use crate::network::Pair;
+use crate::network::{Pair, PerPair};
 use crate::pipeline::SampleFate;
 use crate::progress::Progress;
-use crate::simulation::{EPOCH_S, Scenario, Simulated};
+use crate::simulation::{EPOCH_S, Scenario, Simulated, Truth};
 
 /// Largest number of instants at which the σ of the vehicle's pose is predicted.
 const MOST_INSTANTS: f64 = 400.0;
@@ -59,22 +63,21 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let expected = expected(plan, &driven.simulated);
     let truth = &driven.simulated.truth;
     let triplets = &driven.pipeline.triplets;
-    let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
-    let estimate = joint::predict(
-        triplets,
-        &truth.station1_from_station,
-        inter_prism_m,
-        &sizes(plan),
-        &expected,
-        &Progress::default(),
-    )
-    .unwrap_or_default();
-    let covariance = estimate.as_ref().map(|estimate| estimate.covariance);
-    let foreseen = inter_prism_m.and_then(|distances_m| {
-        let network = PrismNetwork::of_own_prisms(*distances_m);
-        let covariance = covariance.map(|c| DMatrix::from_column_slice(8, 8, c.as_slice()));
+    let inter_prism_m: PerPair<f64> = truth.inter_prism_m.clone().into();
+    let is_one_prism = plan.rig.is_one_prism();
+    let targets = if is_one_prism { Targets::OnePrism } else { Targets::ThreePrisms };
+    let followed = followed_prisms(&driven.deployment, targets);
+    let at_the_truth = (&truth.station1_from_station, &inter_prism_m);
+    let layout = Arc::new(Layout::new(&followed));
+    let (sizes, progress) = (sizes(plan), Progress::default());
+    let estimate = joint::predict(triplets, &layout, at_the_truth, &sizes, &expected, &progress);
+    let estimate = estimate.unwrap_or_default();
+    let covariance = estimate.as_ref().map(|estimate| estimate.covariance.clone());
+    let foreseen = (!is_one_prism).then(|| {
+        let network = PrismNetwork::new(followed, &inter_prism_m);
         inter_prism::foresee(triplets, &network, &truth.station1_from_station, covariance)
     });
+    let foreseen = foreseen.flatten();
     Ok(Looked { driven, expected, estimate, foreseen })
 }
 
@@ -192,9 +195,7 @@ fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> 
     let transforms =
         driven.simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let triplets = &driven.pipeline.triplets;
-    let covariance = &estimate.covariance;
-    let covariance =
-        DMatrix::from_column_slice(covariance.nrows(), covariance.ncols(), covariance.as_slice());
+    let covariance = estimate.covariance.clone();
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;
     Some(Held {
         sigma_by_station: estimate.sigma(),
@@ -216,14 +217,14 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
         position_sigma_m: sigma.and_then(|[position_m, _]| position_m),
         rotation_sigma_rad: sigma.and_then(|[_, rotation_rad]| rotation_rad),
     };
-    let known: Vec<(f64, [Option<f64>; 2])> =
-        match estimate.map(|found| found.solution.instants(&times_s, &Progress::default())) {
-            Some(Ok(instants)) => instants
-                .iter()
-                .filter_map(|instant| sigma_of_instant(plan, truth, instant))
-                .collect(),
-            _ => Vec::new(),
-        };
+    let known: Vec<(f64, [Option<f64>; 2])> = match estimate
+        .map(|found| found.solution.instants(&times_s, &Progress::default()))
+    {
+        Some(Ok(instants)) => {
+            instants.iter().filter_map(|instant| sigma_of_instant(plan, truth, instant)).collect()
+        }
+        _ => Vec::new(),
+    };
     let mut known = known.into_iter().peekable();
     let with_sigma = |time_s: &f64| {
         let sigma = known.next_if(|(known_s, _)| known_s == time_s).map(|(_, sigma)| sigma);

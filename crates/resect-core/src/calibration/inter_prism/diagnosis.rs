@@ -105,12 +105,6 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     verdict
 }
 
-/// Converts the σ of each station to that of stations 2 and 3, for checks of three stations.
-fn of_stations_2_and_3(sigma: &PerStation<TransformSigma>) -> Option<[TransformSigma; 2]> {
-    let [_, second, third] = sigma.as_array()?;
-    Some([*second, *third])
-}
-
 /// Returns the finding that the shape of the drive leaves directions unobservable or weak.
 fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     let DiagnosisInput { observability, rival, .. } = evidence;

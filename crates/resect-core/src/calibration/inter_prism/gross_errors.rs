@@ -32,11 +32,7 @@ pub const NOTABLE_PULL_M: f64 = 0.002;
 
 /// Returns the indices of the inliers, from the errors of each triplet's distances (m).
 pub fn fitting<E: IntoIterator<Item = f64>>(errors_m: impl Iterator<Item = E>) -> Vec<usize> {
-    inliers(&errors_m.map(worst).collect::<Vec<f64>>())
-}
-
-/// Returns the indices of the inliers, from the largest error of each triplet (m).
-pub fn inliers(worst_m: &[f64]) -> Vec<usize> {
+    let worst_m: Vec<f64> = errors_m.map(worst).collect();
     let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
     (0..worst_m.len()).filter(|i| worst_m[*i] < limit_m).collect()
 }

@@ -48,8 +48,8 @@ pub fn solve(
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
     let mut network = PrismNetwork::of_rig(rig);
-    if let Some(distances_m) = estimate.distances_m {
-        network = network.with_distances(&distances_m.map(|distance| distance.value).into());
+    if let Some(distances_m) = estimate.distances_m() {
+        network = network.with_distances(&distances_m.map(|distance| distance.value));
     }
     // Gross outliers must not move the minima.
     let fitting = gross_errors::fitting_triplets(&points_m, level, &network);

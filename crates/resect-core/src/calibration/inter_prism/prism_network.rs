@@ -69,7 +69,7 @@ impl PrismNetwork {
 
     /// Returns the network of a rig, with as many stations as prisms.
     pub fn of_rig(rig: &Rig) -> Self {
-        Self::of_own_prisms(rig.inter_prism_m)
+        Self::of_own_prisms(rig.inter_prism_m.clone())
     }
 
     /// Returns the same network with other distances between the prisms (m).

@@ -1,16 +1,13 @@
 //! Method D: from triplets to an answer with its verdict.
 
-use nalgebra::DMatrix;
-
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{InterPrismDetails, PrismNetwork, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    CalibrationError, CalibrationSettings, Estimate, Method, Offer, PriorMethod, clocks_in_words,
+    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
 };
 use crate::deployment::Deployment;
-use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -49,7 +46,7 @@ pub fn solve(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
-    let covariance = answer.uncertainty.covariance_of_stations_2_and_3();
+    let covariance = answer.uncertainty.covariance.clone();
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
         judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
@@ -57,17 +54,10 @@ pub fn solve(
     Ok(MethodAnswer {
         method: Method::InterPrism,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: covariance
-            .map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice())),
+        covariance,
         judgement,
         checked_by: Vec::new(),
         details: answer.into_details(observability),
         prior_ms,
     })
-}
-
-/// Converts estimates by station to those of stations 2 and 3, for findings of three stations.
-fn of_stations_2_and_3(by_station: &PerStation<Estimate>) -> [Estimate; 2] {
-    let [_, second, third] = by_station.as_array().expect("three stations");
-    [*second, *third]
 }

@@ -1,6 +1,7 @@
 //! The joint estimate of three prisms: from the published answer to the estimate from the readings, with its verdict.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
@@ -12,9 +13,12 @@ use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PrismNetwork, gross_errors, uncertainty,
 };
-use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances, SolverStatus};
+use crate::calibration::joint::{
+    self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
+};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
+use crate::calibration::targets::followed_prisms;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
@@ -36,9 +40,10 @@ pub fn solve_jointly(
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
+    let layout = &Arc::new(Layout::new(&followed_prisms(deployment, offer.targets)));
     let (screened, survey) = rayon::join(
         || screened(deployment, rig, triplets, settings, progress),
-        || joint::survey_adjustment::of_deployment(deployment, settings),
+        || joint::survey_adjustment::of_deployment(deployment, layout, settings),
     );
     let (published, data, used) = screened?;
     let prior_ms = published.prior_ms;
@@ -53,8 +58,9 @@ pub fn solve_jointly(
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
+                layout,
                 published: &start,
-                rig: Some(RigDistances::new(rig, settings.evidence.rig)),
+                rig: RigDistances::new(rig, layout, settings.evidence.rig),
                 survey: survey.clone(),
                 is_determined_by_drive,
                 sizes: &sizes,
@@ -136,7 +142,7 @@ fn estimate(
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
     let points = deployment.comparable_control_points();
     let estimate_from = |published: &PerStation<LevelTransform>| {
-        let input = JointInput { published, survey: input.survey.clone(), ..*input };
+        let input = JointInput { published, ..input.clone() };
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
         Ok(estimate.map_err(JointFailure::from).map(|estimate| {

@@ -4,7 +4,7 @@
 //! is therefore several times too small. The [`sandwich`] assumes only that blocks of consecutive time are independent. Errors of
 //! the inter-prism distances affect every triplet alike, so no residual shows them; they are propagated with their own σ.
 
-use nalgebra::{DMatrix, DVector, Dyn, SMatrix, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
 use super::prism_network::{UNKNOWNS_PER_STATION, first_unknown};
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};

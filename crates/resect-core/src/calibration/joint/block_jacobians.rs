@@ -10,9 +10,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::drive::Drive;
 use super::state_vector::{Constants, Layout, Slow};
 use super::station_model::{MeanSight, StationModel};
-use super::unknown::{
-    CLOCK_DRIFT, CLOCK_OFFSET, COLLIMATION, DISTANCE, LATENCY, LEAN_X, LEAN_Y,
-};
+use super::unknown::{CLOCK_DRIFT, CLOCK_OFFSET, COLLIMATION, DISTANCE, LATENCY, LEAN_X, LEAN_Y};
 use crate::network::{Number, PerStation, Station};
 
 /// Jacobians of a block's unknowns: by the constants, and by the slow states.
@@ -113,8 +111,7 @@ pub fn station_1_shift_m(
 ///
 /// A collimation error is a rotation about the vertical for level sights only.
 fn station_1_rotations(layout: &Layout, model: &StationModel) -> [(usize, Vector3<f64>); 3] {
-    let axes =
-        [(&LEAN_X, Vector3::x()), (&LEAN_Y, Vector3::y()), (&COLLIMATION, Vector3::z())];
+    let axes = [(&LEAN_X, Vector3::x()), (&LEAN_Y, Vector3::y()), (&COLLIMATION, Vector3::z())];
     axes.map(|(unknown, axis)| (layout.index(unknown, 0), model.rotation * axis))
 }
 

@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
-use super::chain::{CHUNK, ChainMatrix, ChainRow, ChainVector, MOST_STORED_BLOCKS, SlowByConstants};
+use super::chain::{
+    CHUNK, ChainMatrix, ChainRow, ChainVector, MOST_STORED_BLOCKS, SlowByConstants,
+};
 use super::random_walks::{SlowMatrix, SlowPrecisions, WalkMatrix};
 use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use crate::linear_algebra::bordered_rows::{
@@ -135,7 +137,8 @@ impl ChainFactor {
     pub fn increment_covariances(&self) -> Vec<WalkMatrix> {
         let walks = self.matrix.jacobians.drive().layout.slow_ranges();
         let walking = |block: &SlowMatrix| block.view((0, 0), (walks, walks)).into_owned();
-        let mut increments = vec![WalkMatrix::zeros(walks, walks); self.matrix.len().saturating_sub(1)];
+        let mut increments =
+            vec![WalkMatrix::zeros(walks, walks); self.matrix.len().saturating_sub(1)];
         let mut after: Option<SlowMatrix> = None;
         self.each_covariance(|block, covariance| {
             if let (Some(next), Some(with_next)) = (&after, &covariance.with_next) {
@@ -388,8 +391,7 @@ mod tests {
         let data = Arc::new(data);
         let layout = layout(3);
         let any = ChainVector::zeros(&layout, BLOCKS);
-        let (factor, _) =
-            ChainFactor::new(&data, &precision(1.0), &priors, any).expect("definite");
+        let (factor, _) = ChainFactor::new(&data, &precision(1.0), &priors, any).expect("definite");
         let walks = factor.increment_covariances();
         assert_eq!(walks.len(), BLOCKS - 1);
         for (index, found) in walks.iter().enumerate() {

@@ -71,7 +71,8 @@ pub fn estimate_cut_motion(
     }
     let point = linearisation.point(&segment, blocks, &coefficients_m);
     let own = weighting.with_fixed(fixed.as_deref());
-    let SegmentEquations { band, .. } = eliminate_motion(&segment, &point, &own, true, Rows::default())?;
+    let SegmentEquations { band, .. } =
+        eliminate_motion(&segment, &point, &own, true, Rows::default())?;
     Some(CutMotion { grid: segment.grid, coefficients_m, band })
 }
 
@@ -140,4 +141,3 @@ fn initial_coefficients_m(
     }
     coefficients_m
 }
-

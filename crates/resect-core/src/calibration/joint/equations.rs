@@ -213,7 +213,8 @@ impl EquationsBuilder<'_> {
             gradient.fill(0.0);
             for (pair, (a, b)) in layout.pairs_of_places().enumerate() {
                 let distance_m = self.point.distances_m[pair];
-                let (along, residual_m) = distance_residual(self.point, &weights, (a, b), distance_m);
+                let (along, residual_m) =
+                    distance_residual(self.point, &weights, (a, b), distance_m);
                 self.cost += precision * residual_m * residual_m; // (14)
                 let jacobian = [(3 * a, along), (3 * b, -along)];
                 let weighted = jacobian.map(|(first, along)| (first, along * precision));

@@ -64,6 +64,7 @@ const DIVERGED_M: f64 = 30.0;
 const CONVERGED: f64 = 4e-3;
 
 /// Input of the joint estimate beside the readings of the drive.
+#[derive(Clone)]
 pub struct JointInput<'a> {
     /// The network and its unknowns.
     pub layout: &'a Arc<Layout>,
@@ -112,7 +113,9 @@ pub fn estimate<'a>(
     let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
     let survey_first = !input.is_determined_by_drive;
     for block_s in BLOCK_LENGTHS_S {
-        let Some(drive) = Drive::new(input.layout, &triplets(), block_s).map(Arc::new) else { break };
+        let Some(drive) = Drive::new(input.layout, &triplets(), block_s).map(Arc::new) else {
+            break;
+        };
         let mut attempt = |event: TraceEvent, survey_first: bool| {
             trace.add_event(event);
             let drive = Arc::clone(&drive);
@@ -166,8 +169,7 @@ fn solve(
         priors.survey = pending_survey.take();
     }
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
-    let (weighting, mut state) =
-        learn_noise(&sample, &triplets, &priors, trace, progress)?;
+    let (weighting, mut state) = learn_noise(&sample, &triplets, &priors, trace, progress)?;
     let is_sampled = sample.segments.len() < drive.segments.len();
     if is_sampled {
         state = drive.initial_state(&triplets, &state.constants);
@@ -175,8 +177,7 @@ fn solve(
     drop(triplets);
     if is_sampled {
         for _ in 0..MOTION_STEPS {
-            step_motion(&drive, &mut state, &weighting, progress)?
-                .ok_or_else(not_definite)?;
+            step_motion(&drive, &mut state, &weighting, progress)?.ok_or_else(not_definite)?;
             trace.add_row(TraceRow::of_motion(weighting.levels));
         }
     }
@@ -232,10 +233,7 @@ struct StateBefore {
 
 impl Iteration<'_> {
     /// Steps with robust weights that follow the residuals, until the searches find no further slow change. Returns the last step.
-    fn step_reweighted(
-        &mut self,
-        near_sigmas: f64,
-    ) -> Result<GaussNewtonStep, AttemptEnd> {
+    fn step_reweighted(&mut self, near_sigmas: f64) -> Result<GaussNewtonStep, AttemptEnd> {
         let mut searches = 0;
         loop {
             let mut step = self.linearise()?;

@@ -7,6 +7,7 @@ use super::step_search::{StationStep, StepSize};
 use super::unknown::{DISTANCE, Owner};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, clocks_in_words};
+use crate::deployment::Finding;
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
     distance_estimated, distance_implausible, distances_implausible, errors_implausible,
@@ -14,7 +15,6 @@ use crate::deployment::findings::instruments::{
     set_up_change_undecided, set_up_changed, stated_error_contradicted, station_errors_implausible,
     station_moved, uncertainty_sources,
 };
-use crate::deployment::Finding;
 use crate::network::{Number, Pair, PerPair, PerStation, Station};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
@@ -100,8 +100,10 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     }
     if !has_conflict && conflict.distances_sigmas > CRITICAL_STATION_SIGMAS {
         has_conflict = true;
-        let distances = joint.layout().indices(&DISTANCE);
-        let off_m: Vec<f64> = distances.map(|index| conflict.change[index]).collect();
+        let distances = joint.layout().indices(&DISTANCE).enumerate();
+        let off_m = distances
+            .map(|(place, index)| (joint.layout().pair(Pair::at(place)), conflict.change[index]));
+        let off_m: Vec<(Pair, f64)> = off_m.collect();
         doubt(distances_implausible(&off_m, conflict.distances_sigmas));
     }
     for stated_size_conflict in &joint.stated_size_conflicts {
@@ -175,11 +177,6 @@ fn jumping_clocks(joint: &JointEstimate) -> PerStation<bool> {
     })
 }
 
-/// Returns the estimates of stations 2 and 3 after that of station 1, the reference.
-fn by_station([second, third]: [Estimate; 2]) -> PerStation<Estimate> {
-    [Estimate::ZERO, second, third].into()
-}
-
 /// The finding of a step, and the best verdict that it allows.
 fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding) {
     let is_usual = joint.is_usual(step);
@@ -203,8 +200,7 @@ fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding
 /// The largest sources of σ of the station of a slot.
 fn largest_sources(joint: &JointEstimate, slot: usize) -> Finding {
     let sources = [0, 1, 2, 3].map(|axis| {
-        let LargestSource { name, sigma, total_sigma } =
-            joint.largest_source(4 * slot + axis);
+        let LargestSource { name, sigma, total_sigma } = joint.largest_source(4 * slot + axis);
         UncertaintySource { source: name, part: sigma, whole: total_sigma }
     });
     uncertainty_sources(slot + 1, sources)

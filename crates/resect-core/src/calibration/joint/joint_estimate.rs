@@ -10,14 +10,14 @@ use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
 use super::reliability::GroupReliability;
 use super::residuals::NoiseLevels;
-use super::stated_size_conflict::StatedSizeConflict;
 use super::state_vector::{Layout, by_station};
+use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{SetUpChange, SurveyEvidence};
 use super::trace::Trace;
 use super::unknown::{CLOCK_DRIFT, DISTANCE, Unknown};
-use crate::calibration::{ErrorSizes, Estimate};
+use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::{PerPair, PerStation};
 

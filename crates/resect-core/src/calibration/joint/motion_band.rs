@@ -206,7 +206,13 @@ impl MotionBand {
     }
 
     /// Adds to a probe.
-    pub fn add_probe(&mut self, knots: KnotFactors<'_>, first: usize, probe: usize, values: &[f64]) {
+    pub fn add_probe(
+        &mut self,
+        knots: KnotFactors<'_>,
+        first: usize,
+        probe: usize,
+        values: &[f64],
+    ) {
         self.add_column(knots, first, FIRST_PROBE + probe, values);
     }
 
@@ -337,7 +343,8 @@ impl MotionBand {
         for (knot, rows) in self.knots().enumerate().rev() {
             border.fill(0.0);
             border[GRADIENT] = -1.0;
-            for block in self.border_blocks(knot).into_iter().flatten().filter(|_| self.has_blocks())
+            for block in
+                self.border_blocks(knot).into_iter().flatten().filter(|_| self.has_blocks())
             {
                 border[self.first_column(block)..][..self.block]
                     .copy_from_slice(block_steps[block].as_slice());

@@ -62,9 +62,9 @@ impl RigDistances {
         let pairs = by_constant_m.len();
         let alone = DMatrix::from_diagonal_element(pairs, pairs, sigma_m.powi(2));
         // Positive definite: a positive diagonal plus a square.
-        (alone + &by_constant_m * by_constant_m.transpose()).try_inverse().unwrap_or_else(|| {
-            DMatrix::from_diagonal_element(pairs, pairs, sigma_m.powi(-2))
-        })
+        (alone + &by_constant_m * by_constant_m.transpose())
+            .try_inverse()
+            .unwrap_or_else(|| DMatrix::from_diagonal_element(pairs, pairs, sigma_m.powi(-2)))
     }
 }
 

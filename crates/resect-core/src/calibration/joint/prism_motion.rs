@@ -396,4 +396,3 @@ fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant
         velocity_covariance: covariance(&velocity_by_knots, &velocity_by_frame),
     }
 }
-

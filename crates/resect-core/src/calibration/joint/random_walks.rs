@@ -228,7 +228,8 @@ impl SlowPrecisions {
 
     /// Precision of the random walks' increment from the first block to the last; `None` if it is singular.
     pub fn whole_drive_precision(&self) -> Option<WalkMatrix> {
-        let mut covariance = WalkMatrix::zeros(self.layout.slow_ranges(), self.layout.slow_ranges());
+        let mut covariance =
+            WalkMatrix::zeros(self.layout.slow_ranges(), self.layout.slow_ranges());
         for block in 1..self.transitions.len() {
             covariance += self.increment_precision(block).cholesky()?.inverse();
         }

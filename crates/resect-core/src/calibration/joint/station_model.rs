@@ -34,8 +34,7 @@ impl StationModel {
         let slot = station.slot();
         let yaw_rad = slot.map_or(0.0, |slot| constants[4 * slot + 3]);
         let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
-        let of_clock =
-            |unknown| slot.map_or(0.0, |slot| constants[layout.index(unknown, slot)]);
+        let of_clock = |unknown| slot.map_or(0.0, |slot| constants[layout.index(unknown, slot)]);
         let reading_errors = layout
             .reading_errors()
             .map(|(error, first)| (error, constants[first + station.index()]))
@@ -58,7 +57,12 @@ impl StationModel {
     }
 
     /// The model in the station's own level frame.
-    pub fn in_own_level_frame(self, layout: &Layout, constants: &Constants, station: Station) -> Self {
+    pub fn in_own_level_frame(
+        self,
+        layout: &Layout,
+        constants: &Constants,
+        station: Station,
+    ) -> Self {
         let [x, y] = [&LEAN_X, &LEAN_Y].map(|lean| constants[layout.index(lean, station.index())]);
         Self { rotation: *lean(x, y).matrix(), position_m: Vector3::zeros(), ..self }
     }
@@ -116,7 +120,8 @@ impl MeanSight {
     /// The mean of sights; `None` without any.
     pub fn of(layout: &Layout, sights: impl Iterator<Item = Sight>) -> Option<Self> {
         let errors: Vec<ReadingError> = layout.reading_errors().map(|(error, _)| error).collect();
-        let mut mean = Self { corrections_m: vec![Vector3::zeros(); errors.len()], ..Self::default() };
+        let mut mean =
+            Self { corrections_m: vec![Vector3::zeros(); errors.len()], ..Self::default() };
         let mut count = 0.0;
         for sight in sights {
             mean.along += sight.along;

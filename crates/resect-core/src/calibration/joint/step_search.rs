@@ -101,7 +101,8 @@ impl StepSearch<'_> {
         };
         for station in self.stations() {
             let (by_pose, by_clock) = self.jacobians(station);
-            let by_pose = (!is_moved).then(|| fit(&by_pose, &normal, &right, &self.settling(STEP_SETTLING)));
+            let by_pose =
+                (!is_moved).then(|| fit(&by_pose, &normal, &right, &self.settling(STEP_SETTLING)));
             if let Some((chi_square, size)) = by_pose.flatten() {
                 offer(chi_square / STATION_CHI_SQUARE, station, station_size(&size));
             }
@@ -196,11 +197,12 @@ impl StepSearch<'_> {
             difference
         };
         let solutions = self.factor.solve((0..walks).map(difference).collect());
-        WalkMatrix::from_fn(walks, walks, |i, k| solutions[k].slow[to][i] - solutions[k].slow[from][i])
+        WalkMatrix::from_fn(walks, walks, |i, k| {
+            solutions[k].slow[to][i] - solutions[k].slow[from][i]
+        })
     }
 }
 
 fn station_size(size: &[Estimate]) -> StepSize {
     StepSize::Station { turned_rad: size[3], moved_m: [size[0], size[1], size[2]] }
 }
-

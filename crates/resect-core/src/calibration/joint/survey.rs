@@ -61,10 +61,7 @@ pub struct FaceErrors {
 
 impl Survey {
     /// Poses of the stations at the survey, and the covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad).
-    pub fn poses(
-        &self,
-        sizes: &ErrorSizes,
-    ) -> Option<(PerStation<LevelTransform>, DMatrix<f64>)> {
+    pub fn poses(&self, sizes: &ErrorSizes) -> Option<(PerStation<LevelTransform>, DMatrix<f64>)> {
         let information = &self.information + survey_precisions(&self.layout, sizes);
         let covariance = information.cholesky()?.inverse();
         let size = self.layout.poses();
@@ -171,4 +168,3 @@ pub fn survey_precisions(layout: &Layout, sizes: &ErrorSizes) -> ConstantsMatrix
     }
     information
 }
-

@@ -114,8 +114,7 @@ pub fn adjust(
     for iteration in 0..MOST_ITERATIONS {
         let equations = adjustment.linearise();
         let factor = equations.with_priors(&adjustment.precision).cholesky()?;
-        let gradient =
-            &equations.gradient + &adjustment.precision * adjustment.from_mean();
+        let gradient = &equations.gradient + &adjustment.precision * adjustment.from_mean();
         let step = factor.solve(&gradient);
         let mut is_converged = false;
         if iteration % REDUNDANCY_PERIOD == 0 {

@@ -296,8 +296,8 @@ impl SurveyEvidence {
         });
         let (station, _, size) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
         // The drive less the survey.
-        let [x, y, z, turned_rad] = [0, 1, 2, 3]
-            .map(|k: usize| Estimate { value: -size[k].value, sigma: size[k].sigma });
+        let [x, y, z, turned_rad] =
+            [0, 1, 2, 3].map(|k: usize| Estimate { value: -size[k].value, sigma: size[k].sigma });
         let distances_explain = self.distances_explain;
         let is_decided = self.changed.len() == 1 && !distances_explain;
         let station = is_decided.then_some(station);

@@ -41,7 +41,8 @@ impl OwnErrors {
         let with_priors = (information + precision).select_columns(own).select_rows(own);
         let across = information.select_columns(own);
         // Positive definite by the priors.
-        let inverse = with_priors.try_inverse().unwrap_or_else(|| DMatrix::zeros(own.len(), own.len()));
+        let inverse =
+            with_priors.try_inverse().unwrap_or_else(|| DMatrix::zeros(own.len(), own.len()));
         Self { regression: &across * inverse, transposed: across.transpose() }
     }
 }
@@ -98,12 +99,10 @@ pub fn without_frame(
         return (own, own_gradient, none);
     };
     let across = information.view((0, constants), (constants, FRAME)).into_owned();
-    let frame_gradient: SVector<f64, FRAME> =
-        gradient.fixed_rows::<FRAME>(constants).into_owned();
+    let frame_gradient: SVector<f64, FRAME> = gradient.fixed_rows::<FRAME>(constants).into_owned();
     let by_constants = (-inverse * across.transpose()).resize_vertically(FRAME, 0.0);
     let step = inverse * frame_gradient;
     let own_gradient = own_gradient + by_constants.tr_mul(&frame_gradient);
     let own = own + across * &by_constants;
     (own, own_gradient, EliminatedFrame { step, by_constants, covariance: inverse })
 }
-

@@ -49,7 +49,8 @@ fn solve(
 fn a_detectable_bias_has_the_noncentrality_and_the_effect_of_least_squares() {
     let layout = &*layout(3);
     let (design, information) = dense_problem(layout);
-    let covariance = (design.tr_mul(&design) + &information).cholesky().expect("definite").inverse();
+    let covariance =
+        (design.tr_mul(&design) + &information).cholesky().expect("definite").inverse();
     let with_poses = &covariance.columns(0, 8).into_owned();
     let change = Constants::zeros(layout.constants);
     let (information, covariance) = (information.clone(), &covariance);
