@@ -247,7 +247,7 @@ fn paint_stations_sigma(
     const CORNERS: usize = 48;
     let Some(held) = &foreseen.held else { return };
     for slot in 0..2 {
-        let middle = plan.stations_m[station.index()];
+        let middle = plan.stations_m[slot + 1];
         let of_station = held.covariance.fixed_view::<2, 2>(4 * slot, 4 * slot).into_owned();
         let Some(root) = of_station.cholesky() else { continue };
         let corner = |k: usize| {

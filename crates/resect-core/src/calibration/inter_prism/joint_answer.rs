@@ -48,6 +48,7 @@ pub fn solve(
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
     let mut network = PrismNetwork::of_rig(rig);
+    let heights_m = network.height_differences_m(rig);
     if let Some(distances_m) = estimate.distances_m() {
         network = network.with_distances(&distances_m.map(|distance| distance.value));
     }
@@ -59,7 +60,7 @@ pub fn solve(
         points_m.iter_mut().for_each(|points| keep(points, &fitting));
     }
     let data = CentredTriplets::from_points(points_m, &network);
-    let mut solution = published::solve(rig, control_points, &data, None);
+    let mut solution = published::solve(heights_m.as_ref(), control_points, &data, None);
     let parameters = data.parameters(level);
     let normal = NormalEquations::at(&data, &parameters);
     solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };

@@ -35,6 +35,8 @@ mod minima;
 mod mirror;
 mod mirror_twin;
 mod motion_in_words;
+#[cfg(test)]
+mod networks_tests;
 mod normal_equations;
 pub mod observability;
 mod pair_sums;

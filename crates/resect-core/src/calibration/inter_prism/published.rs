@@ -10,7 +10,8 @@ use super::{
     prior_search, same_solution,
 };
 use crate::calibration::Basin;
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding};
+use crate::network::PerStation;
 use crate::stopwatch::Stopwatch;
 
 /// Solution of the published method on some triplets.
@@ -28,8 +29,10 @@ pub struct Published {
 }
 
 /// Solves by the published method, from the closed-form priors, and from a search of the prior if `search` has triplets for it.
+///
+/// `heights_m` are the heights of station 1's prism above that of each station by a reading of the rig (m).
 pub fn solve(
-    rig: &Rig,
+    heights_m: Option<&PerStation<f64>>,
     control_points: &[ControlPointSet],
     data: &CentredTriplets,
     search: Option<&Used<'_>>,
@@ -58,7 +61,7 @@ pub fn solve(
     let basins = minima.basins(data);
     let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
-        data.network.height_differences_m(rig).as_ref(),
+        heights_m,
         control_points,
         basin(data, &lowest),
         twin.as_ref().map(|twin| basin(data, twin)),

@@ -21,10 +21,12 @@ pub fn solve(
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
     let used = Used::all(triplets);
-    let data = used.centred(&PrismNetwork::of_rig(rig));
+    let network = PrismNetwork::of_rig(rig);
+    let heights_m = network.height_differences_m(rig);
+    let data = used.centred(&network);
     let search = (settings.prior == PriorMethod::Search).then_some(&used);
     let points = deployment.comparable_control_points();
-    let published = published::solve(rig, points, &data, search);
+    let published = published::solve(heights_m.as_ref(), points, &data, search);
     progress.check()?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station.clone();
@@ -38,7 +40,7 @@ pub fn solve(
         },
         || {
             let sigma_m = settings.published_distance_sigma_m();
-            clock_check::suspected_clocks(triplets, &plain, &data.network, sigma_m)
+            clock_check::suspected_clocks(triplets, &plain, &network, sigma_m)
         },
     );
     drop(data);

@@ -107,12 +107,13 @@ fn screened<'a>(
     progress: &Progress,
 ) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
     let points = deployment.comparable_control_points();
+    let network = PrismNetwork::of_rig(rig);
+    let heights_m = network.height_differences_m(rig);
     let solve = |used: &Used<'_>, data: &CentredTriplets| {
         let search = (settings.prior == PriorMethod::Search).then_some(used);
-        published::solve(rig, points, data, search)
+        published::solve(heights_m.as_ref(), points, data, search)
     };
     let mut used = Used::all(triplets);
-    let network = PrismNetwork::of_rig(rig);
     let mut data = used.centred(&network);
     let mut published = solve(&used, &data);
     progress.check()?;
