@@ -275,7 +275,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("sensors_extrinsic_calibration/sensor_positions.csv", &text);
     std::fs::remove_file(rig("calibration_raw.csv")).expect("there");
     let deployment = published.open();
-    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m), Some(prisms_m));
+    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m.as_ref()), Some(&prisms_m));
     assert!(!deployment.findings.iter().any(|f| f.kind.is_doubt()), "{}", said(&deployment));
 
     std::fs::remove_file(rig("calibration_results.csv")).expect("there");

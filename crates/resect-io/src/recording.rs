@@ -398,7 +398,7 @@ fn sort_by_time(track: &mut Track) -> usize {
 
 /// Returns the place of a station number from 1 to 8 in a list; `None` for other numbers.
 pub fn station_index(number: i64) -> Option<usize> {
-    (1..=MOST_STATIONS as i64).contains(&number).then_some(number as usize - 1)
+    (1..=MOST_STATIONS as i64).contains(&number).then(|| number as usize - 1)
 }
 
 /// Counts of left-out records by station (if known) and reason, each with its first place.
@@ -555,10 +555,44 @@ mod tests {
 
     #[test]
     fn a_silent_station_is_a_problem() {
-        let (_, findings) = assemble(&[record(1, 2, 0.0)]);
+        let (_, findings) = assemble(&[record(3, 2, 0.0)]);
         let problems =
             findings.iter().filter(|f| f.severity == resect_core::deployment::Severity::Problem);
         assert_eq!(problems.count(), 2);
+    }
+
+    #[test]
+    fn the_records_determine_the_number_of_stations() {
+        for count in 1..=8 {
+            let records: Vec<_> =
+                (0..4 * count).map(|i| record(i % count + 1, i as usize + 2, i as f64)).collect();
+            let (tracks, findings) = assemble(&records);
+            assert_eq!(tracks.len() as i64, count);
+            assert_eq!(findings, []);
+        }
+        let mut recording = Recording::new(None, false);
+        recording.begin_file("x.csv", "line");
+        recording.expect_stations(2);
+        recording.push(&record(1, 2, 0.0));
+        let (tracks, findings) = recording.finish("x.csv").expect("readings");
+        assert_eq!((tracks.len(), findings.len()), (2, 1));
+    }
+
+    #[test]
+    fn other_numbers_than_one_to_eight_are_stations_in_ascending_order() {
+        let numbers_of = |numbers: &[i64]| {
+            let mut recording = Recording::new(None, false);
+            for number in numbers.repeat(FEWEST_OF_A_STATION) {
+                recording.push(&record(number, 1, 0.0));
+            }
+            recording.other_numbers()
+        };
+        assert_eq!(numbers_of(&[2, 0, 1, 3]), Some([0, 1, 2, 3].into()));
+        assert_eq!(numbers_of(&[883, 882]), Some([882, 883].into()));
+        assert_eq!(numbers_of(&[1, 2, 4]), Some([1, 2, 4].into()));
+        // A gap is a station without readings.
+        assert_eq!(numbers_of(&[1, 3]), None);
+        assert_eq!(numbers_of(&[1, 2, 3, 4, 5]), None);
     }
 
     #[test]
