@@ -142,8 +142,7 @@ mod tests {
                 points[station].push(truth[station].inverse().apply(&placed));
             }
         }
-        let distances =
-            crate::calibration::inter_prism::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances = crate::deployment::pairwise_distances(&rig);
         let triplets = Triplets::new(vec![0.0; 200], vec![0; 200], points);
         let data = CentredTriplets::new(&triplets, &PrismNetwork::of_own_prisms(distances));
         let best = closed_form_priors(&SquaredCost::of(&data))

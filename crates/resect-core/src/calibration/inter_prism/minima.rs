@@ -175,7 +175,7 @@ pub(super) mod tests {
                 })
                 .collect()
         });
-        let distances = crate::deployment::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances = crate::deployment::pairwise_distances(&rig);
         let triplets =
             Triplets::new((0..400).map(|i| f64::from(i) * 0.1).collect(), vec![0; 400], points);
         CentredTriplets::new(&triplets, &PrismNetwork::of_own_prisms(distances))

@@ -71,5 +71,3 @@ pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;
 pub use twins::Twins;
 
-/// Pairs of three prisms.
-const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];

@@ -85,21 +85,18 @@ fn conflict(
 
 #[cfg(test)]
 mod tests {
-    use super::super::state_vector::INDICES;
     use super::*;
 
     /// A usual prior of variance 4 and a reading of 10 with variance 4, with a stated variance of 5.
     #[test]
     fn a_stated_size_is_compared_with_the_data_alone() {
-        let (mut looser, mut stated) = (Constants::zeros(), Constants::zeros());
-        (looser[INDICES], stated[INDICES]) = (0.25, 0.2);
-        let mut covariance = SMatrix::zeros();
-        covariance[(INDICES, INDICES)] = 2.0;
-        let mut change = Constants::zeros();
-        change[INDICES] = 5.0;
-        let found = conflict(INDICES, &change, &covariance, &looser, &stated).expect("observed");
-        assert!((found.estimate.value - 10.0).abs() < 1e-12);
-        assert!((found.estimate.sigma - 2.0).abs() < 1e-12);
-        assert!((found.sigmas - 10.0 / 3.0).abs() < 1e-12);
+        let constants = |value: f64| Constants::from_vec(vec![0.0, value]);
+        let covariance = ConstantsMatrix::from_diagonal(&constants(2.0));
+        let (looser, stated) = (constants(0.25), constants(0.2));
+        let (estimate, sigmas) =
+            conflict(1, &constants(5.0), &covariance, &looser, &stated).expect("observed");
+        assert!((estimate.value - 10.0).abs() < 1e-12);
+        assert!((estimate.sigma - 2.0).abs() < 1e-12);
+        assert!((sigmas - 10.0 / 3.0).abs() < 1e-12);
     }
 }
