@@ -70,4 +70,3 @@ pub use solve::solve;
 pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;
 pub use twins::Twins;
-
