@@ -303,11 +303,15 @@ fn reading_times_s(
 ) -> Vec<f64> {
     let ends = triplets.time_s.first().zip(triplets.time_s.last());
     let middle_s = ends.map_or(0.0, |(first_s, last_s)| 0.5 * (first_s + last_s));
+    let clocks = calibration.clocks();
     let late_s = |station: usize, time_s: f64| {
-        let clock = station.checked_sub(1).and_then(|slot| Some(calibration.clocks()?[slot]));
-        clock.map_or(0.0, |clock| clock.offset_s + clock.drift * (time_s - middle_s))
+        clocks
+            .as_ref()
+            .map(|clocks| clocks[station])
+            .map_or(0.0, |clock| clock.offset_s + clock.drift * (time_s - middle_s))
     };
     let readings = deployment.tracks.iter().enumerate().flat_map(|(station, track)| {
+        let late_s = &late_s;
         track.measurements.iter().map(move |m| m.time_s - late_s(station, m.time_s))
     });
     let mut times_s: Vec<f64> = readings.collect();

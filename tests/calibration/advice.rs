@@ -142,7 +142,7 @@ impl Site {
     }
 
     fn known(&self, analysis: &Analysis) -> Option<Known> {
-        let covariance = analysis.answer.as_ref().ok()?.calibration.covariance;
+        let covariance = analysis.answer.as_ref().ok()?.calibration.covariance.clone();
         self.ask(analysis, |so_far| {
             known(so_far, covariance.as_ref(), &Progress::default()).expect("nobody cancels it")
         })
@@ -159,7 +159,7 @@ impl Site {
             let station_from_station1 = at.inverse();
             self.places_m.iter().map(|place_m| station_from_station1.apply(place_m)).collect()
         });
-        let sigma_m = far_end(transforms, &calibration.covariance?, &own)?.sigma_m;
+        let sigma_m = far_end(transforms, calibration.covariance.as_ref()?, &own)?.sigma_m;
         (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
     }
 

@@ -51,12 +51,12 @@ impl Recovered {
             let analysis = analyse(&deployment, &by(method));
             let truth = &simulated.truth.station1_from_station;
             let calibration = &answer(&analysis).calibration;
-            let sigma = calibration.sigma.expect("all directions are determined");
+            let sigma = calibration.sigma.as_ref().expect("all directions are determined");
             for station in 1..3 {
                 let placed = &calibration.station1_from_station[station];
                 let off_m = (placed.translation_m - truth[station].translation_m).norm();
                 all.error_m = all.error_m.max(off_m);
-                all.sigma_m = all.sigma_m.max(sigma[station - 1].translation_m.max());
+                all.sigma_m = all.sigma_m.max(sigma[station].translation_m.max());
             }
             all.good += usize::from(calibration.verdict == Verdict::Good);
             all.in_sigmas.push(normalised(&analysis, truth));

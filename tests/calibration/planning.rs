@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use crate::common::{analyse, by};
-use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
+use nalgebra::{DVector, Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::calibration::{ErrorSizes, Method, Verdict};
@@ -62,7 +62,7 @@ struct Realised {
     /// Error at the far end of the track (m).
     far_end_m: f64,
     /// Variances that the estimate itself states.
-    stated: SVector<f64, 8>,
+    stated: DVector<f64>,
 }
 
 fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised> {
@@ -93,7 +93,7 @@ fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised>
     let own = truth[far.station].inverse().apply(&(far.position_m - plan.stations_m[0]));
     let found = calibration.station1_from_station[far.station].apply(&own);
     let far_end_m = (found - truth[far.station].apply(&own)).norm();
-    Some(Realised { error, far_end_m, stated: calibration.covariance?.diagonal() })
+    Some(Realised { error, far_end_m, stated: calibration.covariance.as_ref()?.diagonal() })
 }
 
 /// Errors of drives of a plan relative to the prediction.

@@ -144,13 +144,13 @@ fn require_one_prism(answers: &DriveAnswers, failures: &mut Failures) {
     let (calibration, published) = (&answer.calibration, answers.drive.published.as_ref());
     let is_joint = calibration.method == Method::Joint && calibration.joint().is_some();
     failures.require(is_joint, format!("{ONE_PRISM}: the answer is not the joint estimate"));
-    let (Some(sigma), Some(published)) = (calibration.sigma, published) else {
+    let (Some(sigma), Some(published)) = (&calibration.sigma, published) else {
         return failures.require(false, format!("{ONE_PRISM}: no σ, or nothing is published"));
     };
     for station in 1..3 {
         let own = &calibration.station1_from_station[station];
         let published = &published.station1_from_station[station];
-        let sigma = &sigma[station - 1];
+        let sigma = &sigma[station];
         let label = format!("{ONE_PRISM}, station {}", station + 1);
         let off_m = own.translation_m - published.translation_m;
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {

@@ -179,7 +179,8 @@ fn a_run_that_cannot_see_says_so() {
     let ambiguous = Earlier { verdict: Verdict::Ambiguous, ..before.clone() };
     assert_untold(&validate(&ambiguous, second, own), "the earlier calibration is ambiguous");
     // Calibrations that agree, one of which is too uncertain.
-    let coarse = Earlier { covariance: before.covariance.map(|c| c * 1e3), ..before.clone() };
+    let coarse =
+        Earlier { covariance: before.covariance.as_ref().map(|c| c * 1e3), ..before.clone() };
     assert_untold(&validate(&coarse, second, own), "too large to detect");
     let other_frame = Earlier { track_frame: Some(TrackFrame::Common), ..before.clone() };
     assert_untold(&validate(&other_frame, second, own), "different frames");

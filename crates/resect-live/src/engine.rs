@@ -283,8 +283,10 @@ impl Engine {
         });
         let at_s = now_s.unwrap_or(0.0);
         let mut stations = self.watches.each_ref().map(|watch| watch.status(at_s, self.is_live));
-        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s) {
-            (stations[1].late_s, stations[2].late_s) = (Some(late_s[0]), Some(late_s[1]));
+        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s.as_ref()) {
+            for (station, late_s) in stations.iter_mut().zip(late_s).skip(1) {
+                station.late_s = Some(*late_s);
+            }
         }
         self.warn(at_s, &stations);
         let tracks: Vec<&Track> = self.growing.tracks().collect();

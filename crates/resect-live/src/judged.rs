@@ -50,12 +50,12 @@ pub struct Judged {
     /// Manoeuvre that constrains the weakest direction.
     pub advice: Option<&'static str>,
     pub plan: Option<PlanView>,
-    /// Clock offsets of stations 2 and 3 with σ (s), positive if their stamps are late.
-    pub late_s: Option<[[f64; 2]; 2]>,
+    /// Clock offsets with σ (s), positive if a station's stamps are late; zeros for station 1.
+    pub late_s: Option<PerStation<[f64; 2]>>,
     /// Detected steps of stations and clocks.
     pub stepped: Vec<Finding>,
     pub station1_from_station: PerStation<RigidTransform>,
-    pub sigma: Option<[TransformSigma; 2]>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Median distance error of the answer (mm).
     pub inter_prism_mm: Option<f64>,
 }
@@ -133,9 +133,9 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         let not_held = observability.directions.iter().filter(|d| d.hold != Hold::Held);
         not_held.map(|d| format!("{} ({})", d.short(), d.hold.name())).collect()
     };
-    let far_end = calibration.covariance.and_then(|covariance| {
+    let far_end = calibration.covariance.as_ref().and_then(|covariance| {
         let points_m = &answer.triplets.points_m;
-        far_end(&calibration.station1_from_station, &covariance, points_m)
+        far_end(&calibration.station1_from_station, covariance, points_m)
     });
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
@@ -169,7 +169,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
             .map(|clocks| clocks.map(|(offset_s, _)| [offset_s.value, offset_s.sigma])),
         stepped,
         station1_from_station: calibration.station1_from_station.clone(),
-        sigma: calibration.sigma,
+        sigma: calibration.sigma.clone(),
         inter_prism_mm: answer.evaluation.inter_prism_mm.map(|spread| spread.median),
     }
 }

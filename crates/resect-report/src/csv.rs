@@ -137,18 +137,13 @@ fn at(analysis: &Analysis, index: usize) -> Vec<String> {
     vec![triplets.time_s[index].to_string(), triplets.interval[index].to_string()]
 }
 
-/// Writes the transforms from stations 2 and 3 to station 1, with σ of each number if known.
+/// Writes the transforms from the other stations to station 1, with σ of each number if known.
 fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["from", "to", "x_m", "y_m", "z_m", "yaw_rad", "qx", "qy", "qz", "qw"];
     header.extend(["sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_yaw_rad", "verdict"]);
     table.write_record(header)?;
     let calibration = &answer.calibration;
-    for station in 1..3 {
-        let one = StationSummary::new(
-            station + 1,
-            &calibration.station1_from_station[station],
-            calibration.sigma.map(|sigma| sigma[station - 1]),
-        );
+    for one in StationSummary::of(calibration) {
         let mut row = vec![one.station.to_string(), "1".to_owned()];
         row.extend(one.translation_m.map(|value| value.to_string()));
         row.push(one.yaw_rad().to_string());
@@ -160,13 +155,13 @@ fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     Ok(())
 }
 
-/// Writes clock offsets and drifts of stations 2 and 3 against station 1, if the calibration estimated them.
+/// Writes clock offsets and drifts of the other stations against station 1, if the calibration estimated them.
 fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["station", "offset_s", "sigma_offset_s"];
     header.extend(["drift_s_per_s", "sigma_drift_s_per_s"]);
     table.write_record(header)?;
-    let Some([two, three]) = answer.calibration.clock_estimates() else { return Ok(()) };
-    for (station, (offset_s, drift)) in [(2, two), (3, three)] {
+    let Some(clocks) = answer.calibration.clock_estimates() else { return Ok(()) };
+    for (station, (offset_s, drift)) in clocks.each().skip(1) {
         let mut row = vec![station.to_string()];
         let numbers = [offset_s.value, offset_s.sigma, drift.value, drift.sigma];
         row.extend(numbers.map(|value| value.to_string()));

@@ -12,7 +12,7 @@ pub use finding::{finding, findings};
 pub use recommendation::recommendation;
 pub use schema::SCHEMA;
 
-use nalgebra::SMatrix;
+use nalgebra::{Dim, Matrix, RawStorage};
 use serde_json::{Value, json};
 
 use crate::difference::moved_from_published;
@@ -31,6 +31,7 @@ use resect_core::calibration::{
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::Station;
 use resect_core::pipeline::SampleFate;
 
 /// Returns one object for one method. `load_ms` is the duration of opening.
@@ -60,9 +61,9 @@ pub fn calibration(
             "intervals": analysis.pipeline.kept_intervals.len(),
             "triplets": analysis.pipeline.triplets.len(),
         },
-        "transforms": [transform(calibration, 1), transform(calibration, 2)],
-        // Order: x, y, z, yaw of station 2, then of station 3 (m, rad).
-        "covariance": calibration.covariance.map(|covariance| rows(&covariance)),
+        "transforms": transforms(calibration),
+        // Order: x, y, z, yaw of station 2, then of station 3, … (m, rad).
+        "covariance": calibration.covariance.as_ref().map(rows),
         "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
         "metrics": {
             "inter_prism_mm": evaluation.inter_prism_mm,
@@ -115,7 +116,8 @@ pub fn calibration(
 /// Returns the transforms when the control points were measured, in the form of `transforms`.
 fn survey_transforms(survey: &SurveyPoses) -> Value {
     let (transforms, sigma) = (survey.transforms(), survey.sigma());
-    [1, 2].map(|k| transform_of(k + 1, &transforms[k], Some(sigma[k - 1]))).to_vec().into()
+    let others = transforms.each().skip(1);
+    others.map(|(k, transform)| transform_of(k.number(), transform, Some(sigma[k]))).collect()
 }
 
 /// Returns the change of a set-up from the survey to the drive; its station is null if the data does not decide which one changed.
@@ -150,7 +152,7 @@ fn row(row: &AnswerRow) -> Value {
 fn published(joint: &Calibration) -> Option<Value> {
     let published = joint.published.as_deref()?;
     let moved = moved_from_published(joint).map(|stations| {
-        stations.map(|station| {
+        let each = stations.into_iter().map(|station| {
             json!({
                 "station": station.station,
                 "translation_m": station.translation_m.map(|along| along.value),
@@ -160,15 +162,16 @@ fn published(joint: &Calibration) -> Option<Value> {
                 "yaw_rad": station.yaw_rad.value,
                 "yaw_sigmas": station.yaw_rad.sigmas,
             })
-        })
+        });
+        each.collect::<Vec<_>>()
     });
     Some(json!({
         "method": published.method.name(),
         "verdict": published.verdict,
         "independently_checked": published.is_independently_checked(),
         "findings": findings(&published.findings),
-        "transforms": [transform(published, 1), transform(published, 2)],
-        "covariance": published.covariance.map(|covariance| rows(&covariance)),
+        "transforms": transforms(published),
+        "covariance": published.covariance.as_ref().map(rows),
         // Joint estimate minus the paper's answer, in m, rad and σ of both combined; null if one of them failed.
         "moved": moved,
     }))
@@ -199,13 +202,14 @@ fn level_transforms(basin: &Basin) -> Vec<Value> {
         .collect()
 }
 
-/// Returns `station1_from_station` of station 2 or 3, given as index 1 or 2.
-pub fn transform(calibration: &Calibration, station: usize) -> Value {
-    transform_of(
-        station + 1,
-        &calibration.station1_from_station[station],
-        calibration.sigma.map(|sigma| sigma[station - 1]),
-    )
+/// Returns `station1_from_station` of stations 2, 3, …
+pub fn transforms(calibration: &Calibration) -> Vec<Value> {
+    let others = calibration.station1_from_station.each().skip(1);
+    let transform = |(station, transform): (Station, &RigidTransform)| {
+        let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
+        transform_of(station.number(), transform, sigma)
+    };
+    others.map(transform).collect()
 }
 
 /// Returns the transform from the station with this number to station 1, with its σ if known.
@@ -229,8 +233,8 @@ pub fn transform_of(
 }
 
 /// Returns the rows of a matrix.
-pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
-    (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
+pub fn rows<D: Dim>(matrix: &Matrix<f64, D, D, impl RawStorage<f64, D, D>>) -> Vec<Vec<f64>> {
+    (0..matrix.nrows()).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 
 /// Returns the details of the answer's method.
@@ -243,7 +247,7 @@ fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
                     "file": pair.file,
                     "markers": pair.markers,
                     "baseline_m": pair.baseline_m,
-                    "baseline_errors_mm": mm(&pair.baseline_errors_m),
+                    "baseline_errors_mm": mm(pair.baseline_errors_m.as_slice()),
                     "left_out_mm": mm(&pair.left_out_m),
                     "left_out_from_known_mm": pair
                         .left_out
@@ -258,7 +262,7 @@ fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
             })
         }
         Details::StaticGcp(details) => json!({
-            "points": details.points,
+            "points": &details.shared_points.as_slice()[1..],
             "rms_mm": details.rms_m * 1e3,
             "world_from_station1": details.world_from_station1.map(|world| json!({
                 "translation_m": world.translation_m.as_slice(),

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::json::{SCHEMA, findings, rows};
 use super::text::sigma_text;
 use resect_core::calibration::inter_prism::observability::{Direction, Observability};
+use resect_core::network::{Number, Station};
 use resect_core::planning::locks::{Lock, WhyNotRead};
 use resect_core::planning::{Held, Improvement, Plan, Prediction};
 use resect_core::statistics::median;
@@ -28,8 +29,8 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     );
     if let Some(held) = &found.held {
         text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     main sources\n";
-        for slot in 0..2 {
-            text += &sigma_row(held, slot);
+        for station in held.sigma.numbers().skip(1) {
+            text += &sigma_row(held, station);
         }
         let (far, at) = (&held.far_end, &held.far_end.position_m);
         _ = writeln!(
@@ -60,17 +61,17 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     text
 }
 
-fn sigma_row(held: &Held, slot: usize) -> String {
-    let sigma = &held.sigma[slot];
-    let mut row = format!("T1{}        ", slot + 2);
+fn sigma_row(held: &Held, station: Station) -> String {
+    let sigma = &held.sigma[station];
+    let mut row = format!("T1{station}        ");
     for axis in 0..3 {
         _ = write!(row, "{:>9}      ", sigma_text(Some(sigma.translation_m[axis]), 1));
     }
     _ = write!(row, "{:>9}         ", sigma_text(Some(sigma.yaw_rad), 3));
     let mut parts: Vec<&str> = Vec::new();
-    for place in 4 * slot..4 * slot + 4 {
-        if !parts.contains(&held.dominant[place].name) {
-            parts.push(held.dominant[place].name);
+    for source in held.dominant.chunks(4).nth(station.index() - 1).unwrap_or_default() {
+        if !parts.contains(&source.name) {
+            parts.push(source.name);
         }
     }
     row + &parts.join(", ") + "\n"
@@ -94,8 +95,8 @@ fn vehicle(found: &Prediction) -> String {
 /// Returns one object for one plan. Lengths in m, angles in rad, times in s of the drive; undetermined values are null.
 ///
 /// `plan` is the input, with the fields of its file. `verdict` and `findings` are for people. `held` has the predicted
-/// `covariance` of (x, y, z, yaw) of stations 2 and 3 along the axes of the plan, and `sigma` by station. In it,
-/// `dominant` is the largest source of each of the eight σ, with that source's σ. `far_end` has the `station` whose prism
+/// `covariance` of (x, y, z, yaw) of stations 2, 3, … along the axes of the plan, and `sigma` by station. In it,
+/// `dominant` is the largest source of each of these σ, with that source's σ. `far_end` has the `station` whose prism
 /// has the largest σ, with that position and σ. `observability` has the eight directions with `hold` free, weak or held,
 /// and the motion of each station along them. `mirror_cost_ratio` is the cost of the mirror twin over that of the answer.
 /// `way` has length and duration of the route, and `vehicle`: its position about once a second, with σ of position and
@@ -143,11 +144,15 @@ fn place(at: &Vector3<f64>) -> &[f64] {
 fn held(held: &Held) -> Value {
     json!({
         "covariance": rows(&held.covariance),
-        "sigma": held.sigma.map(|sigma| json!({
+        "sigma": held.sigma.iter().skip(1).map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
-        })),
-        "dominant": held.dominant.map(|one| json!({ "what": one.name, "sigma": one.sigma })),
+        })).collect::<Vec<_>>(),
+        "dominant": held
+            .dominant
+            .iter()
+            .map(|one| json!({ "what": one.name, "sigma": one.sigma }))
+            .collect::<Vec<_>>(),
         "far_end": {
             "station": held.far_end.station + 1,
             "position_m": place(&held.far_end.position_m),

@@ -132,19 +132,24 @@ fn details(calibration: &Calibration) -> String {
     let mut text = String::new();
     match &calibration.details {
         Details::TwoPoint(details) => {
-            text += "pairs of known points    length (m)   baseline errors of stations 1–3 (mm)   other points, max (mm)   from known (mm)\n";
+            let stations = calibration.station1_from_station.len();
+            _ = writeln!(
+                text,
+                "pairs of known points    length (m)   baseline errors of stations 1–{stations} (mm)   other points, max (mm)   from known (mm)"
+            );
             for (index, pair) in details.pairs.iter().enumerate() {
                 let [first, second] = pair.markers;
                 let chosen = if index == details.chosen { "*" } else { " " };
-                let [e1, e2, e3] = pair.baseline_errors_m.map(|error| error * 1e3);
+                let errors = pair.baseline_errors_m.map(|error| format!("{:>+10.1}", error * 1e3));
                 let largest = |sorted: &[f64]| {
                     sorted.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3))
                 };
                 _ = writeln!(
                     text,
-                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {e1:>+10.1} {e2:>+10.1} {e3:>+10.1}   {:>22}   {:>15}",
+                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {}   {:>22}   {:>15}",
                     pair.file,
                     pair.baseline_m,
+                    errors.as_slice().join(" "),
                     largest(&pair.left_out_m),
                     pair.largest_from_known_m()
                         .map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3)),
@@ -216,7 +221,7 @@ pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
     (!words.is_empty()).then(|| words.join(", "))
 }
 
-/// Formats the two transforms as a table; a missing σ is a dash.
+/// Formats the transforms as a table; a missing σ is a dash.
 pub fn transforms(calibration: &Calibration) -> String {
     let mut text = String::from(
         "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",

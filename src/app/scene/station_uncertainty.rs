@@ -1,4 +1,4 @@
-//! Uncertainties of stations 2 and 3: ellipsoids of their covariance, and double arrows along the unconstrained or weak directions.
+//! Uncertainties of stations 2, 3, …: ellipsoids of their covariance, and double arrows along the unconstrained or weak directions.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -29,10 +29,14 @@ pub fn add_ellipsoids(
     shown: &[bool; 3],
     scale: f64,
 ) -> bool {
-    let Some(covariance) = calibration.covariance else { return false };
-    let axes = [0, 4].map(|at| semi_axes_m(&covariance.fixed_view::<3, 3>(at, at).into_owned()));
-    for (slot, axes) in axes.iter().enumerate().filter(|(slot, _)| shown[slot + 1]) {
-        let origin = calibration.station1_from_station[slot + 1].translation_m;
+    let Some(covariance) = &calibration.covariance else { return false };
+    for (station, transform) in calibration.station1_from_station.iter().enumerate().skip(1) {
+        if !shown[station] {
+            continue;
+        }
+        let row = 4 * (station - 1);
+        let axes = semi_axes_m(&covariance.fixed_view::<3, 3>(row, row).into_owned());
+        let origin = transform.translation_m;
         for flat in 0..3 {
             let (first, second) = (axes[(flat + 1) % 3], axes[(flat + 2) % 3]);
             let corner = |at: usize| {
@@ -40,7 +44,7 @@ pub fn add_ellipsoids(
                 (origin + scale * (first * cos + second * sin)).cast::<f32>()
             };
             let corners: Vec<_> = (0..=CORNERS).map(corner).collect();
-            add_path(&mut content.data.lines, &corners, palette::STATIONS[slot + 1], 1.4);
+            add_path(&mut content.data.lines, &corners, palette::STATIONS[station], 1.4);
         }
     }
     shown[1] || shown[2]

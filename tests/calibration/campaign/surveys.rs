@@ -1,7 +1,7 @@
 //! Surveys of control points before a drive, with one set-up that changes in between: silent failures, coverage of the drive's and of
 //! the survey's transforms, and detection of the change by the joint estimate of all evidence.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -80,7 +80,7 @@ fn surveyed(seed: u64) -> Surveyed {
             verdict: drive.verdict,
             error,
             error_in_the_middle: error,
-            covariance: Some(poses.covariance),
+            covariance: Some(DMatrix::from_column_slice(8, 8, poses.covariance.as_slice())),
             unchecked: Vec::new(),
             jumps: false,
         }

@@ -1,6 +1,6 @@
 //! Stations with other numbers, and their prisms.
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, PAIRS};
 
@@ -37,8 +37,9 @@ fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> 
             // With another station 1, σ refer to another frame.
             let swapped = before
                 .covariance
-                .map(|covariance| SMatrix::from_fn(|i, j| covariance[((i + 4) % 8, (j + 4) % 8)]));
-            let covariance = if from[0] == 0 { swapped } else { after.covariance };
+                .as_ref()
+                .map(|own| DMatrix::from_fn(8, 8, |i, j| own[((i + 4) % 8, (j + 4) % 8)]));
+            let covariance = if from[0] == 0 { swapped } else { after.covariance.clone() };
             let within = within(method);
             let mut wrong = after.says_else(before, within);
             wrong.extend(after.stands_elsewhere(&expected, covariance.as_ref(), within));

@@ -81,7 +81,7 @@ fn assert_same_answer(live: &Deployment, recording: &Deployment) {
         let published = calibration.published.as_ref().expect("beside it");
         (
             calibration.station1_from_station.clone(),
-            calibration.covariance,
+            calibration.covariance.clone(),
             calibration.verdict,
             published.station1_from_station.clone(),
         )

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
 use super::details::{Details, JointTargets};
 use super::inter_prism::InterPrismDetails;
@@ -20,12 +20,12 @@ use crate::pipeline::Triplets;
 pub struct Calibration {
     /// The requested method; see [`Self::answered_by`].
     pub method: Method,
-    /// Transforms from the frames of stations 1 (identity), 2 and 3 to station 1's; level unless a rigid alignment was requested.
+    /// Transforms from the stations' frames to station 1's (identity for station 1); level unless a rigid alignment was requested.
     pub station1_from_station: PerStation<RigidTransform>,
-    /// Standard deviations of the transforms of stations 2 and 3; `None` when a direction is not determined.
-    pub sigma: Option<[TransformSigma; 2]>,
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Standard deviations of the transforms, zeros for station 1; `None` when a direction is not determined.
+    pub sigma: Option<PerStation<TransformSigma>>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad).
+    pub covariance: Option<DMatrix<f64>>,
     pub verdict: Verdict,
     /// Reasons of the verdict, and notes.
     pub findings: Vec<Finding>,
@@ -123,8 +123,8 @@ impl Calibration {
     }
 
     /// Returns the standard deviations of [`Self::survey_transforms`]; `None` when a direction is not determined.
-    pub fn survey_sigma(&self) -> Option<[TransformSigma; 2]> {
-        self.survey().map(SurveyPoses::sigma).or(self.sigma)
+    pub fn survey_sigma(&self) -> Option<PerStation<TransformSigma>> {
+        self.survey().map(SurveyPoses::sigma).or_else(|| self.sigma.clone())
     }
 
     /// Returns the poses at the survey, if the answer uses the control points of a joint estimate.
@@ -157,22 +157,24 @@ impl Calibration {
     }
 
     /// Returns the correlation matrix of [`Calibration::covariance`].
-    pub fn correlation(&self) -> Option<SMatrix<f64, 8, 8>> {
-        let covariance = self.covariance?;
+    pub fn correlation(&self) -> Option<DMatrix<f64>> {
+        let covariance = self.covariance.as_ref()?;
         let sigma = covariance.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
-        Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
+        let entry = |i: usize, j: usize| covariance[(i, j)] / (sigma[i] * sigma[j]);
+        Some(DMatrix::from_fn(covariance.nrows(), covariance.ncols(), entry))
     }
 
-    /// Returns the clocks of stations 2 and 3 relative to station 1; `None` if they are not estimated.
-    pub fn clocks(&self) -> Option<[Clock; 2]> {
-        Some(self.joint()?.clocks())
+    /// Returns the clocks relative to station 1; `None` if they are not estimated.
+    pub fn clocks(&self) -> Option<PerStation<Clock>> {
+        let clocks = self.joint()?.clocks();
+        Some(std::iter::once(Clock::default()).chain(clocks).collect())
     }
 
-    /// Returns offset (s) and drift (s/s) of the clocks of stations 2 and 3 relative to station 1; `None` if they are not
-    /// estimated.
-    pub fn clock_estimates(&self) -> Option<[(Estimate, Estimate); 2]> {
+    /// Returns offset (s) and drift (s/s) of the clocks relative to station 1; `None` if they are not estimated.
+    pub fn clock_estimates(&self) -> Option<PerStation<(Estimate, Estimate)>> {
         let joint = self.joint()?;
-        Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
+        let others = joint.clock_offsets_s.into_iter().zip(joint.clock_drifts);
+        Some(std::iter::once((Estimate::ZERO, Estimate::ZERO)).chain(others).collect())
     }
 
     /// Returns the joint estimate; `None` for other methods, and if it failed.

@@ -12,6 +12,7 @@ use super::{Calibration, JointFailure, Method, Offer, TransformSigma, Verdict, W
 use crate::deployment::{
     Deployment, Finding, FindingKind, MessageAngle, Remedy, Subject, TrackFrame, doubts,
 };
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::estimate::decimals_of;
 
@@ -68,7 +69,7 @@ impl RecommendationReason {
 /// The evidence for the reason of a recommendation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RecommendationProof {
-    /// The largest σ of a coordinate of stations 2 and 3 (m; `None` without σ), and independent data that agrees.
+    /// The largest σ of a coordinate of a station's position (m; `None` without σ), and independent data that agrees.
     LargestSigma { sigma_m: Option<f64>, agreement: Option<Witness> },
     /// The finding that limits the answer most, or reports the change of a set-up.
     Finding(Box<Finding>),
@@ -258,10 +259,10 @@ impl UsableAnswer<'_> {
     }
 
     fn largest_sigma(&self) -> RecommendationProof {
-        let largest_m = |sigma: [TransformSigma; 2]| {
-            sigma.map(|station| station.translation_m.max()).into_iter().fold(0.0, f64::max)
+        let largest_m = |sigma: &PerStation<TransformSigma>| {
+            sigma.iter().map(|station| station.translation_m.max()).fold(0.0, f64::max)
         };
-        let sigma_m = self.calibration.sigma.map(largest_m);
+        let sigma_m = self.calibration.sigma.as_ref().map(largest_m);
         let checks = &self.calibration.checked_by;
         let agreement = checks.iter().copied().find(|witness| witness.is_independent());
         RecommendationProof::LargestSigma { sigma_m, agreement }
@@ -368,8 +369,10 @@ fn next_step_of_change(change: &Finding) -> String {
 
 /// Returns the step that reduces the largest source of the largest σ of a position.
 fn reduce_largest_source(joint: &JointEstimate) -> String {
-    let positions = [0, 1, 2, 4, 5, 6].map(|coordinate| joint.largest_source(coordinate));
-    let largest = positions.into_iter().max_by(|a, b| a.total_sigma.total_cmp(&b.total_sigma));
+    let positions = (0..joint.covariance.nrows()).filter(|coordinate| coordinate % 4 < 3);
+    let largest = positions
+        .map(|coordinate| joint.largest_source(coordinate))
+        .max_by(|a, b| a.total_sigma.total_cmp(&b.total_sigma));
     let Some(LargestSource { name, sigma, .. }) = largest else { return CORRECT_DATA.to_owned() };
     let step = match name {
         "clocks" | "wandering clocks" => "synchronise the stations",

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Rotation2, Vector2, Vector3};
+use nalgebra::{DMatrix, Rotation2, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::corridor::Corridor;
@@ -147,7 +147,10 @@ fn far_end_m(
         let station_from_station1 = transforms[station.index()].inverse();
         places_m.iter().map(|p| station_from_station1.apply(&(p - plan.stations_m[0]))).collect()
     });
-    Some(far_end(&transforms, &looked.held()?.covariance, &own)?.sigma_m)
+    let covariance = &looked.held()?.covariance;
+    let covariance =
+        DMatrix::from_column_slice(covariance.nrows(), covariance.ncols(), covariance.as_slice());
+    Some(far_end(&transforms, &covariance, &own)?.sigma_m)
 }
 
 fn candidates(plan: &Plan) -> Vec<Candidate> {

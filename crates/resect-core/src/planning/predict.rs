@@ -1,6 +1,6 @@
 //! Prediction of the covariance of a planned drive, by the information matrix of the joint estimate.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::drive::{Driven, drive};
 use super::in_words;
@@ -191,12 +191,14 @@ fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> 
     let transforms =
         driven.simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let triplets = &driven.pipeline.triplets;
-    let covariance = estimate.covariance;
+    let covariance = &estimate.covariance;
+    let covariance =
+        DMatrix::from_column_slice(covariance.nrows(), covariance.ncols(), covariance.as_slice());
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;
     Some(Held {
         sigma: estimate.sigma(),
+        dominant: (0..covariance.nrows()).map(|place| estimate.largest_source(place)).collect(),
         covariance,
-        dominant: std::array::from_fn(|place| estimate.largest_source(place)),
         far_end: FarEnd { position_m: found.position_m + plan.stations_m[0], ..found },
     })
 }

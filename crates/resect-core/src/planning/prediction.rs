@@ -1,6 +1,6 @@
 //! Prediction for a plan before it is driven.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 use super::locks::Lock;
 use crate::calibration::inter_prism::observability::Observability;
@@ -45,15 +45,15 @@ pub struct Prediction {
     pub kept: PerStation<usize>,
 }
 
-/// Predicted covariance of the transforms of stations 2 and 3.
+/// Predicted covariance of the transforms of stations 2, 3, …
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// Standard deviations of stations 2 and 3, along the axes of the plan.
-    pub sigma: [TransformSigma; 2],
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad), along the axes of the plan.
-    pub covariance: SMatrix<f64, 8, 8>,
-    /// Largest source of each of these σ.
-    pub dominant: [LargestSource; 8],
+    /// Standard deviations along the axes of the plan, zeros for station 1.
+    pub sigma: PerStation<TransformSigma>,
+    /// Covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad), along the axes of the plan.
+    pub covariance: DMatrix<f64>,
+    /// Largest source of each σ of that covariance.
+    pub dominant: Vec<LargestSource>,
     pub far_end: FarEnd,
 }
 

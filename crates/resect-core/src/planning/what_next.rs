@@ -1,6 +1,6 @@
 //! Manoeuvres to drive next from the vehicle's current position, ranked by the information they add to the readings so far.
 
-use nalgebra::{SMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::from_here::Here;
@@ -58,16 +58,16 @@ pub struct NextMove {
 
 /// Returns the information of the readings so far, and whether it is sufficient.
 ///
-/// `covariance` is that of (x, y, z, yaw) of stations 2 and 3 by the joint estimate, if there is one. Otherwise the
+/// `covariance` is that of (x, y, z, yaw) of stations 2, 3, … by the joint estimate, if there is one. Otherwise the
 /// predicted covariance is used, which does not account for steps of stations and clocks.
 pub fn known(
     so_far: &SoFar<'_>,
-    covariance: Option<&SMatrix<f64, 8, 8>>,
+    covariance: Option<&DMatrix<f64>>,
     progress: &Progress,
 ) -> Result<Known, Cancelled> {
     let found = foreseen(so_far, so_far.triplets, progress)?;
     let places_m = places_m(so_far);
-    let covariance = found.held.map(|foreseen| covariance.copied().unwrap_or(foreseen));
+    let covariance = found.held.map(|foreseen| covariance.cloned().unwrap_or(foreseen));
     let far_end = covariance.and_then(|open| far_end(&rigid(so_far), &open, &places_m));
     let is_steady = found.observability.as_ref().is_none_or(|seen| seen.count(Hold::Held) == 8);
     let is_met = far_end.is_some_and(|far_end| far_end.sigma_m <= so_far.target_m);
@@ -117,7 +117,7 @@ pub fn what_next(
 
 /// Predicted covariance and observability of some readings.
 struct PredictedDrive {
-    held: Option<SMatrix<f64, 8, 8>>,
+    held: Option<DMatrix<f64>>,
     observability: Option<Observability>,
 }
 
@@ -137,6 +137,7 @@ fn foreseen(
         inter_prism::foresee(triplets, distances_m, station1_from_station, covariance)
     });
     let held = covariance.filter(|_| seen.as_ref().is_none_or(|seen| seen.is_held));
+    let held = held.map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice()));
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })
 }
 

@@ -1,6 +1,6 @@
 //! An earlier calibration, to be validated by another run.
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
 use crate::analysis::Answer;
 use crate::calibration::{Method, Verdict};
@@ -20,8 +20,8 @@ pub struct Earlier {
     /// Frames of its tracks; `None` if unknown.
     pub track_frame: Option<TrackFrame>,
     pub station1_from_station: PerStation<RigidTransform>,
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` if a direction was unobservable.
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad); `None` if a direction was unobservable.
+    pub covariance: Option<DMatrix<f64>>,
     /// Inter-prism distances as measured for this calibration (m).
     pub inter_prism_m: Option<[f64; 3]>,
 }
@@ -37,7 +37,7 @@ impl Earlier {
             doubt: first_doubt(&calibration.findings),
             track_frame: Some(deployment.track_frame),
             station1_from_station: calibration.station1_from_station.clone(),
-            covariance: calibration.covariance,
+            covariance: calibration.covariance.clone(),
             inter_prism_m: deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
         }
     }

@@ -72,13 +72,15 @@ fn of_cause(cause: &Cause, difference: &Difference, tell: &Tell<'_>) -> String {
             chance(difference.p_value)
         ),
         Cause::OtherSetUp => {
-            let [second, third] = [0, 4].map(|slot| {
-                let far_m = difference.values.fixed_rows::<3>(slot).norm();
+            let others = difference.stations.numbers().filter_map(|station| {
+                let row = 4 * station.slot()?;
+                let far_m = difference.values.fixed_rows::<3>(row).norm();
                 let turned =
-                    MessageAngle::signed(difference.values[slot + 3], AngleFormat::Degrees, 2);
-                format!("{far_m:.2} m and {}", tell(&turned))
+                    MessageAngle::signed(difference.values[row + 3], AngleFormat::Degrees, 2);
+                let verb = if row == 0 { " differs" } else { "" };
+                Some(format!("station {station}{verb} by {far_m:.2} m and {}", tell(&turned)))
             });
-            format!("this is another set-up: station 2 differs by {second}, station 3 by {third}")
+            format!("this is another set-up: {}", others.collect::<Vec<_>>().join(", "))
         }
         Cause::Metric => "no station moved significantly".to_owned(),
     }
@@ -86,12 +88,15 @@ fn of_cause(cause: &Cause, difference: &Difference, tell: &Tell<'_>) -> String {
 
 /// States the minimal detectable moves.
 fn would_show(difference: &Difference, tell: &Tell<'_>) -> String {
-    let seen = difference.stations.each_ref().map(StationMove::visible);
+    let seen = difference.stations.map(StationMove::visible);
     let least = |of: &dyn Fn((f64, f64)) -> String| {
-        seen.map(|seen| seen.map_or("–".to_owned(), of)).join(" / ")
+        let each = seen.iter().map(|seen| seen.map_or("–".to_owned(), of));
+        each.collect::<Vec<_>>().join(" / ")
     };
+    let stations: Vec<String> = seen.numbers().map(|station| station.to_string()).collect();
     format!(
-        "minimal detectable displacement of station 1 / 2 / 3: {} mm; minimal detectable rotation: {}",
+        "minimal detectable displacement of station {}: {} mm; minimal detectable rotation: {}",
+        stations.join(" / "),
         least(&|(moved_m, _)| format!("{:.2}", moved_m * 1e3)),
         least(&|(_, turned_rad)| tell(&MessageAngle::size(
             turned_rad,

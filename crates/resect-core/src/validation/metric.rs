@@ -1,15 +1,14 @@
 //! Inter-prism metric of a run with an earlier calibration, compared with its own calibration.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::earlier::Earlier;
 use super::moved::Difference;
 use crate::analysis::Answer;
 use crate::calibration::distance_errors_m;
-use crate::deployment::PAIRS;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{Number, Pair, PerStation};
 use crate::pipeline::Triplets;
 
 /// Critical value of a standard normal variable, one-sided, at significance level
@@ -54,26 +53,28 @@ pub fn metric_there(
     Some(MetricThere {
         earlier_mm: by(&earlier.station1_from_station)?,
         own_mm: by(transforms)?,
-        apart_m: difference.values.dot(&(follows * difference.values)).max(0.0).sqrt(),
-        allowed_m: allowed_m2(&(follows * difference.covariance)).sqrt(),
+        apart_m: difference.values.dot(&(&follows * &difference.values)).max(0.0).sqrt(),
+        allowed_m: allowed_m2(&(&follows * &difference.covariance)).sqrt(),
     })
 }
 
-/// Mean of g gᵀ over the distances, with the gradient g of a distance with respect to (x, y, z, yaw) of stations 2 and 3.
+/// Mean of g gᵀ over the distances, with the gradient g of a distance with respect to (x, y, z, yaw) of stations 2, 3, …
 ///
 /// If all stations track one prism, the distance is zero and has no direction; the three coordinates are used instead.
 fn follows(
     triplets: &Triplets,
     station1_from_station: &PerStation<RigidTransform>,
     one_prism: bool,
-) -> Option<SMatrix<f64, 8, 8>> {
-    let mut sum = SMatrix::<f64, 8, 8>::zeros();
+) -> Option<DMatrix<f64>> {
+    let stations = station1_from_station.len();
+    let unknowns = 4 * (stations - 1);
+    let mut sum = DMatrix::zeros(unknowns, unknowns);
     let mut distances = 0.0;
     for index in (0..triplets.len()).step_by(triplets.len().div_ceil(MOST_TRIPLETS).max(1)) {
-        let own = triplets.triplet_m(index);
-        let placed: [Vector3<f64>; 3] =
-            std::array::from_fn(|station| station1_from_station[station].apply(&own[station]));
-        for (a, b) in PAIRS {
+        let placed = station1_from_station
+            .zip(&triplets.points_m, |transform, points_m| transform.apply(&points_m[index]));
+        for pair in (0..Pair::count(stations)).map(Pair::at) {
+            let (a, b) = (pair.first.index(), pair.second.index());
             let apart = placed[a] - placed[b];
             let directions = if one_prism {
                 vec![Vector3::x(), Vector3::y(), Vector3::z()]
@@ -81,14 +82,14 @@ fn follows(
                 apart.try_normalize(0.0).into_iter().collect()
             };
             for direction in directions {
-                let mut g = SMatrix::<f64, 8, 1>::zeros();
+                let mut g = DVector::zeros(unknowns);
                 for (station, sign) in [(a, 1.0), (b, -1.0)] {
                     let Some(slot) = station.checked_sub(1) else { continue };
                     let out = placed[station] - station1_from_station[station].translation_m;
                     g.fixed_rows_mut::<3>(4 * slot).copy_from(&(sign * direction));
                     g[4 * slot + 3] = sign * direction.dot(&Vector3::z().cross(&out));
                 }
-                sum += g * g.transpose();
+                sum += &g * g.transpose();
             }
             distances += 1.0;
         }
@@ -101,10 +102,10 @@ fn follows(
 ///
 /// The distribution is approximated by a shifted multiple of χ² with the same first three moments (Pearson's approximation:
 /// Imhof 1961). The cube root of that χ² is nearly normal (Wilson & Hilferty 1931).
-fn allowed_m2(follows_covariance: &SMatrix<f64, 8, 8>) -> f64 {
+fn allowed_m2(follows_covariance: &DMatrix<f64>) -> f64 {
     let squared = follows_covariance * follows_covariance;
     let (first, second) = (follows_covariance.trace(), squared.trace());
-    let third = (squared * follows_covariance).trace();
+    let third = (&squared * follows_covariance).trace();
     let degrees = second.powi(3) / third.powi(2).max(f64::MIN_POSITIVE);
     let spread = 2.0 / (9.0 * degrees);
     let chi_square = degrees * (1.0 - spread + NORMAL_OF_ONE * spread.sqrt()).powi(3);
@@ -115,7 +116,6 @@ fn allowed_m2(follows_covariance: &SMatrix<f64, 8, 8>) -> f64 {
 mod tests {
     use super::*;
     use crate::validation::outcome::LEVEL_OF_ONE;
-    use nalgebra::SVector;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -127,8 +127,8 @@ mod tests {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         // Drives determine a few directions well and others hardly.
         for share in [1.0, 0.5, 0.2] {
-            let sizes = SVector::<f64, 8>::from_fn(|k, _| f64::powi(share, k as i32));
-            let allowed = allowed_m2(&SMatrix::from_diagonal(&sizes.component_mul(&sizes)));
+            let sizes = DVector::from_fn(8, |k, _| f64::powi(share, k as i32));
+            let allowed = allowed_m2(&DMatrix::from_diagonal(&sizes.component_mul(&sizes)));
             let beyond = (0..DRAWS)
                 .filter(|_| sizes.map(|size| size * normal()).norm_squared() > allowed)
                 .count() as f64;

@@ -1,18 +1,18 @@
 //! Tests for a displacement or rotation of a station between two runs: the station, the size of its move, and its
 //! covariance.
 //!
-//! A move of a station has four parameters, (x, y, z) and yaw. A move of station 2 or 3 changes its own transform. A move
-//! of station 1 changes both transforms, because it is their reference. "Only this station moved" is fitted to the eight
+//! A move of a station has four parameters, (x, y, z) and yaw. A move of station 2, 3, … changes its own transform. A move
+//! of station 1 changes all transforms, because it is their reference. "Only this station moved" is fitted to all
 //! components of the difference. The χ² that the fit explains tests whether the station moved. The remaining χ² tests
 //! whether that is the only cause.
 
-use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix4, OMatrix, U4, Vector3, Vector4};
 
 use super::outcome::{Cause, LEVEL_OF_ONE};
 use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::{LevelTransform, wrap_to_pi};
-use crate::network::PerStation;
+use crate::network::{PerStation, Station};
 
 /// Critical χ² with four degrees of freedom at significance level [`LEVEL_OF_ONE`].
 const CHI_SQUARE_OF_ONE: f64 = 16.924;
@@ -24,15 +24,15 @@ const STEPS: usize = 6;
 /// The difference between two calibrations of one set-up, and its possible causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Own calibration minus the earlier one: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
-    pub values: SVector<f64, 8>,
+    /// Own calibration minus the earlier one: (x, y, z, yaw) of station 2, then of station 3, … (m, rad).
+    pub values: DVector<f64>,
     /// Sum of the covariances of both calibrations and of the settling of tripods in between.
-    pub covariance: SMatrix<f64, 8, 8>,
+    pub covariance: DMatrix<f64>,
     pub chi_square: f64,
     /// Probability of a larger χ² if nothing moved.
     pub p_value: f64,
-    /// Fitted move of each of stations 1 to 3, as if only that station had moved.
-    pub stations: [StationMove; 3],
+    /// Fitted move of each station, as if only that station had moved.
+    pub stations: PerStation<StationMove>,
 }
 
 /// Fitted move of a station, as if only that station had moved.
@@ -90,29 +90,31 @@ impl Difference {
     pub fn between(
         before: &PerStation<LevelTransform>,
         after: &PerStation<LevelTransform>,
-        covariance: SMatrix<f64, 8, 8>,
+        covariance: DMatrix<f64>,
     ) -> Option<Self> {
-        let precision = covariance.cholesky()?.inverse();
+        let precision = covariance.clone().cholesky()?.inverse();
         let values = minus(after, before);
-        let chi_square = values.dot(&(precision * values));
-        let [first, second, third] = [0, 1, 2].map(|station| {
+        let chi_square = values.dot(&(&precision * &values));
+        let degrees = values.len();
+        let stations = before.numbers().map(|station| {
             only(station, before, after, &precision).map(|(by, covariance, left)| {
                 let explained = (chi_square - left).max(0.0);
                 StationMove {
                     by,
                     covariance,
                     chi_square: explained,
-                    p_value: chance_of_more::<4>(explained),
-                    rest_p_value: chance_of_more::<4>(left),
+                    p_value: chance_of_more(explained, 4),
+                    rest_p_value: chance_of_more(left, degrees - 4),
                 }
             })
         });
+        let stations = stations.collect::<Option<_>>()?;
         Some(Self {
             values,
             covariance,
             chi_square,
-            p_value: chance_of_more::<8>(chi_square),
-            stations: [first?, second?, third?],
+            p_value: chance_of_more(chi_square, degrees),
+            stations,
         })
     }
 
@@ -126,7 +128,7 @@ impl Difference {
         let alone = |station: &usize| {
             self.stations[*station].rejects() && self.stations[*station].explains_all()
         };
-        let mut stations: Vec<usize> = (0..3).filter(alone).collect();
+        let mut stations: Vec<usize> = (0..self.stations.len()).filter(alone).collect();
         let best = stations.iter().map(|k| self.stations[*k].chi_square).fold(0.0, f64::max);
         stations.retain(|station| self.stations[*station].chi_square > best - CLEARLY);
         match stations[..] {
@@ -136,9 +138,9 @@ impl Difference {
         }
     }
 
-    /// Returns true if station 2 or 3 is displaced (m) or rotated (rad) by more than these limits.
+    /// Returns true if a station other than the first is displaced (m) or rotated (rad) by more than these limits.
     pub fn reaches(&self, far_m: f64, far_rad: f64) -> bool {
-        [0, 4].into_iter().any(|slot| {
+        (0..self.values.len()).step_by(4).any(|slot| {
             let far = self.values.fixed_rows::<3>(slot).norm();
             far > far_m || self.values[slot + 3].abs() > far_rad
         })
@@ -147,29 +149,30 @@ impl Difference {
     /// Returns the largest standard deviation of a translation (m).
     pub fn largest_sigma_m(&self) -> f64 {
         let variance = |k: usize| if k % 4 == 3 { 0.0 } else { self.covariance[(k, k)] };
-        (0..8).map(variance).fold(0.0, f64::max).sqrt()
+        (0..self.values.len()).map(variance).fold(0.0, f64::max).sqrt()
     }
 }
 
-/// Covariance of (x, y, z, yaw) of stations 2 and 3 due to the settling of the three tripods between two runs.
-pub fn settled(before: &PerStation<LevelTransform>, sizes: &ErrorSizes) -> SMatrix<f64, 8, 8> {
+/// Covariance of (x, y, z, yaw) of stations 2, 3, … due to the settling of all tripods between two runs.
+pub fn settled(before: &PerStation<LevelTransform>, sizes: &ErrorSizes) -> DMatrix<f64> {
     let (move_m2, turn_rad2) = (sizes.settling_m.powi(2), sizes.settling_rad.powi(2));
     let own = Matrix4::from_diagonal(&Vector4::new(move_m2, move_m2, move_m2, turn_rad2));
-    let of = |station: usize| {
+    let by_station = before.numbers().map(|station| {
         let shape = shape(station, before);
-        shape * own * shape.transpose()
-    };
-    of(0) + of(1) + of(2)
+        &shape * own * shape.transpose()
+    });
+    by_station.sum()
 }
 
-/// Jacobian of (x, y, z, yaw) of stations 2 and 3 with respect to a small move of one station.
-fn shape(station: usize, before: &PerStation<LevelTransform>) -> SMatrix<f64, 8, 4> {
-    let mut shape = SMatrix::<f64, 8, 4>::zeros();
-    match station.checked_sub(1) {
+/// Jacobian of (x, y, z, yaw) of stations 2, 3, … with respect to a small move of one station.
+fn shape(station: Station, before: &PerStation<LevelTransform>) -> OMatrix<f64, Dyn, U4> {
+    let slots = before.len() - 1;
+    let mut shape = OMatrix::<f64, Dyn, U4>::zeros(4 * slots);
+    match station.slot() {
         Some(slot) => shape.fixed_view_mut::<4, 4>(4 * slot, 0).fill_with_identity(),
         None => {
             // A move of station 1 is the opposite move of everything else in its frame.
-            for slot in 0..2 {
+            for slot in 0..slots {
                 shape.fixed_view_mut::<4, 4>(4 * slot, 0).copy_from(&-Matrix4::identity());
                 let arm = Vector3::z().cross(&before[slot + 1].translation_m);
                 shape.fixed_view_mut::<3, 1>(4 * slot, 3).copy_from(&-arm);
@@ -181,12 +184,12 @@ fn shape(station: usize, before: &PerStation<LevelTransform>) -> SMatrix<f64, 8,
 
 /// Returns the transforms of the stations after a move of one of them.
 fn once_moved(
-    station: usize,
+    station: Station,
     by: &Vector4<f64>,
     before: &PerStation<LevelTransform>,
 ) -> PerStation<LevelTransform> {
     let mut after = before.clone();
-    if station == 0 {
+    if station == Station::FIRST {
         let now_from_before = LevelTransform::new(by.xyz(), by.w).inverse();
         for other in after.iter_mut().skip(1) {
             *other = now_from_before.then_from(other);
@@ -201,25 +204,25 @@ fn once_moved(
 /// Fits "only this station moved" by least squares: the four parameters, their covariance, and the remaining χ². `None` if
 /// the normal matrix is not positive definite.
 fn only(
-    station: usize,
+    station: Station,
     before: &PerStation<LevelTransform>,
     after: &PerStation<LevelTransform>,
-    precision: &SMatrix<f64, 8, 8>,
+    precision: &DMatrix<f64>,
 ) -> Option<(Vector4<f64>, Matrix4<f64>, f64)> {
     let shape = shape(station, before);
-    let weighted = precision * shape;
+    let weighted = precision * &shape;
     let covariance = shape.tr_mul(&weighted).cholesky()?.inverse();
     let mut by = Vector4::zeros();
     for _ in 0..STEPS {
         by += covariance * weighted.tr_mul(&minus(after, &once_moved(station, &by, before)));
     }
     let left = minus(after, &once_moved(station, &by, before));
-    Some((by, covariance, left.dot(&(precision * left))))
+    Some((by, covariance, left.dot(&(precision * &left))))
 }
 
-/// Difference a − b of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-fn minus(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> SVector<f64, 8> {
-    SVector::from_fn(|k, _| {
+/// Difference a − b of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+fn minus(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> DVector<f64> {
+    DVector::from_fn(4 * (a.len() - 1), |k, _| {
         let (a, b) = (&a[k / 4 + 1], &b[k / 4 + 1]);
         match k % 4 {
             3 => wrap_to_pi(a.yaw_rad - b.yaw_rad),
@@ -229,11 +232,11 @@ fn minus(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> SVec
 }
 
 /// Probability that χ² with an even number of degrees of freedom exceeds a value.
-fn chance_of_more<const DEGREES: usize>(chi_square: f64) -> f64 {
-    const { assert!(DEGREES.is_multiple_of(2)) };
+fn chance_of_more(chi_square: f64, degrees: usize) -> f64 {
+    debug_assert!(degrees.is_multiple_of(2), "{degrees} degrees of freedom");
     let half = 0.5 * chi_square;
     let (mut term, mut sum) = (1.0, 1.0);
-    for k in 1..DEGREES / 2 {
+    for k in 1..degrees / 2 {
         term *= half / k as f64;
         sum += term;
     }
@@ -243,6 +246,7 @@ fn chance_of_more<const DEGREES: usize>(chi_square: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::Number;
     use proptest::prelude::*;
 
     fn stations() -> PerStation<LevelTransform> {
@@ -251,9 +255,9 @@ mod tests {
     }
 
     /// Covariance with σ of 2 mm and 0.05 mrad, and a correlation of one half between the two stations.
-    fn covariance() -> SMatrix<f64, 8, 8> {
+    fn covariance() -> DMatrix<f64> {
         let sigma = |k: usize| if k % 4 == 3 { 5e-5 } else { 2e-3 };
-        SMatrix::from_fn(|i, j| {
+        DMatrix::from_fn(8, 8, |i, j| {
             let shared = if i == j { 1.0 } else { f64::from(u8::from(i % 4 == j % 4)) * 0.5 };
             shared * sigma(i) * sigma(j)
         })
@@ -261,10 +265,10 @@ mod tests {
 
     #[test]
     fn chances_are_those_of_tables() {
-        assert!((chance_of_more::<4>(9.487_729) - 0.05).abs() < 1e-6);
-        assert!((chance_of_more::<8>(20.090_235) - 0.01).abs() < 1e-6);
-        assert!((chance_of_more::<4>(CHI_SQUARE_OF_ONE) / LEVEL_OF_ONE - 1.0).abs() < 1e-3);
-        assert_eq!((chance_of_more::<8>(0.0), chance_of_more::<8>(1e6)), (1.0, 0.0));
+        assert!((chance_of_more(9.487_729, 4) - 0.05).abs() < 1e-6);
+        assert!((chance_of_more(20.090_235, 8) - 0.01).abs() < 1e-6);
+        assert!((chance_of_more(CHI_SQUARE_OF_ONE, 4) / LEVEL_OF_ONE - 1.0).abs() < 1e-3);
+        assert_eq!((chance_of_more(0.0, 8), chance_of_more(1e6, 8)), (1.0, 0.0));
     }
 
     #[test]
@@ -281,7 +285,8 @@ mod tests {
         for k in 4..8 {
             blind[(k, k)] *= 1e6;
         }
-        let found = Difference::between(&before, &once_moved(1, &MOVE, &before), blind);
+        let found =
+            Difference::between(&before, &once_moved(Station::at(1), &MOVE, &before), blind);
         assert_eq!(found.expect("a covariance").cause(), Cause::OneOf(vec![0, 1]));
     }
 
@@ -293,16 +298,16 @@ mod tests {
         let before = stations();
         let covariance = settled(&before, &sizes);
         // Sum over moves by one σ of settling, one component of one station at a time.
-        let mut sum = SMatrix::<f64, 8, 8>::zeros();
-        for station in 0..3 {
+        let mut sum = DMatrix::zeros(8, 8);
+        for station in before.numbers() {
             for part in 0..4 {
                 let mut by = Vector4::zeros();
                 by[part] = if part == 3 { sizes.settling_rad } else { sizes.settling_m };
                 let change = minus(&once_moved(station, &by, &before), &before);
-                sum += change * change.transpose();
+                sum += &change * change.transpose();
             }
         }
-        assert!((covariance - sum).norm() < 1e-3 * sum.norm(), "{covariance}{sum}");
+        assert!((&covariance - &sum).norm() < 1e-3 * sum.norm(), "{covariance}{sum}");
     }
 
     proptest! {
@@ -313,7 +318,7 @@ mod tests {
         ) {
             let by = Vector4::new(0.2 * by[0], 0.2 * by[1], 0.1 + 0.1 * by[2], 0.04 * by[3]);
             let before = stations();
-            let after = once_moved(station, &by, &before);
+            let after = once_moved(Station::at(station), &by, &before);
             let found = Difference::between(&before, &after, covariance()).expect("a covariance");
             prop_assert_eq!(found.cause(), Cause::Station(station));
             prop_assert!((found.stations[station].by - by).norm() < 1e-6);
@@ -336,7 +341,7 @@ mod tests {
             let one = Difference::between(&before, &after, covariance()).expect("a covariance");
             let other = Difference::between(&after, &before, covariance()).expect("a covariance");
             prop_assert!((one.chi_square - other.chi_square).abs() < 1e-6 * one.chi_square);
-            prop_assert!((one.values + other.values).norm() < 1e-12);
+            prop_assert!((&one.values + &other.values).norm() < 1e-12);
             for station in 1..3 {
                 let [one, other] = [&one, &other].map(|found| &found.stations[station]);
                 prop_assert!((one.by + other.by).norm() < 1e-9);

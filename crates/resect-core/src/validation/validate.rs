@@ -76,7 +76,7 @@ pub fn validate(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> V
         let errors = &own.settings.calibration.errors;
         let [before, after] =
             [&earlier.station1_from_station, &answer.calibration.station1_from_station].map(level);
-        let both = earlier.covariance.zip(answer.calibration.covariance);
+        let both = earlier.covariance.as_ref().zip(answer.calibration.covariance.as_ref());
         let covariance = both
             .map(|(before_one, own_one)| before_one + own_one + moved::settled(&before, errors));
         validation.difference =

@@ -37,7 +37,10 @@ fn summary(verdict: Verdict) -> ResultSummary {
         doubts: vec!["station 2 can slide\nalong the track".to_owned()],
         triplets: 10,
         one_prism: false,
-        stations: [StationSummary::new(2, &two, Some(sigma)), StationSummary::new(3, &three, None)],
+        stations: vec![
+            StationSummary::new(2, &two, Some(sigma)),
+            StationSummary::new(3, &three, None),
+        ],
         covariance: None,
         inter_prism_mm: None,
         control_points_mm: Vec::new(),

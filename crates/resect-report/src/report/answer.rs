@@ -118,7 +118,7 @@ fn transforms(rows: &[AnswerRow]) -> Markup {
 fn matrices(calibration: &Calibration) -> Markup {
     html! {
         div.matrices {
-            @for station in 1..3 {
+            @for station in 1..calibration.station1_from_station.len() {
                 figure {
                     figcaption { "T1" (station + 1) ", frame of station " (station + 1) " into station 1's (m)" }
                     pre { (text::matrix(calibration, station).trim_end()) }
@@ -239,7 +239,7 @@ fn two_point(details: &TwoPointDetails) -> Markup {
                 th { "points" }
                 th { "file" }
                 th.number { "baseline (m)" }
-                th.number { "baseline errors of stations 1, 2, 3 (mm)" }
+                th.number { "baseline errors by station (mm)" }
                 th.number { "largest error at other points (mm)" }
                 th.number { "largest difference from known (mm)" }
             } }
@@ -249,7 +249,7 @@ fn two_point(details: &TwoPointDetails) -> Markup {
                         th { (pair.markers[0]) "–" (pair.markers[1]) }
                         td { (pair.file) }
                         td.number { (format!("{:.3}", pair.baseline_m)) }
-                        td.number { (pair.baseline_errors_m.map(|m| format!("{:+.1}", m * 1e3)).join(", ")) }
+                        td.number { (pair.baseline_errors_m.map(|m| format!("{:+.1}", m * 1e3)).as_slice().join(", ")) }
                         td.number { (widest(pair.left_out_m.last().copied())) }
                         td.number { (widest(pair.largest_from_known_m())) }
                     }

@@ -11,6 +11,7 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, recommend};
 use resect_core::deployment::{Deployment, Finding, FindingKind, MessageAngle};
 use resect_core::estimates::EstimatesJudgement;
+use resect_core::network::USUAL_STATIONS;
 use resect_core::palette;
 use resect_io::file_mark::FileMark;
 
@@ -104,6 +105,9 @@ fn anchor(index: usize) -> String {
 
 /// One row for each chapter.
 fn summary(chapters: &[Chapter]) -> Markup {
+    let answers = chapters.iter().filter_map(|chapter| chapter.answer().ok());
+    let stations = answers.map(|answer| answer.calibration.station1_from_station.len()).max();
+    let stations = stations.unwrap_or(USUAL_STATIONS);
     html! {
         h2 { "Summary" }
         div.wide { table.summary {
@@ -111,12 +115,11 @@ fn summary(chapters: &[Chapter]) -> Markup {
                 tr {
                     th rowspan="2" { "deployment" }
                     th rowspan="2" { "verdict" }
-                    th.group colspan="4" { "T12" }
-                    th.group colspan="4" { "T13" }
+                    @for station in 2..=stations { th.group colspan="4" { "T1" (station) } }
                     th.group colspan="2" { "medians (mm)" }
                 }
                 tr {
-                    @for _ in 1..3 {
+                    @for _ in 2..=stations {
                         @for heading in ["x (m)", "y (m)", "z (m)", "yaw (deg)"] {
                             th.number { (heading) }
                         }
@@ -130,10 +133,10 @@ fn summary(chapters: &[Chapter]) -> Markup {
                     tr {
                         td { a href={ "#" (anchor(index)) } { (chapter.name()) } }
                         @match chapter.answer() {
-                            Ok(answer) => (summary_cells(answer)),
+                            Ok(answer) => (summary_cells(answer, stations)),
                             Err(error) => {
                                 td { (no_answer()) }
-                                td.prose colspan="10" { (error) }
+                                td.prose colspan=(4 * (stations - 1) + 2) { (error) }
                             }
                         }
                     }
@@ -143,13 +146,15 @@ fn summary(chapters: &[Chapter]) -> Markup {
     }
 }
 
-fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
+/// Cells of an answer, with empty ones for stations that only other answers have.
+fn summary_cells(Answer { calibration, evaluation, .. }: &Answer, stations: usize) -> Markup {
     html! {
         td { (verdict(calibration)) }
         @for transform in calibration.station1_from_station.iter().skip(1) {
             @for metres in &transform.translation_m { td.number { (format!("{metres:.3}")) } }
             td.number { (format!("{:.4}", transform.yaw_rad().to_degrees())) }
         }
+        @for _ in calibration.station1_from_station.len()..stations { td colspan="4" {} }
         td.number {
             @if let Some(spread) = &evaluation.inter_prism_mm { (format!("{:.2}", spread.median)) }
             @else { "–" }

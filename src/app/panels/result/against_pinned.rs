@@ -95,9 +95,11 @@ fn transforms(
     let stations = &difference.stations;
     let length = |m: f64| units.length_difference(m);
     let angle = |rad: f64| units.angle_difference(rad);
-    egui::Grid::new("against pinned").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
-        ui,
-        |ui| {
+    egui::Grid::new("against pinned")
+        .num_columns(1 + 2 * stations.len())
+        .spacing([7.0, 3.0])
+        .striped(true)
+        .show(ui, |ui| {
             ui.label("now − pinned");
             for station in stations {
                 number_head(ui, &format!("T1{}", station.station), 8);
@@ -105,20 +107,25 @@ fn transforms(
             }
             ui.end_row();
             for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
-                difference_row(ui, name, stations.map(|s| s.translation_m[axis]), length);
+                difference_row(ui, name, stations.iter().map(|s| s.translation_m[axis]), length);
             }
-            difference_row(ui, "distance (mm)", stations.map(|s| s.distance_m), |m| {
+            difference_row(ui, "distance (mm)", stations.iter().map(|s| s.distance_m), |m| {
                 format!("{:.2}", m * 1e3)
             });
             let small = units.angle.small_name();
-            difference_row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
+            difference_row(
+                ui,
+                &format!("yaw ({small})"),
+                stations.iter().map(|s| s.yaw_rad),
+                angle,
+            );
             // For levelled results, the whole angle equals the yaw.
             if stations.iter().any(tilted) {
-                let whole = stations.map(|s| Deviation { value: s.angle_rad, sigmas: None });
+                let whole = stations.iter().map(|s| Deviation { value: s.angle_rad, sigmas: None });
                 difference_row(ui, &format!("total angle ({small})"), whole, angle);
             }
             if difference.same_data {
-                let moved = std::array::from_fn(|k| {
+                let moved = (0..stations.len()).map(|k| {
                     let [before, after] =
                         [&*pin.summary, now].map(|s| s.stations[k].station1_from_station());
                     let value = moved_m(deployment, k + 1, &before, &after);
@@ -126,8 +133,7 @@ fn transforms(
                 });
                 difference_row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
             }
-        },
-    );
+        });
     ui.small(if difference.same_data {
         "In σ of the present result. Both use the same readings, so a difference below 1 σ does not matter. \
          On its track: RMS shift of the station's readings."

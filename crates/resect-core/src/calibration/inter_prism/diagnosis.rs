@@ -42,7 +42,7 @@ pub struct DiagnosisInput<'a> {
     pub choice: &'a Choice,
     /// Answer and its σ.
     pub station1_from_station: &'a PerStation<RigidTransform>,
-    pub sigma: Option<[TransformSigma; 2]>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Poses when the control points were measured; `None` if they are those of the answer.
     pub survey: Option<&'a SurveyPoses>,
 }
@@ -67,7 +67,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     }
     let at_survey = match evidence.survey {
         Some(survey) => Some((survey.transforms(), survey.sigma())),
-        None => evidence.sigma.map(|sigma| (evidence.station1_from_station.clone(), sigma)),
+        None => evidence.sigma.clone().map(|sigma| (evidence.station1_from_station.clone(), sigma)),
     };
     let control_points = at_survey.and_then(|(transforms, sigma)| {
         control_points_contradict(evidence.deployment, &transforms, &sigma)
@@ -82,7 +82,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     let direction = describe(&TrackAxes::of(thinned), &uncertainty.weakest, false);
     let advice = observability.advice;
     // The weakest direction is judged at the track. The values of σ are for the stations, which may be far away.
-    let largest_m = evidence.sigma.map_or(f64::INFINITY, |sigma| {
+    let largest_m = evidence.sigma.as_ref().map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {

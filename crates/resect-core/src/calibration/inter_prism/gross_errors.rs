@@ -33,7 +33,11 @@ pub const NOTABLE_PULL_M: f64 = 0.002;
 
 /// Returns the indices of the inliers, from the errors of each triplet's three distances (m).
 pub fn fitting(errors_m: impl Iterator<Item = [f64; 3]>) -> Vec<usize> {
-    let worst_m: Vec<f64> = errors_m.map(worst).collect();
+    inliers(&errors_m.map(worst).collect::<Vec<_>>())
+}
+
+/// Returns the indices of the inliers, from the largest error of each triplet (m).
+pub fn inliers(worst_m: &[f64]) -> Vec<usize> {
     let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
     (0..worst_m.len()).filter(|i| worst_m[*i] < limit_m).collect()
 }
@@ -102,7 +106,7 @@ pub fn pull(
     data: &CentredTriplets,
     thinned: &CentredTriplets,
     answer: &Minimum,
-    sigma: Option<&[TransformSigma; 2]>,
+    sigma: Option<&PerStation<TransformSigma>>,
 ) -> Option<Finding> {
     let some_m = thinned.distance_errors_m(&answer.parameters);
     let limit_m = limit_m(in_triplets(&some_m).map(worst))?;
@@ -130,7 +134,7 @@ pub fn pull(
     for slot in 0..2 {
         let moved = with[slot + 1].translation_m - without[slot + 1].translation_m;
         pull_m = pull_m.max(moved.norm());
-        let sigma_m = sigma.map_or(f64::INFINITY, |sigma| sigma[slot].translation_m.norm());
+        let sigma_m = sigma.map_or(f64::INFINITY, |sigma| sigma[slot + 1].translation_m.norm());
         sigmas = sigmas.max(moved.norm() / sigma_m);
     }
     (pull_m > NOTABLE_PULL_M && sigmas > 1.0).then(|| {

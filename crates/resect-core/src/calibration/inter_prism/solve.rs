@@ -1,11 +1,13 @@
 //! Method D: from triplets to an answer with its verdict.
 
+use nalgebra::DMatrix;
+
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
 use super::{InterPrismDetails, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
+    CalibrationError, CalibrationSettings, Estimate, Method, Offer, PriorMethod, clocks_in_words,
 };
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
@@ -48,13 +50,15 @@ pub fn solve(
     judgement.doubt(pull);
     let covariance = answer.uncertainty.covariance;
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
-        judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
-        judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
+        let by_station = |[second, third]: [Estimate; 2]| [Estimate::ZERO, second, third].into();
+        judgement.doubt(clocks_in_words::suspicions(&by_station(clocks.offsets_s)));
+        judgement.doubt(clocks_in_words::suspected_jumps(&by_station(clocks.jumps_s)));
     }
     Ok(MethodAnswer {
         method: Method::InterPrism,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance,
+        covariance: covariance
+            .map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice())),
         judgement,
         checked_by: Vec::new(),
         details: answer.into_details(observability),

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use nalgebra::DMatrix;
+
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
 use super::uncertainty::Uncertainty;
@@ -82,7 +84,10 @@ pub fn solve_jointly(
     Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: answer.uncertainty.covariance,
+        covariance: answer
+            .uncertainty
+            .covariance
+            .map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice())),
         judgement,
         checked_by: Vec::new(),
         details: (Ok(estimate), answer.into_details(observability)),

@@ -8,6 +8,7 @@ use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
+use crate::network::PerStation;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
 
@@ -39,7 +40,7 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
+    pub fn sigma(&self) -> Option<PerStation<TransformSigma>> {
         self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 }

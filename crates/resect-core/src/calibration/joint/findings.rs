@@ -15,6 +15,7 @@ use crate::deployment::findings::instruments::{
     station_moved, uncertainty_sources,
 };
 use crate::deployment::{Finding, pair_label};
+use crate::network::{Number, PerStation};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
 /// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
@@ -49,10 +50,13 @@ pub fn distances(joint: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding
 /// Describes noise, clocks, significant instrument errors, and the largest sources of σ.
 pub fn findings(joint: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(joint)];
-    findings.extend(clocks_in_words::clocks(&joint.clock_offsets_s, &joint.clock_drifts));
+    findings.extend(clocks_in_words::clocks(
+        &by_station(joint.clock_offsets_s),
+        &by_station(joint.clock_drifts),
+    ));
     for (number, drive) in joint.drives.iter().enumerate().skip(1) {
-        let clocks =
-            clocks_in_words::clocks(&drive.offsets_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
+        let offsets_s = by_station(drive.offsets_s);
+        let clocks = clocks_in_words::clocks(&offsets_s, &offsets_s.map(|_| Estimate::ZERO));
         let context = format!("drive {}", number + 1);
         findings.extend(clocks.into_iter().map(|finding| finding.within(&context)));
     }
@@ -130,9 +134,13 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     }
     doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
     doubts.extend(
-        clocks_in_words::implausible_drifts(&joint.clock_drifts, &jumping_clocks(joint), true)
-            .into_iter()
-            .map(|finding| (Verdict::Weak, finding)),
+        clocks_in_words::implausible_drifts(
+            &by_station(joint.clock_drifts),
+            &jumping_clocks(joint),
+            true,
+        )
+        .into_iter()
+        .map(|finding| (Verdict::Weak, finding)),
     );
     doubts
 }
@@ -177,13 +185,19 @@ fn stated_size(conflict: &StatedSizeConflict, joint: &JointEstimate) -> Finding 
     stated_error_contradicted(&named, sigmas)
 }
 
-/// Returns true for each of the clocks of stations 2 and 3 that has a step.
-fn jumping_clocks(joint: &JointEstimate) -> [bool; 2] {
-    [1, 2].map(|station| {
-        let of_it =
-            |step: &StationStep| matches!(step.size, StepSize::Clock(_)) && step.station == station;
+/// Returns true for each station whose clock has a step.
+fn jumping_clocks(joint: &JointEstimate) -> PerStation<bool> {
+    joint.station1_from_station.map_each(|station, _| {
+        let of_it = |step: &StationStep| {
+            matches!(step.size, StepSize::Clock(_)) && step.station == station.index()
+        };
         joint.steps.iter().any(of_it)
     })
+}
+
+/// Returns the estimates of stations 2 and 3 after that of station 1, the reference.
+fn by_station([second, third]: [Estimate; 2]) -> PerStation<Estimate> {
+    [Estimate::ZERO, second, third].into()
 }
 
 /// The finding of a step, and the best verdict that it allows.

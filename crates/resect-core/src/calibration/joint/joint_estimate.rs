@@ -82,8 +82,8 @@ impl SurveyPoses {
         self.station1_from_station.map(|level| RigidTransform::from(*level))
     }
 
-    /// Returns the standard deviations of the transforms of stations 2 and 3.
-    pub fn sigma(&self) -> [TransformSigma; 2] {
+    /// Returns the standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
         TransformSigma::of_covariance(&self.covariance)
     }
 }
@@ -154,12 +154,8 @@ impl JointEstimate {
         self.survey.as_ref()?.change.as_ref()
     }
 
-    /// Standard deviations of the transforms of stations 2 and 3.
-    pub fn sigma(&self) -> [TransformSigma; 2] {
-        let sigma = self.covariance.diagonal().map(f64::sqrt);
-        [0, 1].map(|slot| TransformSigma {
-            translation_m: sigma.fixed_rows::<3>(4 * slot).into(),
-            yaw_rad: sigma[4 * slot + 3],
-        })
+    /// Standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
+        TransformSigma::of_covariance(&self.covariance)
     }
 }

@@ -76,7 +76,7 @@ pub fn explain(
     deployment: &Deployment,
     rig: &Rig,
     triplets: &Triplets,
-    sigma: Option<&[TransformSigma; 2]>,
+    sigma: Option<&PerStation<TransformSigma>>,
     tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Finding>, Cancelled> {

@@ -110,10 +110,11 @@ pub struct Witnesses<'a> {
 
 impl<'a> Witnesses<'a> {
     /// Creates the comparison; `sigma` is the σ of the answer, if it has one.
-    pub fn new(rig: &'a Rig, sigma: Option<&[TransformSigma; 2]>) -> Self {
+    pub fn new(rig: &'a Rig, sigma: Option<&PerStation<TransformSigma>>) -> Self {
         // A larger σ makes an answer weak by itself, and the misreading may be its cause.
-        let capped_m = |s: TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
-        let height_sigma_m = sigma.map_or([0.0; 2], |s| s.map(capped_m));
+        let capped_m = |s: &TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
+        let height_sigma_m =
+            sigma.map_or([0.0; 2], |all| [1, 2].map(|station| capped_m(&all[station])));
         Self { rig, height_sigma_m }
     }
 
@@ -227,8 +228,8 @@ mod tests {
         assert_eq!(heights(0.05, 0.002), Some(Agreement::Contradicts));
         assert_eq!(heights(0.05, 0.1), Some(Agreement::Agrees), "a rig that tilts a lot");
         let unsure = TransformSigma { translation_m: Vector3::repeat(0.02), yaw_rad: 0.0 };
-        let unsure =
-            Witnesses::new(&small, Some(&[unsure; 2])).heights(&shown(0.06, [0.05, 0.0], 0.0));
+        let unsure = Witnesses::new(&small, Some(&[TransformSigma::ZERO, unsure, unsure].into()))
+            .heights(&shown(0.06, [0.05, 0.0], 0.0));
         assert_eq!(unsure, Some(Agreement::Agrees), "an answer that is no better than that");
     }
 }
