@@ -143,7 +143,7 @@ impl Coach {
     ) -> (String, Option<String>) {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
-                let state = "no answer yet: drive where all three stations see their prisms";
+                let state = "no answer yet: drive where all stations see their prisms";
                 return (state.to_owned(), None);
             }
             Some(Err(NoAnswer { why, drive })) => {

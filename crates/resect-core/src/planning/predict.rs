@@ -137,7 +137,7 @@ pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
 /// Share of usable readings with lost locks and outliers.
 fn usable_share(instrument: &PlannedInstrument) -> f64 {
     let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
-    // A reading constrains the others only if all three stations have one.
+    // A reading constrains the others only if all stations have one.
     (1.0 - lost).powi(3) * (1.0 - instrument.outlier_share)
 }
 
