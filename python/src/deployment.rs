@@ -44,7 +44,7 @@ impl DeploymentHandle {
             &json!({
                 "name": deployment.name,
                 "track_frame": deployment.track_frame,
-                "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+                "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
                 "start_s": deployment.start_s(),
                 "end_s": deployment.end_s(),
                 "findings": json::findings(&deployment.findings),

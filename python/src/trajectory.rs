@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::calibration::joint::prism_motion::PrismInstant;
 use resect_core::evaluation::requested_trajectory::{RequestedMotion, RequestedTrajectory};
 use resect_core::evaluation::trajectory::Trajectory;
 
@@ -51,7 +51,7 @@ pub fn pose_arrays<'py>(py: Python<'py>, trajectory: &Trajectory) -> PyResult<Bo
 /// Returns the arrays of the positions of one prism, which have no orientation.
 fn prism_arrays<'py>(
     py: Python<'py>,
-    positions: &[MotionInstant<3>],
+    positions: &[PrismInstant],
 ) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     set_column(&table, "time_s", positions.iter().map(|at| at.time_s))?;

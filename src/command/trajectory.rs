@@ -11,7 +11,7 @@ use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst};
 use resect_core::calibration::Calibration;
-use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::calibration::joint::prism_motion::PrismInstant;
 use resect_core::deployment::Deployment;
 use resect_core::estimates::{EstimatedTrajectory, GroundTruth};
 use resect_core::evaluation::requested_trajectory::{
@@ -231,7 +231,7 @@ fn one_prism(
     arguments: &TrajectoryArguments,
     deployment: &Deployment,
     calibration: &Calibration,
-    (positions, frame): (&[MotionInstant<3>], &str),
+    (positions, frame): (&[PrismInstant], &str),
 ) -> Result<(), Failure> {
     let by =
         format!("by {}, verdict {}", calibration.method_in_words(), calibration.verdict_in_words());
@@ -243,7 +243,7 @@ fn one_prism(
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
     atomic::write(file, content)?;
-    let sigma_m = |at: &MotionInstant<3>| (at.position_covariance.trace() / 3.0).sqrt();
+    let sigma_m = |at: &PrismInstant| (at.position_covariance.trace() / 3.0).sqrt();
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
     sigmas_m.sort_by(f64::total_cmp);
     Ok(print(&format!(

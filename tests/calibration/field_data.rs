@@ -63,11 +63,12 @@ fn the_mirror_is_found_and_told_apart_by_the_rig() {
             .abs()
             < 0.1
     );
-    let twin = calibration
+    let twin = &calibration
         .inter_prism()
         .expect("method D")
         .mirror
         .twin
+        .as_ref()
         .expect("a twin")
         .station1_from_station;
     assert_close(&twin[1], &transform(5.3185, -2.5388, 0.4829, -0.5189), NEAR, NEAR_RAD);

@@ -27,7 +27,7 @@ fn the_lowest_is_the_truth_or_its_twin() {
             let heights_m = [p1.z - p2.z, p1.z - p3.z];
             let off_m = |sign: f64| {
                 (0..2)
-                    .map(|i| (lowest.height_differences_m[i] - sign * heights_m[i]).abs())
+                    .map(|i| (lowest.height_differences_m[i + 1] - sign * heights_m[i]).abs())
                     .fold(0.0, f64::max)
             };
             assert!(off_m(1.0).min(off_m(-1.0)) < 0.03, "{preset:?} {seed}: {lowest:?}");

@@ -305,7 +305,7 @@ fn a_size_that_the_data_contradicts_is_told() {
 fn distances_that_are_off_together_are_a_doubt() {
     let mut wrong = sample();
     let inter_prism_m = &mut wrong.rig.as_mut().expect("a rig").inter_prism_m;
-    for distance_m in &mut inter_prism_m[1..] {
+    for distance_m in &mut inter_prism_m.as_mut_slice()[1..] {
         *distance_m += 0.012;
     }
     wrong.rig.as_mut().expect("a rig").prisms_m = None;

@@ -245,7 +245,7 @@ fn the_mirror_twin_costs_what_is_predicted() {
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::InterPrism));
         let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
-        let mirror = calibration.inter_prism().expect("method D").mirror;
+        let mirror = &calibration.inter_prism().expect("method D").mirror;
         let found = mirror.cost_ratio.expect("a twin");
         println!("{}: {predicted:.2}, found {found:.2}", preset.name());
         let apart = (found - 1.0) / (predicted - 1.0);

@@ -275,7 +275,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("sensors_extrinsic_calibration/sensor_positions.csv", &text);
     std::fs::remove_file(rig("calibration_raw.csv")).expect("there");
     let deployment = published.open();
-    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m), Some(prisms_m));
+    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m.as_ref()), Some(&prisms_m));
     assert!(!deployment.findings.iter().any(|f| f.kind.is_doubt()), "{}", said(&deployment));
 
     std::fs::remove_file(rig("calibration_results.csv")).expect("there");
@@ -294,7 +294,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("deployment.toml", "rig = \"again.csv\"\n");
     let deployment = published.open();
     let rig = deployment.rig.expect("named");
-    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03], None));
+    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03].into(), None));
     published.write("deployment.toml", "rig = \"total_stations/trimble1.csv\"\n");
     let error = open(&published.name).expect_err("no rig").to_string();
     assert!(error.contains("does not describe a rig"), "{error}");

@@ -123,7 +123,8 @@ fn what_is_said_of_the_metric_is_what_the_distances_do() {
     before.station1_from_station[2].translation_m += Vector3::new(0.003, -0.002, 0.001);
     let found = validate(&before, &SAMPLE.0[1], own);
     let answer = answer(own);
-    let known_m = SAMPLE.0[1].rig.as_ref().expect("a rig").inter_prism_m;
+    let rig = SAMPLE.0[1].rig.as_ref().expect("a rig");
+    let known_m = *rig.inter_prism_m.as_array().expect("three prisms");
     let [ours, theirs] = [&answer.calibration.station1_from_station, &before.station1_from_station]
         .map(|transforms| distance_errors_m(&answer.triplets, transforms, &known_m));
     let squares: Vec<f64> = (0..3)

@@ -11,7 +11,7 @@ use crate::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::open::open_files;
 use resect_core::deployment::{Deployment, pairwise_distances};
 use resect_core::geometry::{LevelTransform, Polar};
-use resect_core::network::PerStation;
+use resect_core::network::{PerPair, PerStation};
 use resect_core::simulation::{Simulated, SystematicErrors};
 
 /// Ground truth of a simulation. A folder that contains this file may be overwritten.
@@ -76,7 +76,8 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
         ),
         (TRUTH.to_owned(), truth_text(simulated)),
     ];
-    let inter_antenna_m = simulated.scenario.antennas_m.as_ref().map(pairwise_distances);
+    let inter_antenna_m =
+        simulated.scenario.antennas_m.as_ref().map(|antennas_m| pairwise_distances(antennas_m));
     for (index, fixes) in simulated.antennas.iter().flatten().enumerate() {
         files.push((format!("gnss_{}.pos", index + 1), rtklib_pos::write(fixes)));
     }
@@ -101,13 +102,13 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
 }
 
 /// Returns the inter-prism distances by the reading of the rig, with their errors (m).
-fn written_distances_m(simulated: &Simulated) -> [f64; 3] {
+fn written_distances_m(simulated: &Simulated) -> PerPair<f64> {
     let SystematicErrors { inter_prism_m, rig_constant_m, .. } = &simulated.scenario.errors;
     let prisms_m = simulated.rig_reading.map(|reading| {
         Polar { range_m: reading.range_m + rig_constant_m, ..reading }.to_cartesian()
     });
     let measured_m = pairwise_distances(&prisms_m);
-    std::array::from_fn(|pair| measured_m[pair] + inter_prism_m[pair])
+    measured_m.iter().zip(inter_prism_m).map(|(own_m, error_m)| own_m + error_m).collect()
 }
 
 #[derive(Serialize)]

@@ -1,7 +1,8 @@
 //! Findings of the live drive: one constructor for each warning, with its message.
 
 use resect_core::calibration::Estimate;
-use resect_core::deployment::{Finding, FindingKind, Subject, Unit, pair_label};
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use resect_core::network::{Number, Pair};
 
 pub fn no_connection(why: &str) -> Finding {
     Finding::new(FindingKind::LiveNoConnection, format!("no connection: {why}"))
@@ -84,7 +85,7 @@ pub fn wrong_prism(station: Option<usize>, pair: usize, off_m: f64) -> Finding {
         FindingKind::LiveWrongPrism,
         format!(
             "{who}: the distance {} is off by {:.0} mm; check the prism that each station points at",
-            pair_label(pair),
+            Pair::at(pair),
             off_m * 1e3
         ),
     )

@@ -8,10 +8,10 @@ use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability};
 use resect_core::calibration::joint::StepSize;
 use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distance_errors_m};
-use resect_core::deployment::{Deployment, Finding, PAIRS, doubts};
+use resect_core::deployment::{Deployment, Finding, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
+use resect_core::network::{Number, Pair, PerStation};
 use resect_core::planning::OPENING;
 use resect_core::statistics::median;
 
@@ -180,7 +180,7 @@ fn lately_off_m(
     analysis: &Analysis,
     transforms: &PerStation<RigidTransform>,
 ) -> Option<[f64; 3]> {
-    let rig_m = deployment.rig.as_ref()?.inter_prism_m;
+    let rig_m = *deployment.rig.as_ref()?.inter_prism_m.as_array()?;
     let triplets = &analysis.pipeline.triplets;
     let last_s = triplets.time_s.last()?;
     let from = triplets.time_s.partition_point(|time_s| *time_s < last_s - LATEST_S);
@@ -198,7 +198,7 @@ fn lately_off_m(
 /// Returns the station, 0 to 2, that the deviating pairs have in common; `None` if all pairs deviate, or none.
 pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
     (0..3).find(|station| {
-        (0..3).all(|pair| is_off[pair] == (PAIRS[pair].0 == *station || PAIRS[pair].1 == *station))
+        (0..3).all(|pair| is_off[pair] == Pair::at(pair).indices().contains(station))
     })
 }
 

@@ -9,6 +9,7 @@ use super::status::StationStatus;
 use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::deployment::station_clocks::ClockJump;
 use resect_core::deployment::{Finding, FindingKind};
+use resect_core::network::PerStation;
 
 /// Time without a reading after which a station gets a warning (s).
 const LOST_S: f64 = 10.0;
@@ -39,8 +40,8 @@ pub struct Warning {
 pub struct Seen<'a> {
     /// Reason for a lost connection.
     pub lost: Option<&'a str>,
-    pub stations: &'a [StationStatus; 3],
-    pub clock_jumps: [Option<ClockJump>; 3],
+    pub stations: &'a PerStation<StationStatus>,
+    pub clock_jumps: PerStation<Option<ClockJump>>,
     pub deciding: Option<&'a Judged>,
     pub latest: Option<&'a Outcome>,
     pub has_rig: bool,
@@ -118,11 +119,11 @@ mod tests {
     use super::*;
     use crate::judged::NoAnswer;
 
-    fn seen<'a>(stations: &'a [StationStatus; 3]) -> Seen<'a> {
+    fn seen<'a>(stations: &'a PerStation<StationStatus>) -> Seen<'a> {
         Seen {
             lost: None,
             stations,
-            clock_jumps: [None; 3],
+            clock_jumps: PerStation::repeat(3, None),
             deciding: None,
             latest: None,
             has_rig: true,
@@ -131,8 +132,9 @@ mod tests {
         }
     }
 
-    fn locked() -> [StationStatus; 3] {
-        [0, 1, 2].map(|_| StationStatus { locked: true, age_s: Some(0.3), ..Default::default() })
+    fn locked() -> PerStation<StationStatus> {
+        let locked = StationStatus { locked: true, age_s: Some(0.3), ..Default::default() };
+        PerStation::repeat(3, locked)
     }
 
     fn names(seen: &Seen<'_>) -> Vec<(&'static str, Option<usize>)> {
@@ -162,7 +164,7 @@ mod tests {
     fn a_clock_that_jumped_is_told_for_a_while() {
         let stations = locked();
         let jump = Some(ClockJump { time_s: 5.0, by_s: -0.2 });
-        let jumped = Seen { clock_jumps: [None, None, jump], ..seen(&stations) };
+        let jumped = Seen { clock_jumps: [None, None, jump].into(), ..seen(&stations) };
         assert_eq!(names(&jumped), [("clock-jumped", Some(2))]);
         let mut told = Told::default();
         assert_eq!(told.update(100.0, amiss(&jumped)).len(), 1);

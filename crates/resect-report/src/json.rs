@@ -53,7 +53,7 @@ pub fn calibration(
         // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
         // Distances of prisms 12, 13, 23 as measured on the vehicle.
-        "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
             "raw": deployment.tracks.map(|track| track.measurements.len()),
@@ -83,7 +83,7 @@ pub fn calibration(
             "mirror": calibration.inter_prism().map(|details| json!({
                 "cost_ratio": details.mirror.cost_ratio,
                 "resolved_by": details.mirror.resolved_by.name(),
-                "twin": details.mirror.twin.map(|twin| level_transforms(&twin)),
+                "twin": details.mirror.twin.as_ref().map(level_transforms),
             })),
             "basins": calibration.inter_prism().map(|details| {
                 details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()

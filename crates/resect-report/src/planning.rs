@@ -168,17 +168,17 @@ fn observability(found: &Observability) -> Value {
             "words": one.words,
             "relative": one.relative,
             "sigma_m": one.sigma_m,
-            // Motion of stations 2 and 3 along the direction, for one metre.
-            "motion": one.motion.map(|moved| json!({
+            // Motion of the stations after the first along the direction, for one metre.
+            "motion": one.motion.iter().skip(1).map(|moved| json!({
                 "translation_m": moved.translation_m.as_slice(),
                 "yaw_rad": moved.yaw_rad,
-            })),
+            })).collect::<Vec<_>>(),
         })
     };
     json!({
         "drive": found.drive.name(),
         "advice": found.advice,
-        "directions": found.directions.each_ref().map(direction),
+        "directions": found.directions.iter().map(direction).collect::<Vec<_>>(),
     })
 }
 

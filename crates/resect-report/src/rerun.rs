@@ -30,9 +30,9 @@ use self::chunks::Chunks;
 use super::rerun_error::RerunError;
 use super::text;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::deployment::{Deployment, PAIRS, Track};
+use resect_core::deployment::{Deployment, Track};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
+use resect_core::network::{Pair, PerStation};
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
@@ -224,8 +224,8 @@ fn log_control_points(
 
 /// Logs the errors of the inter-prism distances over time.
 fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) -> Result<()> {
-    for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-        let name = format!("{}{}", a + 1, b + 1);
+    for (pair, Pair { first, second }) in Pair::among(3).enumerate() {
+        let name = format!("{first}{second}");
         let path = format!("{DISTANCE_ERRORS}/{name}");
         recording.log_static(
             path.as_str(),

@@ -2,6 +2,7 @@
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use super::frame::Frame;
+use resect_core::network::{Number, Pair};
 use resect_core::palette;
 use resect_core::statistics::{quantile_of_sorted, quantiles};
 
@@ -38,7 +39,7 @@ pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -
         let top = bottom - ROW;
         let ink = Ink::Rgb(palette::PAIRS[pair]);
         let at = [LEFT, top - 10.0];
-        let name = format!("{each} {}", resect_core::deployment::pair_label(pair));
+        let name = format!("{each} {}", Pair::at(pair));
         marks.push(Mark::text(at, name, LABEL, Ink::Text, Anchor::Left));
         let plot = Frame::new(times, range, [LEFT, top], [plot_right, bottom]);
         let last = pair == 2;

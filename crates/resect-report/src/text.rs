@@ -53,7 +53,7 @@ pub fn calibration(
     }
     text.push('\n');
     text += &transforms(calibration);
-    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
+    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin.as_ref()) {
         for station in 1..3 {
             let transform = &twin.station1_from_station[station];
             _ = write!(text, "mirror T1{}", station + 1);

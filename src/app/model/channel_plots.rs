@@ -1,11 +1,11 @@
 //! The channels that are plotted over time or against another channel, and their visible series.
 
+use resect_core::network::{Number, Pair};
 use serde::{Deserialize, Serialize};
 
 use super::Visibility;
 use crate::app::prepared::channels::{Channel, Sources, Subject};
 use crate::app::prepared::series::Series;
-use resect_core::deployment::pair_label;
 
 /// Plots of the channels pane.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -152,7 +152,7 @@ impl Horizontal {
         match (self.index, self.channel.subject()) {
             (Some(index), Subject::Station) => format!("{column}_station_{}", index + 1),
             (Some(index), Subject::Pair) => {
-                format!("{column}_prisms_{}", pair_label(index).replace('–', "_"))
+                format!("{column}_prisms_{}", Pair::at(index).to_string().replace('–', "_"))
             }
             _ => column.to_owned(),
         }
@@ -323,7 +323,7 @@ impl ChannelPlots {
 pub fn subject_name(subject: Subject, index: usize) -> String {
     match subject {
         Subject::Station => format!("station {}", index + 1),
-        Subject::Pair => format!("prisms {}", pair_label(index)),
+        Subject::Pair => format!("prisms {}", Pair::at(index)),
         Subject::Prism1 => "prism 1".to_owned(),
         Subject::Vehicle => "vehicle".to_owned(),
     }

@@ -1,9 +1,9 @@
 //! A distance measured between two points in the scene.
 
 use nalgebra::Vector3;
+use resect_core::network::{Number, Pair, PerPair, Prism};
 
 use super::units::Units;
-use resect_core::deployment::{PAIRS, pair_label};
 
 /// A ruler in the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ impl Ruler {
     pub fn lines(
         &self,
         prisms_m: Option<&[Vector3<f64>; 3]>,
-        inter_prism_m: Option<&[f64; 3]>,
+        inter_prism_m: Option<&PerPair<f64>>,
         units: Units,
     ) -> Vec<String> {
         let [from_m, to_m] = self.ends_m(prisms_m)[..] else { return Vec::new() };
@@ -57,14 +57,16 @@ impl Ruler {
         let distance_m = apart_m.norm();
         let mut first = units.length_with_unit(distance_m);
         let pair = match (self.ends[0].prism, self.ends[1].prism) {
-            (Some(a), Some(b)) => PAIRS.iter().position(|pair| *pair == (a.min(b), a.max(b))),
+            (Some(a), Some(b)) if a != b => {
+                Some(Pair { first: Prism::at(a.min(b)), second: Prism::at(a.max(b)) })
+            }
             _ => None,
         };
         if let Some(pair) = pair {
-            first = format!("prisms {}: {first}", pair_label(pair));
-            if let Some(known_m) = inter_prism_m.map(|all| all[pair]) {
+            first = format!("prisms {pair}: {first}");
+            if let Some(known_m) = inter_prism_m.and_then(|all_m| all_m.get(pair)) {
                 let off_mm = 1e3 * (distance_m - known_m);
-                first += &format!(", rig {}, {off_mm:+.1} mm", units.length_with_unit(known_m));
+                first += &format!(", rig {}, {off_mm:+.1} mm", units.length_with_unit(*known_m));
             }
         }
         let second = format!(
@@ -99,12 +101,12 @@ mod tests {
         let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from);
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(0)));
         assert_eq!(
-            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]), units)[0],
+            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0].into()), units)[0],
             "prisms 1–2: 0.9031 m, rig 0.9021 m, +1.0 mm"
         );
         // A prism with itself is no pair.
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(1)));
-        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]), units)[0], "0.0000 m");
+        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3].into()), units)[0], "0.0000 m");
     }
 
     #[test]

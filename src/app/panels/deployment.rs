@@ -11,7 +11,8 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Calibration;
 use resect_core::calibration::inter_prism::observability::Hold;
-use resect_core::deployment::{Deployment, Severity, pair_label};
+use resect_core::deployment::{Deployment, Severity};
+use resect_core::network::{Number, Pair};
 use resect_core::palette;
 use resect_report::glossary;
 
@@ -145,7 +146,7 @@ fn rig(ui: &mut egui::Ui, deployment: &Deployment) {
         Some(rig) => {
             egui::Grid::new("rig").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
                 for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
-                    let name = ui.label(format!("Prisms {}", pair_label(pair)));
+                    let name = ui.label(format!("Prisms {}", Pair::at(pair)));
                     words::explain(name, &glossary::INTER_PRISM_DISTANCES);
                     ui.monospace(format!("{distance:.4} m"));
                     ui.end_row();

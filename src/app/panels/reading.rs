@@ -1,6 +1,7 @@
 //! A raw reading, picked in the scene or in a plot: numbers, fate, and reason.
 
 use egui::RichText;
+use resect_core::network::{Number, Pair};
 
 use super::{heading, number_cell, scrolled};
 use crate::app::model::units::without_negative_zero;
@@ -9,7 +10,7 @@ use crate::app::state::{State, corrections};
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::{Severity, pair_label};
+use resect_core::deployment::Severity;
 use resect_core::palette;
 use resect_core::pipeline::SampleFate;
 use resect_core::pipeline::explanation::{Explanation, Rate, Step, explain};
@@ -229,7 +230,7 @@ fn distance_errors(ui: &mut egui::Ui, analysis: &Analysis, time_s: f64) {
     egui::Grid::new("errors").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         for (pair, error_mm) in errors_mm.into_iter().enumerate() {
             let colour = theme::readable(palette::PAIRS[pair], dark);
-            ui.label(RichText::new(format!("prisms {} (mm)", pair_label(pair))).color(colour));
+            ui.label(RichText::new(format!("prisms {} (mm)", Pair::at(pair))).color(colour));
             number_cell(ui, format!("{error_mm:+.2}"), 8);
             ui.end_row();
         }

@@ -99,7 +99,7 @@ fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands
     ui.add_space(6.0);
     ui.label("The inter-prism distances are unknown. Enter all three, or choose a rig file:");
     let mut changed = extras.clone();
-    distance_fields(ui, open, extras.corrections.inter_prism_m, &mut changed);
+    distance_fields(ui, open, extras.corrections.inter_prism_m.clone(), &mut changed);
     if changed != *extras {
         commands.push(DeploymentCommand::Correct(changed).into());
     }

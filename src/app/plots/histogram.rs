@@ -1,5 +1,6 @@
 //! Distributions of the distance errors, one strip per pair: all errors, overlaid with those of the selected times.
 
+use resect_core::network::{Number, Pair};
 use std::sync::Arc;
 
 use egui::{Color32, FontId, RichText};
@@ -12,7 +13,6 @@ use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::deployment::pair_label;
 use resect_core::evaluation::Spread;
 use resect_core::palette;
 
@@ -123,7 +123,7 @@ impl PairHistogram<'_> {
         let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
         let zero = theme::faint(ui.visuals().dark_mode);
         let colour = theme::rgb(palette::PAIRS[pair]);
-        let name = format!("distribution of the errors {}", pair_label(pair));
+        let name = format!("distribution of the errors {}", Pair::at(pair));
         let shown = still(Plot::new(("histogram", open.id, pair)))
             .height(height + axis.unwrap_or(0.0))
             .custom_x_axes(x_axis.into_iter().collect())

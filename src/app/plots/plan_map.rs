@@ -12,6 +12,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::deployment::Severity;
+use resect_core::network::Number as _;
 use resect_core::palette;
 use resect_core::planning::{OnTheWay, Plan, Prediction};
 
@@ -270,9 +271,9 @@ fn paint_weak(
     let directions = foreseen.observability.iter().flat_map(|observed| &observed.directions);
     for direction in directions.filter(|direction| direction.hold != Hold::Held) {
         let stroke = Stroke::new(2.0, theme::rgb(palette::hold(direction.hold)));
-        for (slot, motion) in direction.motion.iter().enumerate() {
+        for (station, motion) in direction.motion.each().skip(1) {
             let level = motion.translation_m.xy();
-            let station_m = plan.stations_m[slot + 1];
+            let station_m = plan.stations_m[station.index()];
             let start = at(transform, [station_m.x, station_m.y]);
             if level.norm() > 1e-3 {
                 let along = Vec2::new(level.x as f32, -level.y as f32).normalized();

@@ -73,7 +73,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 );
                 for (counts, shape) in [(true, MarkerShape::Circle), (false, MarkerShape::Cross)] {
                     let some: Vec<SearchRun> =
-                        runs.iter().filter(|run| run.counts() == counts).copied().collect();
+                        runs.iter().filter(|run| run.counts() == counts).cloned().collect();
                     plot_ui.points(
                         Points::new("", series(&some, median))
                             .color(colour)

@@ -5,6 +5,7 @@ use egui::RichText;
 use egui_plot::{
     FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points,
 };
+use resect_core::network::{Number, Pair};
 
 use super::marks::Marks;
 use super::navigation::Moved;
@@ -21,7 +22,6 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::deployment::pair_label;
 use resect_core::palette;
 use resect_report::glossary;
 
@@ -91,8 +91,8 @@ impl PairPlot<'_> {
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
-        let name = format!("distance errors {} over time", pair_label(self.pair));
-        let axis = strip.value_axis(&pair_label(self.pair), "mm");
+        let name = format!("distance errors {} over time", Pair::at(self.pair));
+        let axis = strip.value_axis(&Pair::at(self.pair).to_string(), "mm");
         let columns = strip.plot.width() as usize;
         let dark = ui.visuals().dark_mode;
         let zero = theme::faint(dark).gamma_multiply(0.8);
@@ -111,7 +111,7 @@ impl PairPlot<'_> {
                 self.add_pinned(plot_ui, pin, shape, columns);
             }
             let dots = plots.residuals[self.pair].cloud(times.window_s, columns);
-            let name = format!("prisms {}", pair_label(self.pair));
+            let name = format!("prisms {}", Pair::at(self.pair));
             plot_ui.add(Marks::dots(name, dots, self.colour().gamma_multiply(0.34)));
             let most = (strip.plot.width() / CORNER) as usize;
             for piece in plots.residuals[self.pair].running.visible(times.window_s, most) {
@@ -144,7 +144,7 @@ impl PairPlot<'_> {
     fn add_pinned(&self, plot_ui: &mut PlotUi<'_>, pin: &Pin, shape: MarkerShape, columns: usize) {
         let Some(plots) = &pin.plots else { return };
         let dots = plots.residuals[self.pair].visible(self.times.window_s, columns);
-        let name = format!("prisms {}, {} (pinned)", pair_label(self.pair), pin.name);
+        let name = format!("prisms {}, {} (pinned)", Pair::at(self.pair), pin.name);
         plot_ui.points(
             Points::new(name, PlotPoints::Owned(dots))
                 .color(self.colour().gamma_multiply(0.5))

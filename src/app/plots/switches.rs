@@ -3,7 +3,7 @@
 use crate::app::model::{Commands, SceneCommand};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::deployment::pair_label;
+use resect_core::network::{Number, Pair};
 use resect_core::palette;
 
 /// Shows the pairs as a line of switches above a plot; this legend covers no data.
@@ -55,7 +55,7 @@ pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Command
 
 /// "1–2" in the pair's colour.
 pub fn pair_name(pair: usize, dark: bool) -> egui::RichText {
-    egui::RichText::new(pair_label(pair))
+    egui::RichText::new(Pair::at(pair).to_string())
         .color(theme::readable(palette::PAIRS[pair], dark))
         .strong()
 }

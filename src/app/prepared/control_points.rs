@@ -87,7 +87,7 @@ fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoi
 mod tests {
     use super::*;
     use resect_core::analysis::{Analyst, Settings};
-    use resect_core::deployment::PAIRS;
+    use resect_core::network::Pair;
     use resect_core::statistics::median;
     use resect_io::sample::Sample;
 
@@ -107,7 +107,7 @@ mod tests {
         for metric in &answer.evaluation.control_points_mm {
             let of_file = found.iter().filter(|point| point.file == metric.file);
             let apart_mm = of_file.flat_map(|point| {
-                PAIRS.into_iter().filter_map(|(a, b)| {
+                Pair::among(3).map(Pair::indices).filter_map(|[a, b]| {
                     let apart_m = point.residuals_m[a]? - point.residuals_m[b]?;
                     Some(1e3 * apart_m.norm())
                 })

@@ -1,11 +1,12 @@
 //! Colours of readings and tracks, and their meaning.
 
 use rayon::prelude::*;
+use resect_core::network::Pair;
 
 use crate::app::model::Colouring;
 use crate::app::prepared::nearest_triplets;
 use resect_core::analysis::Analysis;
-use resect_core::deployment::{Deployment, Measurement, PAIRS};
+use resect_core::deployment::{Deployment, Measurement};
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
@@ -221,7 +222,8 @@ fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
     let Ok(answer) = &analysis.answer else { return Default::default() };
     let errors = &answer.evaluation.distance_errors_mm;
     std::array::from_fn(|prism| {
-        let mut own = PAIRS.iter().zip(errors).filter(|((a, b), _)| *a == prism || *b == prism);
+        let mut own =
+            Pair::among(3).zip(errors).filter(|(pair, _)| pair.indices().contains(&prism));
         let (Some((_, first)), Some((_, second))) = (own.next(), own.next()) else {
             return Vec::new();
         };

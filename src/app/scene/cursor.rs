@@ -1,13 +1,14 @@
 //! The rig at the time cursor: the prism triangle and the vehicle, or the ghosts of its prisms.
 
 use nalgebra::Vector3;
+use resect_core::network::Pair;
 
 use super::content::SceneContent;
 use super::vertices::{LineVertex, PointVertex, f32s};
 use super::{ghosts, overlays, vehicle};
 use crate::app::prepared::rig_at::{RigAt, rig_at};
 use resect_core::analysis::Analysis;
-use resect_core::deployment::{Deployment, PAIRS};
+use resect_core::deployment::Deployment;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
@@ -87,8 +88,8 @@ impl SceneContent {
                 }
             })
             .collect();
-        let sides = if points.len() == 3 { &PAIRS[..] } else { &[] };
-        let lines = sides.iter().map(|&(from, to)| LineVertex {
+        let sides = Pair::among(if points.len() == 3 { 3 } else { 0 });
+        let lines = sides.map(Pair::indices).map(|[from, to]| LineVertex {
             from_m: corners[from],
             from_frame: from as u32,
             to_m: corners[to],

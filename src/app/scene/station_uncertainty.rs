@@ -6,6 +6,7 @@ use super::content::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, opaque};
 use resect_core::calibration::Calibration;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
+use resect_core::network::Number as _;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
@@ -72,14 +73,17 @@ pub fn add_weak_directions(
     // Labels are placed from the last to the first: the least constrained direction, which the findings name, must find room.
     for direction in observed.directions.iter().rev().filter(|d| d.hold != Hold::Held) {
         let colour = palette::hold(direction.hold);
-        let moves = direction.motion.map(|motion| motion.translation_m.norm());
-        let most = moves[0].max(moves[1]);
-        let mover = if moves[0] >= moves[1] { 0 } else { 1 };
-        for slot in (0..2).filter(|slot| shown[slot + 1]) {
-            let StationMotion { translation_m, yaw_rad } = direction.motion[slot];
-            let origin = calibration.station1_from_station[slot + 1].translation_m.cast::<f32>();
+        let move_m = |motion: &StationMotion| motion.translation_m.norm();
+        let most = direction.motion.iter().map(move_m).fold(0.0, f64::max);
+        let mover = direction.motion.each().find(|(_, motion)| move_m(motion) >= most);
+        for (station, motion) in direction.motion.each().skip(1) {
+            if !shown[station.index()] {
+                continue;
+            }
+            let StationMotion { translation_m, yaw_rad } = *motion;
+            let origin = calibration.station1_from_station[station].translation_m.cast::<f32>();
             let mut tip = origin;
-            if moves[slot] > SHORTEST_ARROW * most {
+            if move_m(motion) > SHORTEST_ARROW * most {
                 let half = (translation_m / most).cast::<f32>() * (ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &[origin - half, origin + half], colour);
                 tip = origin + half;
@@ -90,7 +94,7 @@ pub fn add_weak_directions(
                 let arc = arc_towards(content, origin, 0.5 * ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &arc, colour);
             }
-            if slot == mover {
+            if mover.is_some_and(|(mover, _)| mover == station) {
                 let text = direction.short().to_owned();
                 let label = Label { position_m: tip, text, colour, rank: Rank::Direction };
                 content.labels.push(label);

@@ -172,7 +172,7 @@ impl State {
             Asked::Stations(AskedStations { are, choices, stations, .. }) => {
                 let names = stations.map(|index| choices[index].0.clone());
                 match are {
-                    StationsAre::Topics => corrections.topics = Some(names),
+                    StationsAre::Topics => corrections.topics = Some(names.into()),
                     StationsAre::Files => corrections.tracks = Some(one_or_many(names.to_vec())),
                 }
             }

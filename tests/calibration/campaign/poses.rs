@@ -54,7 +54,7 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
             value + rig_sigma_m * Distribution::<f64>::sample(&StandardNormal, &mut rng)
         })
     });
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(given_m);
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(given_m.into());
     let analysis = analyse(&deployment, &by(Method::Joint));
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     // The poses are those of one of two solutions.

@@ -14,7 +14,7 @@ use super::stream::{wait_until, wanted};
 
 fn messages(count: usize) -> Vec<Step> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    replay::messages(&sample, [0.01; 3]).take(count).map(Step::Send).collect()
+    replay::messages(&sample, &[0.01; 3].into()).take(count).map(Step::Send).collect()
 }
 
 fn session(url: &str) -> Session {

@@ -40,7 +40,7 @@ fn steps(readings: usize) -> Vec<Step> {
 fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
     let server = Server::start(None, steps(40));
     let mut wanted = wanted(Feed::Url(format!("{}/ws/measurements/stream", server.url)), None);
-    wanted.instruments = Some(INSTRUMENTS.map(str::to_owned));
+    wanted.instruments = Some(INSTRUMENTS.map(str::to_owned).into());
     let session = Session::start(&wanted).expect("it begins");
     wait_until(&session, |view| view.readings() == 120);
     let view = session.view();

@@ -23,7 +23,7 @@ fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> b
     engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
     let settings = Settings::default();
     let (mut next_s, mut first_s) = (every_s, None);
-    for sent in replay::messages(deployment, [0.01; 3]) {
+    for sent in replay::messages(deployment, &[0.01; 3].into()) {
         let clock_s = sent.received_s - *first_s.get_or_insert(sent.received_s);
         engine.take(Event::Message(sent), clock_s);
         if clock_s < next_s {

@@ -115,7 +115,7 @@ fn bad_usage_is_one_line() {
 #[test]
 fn without_json_it_is_a_line_for_people() {
     let sample = resect_io::sample::Sample::Hd2Tunnel.open().expect("built in");
-    let steps = resect_live::replay::messages(&sample, [0.01; 3]).map(Step::Send).collect();
+    let steps = resect_live::replay::messages(&sample, &[0.01; 3].into()).map(Step::Send).collect();
     let server = Server::start(Some("foxglove.sdk.v1"), steps);
     let rig = sample_folder("hd2-tunnel");
     let output = run(&["live", &server.url, "--rig", text(&rig), "--seconds", "4"]);

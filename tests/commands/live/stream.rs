@@ -42,7 +42,7 @@ pub fn wait_until(session: &Session, is: impl Fn(&View) -> bool) {
 /// Returns the messages of a sample: some lost, some repeated, neighbours exchanged, a few delayed by many.
 fn disturbed() -> Vec<Sent> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    let mut sent: Vec<Sent> = replay::messages(&sample, [0.01; 3]).collect();
+    let mut sent: Vec<Sent> = replay::messages(&sample, &[0.01; 3].into()).collect();
     let mut index = 0;
     sent.retain(|_| {
         index += 1;
@@ -158,7 +158,7 @@ fn recording_engine(file: &Path, messages: usize) -> Engine {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
     engine.take(Event::Connected("test".to_owned()), 0.0);
     engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
-    for sent in replay::messages(&sample, [0.01; 3]).take(messages) {
+    for sent in replay::messages(&sample, &[0.01; 3].into()).take(messages) {
         engine.take(Event::Message(sent), 0.0);
     }
     engine
@@ -171,7 +171,7 @@ fn a_recording_that_nobody_ended_holds_all_up_to_the_last_flush() {
     let mut engine = recording_engine(&file, 600);
     engine.flush();
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    for sent in replay::messages(&sample, [0.01; 3]).skip(600).take(50) {
+    for sent in replay::messages(&sample, &[0.01; 3].into()).skip(600).take(50) {
         engine.take(Event::Message(sent), 0.0);
     }
     // As after a killed process: its buffers are never written.

@@ -173,8 +173,7 @@ impl Calibration {
     /// Returns offset (s) and drift (s/s) of the clocks relative to station 1; `None` if they are not estimated.
     pub fn clock_estimates(&self) -> Option<PerStation<(Estimate, Estimate)>> {
         let joint = self.joint()?;
-        let others = joint.clock_offsets_s.into_iter().zip(joint.clock_drifts);
-        Some(std::iter::once((Estimate::ZERO, Estimate::ZERO)).chain(others).collect())
+        Some(joint.clock_offsets_s.zip(&joint.clock_drifts(), |offset, drift| (*offset, *drift)))
     }
 
     /// Returns the joint estimate; `None` for other methods, and if it failed.

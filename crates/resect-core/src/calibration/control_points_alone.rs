@@ -2,15 +2,18 @@
 
 use nalgebra::DMatrix;
 
+use std::sync::Arc;
+
+use super::joint::Layout;
 use super::joint::survey_adjustment::adjust;
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::static_gcp::StaticGcpDetails;
+use super::targets::{Targets, followed_prisms};
 use super::{CalibrationError, CalibrationSettings, Method, Offer, checks};
 use crate::deployment::Deployment;
 use crate::deployment::findings::points::control_points_aligned;
 use crate::geometry::RigidTransform;
-use crate::network::Number;
 use crate::pipeline::Triplets;
 
 /// Calibrates by the least-squares adjustment of the control points.
@@ -25,11 +28,12 @@ pub fn solve(
 ) -> Result<MethodAnswer<StaticGcpDetails>, CalibrationError> {
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
     let sets = deployment.comparable_control_points();
-    let survey = adjust(sets, &settings.errors).ok_or_else(lacking)?;
+    let layout = Arc::new(Layout::new(&followed_prisms(deployment, Targets::OnePrism)));
+    let survey = adjust(sets, &layout, &settings.errors).ok_or_else(lacking)?;
     let (poses, covariance) = survey.poses(&settings.errors).ok_or_else(lacking)?;
     let squares = survey.readings.iter().map(|reading| reading.residual_m.norm_squared());
     let rms_m = (squares.sum::<f64>() / survey.readings.len().max(1) as f64).sqrt();
-    let points = poses.map_each(|station, _| survey.points(station.index()));
+    let points = poses.map_each(|station, _| survey.points(station));
     let most = points.iter().skip(1).max().copied().unwrap_or(0);
     let known = survey.has_surveyed_coordinates;
     let mut judgement = Judgement::good(vec![control_points_aligned(most, known, rms_m)]);

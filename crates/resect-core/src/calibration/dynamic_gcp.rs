@@ -4,17 +4,18 @@
 //! calibration").
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, Vector3};
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint::JointInput;
+use super::joint::{JointInput, Layout, RigDistances};
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
-use super::targets::Targets;
+use super::targets::{Targets, followed_prisms};
 use super::track_clocks::{self, TrackClocks};
 use super::{
     Alignment, CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks,
@@ -27,7 +28,7 @@ use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
 };
 use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::{PerStation, Station};
+use crate::network::{PerPair, PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -86,10 +87,12 @@ pub fn solve_jointly(
     let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
+    let layout = &Arc::new(Layout::new(&followed_prisms(deployment, Targets::OnePrism)));
     let input = JointInput {
+        layout,
         published: &plain,
-        rig: None,
-        survey: joint::survey_adjustment::of_deployment(deployment, settings),
+        rig: RigDistances::exact(PerPair::default()),
+        survey: joint::survey_adjustment::of_deployment(deployment, layout, settings),
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
@@ -295,6 +298,6 @@ fn fitting_triplets(triplets: &Triplets, aligned: &Aligned) -> Option<Triplets> 
     let largest_m = |index: usize| {
         aligned.residuals_m.iter().map(|residuals_m| residuals_m[index].norm()).fold(0.0, f64::max)
     };
-    let kept = gross_errors::inliers(&(0..triplets.len()).map(largest_m).collect::<Vec<_>>());
+    let kept = gross_errors::fitting((0..triplets.len()).map(|index| [largest_m(index)]));
     (kept.len() < triplets.len() && kept.len() >= FEWEST_TRIPLETS).then(|| triplets.select(&kept))
 }

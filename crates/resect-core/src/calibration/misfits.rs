@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::deployment::{ControlPointSet, PAIRS};
+use crate::deployment::ControlPointSet;
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{Number, Pair, PerStation};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -32,7 +32,7 @@ pub fn each_distance_error_m(
             station1_from_station[station].apply(&points_m[station][index])
         });
         std::array::from_fn(|pair| {
-            let (a, b) = PAIRS[pair];
+            let [a, b] = Pair::at(pair).indices();
             (placed[a] - placed[b]).norm() - inter_prism_m[pair]
         })
     })

@@ -31,7 +31,7 @@ mod sense;
 mod settings;
 mod solve;
 pub mod static_gcp;
-mod targets;
+pub mod targets;
 pub mod time_blocks;
 mod track_clocks;
 mod transform_sigma;

@@ -18,7 +18,6 @@ mod message;
 mod message_angle;
 pub mod names;
 mod overrides;
-mod pairs;
 pub mod printable;
 mod quantity;
 mod remedy;
@@ -43,9 +42,9 @@ pub use ingredient::Ingredient;
 pub use message::Message;
 pub use message_angle::{AngleFormat, MessageAngle};
 pub use overrides::{
-    AS_NUMBERED, AzimuthSense, MaskedReading, OneOrMany, OverrideInWords, Overrides, PrismConstants,
+    AzimuthSense, FollowedPrisms, MaskedReading, OneOrMany, OverrideInWords, Overrides,
+    PrismConstants, as_numbered,
 };
-pub use pairs::{PAIRS, pair_label};
 pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};

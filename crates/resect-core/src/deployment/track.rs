@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::geometry::Polar;
+use crate::network::Prism;
 
 /// One raw reading of a station; the range does not contain the prism constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Track {
     pub own_clock_s: Vec<f64>,
     /// True for measurements that the user leaves out (a span of time, single readings); empty if there are none.
     pub left_out: Vec<bool>,
+    /// The prism that the station follows; `None` if nothing states it.
+    pub prism: Option<Prism>,
 }
 
 impl Track {
@@ -60,7 +63,7 @@ pub struct TimeCorrection {
 /// A line or message of a file, not yet checked to be a usable reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawRecord {
-    /// Station number in the file (1, 2 or 3 if it is valid).
+    /// Station number in the file.
     pub station: i64,
     /// 0 for a valid reading.
     pub status: i64,

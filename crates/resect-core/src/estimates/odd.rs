@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
 use super::matched_pose::{TruePose, contradiction_limit_m};
-use crate::deployment::PAIRS;
+use crate::network::{Number, Pair};
 use crate::statistics::median;
 
 /// Squared errors above this are outliers, in units of the combined variance of the estimate's usual errors and the ground
@@ -109,7 +109,7 @@ pub fn station_at_fault(
     });
     (0..3).find(|station| {
         let (own, other): (Vec<usize>, Vec<usize>) =
-            (0..3).partition(|pair| [PAIRS[*pair].0, PAIRS[*pair].1].contains(station));
+            (0..3).partition(|pair| Pair::at(*pair).indices().contains(station));
         own.iter().all(|pair| off[other[0]] < NO_PART * off[*pair])
     })
 }

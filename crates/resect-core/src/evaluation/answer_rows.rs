@@ -2,6 +2,7 @@
 //!
 //! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate needs a row here only.
 
+use crate::network::{Number, Pair};
 use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
@@ -10,7 +11,7 @@ use crate::calibration::joint::instrument_errors::instrument_errors;
 use crate::calibration::{
     Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets, TransformSigma,
 };
-use crate::deployment::{Deployment, PAIRS, pair_label};
+use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, wrap_to_pi};
 use crate::network::PerStation;
 
@@ -216,31 +217,31 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
             rows.extend(clock_rows(joint, station));
         }
         let errors = instrument_errors(joint);
-        rows.extend(errors.iter().filter(|error| error.station == station).map(|error| {
-            let symbol = indexed(error.kind.symbol(), &[station + 1]);
+        rows.extend(errors.iter().filter(|error| error.station.index() == station).map(|error| {
+            let symbol = indexed(error.unknown.symbol, &[station + 1]);
             let row = estimated(RowGroup::Instruments, of_station(station), error.estimate);
             AnswerRow {
-                name: error.kind.name().to_owned(),
+                name: error.unknown.name.to_owned(),
                 symbol,
-                quantity: error.kind.quantity(),
+                quantity: error.unknown.quantity,
                 prior: Some(error.prior_sigma),
                 is_significant: error.is_significant(),
                 ..row
             }
         }));
     }
-    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
-    for (pair, distance_m) in joint.distances_m.iter().flatten().enumerate() {
-        let subject = format!("prisms {}", pair_label(pair));
-        let (a, b) = PAIRS[pair];
+    let measured_m = deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+    for (place, distance_m) in joint.distances_m().into_iter().flatten().enumerate() {
+        let prisms = joint.layout().pair(Pair::at(place));
+        let subject = format!("prisms {prisms}");
         let mut row = AnswerRow {
             name: "distance".to_owned(),
-            symbol: indexed("d", &[a + 1, b + 1]),
+            symbol: indexed("d", &prisms.indices().map(|prism| prism + 1)),
             quantity: Quantity::Length,
             prior: Some(joint.sizes.inter_prism_m),
             reference: measured_m
-                .map(|all| ReferenceValue { name: "measured".to_owned(), value: all[pair] }),
-            ..estimated(RowGroup::Distances, subject, *distance_m)
+                .map(|all| ReferenceValue { name: "measured".to_owned(), value: all[prisms] }),
+            ..estimated(RowGroup::Distances, subject, distance_m)
         };
         row.is_significant = is_far(&row);
         rows.push(row);
@@ -249,7 +250,6 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
 }
 
 fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
-    let slot = station - 1;
     let row = |name: String, symbol: &str, quantity, estimate, prior| {
         let mut row = AnswerRow {
             name,
@@ -268,9 +268,9 @@ fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
             _ => format!("clock offset, drive {}", number + 1),
         };
         let prior_s = joint.sizes.clock_offset_s;
-        rows.push(row(name, "Δt", Quantity::Time, drive.offsets_s[slot], prior_s));
+        rows.push(row(name, "Δt", Quantity::Time, drive.offsets_s[station], prior_s));
     }
-    let (drift, prior) = (joint.clock_drifts[slot], joint.sizes.clock_drift);
+    let (drift, prior) = (joint.clock_drifts()[station], joint.sizes.clock_drift);
     rows.push(row("clock drift".to_owned(), "Δf", Quantity::Drift, drift, prior));
     rows
 }

@@ -46,7 +46,7 @@ pub struct Evaluation {
 pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f64; 3]> {
     match targets {
         Targets::OnePrism => Some([0.0; 3]),
-        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        _ => deployment.rig.as_ref().and_then(|rig| rig.inter_prism_m.as_array().copied()),
     }
 }
 
@@ -59,10 +59,11 @@ pub fn evaluate_answer(
     targets: Targets,
     calibration: &Calibration,
 ) -> (Option<Triplets>, Evaluation) {
-    let estimated_m = calibration.joint().and_then(|joint| joint.distances_m);
+    let estimated_m = calibration.joint().and_then(|joint| joint.distances_m());
     let corrected = calibration.corrected(triplets);
+    let is_estimated = estimated_m.is_some();
     let distances_m = estimated_m
-        .map(|distances| distances.map(|distance| distance.value))
+        .and_then(|distances| distances.map(|distance| distance.value).into_array())
         .or_else(|| known_distances_m(deployment, targets));
     let distances_m = distances_m.filter(|_| calibration.placing_tracks(deployment).is_some());
     let mut evaluation = evaluate(
@@ -74,8 +75,8 @@ pub fn evaluate_answer(
     evaluation.control_points_mm = calibration
         .placing_control_points(deployment)
         .map_or_else(Vec::new, |transforms| control_points_mm(deployment, &transforms));
-    let measured_m = known_distances_m(deployment, targets)
-        .filter(|_| distances_m.is_some() && estimated_m.is_some());
+    let measured_m =
+        known_distances_m(deployment, targets).filter(|_| distances_m.is_some() && is_estimated);
     if let Some(measured_m) = measured_m {
         let triplets = corrected.as_ref().unwrap_or(triplets);
         let errors = distance_errors_m(triplets, &calibration.station1_from_station, &measured_m);

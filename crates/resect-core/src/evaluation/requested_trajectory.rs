@@ -7,7 +7,7 @@ use super::trajectory::Trajectory;
 use super::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, VehicleFrame, prism_by, trajectory_by,
 };
-use crate::calibration::joint::prism_motion::MotionInstant;
+use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
@@ -50,7 +50,7 @@ pub struct RequestedTrajectory {
 #[derive(Clone, Debug)]
 pub enum RequestedMotion {
     Poses { trajectory: Trajectory, vehicle: VehicleFrame },
-    Prism(Vec<MotionInstant<3>>),
+    Prism(Vec<PrismInstant>),
 }
 
 /// Reason why a request has no trajectory.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::trajectory::{Pose, Twist};
-use crate::calibration::joint::prism_motion::MotionInstant;
+use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::network::PerStation;
@@ -120,11 +120,11 @@ impl SiteFrame {
     }
 
     /// Transforms the position and velocity of one prism from station 1's frame, and adds the covariance of the frame.
-    pub fn prism(&self, at: &MotionInstant<3>) -> MotionInstant<3> {
+    pub fn prism(&self, at: &PrismInstant) -> PrismInstant {
         let turn = self.turn();
         let position_m = self.site_from_station1.apply(&at.position_m);
         let own = turn * at.position_covariance * turn.transpose();
-        MotionInstant {
+        PrismInstant {
             time_s: at.time_s,
             position_m,
             velocity_m_per_s: turn * at.velocity_m_per_s,

@@ -4,14 +4,12 @@ use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
 
 use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, MotionInstant, PrismMotion, Solution,
-};
+use crate::calibration::joint::prism_motion::{ConstantsJacobian, PrismInstant, Solution};
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
-use crate::deployment::{Deployment, PAIRS, Rig};
+use crate::deployment::{Deployment, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
-use crate::network::PerStation;
+use crate::network::{Pair, PerPair, PerStation};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -76,14 +74,14 @@ impl VehicleFrame {
 /// The shape is that of the inter-prism distances, which average many readings. The single reading of the rig gives its
 /// attitude only.
 pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)> {
-    if let Some(given) = rig.in_vehicle_m {
-        return Some((given, VehicleFrame::Given));
+    if let Some(given) = &rig.in_vehicle_m {
+        return Some((*given.as_array()?, VehicleFrame::Given));
     }
-    let triangle = rig_from_distances(&rig.inter_prism_m)?;
-    let Some(read) = rig.prisms_m else {
+    let triangle = rig_from_distances(rig.inter_prism_m.as_array()?)?;
+    let Some(read) = rig.prisms_m.as_ref().and_then(|prisms_m| prisms_m.as_array::<3>()) else {
         return Some((triangle, VehicleFrame::Triangle));
     };
-    let reading_from_triangle = align_rigid(&read, &triangle)?;
+    let reading_from_triangle = align_rigid(read, &triangle)?;
     let standing = triangle.map(|prism| reading_from_triangle.rotate(&prism));
     let towards = [standing[1], standing[2]].into_iter().find(|p| p.xy().norm() > 1e-3)?;
     let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -towards.y.atan2(towards.x));
@@ -145,7 +143,7 @@ pub fn trajectory_by(
     let limit_m = largest_inter_prism_error_m;
     let by_triplets = || vehicle_trajectory(deployment, triplets, targets, placing, limit_m);
     let Some((joint, distances_m)) =
-        calibration.joint().and_then(|joint| Some((joint, joint.distances_m?)))
+        calibration.joint().and_then(|joint| Some((joint, joint.distances_m()?)))
     else {
         return match wanted {
             Instants::Triplets => by_triplets(),
@@ -155,12 +153,12 @@ pub fn trajectory_by(
             _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
         };
     };
-    let inter_prism_m = distances_m.map(|distance| distance.value);
     let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
+    let inter_prism_m = distances_m.map(|distance| distance.value).into_array().expect("three");
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
-    // Unreachable else branch: nothing cancels this calculation, and there are three prisms.
-    let Ok(PrismMotion::Rig(instants)) = found else { return by_triplets() };
+    // Unreachable else branch: nothing cancels this calculation.
+    let Ok(instants) = found else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
@@ -190,8 +188,8 @@ pub fn vehicle_at(
 ) -> Option<RigidTransform> {
     calibration.placing_tracks(deployment)?;
     let joint = calibration.joint()?;
-    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    align_rigid(&joint.solution.prisms_m(time_s)?, &rig_m)
+    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    align_rigid(joint.solution.prisms_m(time_s)?.as_slice(), &rig_m)
 }
 
 /// Largest |distance error| of pairs 12, 13, 23 at the triplet of this time, else at the triplets before and after it.
@@ -220,15 +218,12 @@ pub fn common_errors(
     if targets == Targets::OnePrism {
         return Some(found);
     }
-    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    let Ok(PrismMotion::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
-        return None;
-    };
+    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    let instants = joint.solution.instants(times_s, &progress).ok()?;
     let constants = found.covariance.nrows();
     let each = instants.iter().zip(&found.instants).filter_map(|(at, (time_s, prisms))| {
         let pose = rig_pose(&rig_m, rig_sigma_m, at)?;
         let gain = pose_by_prisms(&rig_m, rig_sigma_m, at, &pose)?;
-        let gain = DMatrix::from_column_slice(6, 9, gain.as_slice());
         let mut moved = DMatrix::zeros(6, constants + 9);
         moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
         // An error of a prism's position on the vehicle moves the pose in the opposite direction.
@@ -248,10 +243,11 @@ pub fn common_errors(
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
-    distances_m: &[Estimate; 3],
+    distances_m: &PerPair<Estimate>,
 ) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
+    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.clone(), ..rig.clone() };
+    let (prisms_m, frame) = rig_of(deployment, &shaped)?;
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
@@ -266,14 +262,12 @@ pub fn prism_by(
     triplets: &Triplets,
     calibration: &Calibration,
     wanted: Instants<'_>,
-) -> Result<Vec<MotionInstant<3>>, NoTrajectory> {
+) -> Result<Vec<PrismInstant>, NoTrajectory> {
     let none = || NoTrajectory::OnePrism(deployment.name.clone());
     let solution = &calibration.joint().ok_or_else(none)?.solution;
     let times_s = wanted.times_s(triplets, solution);
-    match solution.instants(&times_s, &Progress::default()) {
-        Ok(PrismMotion::Prism(found)) => Ok(found),
-        _ => Err(none()),
-    }
+    let instants = solution.instants(&times_s, &Progress::default()).map_err(|_| none())?;
+    Ok(instants.iter().map(|instant| instant.prism(0)).collect())
 }
 
 fn rig_of(
@@ -302,8 +296,9 @@ pub fn vehicle_trajectory(
     let station1_from_station =
         station1_from_station.ok_or_else(|| NoTrajectory::OtherFrame(name()))?;
     let (prisms_m, frame) = rig_of(deployment, &Rig::clone)?;
-    let inter_prism_m = deployment.rig.as_ref().map_or([0.0; 3], |rig| rig.inter_prism_m);
-    let observed = observed(triplets, station1_from_station, &inter_prism_m);
+    let inter_prism_m = deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+    let inter_prism_m = inter_prism_m.and_then(|all_m| all_m.as_array()).unwrap_or(&[0.0; 3]);
+    let observed = observed(triplets, station1_from_station, inter_prism_m);
     Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
 }
 
@@ -328,8 +323,8 @@ fn observed(
     for index in 0..triplets.len() {
         let points = placed(index);
         let sigma_m = distance_sigma_m(triplets, index, station1_from_station)
-            .unwrap_or([std::f64::consts::SQRT_2; 3]);
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            .unwrap_or_else(|| PerPair::repeat(3, std::f64::consts::SQRT_2));
+        for (pair, [a, b]) in Pair::among(3).map(Pair::indices).enumerate() {
             let error_m = (points[b] - points[a]).norm() - inter_prism_m[pair];
             ratios.push(error_m / sigma_m[pair]);
         }
@@ -350,12 +345,12 @@ pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
     station1_from_station: &PerStation<RigidTransform>,
-) -> Option<[f64; 3]> {
+) -> Option<PerPair<f64>> {
     let sigma_m = triplets.sigma_m.as_ref()?;
     let points = triplets.triplet_m(index);
     let placed: [Vector3<f64>; 3] =
         std::array::from_fn(|station| station1_from_station[station].apply(&points[station]));
-    Some(PAIRS.map(|(a, b)| {
+    let distance_sigma_m = |[a, b]: [usize; 2]| {
         let direction = (placed[b] - placed[a]).normalize();
         let variance = |station: usize| {
             // Direction in the station's own frame, in which σ is given.
@@ -363,7 +358,8 @@ pub fn distance_sigma_m(
             sigma_m[station][index].component_mul(&own).norm_squared()
         };
         (variance(a) + variance(b)).sqrt()
-    }))
+    };
+    Some(Pair::among(placed.len()).map(Pair::indices).map(distance_sigma_m).collect())
 }
 
 /// Transform from the position (m) and orientation of a pose.

@@ -104,6 +104,11 @@ impl<N: Number, T> Per<N, T> {
     pub fn push(&mut self, value: T) {
         self.values.push(value);
     }
+
+    /// Shortens the list, or adds values at its end.
+    pub fn resize_with(&mut self, count: usize, value: impl FnMut() -> T) {
+        self.values.resize_with(count, value);
+    }
 }
 
 impl<N, T> Default for Per<N, T> {

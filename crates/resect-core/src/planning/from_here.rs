@@ -80,7 +80,7 @@ impl Here {
         let last_m = middle_m(all_m.last()?);
         let before = all_m.iter().rev().map(|at| (last_m - middle_m(at)).xy());
         let along = before.into_iter().find(|gone_m| gone_m.norm() > HEADING_M)?.normalize();
-        let as_driven = if pairwise_distances(so_far.prisms_m).contains(&0.0) {
+        let as_driven = if pairwise_distances(so_far.prisms_m).as_slice().contains(&0.0) {
             AsDriven { prisms_m: [Vector3::zeros(); 3], slope_rms_rad: 0.0 }
         } else {
             AsDriven::of(so_far.prisms_m, &triplets.time_s, &all_m)?

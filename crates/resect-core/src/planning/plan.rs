@@ -1,5 +1,6 @@
 //! A planned deployment as plain data.
 
+use crate::network::Pair;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -186,7 +187,7 @@ impl Plan {
             let what = format!("station {} has no valid position", station + 1);
             return Err((what, "give metres in a level frame, up to 20 km from its origin"));
         }
-        for (a, b) in crate::deployment::PAIRS {
+        for [a, b] in Pair::among(3).map(Pair::indices) {
             if (self.stations_m[a] - self.stations_m[b]).norm() < 0.1 {
                 let what = format!("stations {} and {} have the same position", a + 1, b + 1);
                 return Err((what, "give three different positions"));

@@ -1,6 +1,8 @@
 //! Prediction of the covariance of a planned drive, by the information matrix of the joint estimate.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::sync::Arc;
+
+use nalgebra::Vector3;
 
 use super::drive::{Driven, drive};
 use super::in_words;
@@ -8,23 +10,24 @@ use super::plan::{Plan, PlannedInstrument};
 use super::prediction::{Held, OnTheWay, PlanError, Prediction};
 use super::way;
 use crate::calibration::inter_prism;
-use crate::calibration::inter_prism::Foreseen;
+use crate::calibration::inter_prism::{Foreseen, PrismNetwork};
 use crate::calibration::joint;
 use crate::calibration::joint::loss::EFFICIENCY;
-use crate::calibration::joint::prism_motion::PrismMotion;
+use crate::calibration::joint::prism_motion::MotionInstant;
 use crate::calibration::joint::{
-    ExpectedNoise, GaussMarkov, JointEstimate, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
+    ExpectedNoise, GaussMarkov, JointEstimate, Layout, NoiseLevels, OBSERVED_DISTANCE_SIGMA_M,
     RIG_FLEX_SIGMA_M, stated_range_m,
 };
-use crate::calibration::{ErrorSizes, Verdict};
-use crate::deployment::PAIRS;
+use crate::calibration::targets::followed_prisms;
+use crate::calibration::{ErrorSizes, Targets, Verdict};
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
+use crate::network::{Pair, PerPair};
 use crate::pipeline::SampleFate;
 use crate::progress::Progress;
-use crate::simulation::{EPOCH_S, Scenario, Simulated};
+use crate::simulation::{EPOCH_S, Scenario, Simulated, Truth};
 
 /// Largest number of instants at which the σ of the vehicle's pose is predicted.
 const MOST_INSTANTS: f64 = 400.0;
@@ -60,20 +63,21 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let expected = expected(plan, &driven.simulated);
     let truth = &driven.simulated.truth;
     let triplets = &driven.pipeline.triplets;
-    let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
-    let estimate = joint::predict(
-        triplets,
-        &truth.station1_from_station,
-        inter_prism_m,
-        &sizes(plan),
-        &expected,
-        &Progress::default(),
-    )
-    .unwrap_or_default();
-    let covariance = estimate.as_ref().map(|estimate| estimate.covariance);
-    let foreseen = inter_prism_m.and_then(|distances_m| {
-        inter_prism::foresee(triplets, distances_m, &truth.station1_from_station, covariance)
+    let inter_prism_m: PerPair<f64> = truth.inter_prism_m.clone().into();
+    let is_one_prism = plan.rig.is_one_prism();
+    let targets = if is_one_prism { Targets::OnePrism } else { Targets::ThreePrisms };
+    let followed = followed_prisms(&driven.deployment, targets);
+    let at_the_truth = (&truth.station1_from_station, &inter_prism_m);
+    let layout = Arc::new(Layout::new(&followed));
+    let (sizes, progress) = (sizes(plan), Progress::default());
+    let estimate = joint::predict(triplets, &layout, at_the_truth, &sizes, &expected, &progress);
+    let estimate = estimate.unwrap_or_default();
+    let covariance = estimate.as_ref().map(|estimate| estimate.covariance.clone());
+    let foreseen = (!is_one_prism).then(|| {
+        let network = PrismNetwork::new(followed, &inter_prism_m);
+        inter_prism::foresee(triplets, &network, &truth.station1_from_station, covariance)
     });
+    let foreseen = foreseen.flatten();
     Ok(Looked { driven, expected, estimate, foreseen })
 }
 
@@ -172,7 +176,7 @@ fn distance_noise_m2(driven: &Driven, levels: &NoiseLevels) -> f64 {
         let points_m = triplets.triplet_m(index);
         let placed: [Vector3<f64>; 3] =
             std::array::from_fn(|station| transforms[station].apply(&points_m[station]));
-        for (a, b) in PAIRS {
+        for [a, b] in Pair::among(3).map(Pair::indices) {
             let along = (placed[a] - placed[b]).normalize();
             for station in [a, b] {
                 let own = transforms[station].inverse().rotate(&along);
@@ -191,9 +195,7 @@ fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> 
     let transforms =
         driven.simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let triplets = &driven.pipeline.triplets;
-    let covariance = &estimate.covariance;
-    let covariance =
-        DMatrix::from_column_slice(covariance.nrows(), covariance.ncols(), covariance.as_slice());
+    let covariance = estimate.covariance.clone();
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;
     Some(Held {
         sigma: estimate.sigma(),
@@ -215,29 +217,32 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
         position_sigma_m: sigma.and_then(|[position_m, _]| position_m),
         rotation_sigma_rad: sigma.and_then(|[_, rotation_rad]| rotation_rad),
     };
-    let known: Vec<(f64, [Option<f64>; 2])> =
-        match estimate.map(|found| found.solution.instants(&times_s, &Progress::default())) {
-            Some(Ok(PrismMotion::Rig(instants))) => instants
-                .iter()
-                .filter_map(|instant| {
-                    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
-                    let rms = |at: usize| {
-                        let block: Matrix3<f64> = pose.covariance.fixed_view::<3, 3>(at, at).into();
-                        Some(block.trace().sqrt())
-                    };
-                    Some((instant.time_s, [rms(0), rms(3)]))
-                })
-                .collect(),
-            Some(Ok(PrismMotion::Prism(instants))) => instants
-                .iter()
-                .map(|at| (at.time_s, [Some(at.position_covariance.trace().sqrt()), None]))
-                .collect(),
-            _ => Vec::new(),
-        };
+    let known: Vec<(f64, [Option<f64>; 2])> = match estimate
+        .map(|found| found.solution.instants(&times_s, &Progress::default()))
+    {
+        Some(Ok(instants)) => {
+            instants.iter().filter_map(|instant| sigma_of_instant(plan, truth, instant)).collect()
+        }
+        _ => Vec::new(),
+    };
     let mut known = known.into_iter().peekable();
     let with_sigma = |time_s: &f64| {
         let sigma = known.next_if(|(known_s, _)| known_s == time_s).map(|(_, sigma)| sigma);
         at(*time_s, sigma)
     };
     times_s.iter().map(with_sigma).collect()
+}
+
+/// Time of an instant, and root mean square errors of the vehicle's position (m) and rotation (rad), which one prism does not have.
+fn sigma_of_instant(
+    plan: &Plan,
+    truth: &Truth,
+    instant: &MotionInstant,
+) -> Option<(f64, [Option<f64>; 2])> {
+    if plan.rig.is_one_prism() {
+        return Some((instant.time_s, [Some(instant.position_covariance.trace().sqrt()), None]));
+    }
+    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
+    let rms = |at: usize| Some(pose.covariance.fixed_view::<3, 3>(at, at).trace().sqrt());
+    Some((instant.time_s, [rms(0), rms(3)]))
 }

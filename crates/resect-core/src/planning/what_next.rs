@@ -1,17 +1,21 @@
 //! Manoeuvres to drive next from the vehicle's current position, ranked by the information they add to the readings so far.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::from_here::Here;
 use super::so_far::SoFar;
 use crate::calibration::inter_prism;
+use crate::calibration::inter_prism::PrismNetwork;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::calibration::joint;
+use crate::calibration::joint::Layout;
 use crate::deployment::pairwise_distances;
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::geometry::RigidTransform;
-use crate::network::{Number, PerStation};
+use crate::network::{Number, PerStation, Prism};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -129,13 +133,17 @@ fn foreseen(
     let SoFar { station1_from_station, sizes, expected, .. } = so_far;
     let inter_prism_m = pairwise_distances(so_far.prisms_m);
     let is_rig = inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
-    let distances_m = is_rig.then_some(&inter_prism_m);
-    let estimate =
-        joint::predict(triplets, station1_from_station, distances_m, sizes, expected, progress)?;
+    let followed = station1_from_station
+        .map_each(|station, _| Prism::at(if is_rig { station.index() } else { 0 }));
+    let layout = Arc::new(Layout::new(&followed));
+    let here = (*station1_from_station, &inter_prism_m);
+    let estimate = joint::predict(triplets, &layout, here, sizes, expected, progress)?;
     let covariance = estimate.map(|estimate| estimate.covariance);
-    let seen = distances_m.and_then(|distances_m| {
-        inter_prism::foresee(triplets, distances_m, station1_from_station, covariance)
+    let seen = is_rig.then(|| {
+        let network = PrismNetwork::new(followed, &inter_prism_m);
+        inter_prism::foresee(triplets, &network, station1_from_station, covariance.clone())
     });
+    let seen = seen.flatten();
     let held = covariance.filter(|_| seen.as_ref().is_none_or(|seen| seen.is_held));
     let held = held.map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice()));
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })

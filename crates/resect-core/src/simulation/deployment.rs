@@ -20,8 +20,8 @@ impl Simulated {
         let prisms_m = self.truth.prisms_m;
         let rig = Rig {
             inter_prism_m: pairwise_distances(&prisms_m),
-            prisms_m: Some(prisms_m),
-            in_vehicle_m: Some(prisms_m),
+            prisms_m: Some(prisms_m.into()),
+            in_vehicle_m: Some(prisms_m.into()),
             inter_antenna_m: None,
         };
         let is_rig = rig.inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);

@@ -13,7 +13,9 @@ use super::random::{Stream, normal};
 use super::scenario::{Path, Scenario};
 use super::simulated::{EPOCH_S, Simulated, Truth};
 use super::waypoint::Waypoint;
-use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
+use crate::deployment::{
+    ControlPoint, ControlPointSet, Measurement, RawRecord, pairwise_distances,
+};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 use crate::network::{Number, PerStation};
 
@@ -49,7 +51,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
         (0..scenario.control_point_sets).map(|set| survey.control_points(set, &mut rng)).collect();
     let rig_reading = read_rig(scenario, &mut rng);
     let prisms_m = scenario.prisms_m;
-    let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
+    let inter_prism_m = *pairwise_distances(&prisms_m).as_array().expect("three prisms");
     if scenario.pillars {
         control_points.push(survey.pillars(&mut rng));
     }

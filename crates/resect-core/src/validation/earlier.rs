@@ -6,7 +6,7 @@ use crate::analysis::Answer;
 use crate::calibration::{Method, Verdict};
 use crate::deployment::{Deployment, Finding, Severity, TrackFrame};
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{PerPair, PerStation};
 
 /// An earlier calibration, to be validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Earlier {
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad); `None` if a direction was unobservable.
     pub covariance: Option<DMatrix<f64>>,
     /// Inter-prism distances as measured for this calibration (m).
-    pub inter_prism_m: Option<[f64; 3]>,
+    pub inter_prism_m: Option<PerPair<f64>>,
 }
 
 impl Earlier {
@@ -38,7 +38,7 @@ impl Earlier {
             track_frame: Some(deployment.track_frame),
             station1_from_station: calibration.station1_from_station.clone(),
             covariance: calibration.covariance.clone(),
-            inter_prism_m: deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+            inter_prism_m: deployment.rig.as_ref().map(|rig| rig.inter_prism_m.clone()),
         }
     }
 

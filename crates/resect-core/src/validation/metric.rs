@@ -8,7 +8,7 @@ use crate::analysis::Answer;
 use crate::calibration::distance_errors_m;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
-use crate::network::{Number, Pair, PerStation};
+use crate::network::{Pair, PerStation};
 use crate::pipeline::Triplets;
 
 /// Critical value of a standard normal variable, one-sided, at significance level
@@ -73,8 +73,7 @@ fn follows(
     for index in (0..triplets.len()).step_by(triplets.len().div_ceil(MOST_TRIPLETS).max(1)) {
         let placed = station1_from_station
             .zip(&triplets.points_m, |transform, points_m| transform.apply(&points_m[index]));
-        for pair in (0..Pair::count(stations)).map(Pair::at) {
-            let (a, b) = (pair.first.index(), pair.second.index());
+        for [a, b] in Pair::among(stations).map(Pair::indices) {
             let apart = placed[a] - placed[b];
             let directions = if one_prism {
                 vec![Vector3::x(), Vector3::y(), Vector3::z()]

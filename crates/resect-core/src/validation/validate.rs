@@ -176,7 +176,7 @@ fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Fi
     if earlier.frame() == Some(TrackFrame::Common) && deployment.track_frame == TrackFrame::Common {
         caveats.push(compared_in_unknown_frame());
     }
-    if let (Some(before), Some(rig)) = (earlier.inter_prism_m, &deployment.rig) {
+    if let (Some(before), Some(rig)) = (&earlier.inter_prism_m, &deployment.rig) {
         let sigma_m = 2_f64.sqrt() * own.settings.calibration.inter_prism_sigma_m;
         for pair in 0..3 {
             let (before_m, now_m) = (before[pair], rig.inter_prism_m[pair]);

@@ -18,7 +18,7 @@ impl ReadingPlace<'_> {
 }
 
 pub fn control_point_station_unknown(place: &ReadingPlace<'_>) -> Finding {
-    let message = format!("station {} left out; stations are 1, 2, 3", place.number);
+    let message = format!("station {} left out; stations are numbered from 1 to 8", place.number);
     place.finding(FindingKind::ControlPointStationUnknown, &message)
 }
 
@@ -77,7 +77,7 @@ pub fn known_point_not_measured(file: &str, readings: &str, marker: i64) -> Find
 pub(super) fn examples() -> Vec<Finding> {
     let place = ReadingPlace { file: "GCP.txt", line: 4, marker: 3, number: 2 };
     vec![
-        control_point_station_unknown(&ReadingPlace { number: 7, ..place }),
+        control_point_station_unknown(&ReadingPlace { number: 9, ..place }),
         control_point_status_invalid(&place, 5.0),
         control_point_reading_implausible(&place),
         control_point_repeated(&place),

@@ -40,7 +40,7 @@ pub fn station_without_readings(station: usize, files: &str) -> Finding {
     Finding::new(
         FindingKind::StationWithoutReadings,
         format!(
-            "station {} has no measurement in {files}; a calibration needs all three stations",
+            "station {} has no measurement in {files}; a calibration needs readings of every station",
             station + 1
         ),
     )
@@ -84,7 +84,7 @@ pub fn readings_in_face_right(station: usize, count: usize, all: usize) -> Findi
         .count("readings", count)
 }
 
-/// `set_back_s` are the largest steps of the three stations' stamps (s), 0 without one; returns `None` without any.
+/// `set_back_s` are the largest steps of the stations' stamps (s), 0 without one; returns `None` without any.
 pub fn clock_set_back(set_back_s: &PerStation<f64>) -> Option<Finding> {
     let with_steps = set_back_s.each().filter(|(_, back_s)| **back_s > 0.0);
     let stations: Vec<usize> = with_steps.map(|(station, _)| station.number()).collect();
@@ -99,7 +99,7 @@ pub fn clock_set_back(set_back_s: &PerStation<f64>) -> Option<Finding> {
     (largest_s > 0.0).then_some(finding)
 }
 
-/// `stations` are indices, 0 to 2.
+/// `stations` are indices, from 0.
 pub fn stamps_coarse(stations: &[usize], resolution_s: f64) -> Finding {
     let numbers: Vec<usize> = stations.iter().map(|station| station + 1).collect();
     let list = station_list(&numbers);
@@ -128,7 +128,7 @@ pub fn stamps_relative(first_s: f64) -> Finding {
     .quantity("first_stamp", first_s, Unit::Second)
 }
 
-/// `spans_s` are the spans of the readings of the two stations (0 to 2), in seconds.
+/// `spans_s` are the spans of the readings of the two stations (from 0), in seconds.
 pub fn stations_without_common_time(stations: [usize; 2], spans_s: [[f64; 2]; 2]) -> Finding {
     let [a, b] = stations.map(|station| station + 1);
     let [[a_from, a_to], [b_from, b_to]] = spans_s.map(|span| span.map(short_number));

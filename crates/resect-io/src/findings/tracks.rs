@@ -2,6 +2,7 @@
 
 use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use resect_core::network::PerStation;
 
 const DAY_S: f64 = 86_400.0;
 /// Leap seconds between GPS time and UTC since 2017.
@@ -55,14 +56,15 @@ pub fn rows_skipped(file: &str, skipped: &SkippedRows) -> Option<Finding> {
     Some(finding.about(Subject::File(file.to_owned())).count("rows", skipped.count))
 }
 
-/// `numbers` are the numbers of stations 1, 2, 3 in the files.
-pub fn stations_renumbered(numbers: &[i64; 3]) -> Finding {
-    let [first, second, third] = numbers;
+/// `numbers` are the numbers of stations 1, 2, … in the files.
+pub fn stations_renumbered(numbers: &PerStation<i64>) -> Finding {
+    let list = numbers.map(ToString::to_string).as_slice().join(", ");
+    let stations = numbers.map_each(|station, _| station.to_string()).as_slice().join(", ");
     Finding::new(
         FindingKind::StationsRenumbered,
         format!(
-            "the files number the stations {first}, {second}, {third}: these are stations 1, 2, 3; if that is another order, \
-             set stations = [{first}, {second}, {third}] in deployment.toml"
+            "the files number the stations {list}: these are stations {stations}; if that is another order, set stations = \
+             [{list}] in deployment.toml"
         ),
     )
 }
@@ -110,10 +112,17 @@ pub fn table_clock(file: &str, clock: &str) -> Finding {
 }
 
 /// `from` names the source of the constants.
-pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool) -> Finding {
+pub fn prism_constant_added(constants_m: &[f64], from: &str, in_tracks: bool) -> Finding {
+    let mm = |constant_m: &f64| format!("{:+.1}", constant_m * 1e3);
     let constants = match constants_m {
-        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
-        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
+        [first_m, others @ ..] if others.iter().all(|other_m| other_m == first_m) => {
+            mm(first_m) + " mm"
+        }
+        each => {
+            let stations: Vec<String> = (1..=each.len()).map(|number| number.to_string()).collect();
+            let each: Vec<String> = each.iter().map(mm).collect();
+            format!("{} mm (stations {})", each.join(", "), stations.join(", "))
+        }
     };
     let message = if in_tracks {
         format!(
@@ -123,11 +132,20 @@ pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool)
     } else {
         format!("prism constant of {from}, {constants}, added to every range")
     };
-    let [first, second, third] = *constants_m;
-    Finding::new(FindingKind::PrismConstantAdded, message)
-        .quantity("station_1", first, Unit::Metre)
-        .quantity("station_2", second, Unit::Metre)
-        .quantity("station_3", third, Unit::Metre)
+    let finding = Finding::new(FindingKind::PrismConstantAdded, message);
+    let names = [
+        "station_1",
+        "station_2",
+        "station_3",
+        "station_4",
+        "station_5",
+        "station_6",
+        "station_7",
+        "station_8",
+    ];
+    names.into_iter().zip(constants_m).fold(finding, |finding, (name, constant_m)| {
+        finding.quantity(name, *constant_m, Unit::Metre)
+    })
 }
 
 pub fn span_selected(from_s: f64, to_s: f64) -> Finding {
@@ -247,7 +265,7 @@ pub(super) fn examples() -> Vec<Finding> {
             },
         )
         .expect("rows"),
-        stations_renumbered(&[0, 1, 2]),
+        stations_renumbered(&[0, 1, 2].into()),
         stamps_jumped(&ClockJump { gap_s: 40.0 * DAY_S, used: 2790, unused: 206 }),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),

@@ -4,7 +4,7 @@ use crate::findings::tracks::file_unreadable;
 use std::path::Path;
 
 use resect_core::deployment::printable::printable;
-use resect_core::deployment::{Deployment, Finding, Ingredient, Overrides};
+use resect_core::deployment::{Deployment, Finding, FollowedPrisms, Ingredient, Overrides};
 use resect_core::progress::Progress;
 
 use super::control_points::read_control_point_sets;
@@ -12,6 +12,7 @@ use super::found::{Found, FoundFile, find, in_memory};
 use super::gnss::read_gnss;
 use super::reading::Reading;
 use super::rig::read_rig;
+use super::stations::complete_stations;
 use super::surveys::Surveys;
 use super::tracks;
 use crate::error::OpenError;
@@ -62,6 +63,7 @@ fn put_together<'a>(
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
     let read = read_tracks(&name, &overrides)?;
+    let track_files = read.files.join(", ");
     used.extend(read.files);
     findings.extend(read.findings);
     let prism_constants_m = read.prism_constants_m;
@@ -77,7 +79,7 @@ fn put_together<'a>(
     };
     let surveys = Surveys::read(&mut reading)?;
     let control_points = read_control_point_sets(&mut reading, &prism_constants_m, &surveys)?;
-    let rig = read_rig(&mut reading, &prism_constants_m, &surveys)?;
+    let rig = read_rig(&mut reading, &surveys)?;
     let gnss = read_gnss(&mut reading)?;
     let mut as_read = in_folder;
     as_read.inter_prism_m = as_read.inter_prism_m.or(reading.distances_of_files_m);
@@ -92,13 +94,13 @@ fn put_together<'a>(
             used: used.contains(&f.file.as_str()),
         })
         .collect();
-    Ok(Deployment {
+    let mut deployment = Deployment {
         name,
         tracks: read.tracks,
         track_frame: read.frame,
         control_points,
         rig,
-        prisms: overrides.prisms,
+        prisms: overrides.prisms.as_ref().map(FollowedPrisms::count),
         gnss,
         time_corrections: read.time_corrections,
         overrides,
@@ -107,7 +109,9 @@ fn put_together<'a>(
         findings,
         ground_truth: None,
         restarts_s: Vec::new(),
-    })
+    };
+    complete_stations(&mut deployment, &track_files)?;
+    Ok(deployment)
 }
 
 #[cfg(test)]
@@ -131,7 +135,7 @@ mod tests {
         let files = [("a.csv", TRACKS), ("b.csv", TRACKS), ("deployment.toml", toml)];
         let deployment = open_files("d", &files).expect("the override decides");
         assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);
-        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0]);
+        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0].into());
         let unused: Vec<_> = deployment.ingredients.iter().filter(|i| !i.used).collect();
         assert_eq!(unused.len(), 1);
         assert_eq!(unused[0].file, "a.csv");

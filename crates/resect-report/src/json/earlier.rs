@@ -1,5 +1,6 @@
 //! Reads the JSON of a calibration again, for `validate`.
 
+use resect_core::network::PerPair;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Rotation3};
@@ -46,7 +47,7 @@ struct Written {
     deployment: String,
     method: Method,
     track_frame: Option<TrackFrame>,
-    inter_prism_m: Option<[f64; 3]>,
+    inter_prism_m: Option<PerPair<f64>>,
     transforms: Vec<WrittenTransform>,
     covariance: Option<Vec<Vec<f64>>>,
     diagnosis: WrittenDiagnosis,

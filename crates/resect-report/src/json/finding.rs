@@ -1,6 +1,7 @@
 //! A finding as JSON.
 
-use resect_core::deployment::{Finding, PAIRS, Subject};
+use resect_core::deployment::{Finding, Subject};
+use resect_core::network::{Number, Pair};
 use serde_json::{Map, Value, json};
 
 /// Returns code, severity, message, subject and quantities. Names of quantities end with their unit; a quantity with a
@@ -37,8 +38,8 @@ fn subject(subject: &Subject) -> Value {
         Subject::Station(station) => json!({ "station": station + 1 }),
         Subject::OfStation { station, part } => json!({ "station": station + 1, "part": part }),
         Subject::Pair(pair) => {
-            let (a, b) = PAIRS[*pair];
-            json!({ "prisms": [a + 1, b + 1] })
+            let Pair { first, second } = Pair::at(*pair);
+            json!({ "prisms": [first.number(), second.number()] })
         }
         Subject::File(file) => json!({ "file": file }),
         Subject::Point { file, marker } => json!({ "file": file, "marker": marker }),

@@ -1,5 +1,6 @@
 //! An answer: transforms with their σ, mirror twin, estimates besides the transforms, metrics, charts.
 
+use resect_core::network::{Number, Pair};
 use std::f64::consts::PI;
 
 use maud::{Markup, html};
@@ -15,7 +16,7 @@ use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
 use resect_core::calibration::two_point::TwoPointDetails;
 use resect_core::calibration::{Calibration, Details, Quantity, ResolvedBy, Targets};
-use resect_core::deployment::{Deployment, pair_label};
+use resect_core::deployment::Deployment;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_core::geometry::LevelTransform;
@@ -300,7 +301,7 @@ fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
                 @if let Some(spread) = &evaluation.inter_prism_mm { (row(html! { (all) }, spread)) }
                 @for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
                     @if let Some(spread) = spread {
-                        (row(html! { span.indent { (each) " " (pair_label(pair)) } }, spread))
+                        (row(html! { span.indent { (each) " " (Pair::at(pair)) } }, spread))
                     }
                 }
                 @if let Some(spread) = &evaluation.against_measured_mm {

@@ -1,11 +1,12 @@
 //! The paper's two metrics of the result.
 
 use egui::RichText;
+use resect_core::network::{Number, Pair};
 
 use crate::app::panels::{heading, number_cell, number_head};
 use crate::app::words;
 use resect_core::calibration::Targets;
-use resect_core::deployment::{ControlPointSet, pair_label};
+use resect_core::deployment::ControlPointSet;
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_report::glossary;
 
@@ -41,7 +42,7 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
         }
         for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
             if let Some(spread) = spread {
-                let name = format!("   {each} {}", pair_label(pair));
+                let name = format!("   {each} {}", Pair::at(pair));
                 row(ui, RichText::new(name), distances, spread);
             }
         }

@@ -1,7 +1,8 @@
 //! Method D: the dynamic inter-prism calibration.
 //!
-//! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of stations 2 and 3 (Vaidis
-//! et al. 2022, eq. (3)).
+//! Minimises Σ (‖T_a q_a − T_b q_b‖ − d_ab)² over the translation and yaw of all stations but the first (Vaidis et al. 2022, eq. (3),
+//! with three stations). The sum is over the triplets and the pairs of stations of a [`prism_network`]. Stations that follow the
+//! same prism have ‖T_a q_a − T_b q_b‖² instead.
 //!
 //! Steps of the solution:
 //!
@@ -34,10 +35,13 @@ mod minima;
 mod mirror;
 mod mirror_twin;
 mod motion_in_words;
+#[cfg(test)]
+mod networks_tests;
 mod normal_equations;
 pub mod observability;
 mod pair_sums;
 mod prior_search;
+mod prism_network;
 mod published;
 mod search;
 mod solve;
@@ -61,6 +65,7 @@ pub use mirror::DECISIVE_COST_RATIO;
 pub use mirror_twin::{Mirror, ResolvedBy};
 pub use normal_equations::{NormalEquations, distance_pulls};
 pub use prior_search::{PriorSearch, SearchRun};
+pub use prism_network::{FollowedPair, PrismNetwork};
 pub use solve::solve;
 pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;

@@ -1,13 +1,11 @@
 //! Method D: from triplets to an answer with its verdict.
 
-use nalgebra::DMatrix;
-
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
-use super::{InterPrismDetails, clock_check, gross_errors, published};
+use super::{InterPrismDetails, PrismNetwork, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    CalibrationError, CalibrationSettings, Estimate, Method, Offer, PriorMethod, clocks_in_words,
+    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
 };
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
@@ -23,13 +21,15 @@ pub fn solve(
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
     let rig = required_rig(deployment, triplets, offer)?;
     let used = Used::all(triplets);
-    let data = used.centred(rig.inter_prism_m);
+    let network = PrismNetwork::of_rig(rig);
+    let heights_m = network.height_differences_m(rig);
+    let data = used.centred(&network);
     let search = (settings.prior == PriorMethod::Search).then_some(&used);
     let points = deployment.comparable_control_points();
-    let published = published::solve(rig, points, &data, search);
+    let published = published::solve(heights_m.as_ref(), points, &data, search);
     progress.check()?;
     let prior_ms = published.prior_ms;
-    let plain = published.choice.answer.station1_from_station;
+    let plain = published.choice.answer.station1_from_station.clone();
     let ((mut answer, pull), suspected) = rayon::join(
         || {
             let answer = UnjudgedAnswer::published(published, &data, &used, settings);
@@ -40,7 +40,7 @@ pub fn solve(
         },
         || {
             let sigma_m = settings.published_distance_sigma_m();
-            clock_check::suspected_clocks(triplets, &plain, &rig.inter_prism_m, sigma_m)
+            clock_check::suspected_clocks(triplets, &plain, &network, sigma_m)
         },
     );
     drop(data);
@@ -48,17 +48,15 @@ pub fn solve(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
-    let covariance = answer.uncertainty.covariance;
+    let covariance = answer.uncertainty.covariance.clone();
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
-        let by_station = |[second, third]: [Estimate; 2]| [Estimate::ZERO, second, third].into();
-        judgement.doubt(clocks_in_words::suspicions(&by_station(clocks.offsets_s)));
-        judgement.doubt(clocks_in_words::suspected_jumps(&by_station(clocks.jumps_s)));
+        judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
+        judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
     }
     Ok(MethodAnswer {
         method: Method::InterPrism,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: covariance
-            .map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice())),
+        covariance,
         judgement,
         checked_by: Vec::new(),
         details: answer.into_details(observability),

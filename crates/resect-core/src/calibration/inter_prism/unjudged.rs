@@ -5,7 +5,7 @@ use super::observability::{self, Observability};
 use super::published::Published;
 use super::uncertainty::{self, Uncertainty};
 use super::used::Used;
-use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch};
+use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch, gross_errors};
 use crate::calibration::joint::SurveyPoses;
 use crate::calibration::judgement::Judgement;
 use crate::calibration::method::why_no_triplets;
@@ -55,17 +55,18 @@ impl UnjudgedAnswer {
         settings: &CalibrationSettings,
     ) -> Self {
         let (time_s, interval) = used.instants();
-        let fitting = observability::fitting(&published.thinned, &published.answer.parameters);
+        let fitting = gross_errors::inliers(&published.thinned, &published.answer.parameters);
         let answer = &published.answer;
         let uncertainty =
             uncertainty::estimate(data, &fitting, &time_s, &interval, answer, settings);
-        let plain = published.choice.answer.station1_from_station;
+        let level = &published.choice.answer.station1_from_station;
+        let station1_from_station = level.map(|level| RigidTransform::from(*level));
         Self {
             prior_search: published.prior_search.take(),
             published,
             fitting,
             uncertainty,
-            station1_from_station: plain.map(RigidTransform::from).into(),
+            station1_from_station,
         }
     }
 
@@ -87,7 +88,7 @@ impl UnjudgedAnswer {
             deployment,
             thinned: &self.published.thinned,
             answer: &self.published.answer,
-            rival: self.published.rival,
+            rival: self.published.rival.clone(),
             uncertainty: &self.uncertainty,
             observability,
             choice: &self.published.choice,

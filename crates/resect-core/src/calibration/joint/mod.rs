@@ -270,7 +270,6 @@ mod facets;
 pub mod findings;
 mod gauss_newton_step;
 mod gradients;
-mod instrument_error_kind;
 pub mod instrument_errors;
 mod joint_estimate;
 mod knot_covariance;
@@ -300,6 +299,7 @@ pub mod survey_adjustment;
 mod survey_change;
 mod survey_elimination;
 mod trace;
+pub mod unknown;
 
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
@@ -310,6 +310,7 @@ pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };
 pub use self::solver_status::SolverStatus;
+pub use self::state_vector::Layout;
 pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;

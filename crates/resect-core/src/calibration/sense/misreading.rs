@@ -4,9 +4,7 @@ use crate::geometry::FOOT_M;
 use crate::network::{Number, PerStation};
 use nalgebra::Vector3;
 
-use crate::deployment::{
-    AS_NUMBERED, AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides,
-};
+use crate::deployment::{AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides};
 use crate::pipeline::Triplets;
 
 /// One mistake in the interpretation of readings.
@@ -146,12 +144,12 @@ impl Misreading {
         let Overrides { azimuth, stations, .. } = self.read_with(deployment)?;
         azimuth
             .map(|sense| format!("azimuth = \"{}\"", sense.title()))
-            .or(stations.map(|[a, b, c]| format!("stations = [{a}, {b}, {c}]")))
+            .or(stations.map(|numbers| format!("stations = {:?}", numbers.as_slice())))
     }
 
     /// Returns the correction of the tracks as overrides of the files; `None` if overrides are not sufficient.
     pub fn read_with(self, deployment: &Deployment) -> Option<Overrides> {
-        let Overrides { azimuth, stations, .. } = &deployment.overrides;
+        let Overrides { azimuth, .. } = &deployment.overrides;
         match self {
             Self::Azimuth(None) => {
                 let sense = match azimuth {
@@ -161,8 +159,8 @@ impl Misreading {
                 Some(Overrides { azimuth: Some(sense), ..Overrides::default() })
             }
             Self::Numbers(numbers) => {
-                let own = stations.unwrap_or(AS_NUMBERED);
-                let stations = Some(numbers.map(|number| own[number]));
+                let own = deployment.station_numbers();
+                let stations = Some(numbers.map(|number| own[number]).into());
                 Some(Overrides { stations, ..Overrides::default() })
             }
             Self::Azimuth(Some(_)) | Self::Feet(_) => None,
@@ -219,7 +217,7 @@ mod tests {
         assert_eq!(Misreading::ALL.len(), 13);
         let deployment = simulate(Preset::Warthog, 1).readings();
         let mut renumbered = deployment.clone();
-        renumbered.overrides.stations = Some([7, 8, 9]);
+        renumbered.overrides.stations = Some([7, 8, 9].into());
         let swap = Misreading::Numbers([0, 2, 1]);
         assert_eq!(swap.in_words(""), "stations 2 and 3 look exchanged");
         assert_eq!(swap.remedy(&deployment).as_deref(), Some("stations = [1, 3, 2]"));

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
 use crate::calibration::misfits::control_points_apart_m;
-use crate::deployment::{ControlPointSet, PAIRS, Rig};
+use crate::deployment::{ControlPointSet, Rig, pairwise_distances};
 use crate::geometry::RigidTransform;
 use crate::network::PerStation;
 use crate::pipeline::Triplets;
@@ -62,9 +62,13 @@ impl Shown {
             let seen = triplets.triplet_m(index);
             let placed: [Vector3<f64>; 3] =
                 std::array::from_fn(|station| station1_from_station[station].apply(&seen[station]));
-            for ((a, b), known_m) in PAIRS.into_iter().zip(rig.inter_prism_m) {
-                errors_m.push(((placed[a] - placed[b]).norm() - known_m).abs());
-            }
+            let distances_m = pairwise_distances(&placed);
+            errors_m.extend(
+                distances_m
+                    .iter()
+                    .zip(&rig.inter_prism_m)
+                    .map(|(own_m, known_m)| (own_m - known_m).abs()),
+            );
             areas_m2.push(plan_area_m2(&placed));
             for (heights_m, other) in heights_m.iter_mut().zip(1..) {
                 heights_m.push(placed[0].z - placed[other].z);
@@ -123,7 +127,8 @@ impl<'a> Witnesses<'a> {
     pub fn area(&self, shown: &Shown) -> Option<Agreement> {
         let known_m2 = self.area_m2()?;
         let prisms_m = self.layout_m()?;
-        let longest_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).xy().norm());
+        let longest_m =
+            pairwise_distances(&prisms_m.map(|prism| Vector3::new(prism.x, prism.y, 0.0)));
         let longest_m = longest_m.into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let heights_m = prisms_m.map(|prism| prism.z);
         let high_m = heights_m.into_iter().fold(f64::NEG_INFINITY, f64::max)
@@ -143,7 +148,8 @@ impl<'a> Witnesses<'a> {
     }
 
     fn layout_m(&self) -> Option<[Vector3<f64>; 3]> {
-        self.rig.prisms_m.or(self.rig.in_vehicle_m)
+        let prisms_m = self.rig.prisms_m.as_ref().or(self.rig.in_vehicle_m.as_ref())?;
+        prisms_m.as_array().copied()
     }
 
     /// Compares the heights of the prisms with the reading of the rig. The limit is proportional to the size of the rig, and to the
@@ -168,7 +174,7 @@ impl<'a> Witnesses<'a> {
 
     /// Returns the heights of prism 1 above prisms 2 and 3 in the reading (m).
     pub fn heights_m(&self) -> Option<[f64; 2]> {
-        self.rig.height_differences_m()
+        self.rig.height_differences_m()?.try_into().ok()
     }
 
     /// Returns the absolute differences of the heights of prism 1 above prisms 2 and 3 from the reading (m).
@@ -196,8 +202,9 @@ mod tests {
     use super::*;
 
     fn rig(prisms_m: [Vector3<f64>; 3]) -> Rig {
-        let inter_prism_m = crate::deployment::pairwise_distances(&prisms_m);
-        Rig { inter_prism_m, prisms_m: Some(prisms_m), in_vehicle_m: None, inter_antenna_m: None }
+        let inter_prism_m = pairwise_distances(&prisms_m);
+        let prisms_m = Some(prisms_m.into());
+        Rig { inter_prism_m, prisms_m, in_vehicle_m: None, inter_antenna_m: None }
     }
 
     fn shown(area_m2: f64, heights_m: [f64; 2], tilt_rad: f64) -> Shown {

@@ -2,8 +2,8 @@
 
 use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Subject, Unit,
-    pair_label,
 };
+use crate::network::{Number, Pair};
 use crate::statistics::estimate::{
     Estimate, Quantity, SUPPORTED_SIGMAS, decimals_of, sigmas_in_words,
 };
@@ -166,7 +166,7 @@ pub fn distance_estimated(
     let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
     let line = format!(
         "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
-        pair_label(pair),
+        Pair::at(pair),
         off_m.value * 1e3,
         off_m.sigma * 1e3,
         sigmas_in_words(off_m.sigmas_from(0.0)),
@@ -187,7 +187,7 @@ pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas:
         format!(
             "prisms {} would be {:+.1} mm from their measured distance (σ {:.1} mm), implausible at {sigmas:.1} σ: the rig, its \
              units or the station numbers are wrong",
-            pair_label(pair),
+            Pair::at(pair),
             off_m * 1e3,
             prior_sigma_m * 1e3
         ),
@@ -198,21 +198,23 @@ pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas:
     .with(Remedy::Corrections)
 }
 
-pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
-    let off_mm = off_m.map(|m| format!("{:+.1}", m * 1e3));
-    Finding::new(
+pub fn distances_implausible(off_m: &[(Pair, f64)], sigmas: f64) -> Finding {
+    let pairs: Vec<String> = off_m.iter().map(|(pair, _)| pair.to_string()).collect();
+    let off_mm: Vec<String> = off_m.iter().map(|(_, m)| format!("{:+.1}", m * 1e3)).collect();
+    let mut finding = Finding::new(
         FindingKind::DistancesImplausible,
         format!(
-            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, together implausible at {sigmas:.1} σ: a \
-             station followed another prism for a while, or the rig has changed since it was measured",
+            "prisms {} would be {} mm from their measured distances, together implausible at {sigmas:.1} σ: a station \
+             followed another prism for a while, or the rig has changed since it was measured",
+            pairs.join(", "),
             off_mm.join(", ")
         ),
-    )
-    .quantity("error_12", off_m[0], Unit::Metre)
-    .quantity("error_13", off_m[1], Unit::Metre)
-    .quantity("error_23", off_m[2], Unit::Metre)
-    .quantity("sigmas", sigmas, Unit::Ratio)
-    .with(Remedy::Corrections)
+    );
+    for (Pair { first, second }, off_m) in off_m {
+        let name = format!("error_{first}{second}");
+        finding = finding.quantity(name, *off_m, Unit::Metre);
+    }
+    finding.quantity("sigmas", sigmas, Unit::Ratio).with(Remedy::Corrections)
 }
 
 pub fn station_errors_implausible(station: usize, sigmas: f64) -> Finding {
@@ -451,7 +453,10 @@ pub(super) fn examples() -> Vec<Finding> {
         distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
         distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
         distance_implausible(0, 0.02, 0.001, 6.0),
-        distances_implausible([0.01, 0.01, -0.01], 4.0),
+        distances_implausible(
+            &Pair::among(3).zip([0.01, 0.01, -0.01]).collect::<Vec<(Pair, f64)>>(),
+            4.0,
+        ),
         station_errors_implausible(1, 4.0),
         errors_implausible(4.0),
         range_wander_implausible(0.007),

@@ -1,6 +1,8 @@
 //! Findings of the methods from points: control points (A, B), and the aligned tracks of one prism (C).
 
-use crate::deployment::{Finding, FindingKind, Overrides, Remedy, Severity, Subject, Unit};
+use crate::deployment::{
+    Finding, FindingKind, FollowedPrisms, Overrides, Remedy, Severity, Subject, Unit,
+};
 
 /// `is_global` is true if the points have known coordinates.
 pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Finding {
@@ -137,7 +139,7 @@ pub fn tracks_aligned(rms_m: f64, blocks: usize) -> Finding {
 }
 
 pub fn prism_count_undecided() -> Finding {
-    let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
+    let one_prism = Overrides { prisms: Some(FollowedPrisms::Count(1)), ..Overrides::default() };
     Finding::new(
         FindingKind::PrismCountUndecided,
         "the number of prisms is not determined, because the drive hardly turns; if it was one, set `prisms = 1` in \

@@ -1,6 +1,7 @@
 //! Findings of a validation: limits of the comparison of two runs.
 
-use crate::deployment::{Finding, FindingKind, Subject, Unit, pair_label};
+use crate::deployment::{Finding, FindingKind, Subject, Unit};
+use crate::network::{Number, Pair};
 
 /// `verdict` is that of the earlier calibration, with its reason.
 pub fn earlier_calibration_weak(verdict: &str) -> Finding {
@@ -34,7 +35,7 @@ pub fn rig_differs_from_earlier(pair: usize, before_m: f64, now_m: f64) -> Findi
         FindingKind::RigDiffersFromEarlier,
         format!(
             "the rig is a different one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m apart now",
-            pair_label(pair)
+            Pair::at(pair)
         ),
     )
     .about(Subject::Pair(pair))

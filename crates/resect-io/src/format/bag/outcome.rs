@@ -44,7 +44,7 @@ impl Intake<'_> {
             let there = if there.is_empty() { "none".to_owned() } else { there };
             return OpenError::file(
                 &file,
-                format!("no position on the topics {}", named.join(", ")),
+                format!("no position on the topics {}", named.as_slice().join(", ")),
                 format!("correct `topics`; topics with positions: {there}"),
             );
         }

@@ -1,4 +1,5 @@
 use super::super::state_vector::Constants;
+use super::super::state_vector::tests::layout;
 use super::*;
 use crate::deployment::FindingKind;
 use crate::geometry::{ARCSECOND_RAD, Polar};
@@ -29,7 +30,7 @@ pub fn exact_survey() -> Vec<ControlPointSet> {
 }
 
 pub fn adjusted(sets: &[ControlPointSet]) -> Survey {
-    adjust(sets, &ErrorSizes::default()).expect("an adjustment")
+    adjust(sets, &layout(3), &ErrorSizes::default()).expect("an adjustment")
 }
 
 /// The survey with a vertical index and a collimation error at station 2.
@@ -52,7 +53,7 @@ fn survey_with_errors(index_rad: f64, collimation_rad: f64, of_both_faces: bool)
 }
 
 fn off(survey: &Survey, exact: &Survey) -> Constants {
-    survey.constants - exact.constants
+    &survey.constants - &exact.constants
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! Tests of the trace: its rows and events, and each status of a failure.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::*;
 use crate::analysis::{Analyst, Settings};
-use crate::calibration::joint::{JointInput, estimate};
+use crate::calibration::joint::{JointInput, Layout, RigDistances, estimate};
 use crate::calibration::{Calibration, ErrorSizes, Verdict};
 use crate::deployment::{Deployment, FindingKind};
+use crate::network::{PerPair, Prism};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::simulation::{Preset, simulate, simulate_scenario};
@@ -42,9 +44,11 @@ fn trace_from(triplets: &Triplets, off_m: f64) -> Trace {
     for station in published.iter_mut().skip(1) {
         station.translation_m.x += off_m;
     }
+    let layout = Layout::new(&published.map(|_| Prism::default()));
     let input = JointInput {
+        layout: &Arc::new(layout),
         published: &published,
-        rig: None,
+        rig: RigDistances::exact(PerPair::default()),
         survey: None,
         is_determined_by_drive: true,
         sizes: &ErrorSizes::default(),

@@ -1,0 +1,92 @@
+//! The number of stations of a deployment, from everything that states it.
+
+use crate::error::OpenError;
+use crate::findings::readings::station_without_readings;
+use resect_core::deployment::{
+    Deployment, FollowedPrisms, Overrides, PrismConstants, Track, as_numbered,
+};
+use resect_core::network::{MOST_STATIONS, Pair, PerStation, Station, USUAL_STATIONS};
+
+/// Adds the stations without readings that control points, rig or `deployment.toml` state, and gives each station its prism.
+///
+/// `files` names the source of the tracks.
+pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(), OpenError> {
+    let overrides = deployment.overrides.clone();
+    let with_tracks = deployment.tracks.len();
+    check_lengths(&overrides, with_tracks)?;
+    let points = deployment.control_points.iter().flat_map(|set| &set.points);
+    let with_points = points.map(|point| point.stations()).max().unwrap_or_default();
+    let stations = with_tracks
+        .max(with_points)
+        .max(stated_by_prisms(deployment, &overrides))
+        .min(MOST_STATIONS);
+
+    let constants = overrides.prism_constant_m.clone().unwrap_or_default();
+    let include_constant = overrides.ranges_include_prism_constant == Some(true);
+    let has_readings = deployment.tracks.iter().any(|track| !track.measurements.is_empty());
+    while deployment.tracks.len() < stations {
+        let station = deployment.tracks.len();
+        if has_readings {
+            deployment.findings.push(station_without_readings(station, files));
+        }
+        let constants_m = constants.each_m(station + 1);
+        let prism_constant_m = if include_constant { 0.0 } else { constants_m[station] };
+        deployment.tracks.push(Track { prism_constant_m, ..Track::default() });
+    }
+    deployment.time_corrections.resize_with(stations, Vec::new);
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        point.resize(stations);
+    }
+    let prism_of =
+        |station: Station| overrides.prisms.as_ref().and_then(|prisms| prisms.of_station(station));
+    for (place, track) in deployment.tracks.iter_mut().enumerate() {
+        track.prism = Station::numbered(place + 1).and_then(prism_of);
+    }
+    if stations != USUAL_STATIONS && deployment.as_read.stations.is_none() {
+        deployment.as_read.stations = Some(as_numbered(stations));
+    }
+    Ok(())
+}
+
+/// Returns the number of stations that `deployment.toml` or the user lists.
+pub fn listed_stations(overrides: &Overrides) -> Option<usize> {
+    let prisms = match &overrides.prisms {
+        Some(FollowedPrisms::Each(prisms)) => Some(prisms.len()),
+        _ => None,
+    };
+    let numbers = overrides.stations.as_ref().map(PerStation::len);
+    numbers.or_else(|| overrides.topics.as_ref().map(PerStation::len)).or(prisms)
+}
+
+/// Returns the number of stations that the prisms show: each station follows its own unless `prisms` says otherwise.
+fn stated_by_prisms(deployment: &Deployment, overrides: &Overrides) -> usize {
+    match (&overrides.prisms, &deployment.rig) {
+        (Some(FollowedPrisms::Each(prisms)), _) => prisms.len(),
+        (Some(FollowedPrisms::Count(1)), _) | (None, None) => 0,
+        (Some(FollowedPrisms::Count(prisms)), _) => usize::from(*prisms),
+        (None, Some(rig)) => Pair::prisms_of(rig.inter_prism_m.len()).unwrap_or_default(),
+    }
+}
+
+/// Checks that no list of values by station is shorter than the number of tracks.
+fn check_lengths(overrides: &Overrides, stations: usize) -> Result<(), OpenError> {
+    let prisms = match &overrides.prisms {
+        Some(FollowedPrisms::Each(prisms)) => Some(prisms.len()),
+        _ => None,
+    };
+    let constants = match &overrides.prism_constant_m {
+        Some(PrismConstants::Each(constants_m)) => Some(constants_m.len()),
+        _ => None,
+    };
+    let topics = overrides.topics.as_ref().map(PerStation::len);
+    for (key, length) in [("prisms", prisms), ("prism_constant_m", constants), ("topics", topics)] {
+        if let Some(length) = length.filter(|length| *length < stations) {
+            return Err(OpenError::file(
+                "deployment.toml",
+                format!("{key} lists {length} values, but there are {stations} stations"),
+                "give one value for each station",
+            ));
+        }
+    }
+    Ok(())
+}
