@@ -303,7 +303,7 @@ fn reading_times_s(
 ) -> Vec<f64> {
     let ends = triplets.time_s.first().zip(triplets.time_s.last());
     let middle_s = ends.map_or(0.0, |(first_s, last_s)| 0.5 * (first_s + last_s));
-    let clocks = calibration.clocks_by_station();
+    let clocks = calibration.clocks();
     let late_s = |station: usize, time_s: f64| {
         clocks
             .as_ref()

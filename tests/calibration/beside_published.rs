@@ -34,7 +34,7 @@ fn without_a_method_the_answer_is_the_joint_estimate() {
     assert_eq!(found.method, Method::Joint);
     assert_same(&found, &calibration(&sample(), &by(Method::Joint)));
     let joint = found.joint().expect("a joint estimate");
-    assert!(found.clocks_by_station().is_some() && joint.distances_m.is_some());
+    assert!(found.clocks().is_some() && joint.distances_m.is_some());
     assert!(found.inter_prism().is_some(), "three prisms");
 }
 
@@ -106,10 +106,10 @@ fn of_one_prism_the_joint_estimate_has_the_clocks_and_c_beside_it() {
         resect_io::simulation_files::open(&simulate(Preset::SinglePrism, 5)).expect("valid");
     let joint = calibration(&deployment, &Settings::default());
     assert_eq!(joint.method, Method::Joint);
-    assert!(joint.clocks_by_station().is_some());
+    assert!(joint.clocks().is_some());
     let beside = joint.published.as_deref().expect("C has an answer");
     assert_same(beside, &calibration(&deployment, &by(Method::DynamicGcp)));
-    assert!(beside.clocks_by_station().is_none(), "as published, C knows no clocks");
+    assert!(beside.clocks().is_none(), "as published, C knows no clocks");
 }
 
 /// The window shows it before the joint estimate is available.

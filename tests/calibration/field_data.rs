@@ -335,8 +335,8 @@ fn halves_of_the_drive_agree_within_what_the_joint_estimate_states() {
             - b.station1_from_station[station].translation_m;
         let yaw_rad =
             a.station1_from_station[station].yaw_rad() - b.station1_from_station[station].yaw_rad();
-        let [sigma_a, sigma_b] = [&a, &b]
-            .map(|half| half.sigma_by_station.as_ref().expect("both halves hold all")[station]);
+        let [sigma_a, sigma_b] =
+            [&a, &b].map(|half| half.sigma.as_ref().expect("both halves hold all")[station]);
         let together = |a: f64, b: f64| a.hypot(b);
         for axis in 0..3 {
             let sigma_m = together(sigma_a.translation_m[axis], sigma_b.translation_m[axis]);

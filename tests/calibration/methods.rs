@@ -51,8 +51,7 @@ impl Recovered {
             let analysis = analyse(&deployment, &by(method));
             let truth = &simulated.truth.station1_from_station;
             let calibration = &answer(&analysis).calibration;
-            let sigma =
-                calibration.sigma_by_station.as_ref().expect("all directions are determined");
+            let sigma = calibration.sigma.as_ref().expect("all directions are determined");
             for station in 1..3 {
                 let placed = &calibration.station1_from_station[station];
                 let off_m = (placed.translation_m - truth[station].translation_m).norm();
@@ -232,6 +231,6 @@ fn stations_that_share_few_points_with_each_other_still_have_their_sigma() {
     }
     let analysis = analyse(&deployment, &by(Method::StaticGcp));
     let calibration = &answer(&analysis).calibration;
-    assert!(calibration.sigma_by_station.is_some());
+    assert!(calibration.sigma.is_some());
     assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
 }

@@ -40,7 +40,7 @@ fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
     let analysis = analyse(&short, &published());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Degenerate, "{:?}", calibration.findings);
-    assert!(calibration.sigma_by_station.is_none());
+    assert!(calibration.sigma.is_none());
 }
 
 /// Drives with unconstrained directions are classified correctly, with each prior.

@@ -144,7 +144,7 @@ fn require_one_prism(answers: &DriveAnswers, failures: &mut Failures) {
     let (calibration, published) = (&answer.calibration, answers.drive.published.as_ref());
     let is_joint = calibration.method == Method::Joint && calibration.joint().is_some();
     failures.require(is_joint, format!("{ONE_PRISM}: the answer is not the joint estimate"));
-    let (Some(sigma), Some(published)) = (&calibration.sigma_by_station, published) else {
+    let (Some(sigma), Some(published)) = (&calibration.sigma, published) else {
         return failures.require(false, format!("{ONE_PRISM}: no σ, or nothing is published"));
     };
     for station in 1..3 {

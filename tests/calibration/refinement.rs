@@ -186,7 +186,7 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
         assert!(answer(&plain).calibration.verdict >= Verdict::Weak, "seed {seed}");
         let analysis = analyse(&deployment, &by(Method::Joint));
         assert_eq!(answer(&analysis).calibration.verdict, Verdict::Good, "seed {seed}");
-        let clocks = answer(&analysis).calibration.clocks_by_station().expect("estimated");
+        let clocks = answer(&analysis).calibration.clocks().expect("estimated");
         for (clock, true_s) in clocks.iter().zip([0.0, 0.010, -0.005]) {
             assert!((clock.offset_s - true_s).abs() < 1e-3, "seed {seed}: {clock:?}");
         }

@@ -83,7 +83,7 @@ pub fn normalised(analysis: &Analysis, truth: &PerStation<LevelTransform>) -> [f
 /// Returns the same for a calibration.
 #[track_caller]
 pub fn off_in_sigmas(calibration: &Calibration, truth: &PerStation<LevelTransform>) -> [f64; 8] {
-    let sigma = calibration.sigma_by_station.as_ref().expect("nothing is free");
+    let sigma = calibration.sigma.as_ref().expect("nothing is free");
     std::array::from_fn(|k| {
         let (station, part) = (k / 4 + 1, k % 4);
         let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);

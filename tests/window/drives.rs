@@ -15,7 +15,7 @@ fn sigma_m(harness: &Window) -> f64 {
     let analysis = shown(harness).analysis.clone().expect("analysed");
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
-    calibration.sigma_by_station.as_ref().expect("σ")[1].translation_m.x
+    calibration.sigma.as_ref().expect("σ")[1].translation_m.x
 }
 
 #[test]

@@ -143,7 +143,7 @@ impl Coach {
     ) -> (String, Option<String>) {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
-                let state = "no answer yet: drive where all three stations see their prisms";
+                let state = "no answer yet: drive where all stations see their prisms";
                 return (state.to_owned(), None);
             }
             Some(Err(NoAnswer { why, drive })) => {
@@ -234,10 +234,10 @@ mod tests {
             open: Vec::new(),
             advice: Some("turn more"),
             plan: None,
-            late_s_by_station: None,
+            late_s: None,
             stepped: Vec::new(),
             station1_from_station: PerStation::repeat(3, RigidTransform::IDENTITY),
-            sigma_by_station: None,
+            sigma: None,
             inter_prism_mm: Some(1.0),
         };
         change(&mut judged);

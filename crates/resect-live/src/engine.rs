@@ -295,9 +295,7 @@ impl Engine {
         });
         let at_s = now_s.unwrap_or(0.0);
         let mut stations = self.watches.map(|watch| watch.status(at_s, self.is_live));
-        if let Some(late_s) =
-            self.answer.as_ref().and_then(|judged| judged.late_s_by_station.as_ref())
-        {
+        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s.as_ref()) {
             for (station, late_s) in stations.iter_mut().zip(late_s).skip(1) {
                 station.late_s = Some(*late_s);
             }

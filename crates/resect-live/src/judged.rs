@@ -51,11 +51,11 @@ pub struct Judged {
     pub advice: Option<&'static str>,
     pub plan: Option<PlanView>,
     /// Clock offsets with σ (s), positive if a station's stamps are late; zeros for station 1.
-    pub late_s_by_station: Option<PerStation<[f64; 2]>>,
+    pub late_s: Option<PerStation<[f64; 2]>>,
     /// Detected steps of stations and clocks.
     pub stepped: Vec<Finding>,
     pub station1_from_station: PerStation<RigidTransform>,
-    pub sigma_by_station: Option<PerStation<TransformSigma>>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Median distance error of the answer (mm).
     pub inter_prism_mm: Option<f64>,
 }
@@ -164,12 +164,12 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         open: observability.map_or_else(Vec::new, open),
         advice: observability.map(|observability| observability.advice),
         plan: observability.map(|observability| observability.drive.plan),
-        late_s_by_station: calibration
-            .clock_estimates_by_station()
+        late_s: calibration
+            .clock_estimates()
             .map(|clocks| clocks.map(|(offset_s, _)| [offset_s.value, offset_s.sigma])),
         stepped,
         station1_from_station: calibration.station1_from_station.clone(),
-        sigma_by_station: calibration.sigma_by_station.clone(),
+        sigma: calibration.sigma.clone(),
         inter_prism_mm: answer.evaluation.inter_prism_mm.map(|spread| spread.median),
     }
 }

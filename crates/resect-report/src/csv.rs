@@ -160,7 +160,7 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["station", "offset_s", "sigma_offset_s"];
     header.extend(["drift_s_per_s", "sigma_drift_s_per_s"]);
     table.write_record(header)?;
-    let Some(clocks) = answer.calibration.clock_estimates_by_station() else { return Ok(()) };
+    let Some(clocks) = answer.calibration.clock_estimates() else { return Ok(()) };
     for (station, (offset_s, drift)) in clocks.each().skip(1) {
         let mut row = vec![station.to_string()];
         let numbers = [offset_s.value, offset_s.sigma, drift.value, drift.sigma];

@@ -206,7 +206,7 @@ fn level_transforms(basin: &Basin) -> Vec<Value> {
 pub fn transforms(calibration: &Calibration) -> Vec<Value> {
     let others = calibration.station1_from_station.each().skip(1);
     let transform = |(station, transform): (Station, &RigidTransform)| {
-        let sigma = calibration.sigma_by_station.as_ref().map(|sigma| sigma[station]);
+        let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
         transform_of(station.number(), transform, sigma)
     };
     others.map(transform).collect()

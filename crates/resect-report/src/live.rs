@@ -119,7 +119,7 @@ fn of_station(station: usize, status: &StationStatus) -> Value {
 
 fn transform(judged: &Judged, station: Station) -> Value {
     let transform = &judged.station1_from_station[station];
-    let sigma = judged.sigma_by_station.as_ref().map(|sigma| sigma[station]);
+    let sigma = judged.sigma.as_ref().map(|sigma| sigma[station]);
     json!({
         "from": station.number(),
         "to": 1,

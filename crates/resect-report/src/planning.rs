@@ -29,7 +29,7 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     );
     if let Some(held) = &found.held {
         text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     main sources\n";
-        for station in held.sigma_by_station.numbers().skip(1) {
+        for station in held.sigma.numbers().skip(1) {
             text += &sigma_row(held, station);
         }
         let (far, at) = (&held.far_end, &held.far_end.position_m);
@@ -62,7 +62,7 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
 }
 
 fn sigma_row(held: &Held, station: Station) -> String {
-    let sigma = &held.sigma_by_station[station];
+    let sigma = &held.sigma[station];
     let mut row = format!("T1{station}        ");
     for axis in 0..3 {
         _ = write!(row, "{:>9}      ", sigma_text(Some(sigma.translation_m[axis]), 1));
@@ -144,7 +144,7 @@ fn place(at: &Vector3<f64>) -> &[f64] {
 fn held(held: &Held) -> Value {
     json!({
         "covariance": rows(&held.covariance),
-        "sigma": held.sigma_by_station.iter().skip(1).map(|sigma| json!({
+        "sigma": held.sigma.iter().skip(1).map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
         })).collect::<Vec<_>>(),

@@ -97,7 +97,7 @@ pub fn transforms_table(comparison: &Comparison, finding_line: FindingLine) -> S
             };
             let calibration = &answer.calibration;
             for (station, transform) in calibration.station1_from_station.each().skip(1) {
-                let sigma = calibration.sigma_by_station.as_ref().map(|sigma| sigma[station]);
+                let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
                 _ = write!(text, "{:<5}  T1{}    ", method.short_name(), station);
                 for axis in 0..3 {
                     let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);

@@ -119,7 +119,7 @@ impl StationSummary {
     pub fn of(calibration: &Calibration) -> Vec<Self> {
         let transforms = calibration.station1_from_station.each().skip(1);
         let summary = |(station, transform): (Station, &RigidTransform)| {
-            let sigma = calibration.sigma_by_station.as_ref().map(|sigma| sigma[station]);
+            let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
             Self::new(station.number(), transform, sigma)
         };
         transforms.map(summary).collect()

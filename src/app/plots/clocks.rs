@@ -105,11 +105,10 @@ struct Estimated {
 
 impl Estimated {
     fn of(analysis: &Analysis) -> Option<Self> {
-        let estimates =
-            analysis.answer.as_deref().ok()?.calibration.clock_estimates_by_station()?;
+        let estimates = analysis.answer.as_deref().ok()?.calibration.clock_estimates()?;
         let time_s = &analysis.triplets().time_s;
         Some(Self {
-            offsets_s: estimates.map(|(offset_s, _)| offset_s),
+            offsets_s: estimates.map(|(offset_s, _)| *offset_s),
             drifts: estimates.map(|(_, drift)| drift.value),
             span_s: [*time_s.first()?, *time_s.last()?],
         })

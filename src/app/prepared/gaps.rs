@@ -13,7 +13,7 @@ pub struct Gaps {
     pub rejected_s: [Vec<f64>; 3],
     /// Times of each station's readings that the user excluded (s).
     pub left_out_s: [Vec<f64>; 3],
-    /// Spans in which all three stations measured, in order: longer than τ_l, and shorter ones.
+    /// Spans in which all stations measured, in order: longer than τ_l, and shorter ones.
     pub kept: Vec<Interval>,
     pub short: Vec<Interval>,
     /// Lengths of each station's gaps between two readings that the filter kept.

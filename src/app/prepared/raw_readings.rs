@@ -62,7 +62,7 @@ impl Quantity {
     }
 }
 
-/// Raw readings of all three stations, for the plots.
+/// Raw readings of all stations, for the plots.
 #[derive(Clone, Debug, Default)]
 pub struct RawReadings {
     /// Time of the first measurement of any station (s, in the stations' clock).

@@ -23,7 +23,7 @@ pub struct Calibration {
     /// Transforms from the stations' frames to station 1's (identity for station 1); level unless a rigid alignment was requested.
     pub station1_from_station: PerStation<RigidTransform>,
     /// Standard deviations of the transforms, zeros for station 1; `None` when a direction is not determined.
-    pub sigma_by_station: Option<PerStation<TransformSigma>>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad).
     pub covariance: Option<DMatrix<f64>>,
     pub verdict: Verdict,
@@ -45,7 +45,7 @@ impl<D: Into<Details>> From<MethodAnswer<D>> for Calibration {
     fn from(answer: MethodAnswer<D>) -> Self {
         Self {
             method: answer.method,
-            sigma_by_station: answer.sigma_by_station(),
+            sigma: answer.sigma(),
             station1_from_station: answer.station1_from_station,
             covariance: answer.covariance,
             verdict: answer.judgement.verdict,
@@ -123,8 +123,8 @@ impl Calibration {
     }
 
     /// Returns the standard deviations of [`Self::survey_transforms`]; `None` when a direction is not determined.
-    pub fn survey_sigma_by_station(&self) -> Option<PerStation<TransformSigma>> {
-        self.survey().map(SurveyPoses::sigma).or_else(|| self.sigma_by_station.clone())
+    pub fn survey_sigma(&self) -> Option<PerStation<TransformSigma>> {
+        self.survey().map(SurveyPoses::sigma).or_else(|| self.sigma.clone())
     }
 
     /// Returns the poses at the survey, if the answer uses the control points of a joint estimate.
@@ -165,13 +165,13 @@ impl Calibration {
     }
 
     /// Returns the clocks relative to station 1; `None` if they are not estimated.
-    pub fn clocks_by_station(&self) -> Option<PerStation<Clock>> {
+    pub fn clocks(&self) -> Option<PerStation<Clock>> {
         let clocks = self.joint()?.clocks();
         Some(std::iter::once(Clock::default()).chain(clocks).collect())
     }
 
     /// Returns offset (s) and drift (s/s) of the clocks relative to station 1; `None` if they are not estimated.
-    pub fn clock_estimates_by_station(&self) -> Option<PerStation<(Estimate, Estimate)>> {
+    pub fn clock_estimates(&self) -> Option<PerStation<(Estimate, Estimate)>> {
         let joint = self.joint()?;
         Some(joint.clock_offsets_s.zip(&joint.clock_drifts(), |offset, drift| (*offset, *drift)))
     }

@@ -65,7 +65,7 @@ pub fn check_with_unused_data<D>(
     survey: Option<&SurveyPoses>,
 ) {
     let mut doubts = Vec::new();
-    let sigma = answer.sigma_by_station();
+    let sigma = answer.sigma();
     let largest_m = sigma.as_ref().map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
     });

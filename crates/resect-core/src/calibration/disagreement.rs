@@ -76,7 +76,7 @@ fn difference(
 ) -> Option<Disagreement> {
     let [a, b] = answers.map(|answer| answer.station1_from_station[station]);
     let [Some(sigma_a), Some(sigma_b)] =
-        answers.map(|answer| answer.sigma_by_station.as_ref().map(|sigma| sigma[station]))
+        answers.map(|answer| answer.sigma.as_ref().map(|sigma| sigma[station]))
     else {
         return None;
     };

@@ -5,7 +5,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::targets::{Targets, targets};
-use crate::deployment::{Deployment, Finding, FindingKind};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, FindingKind};
+use crate::network::Station;
 use crate::pipeline::Triplets;
 
 /// Fewest control points that determine an answer of method B.
@@ -18,7 +19,7 @@ pub enum Method {
     TwoPoint,
     /// B: static control points.
     StaticGcp,
-    /// C: one moving prism that all three stations follow.
+    /// C: one moving prism that all stations follow.
     DynamicGcp,
     /// D: three prisms of a rig with known distances.
     InterPrism,
@@ -139,7 +140,7 @@ fn lack(
     let no_triplets = || Some(format!("triplets: {}", why_no_triplets(deployment)));
     match method {
         Method::TwoPoint => {
-            let known = |set: &&crate::deployment::ControlPointSet| {
+            let known = |set: &&ControlPointSet| {
                 set.points.iter().filter(|point| point.serves_resection()).count() >= 2
             };
             (!deployment.control_points.iter().any(|set| known(&set))).then(|| {
@@ -149,31 +150,36 @@ fn lack(
             })
         }
         Method::StaticGcp => {
-            let shared = |station: usize| {
-                let both = |p: &&crate::deployment::ControlPoint| {
-                    p.readings[0].is_some() && p.readings[station].is_some()
+            let is_read = |point: &ControlPoint, station: Station| {
+                point.readings.get(station).is_some_and(Option::is_some)
+            };
+            let shared = |station: Station| {
+                let both = |point: &&ControlPoint| {
+                    is_read(point, Station::FIRST) && is_read(point, station)
                 };
                 let sets = deployment.control_points.iter().filter(|set| !set.pillars);
                 sets.flat_map(|set| &set.points).filter(both).count()
             };
-            let fewest = shared(1).min(shared(2));
+            let others = deployment.tracks.numbers().skip(1);
+            let Some((fewest, station)) = others.map(|other| (shared(other), other)).min() else {
+                return Some("the readings of another station".to_owned());
+            };
             (fewest < FEWEST_POINTS).then(|| {
                 format!(
-                    "{} control points that all stations measured ({fewest} here)",
-                    FEWEST_POINTS
+                    "{FEWEST_POINTS} control points that all stations measured (stations 1 and {station} share {fewest} here)"
                 )
             })
         }
         Method::DynamicGcp if triplets.is_empty() => no_triplets(),
         Method::DynamicGcp => match targets {
             Targets::ThreePrisms => {
-                Some("one prism that all three stations follow; here each has its own".to_owned())
+                Some("one prism that all stations follow; here each has its own".to_owned())
             }
             Targets::OnePrism | Targets::Undecided => None,
         },
         Method::InterPrism => {
             if targets == Targets::OnePrism {
-                Some("three prisms; here all three stations follow one".to_owned())
+                Some("a prism for each station; here all stations follow one".to_owned())
             } else if deployment.rig.is_none() {
                 Some("the inter-prism distances (calibration_results.csv, or another file of the rig)".to_owned())
             } else if triplets.is_empty() {
@@ -197,7 +203,7 @@ pub fn why_no_triplets(deployment: &Deployment) -> String {
     }
     let is_cause = |finding: &&Finding| finding.kind == FindingKind::StationsWithoutCommonTime;
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
-        Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
+        Some(station) => format!("station {} has no measurement; all stations are needed", station + 1),
         None if let Some(cause) = deployment.findings.iter().find(is_cause) => cause.to_string(),
         None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
             .to_owned(),

@@ -25,7 +25,7 @@ pub struct MethodAnswer<D> {
 
 impl<D> MethodAnswer<D> {
     /// Returns the standard deviations of the transforms; zeros for station 1.
-    pub fn sigma_by_station(&self) -> Option<PerStation<TransformSigma>> {
+    pub fn sigma(&self) -> Option<PerStation<TransformSigma>> {
         self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 

@@ -262,7 +262,7 @@ impl UsableAnswer<'_> {
         let largest_m = |sigma: &PerStation<TransformSigma>| {
             sigma.iter().map(|station| station.translation_m.max()).fold(0.0, f64::max)
         };
-        let sigma_m = self.calibration.sigma_by_station.as_ref().map(largest_m);
+        let sigma_m = self.calibration.sigma.as_ref().map(largest_m);
         let checks = &self.calibration.checked_by;
         let agreement = checks.iter().copied().find(|witness| witness.is_independent());
         RecommendationProof::LargestSigma { sigma_m, agreement }

@@ -195,7 +195,7 @@ impl Problem<'_> {
         // Empty for a joint estimate that uses the control points.
         let disagreements = disagreements(&by_points, calibration, deployment);
         let is_unchanged = calibration.survey().is_none_or(|survey| survey.change.is_none());
-        let agrees = calibration.survey_sigma_by_station().is_some_and(|sigma| {
+        let agrees = calibration.survey_sigma().is_some_and(|sigma| {
             let transforms = calibration.survey_transforms();
             checks::control_points_contradict(deployment, &transforms, &sigma).is_none()
         });

@@ -214,7 +214,7 @@ pub const ADVICE: [Advice; 19] = [
     },
     Advice {
         title: "Readings are missing",
-        meaning: "A calibration needs readings of all three stations at the same times.",
+        meaning: "A calibration needs readings of all stations at the same times.",
         step: "Check that each station has its file, then relax the filters or record a longer drive.",
         kinds: &[
             Kind::StationWithoutReadings,

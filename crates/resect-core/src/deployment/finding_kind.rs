@@ -284,7 +284,7 @@ finding_kinds! {
     EstimateNotConverged = "estimate-not-converged", Warning;
     /// The estimate moved away from its start without reaching a minimum.
     EstimateDiverged = "estimate-diverged", Warning;
-    /// No span of the drive has readings of all three stations.
+    /// No span of the drive has readings of all stations.
     NoCommonReadings = "no-common-readings", Warning;
     /// The normal matrix of the joint estimate is positive definite only with tighter priors.
     PriorsTightened = "priors-tightened", Warning;

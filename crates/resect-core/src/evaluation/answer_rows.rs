@@ -134,7 +134,7 @@ pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
             |calibration: &Calibration| numbers_of(&calibration.station1_from_station[station]);
         let values = numbers(calibration);
         let before = published.map(|published| (published.method.to_string(), numbers(published)));
-        let sigmas = sigmas_of(calibration.sigma_by_station.as_ref(), station);
+        let sigmas = sigmas_of(calibration.sigma.as_ref(), station);
         for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().enumerate() {
             if place > 3 && !is_tilted {
                 break;
@@ -185,8 +185,8 @@ fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     for station in 1..calibration.station1_from_station.len() {
         let [at_survey, of_drive] = [&survey.transforms(), &calibration.station1_from_station]
             .map(|transforms| numbers_of(&transforms[station]));
-        let sigmas = [Some(&survey.sigma()), calibration.sigma_by_station.as_ref()]
-            .map(|all| sigmas_of(all, station));
+        let sigmas =
+            [Some(&survey.sigma()), calibration.sigma.as_ref()].map(|all| sigmas_of(all, station));
         for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().take(4).enumerate() {
             let off = at_survey[place] - of_drive[place];
             let value = if place < 3 { off } else { wrap_to_pi(off) };

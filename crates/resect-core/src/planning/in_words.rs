@@ -37,8 +37,7 @@ pub fn judged(plan: &Plan, prediction: &Prediction) -> (Verdict, Vec<Finding>) {
         say(Verdict::Degenerate, plan_leaves_direction_free());
     }
     if let Some(held) = &prediction.held {
-        let largest_m =
-            held.sigma_by_station.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max);
+        let largest_m = held.sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max);
         if largest_m > WEAK_SIGMA_M {
             say(Verdict::Weak, plan_weak(largest_m));
         }

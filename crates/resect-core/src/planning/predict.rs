@@ -141,7 +141,7 @@ pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
 /// Share of usable readings with lost locks and outliers.
 fn usable_share(instrument: &PlannedInstrument) -> f64 {
     let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
-    // A reading constrains the others only if all three stations have one.
+    // A reading constrains the others only if all stations have one.
     (1.0 - lost).powi(3) * (1.0 - instrument.outlier_share)
 }
 
@@ -198,7 +198,7 @@ fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> 
     let covariance = estimate.covariance.clone();
     let found = far_end(&transforms, &covariance, &triplets.points_m)?;
     Some(Held {
-        sigma_by_station: estimate.sigma(),
+        sigma: estimate.sigma(),
         dominant: (0..covariance.nrows()).map(|place| estimate.largest_source(place)).collect(),
         covariance,
         far_end: FarEnd { position_m: found.position_m + plan.stations_m[0], ..found },

@@ -49,7 +49,7 @@ pub struct Prediction {
 #[derive(Clone, Debug)]
 pub struct Held {
     /// Standard deviations along the axes of the plan, zeros for station 1.
-    pub sigma_by_station: PerStation<TransformSigma>,
+    pub sigma: PerStation<TransformSigma>,
     /// Covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad), along the axes of the plan.
     pub covariance: DMatrix<f64>,
     /// Largest source of each σ of that covariance.

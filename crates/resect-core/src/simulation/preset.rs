@@ -19,7 +19,7 @@ pub enum Preset {
     FlatFloor,
     /// The Warthog on ground with larger slopes, and so larger pitch and roll.
     UnevenGround,
-    /// One prism tracked by all three stations, for method C.
+    /// One prism tracked by all stations, for method C.
     SinglePrism,
     /// Figure-eights: turns to both sides.
     FigureEight,

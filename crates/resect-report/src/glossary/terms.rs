@@ -68,7 +68,7 @@ terms! {
         "The longest gap inside an interval, in seconds. Longer gaps are not interpolated."
         ("sections III-B and V-A: 1 s, two lost readings in a row");
     INTERVAL = "interval" / "interval split":
-        "A span in which all three stations measured without a gap longer than τ_s." ("section III-B, module 2");
+        "A span in which all stations measured without a gap longer than τ_s." ("section III-B, module 2");
     TAU_L = "τ_l" / "interval filter":
         "Intervals up to this length, in seconds, are rejected, because few readings interpolate poorly. Optional."
         ("sections III-B and V-A: 6 s");
@@ -119,7 +119,7 @@ terms! {
         "B: the stations are aligned on three or more points that each measured while nothing moved. The paper's reference."
         ("section III-A, eq. (1)");
     DYNAMIC_GCP = "dynamic control points" / "method C":
-        "C: as method B, on the positions of one moving prism that all three stations follow." ("section III-B, eq. (1)");
+        "C: as method B, on the positions of one moving prism that all stations follow." ("section III-B, eq. (1)");
     INTER_PRISM = "method D" / "dynamic inter-prism calibration":
         "D: the transforms that minimise the errors of the known inter-prism distances during a drive, by least squares over all \
          triplets." ("section III-B, eq. (3)");

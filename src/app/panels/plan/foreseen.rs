@@ -90,7 +90,7 @@ fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
 /// Shows σ of (x, y, z, yaw) of stations 2, 3, …, with the main source of each.
 fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
     let mut rows = Vec::new();
-    for (slot, sigma) in held.sigma_by_station.iter().skip(1).enumerate() {
+    for (slot, sigma) in held.sigma.iter().skip(1).enumerate() {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             rows.push((slot, 4 * slot + axis, name, 1e3 * sigma.translation_m[axis], "mm"));
         }

@@ -144,12 +144,7 @@ fn without_convergence_the_published_answer_is_used_and_nothing_leads_back() {
     assert_eq!(unconverged.reason, RecommendationReason::NotConverged);
     assert_says(&unconverged, "Use method D for this drive: the joint estimate did not converge.");
     // σ is that of method D.
-    let sigma = GOOD
-        .1
-        .published
-        .as_ref()
-        .and_then(|published| published.sigma_by_station.clone())
-        .expect("σ");
+    let sigma = GOOD.1.published.as_ref().and_then(|published| published.sigma.clone()).expect("σ");
     let sigma_m = sigma.map(|station| station.translation_m.max());
     let expected = millimetres(sigma_m[0].max(sigma_m[1]));
     assert_says(

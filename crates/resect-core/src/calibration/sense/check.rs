@@ -36,7 +36,7 @@ pub fn check(
         return Ok(());
     };
     shown.control_points_m = control_points_apart_m(points, &calibration.survey_transforms());
-    let witnesses = Witnesses::new(rig, calibration.sigma_by_station.as_ref());
+    let witnesses = Witnesses::new(rig, calibration.sigma.as_ref());
     let (area, heights) = (witnesses.area(&shown), witnesses.heights(&shown));
     let contradictions = [
         (area == Some(Agreement::Contradicts)).then(|| {
@@ -60,7 +60,7 @@ pub fn check(
             .flatten()
             .any(|agreement| agreement > Agreement::Agrees);
     if doubted {
-        let sigma = calibration.sigma_by_station.as_ref();
+        let sigma = calibration.sigma.as_ref();
         let found = explanation::explain(deployment, rig, triplets, sigma, tried, progress)?;
         for (place, finding) in found.into_iter().enumerate() {
             if finding.severity > crate::deployment::Severity::Note {

@@ -86,7 +86,7 @@ pub fn no_common_readings(published: &str) -> Finding {
     Finding::new(
         FindingKind::NoCommonReadings,
         format!(
-            "The joint estimate has no span with readings of all three stations. This is the answer of {published}."
+            "The joint estimate has no span with readings of all stations. This is the answer of {published}."
         ),
     )
 }
