@@ -61,6 +61,7 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let truth = &driven.simulated.truth;
     let triplets = &driven.pipeline.triplets;
     let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
+    let inter_prism_m = inter_prism_m.and_then(|all_m| all_m.as_array());
     let estimate = joint::predict(
         triplets,
         &truth.station1_from_station,
@@ -218,7 +219,7 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
             Some(Ok(PrismMotion::Rig(instants))) => instants
                 .iter()
                 .filter_map(|instant| {
-                    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
+                    let pose = rig_pose(truth.prisms_m.as_array()?, RIG_FLEX_SIGMA_M, instant)?;
                     let rms = |at: usize| {
                         let block: Matrix3<f64> = pose.covariance.fixed_view::<3, 3>(at, at).into();
                         Some(block.trace().sqrt())
