@@ -140,7 +140,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
         let told = joint.steps.iter().filter_map(|step| {
-            let (station, when) = (step.station, joint.describe_time(step));
+            let (station, when) = (step.station.index(), joint.describe_time(step));
             match &step.size {
                 StepSize::Station { turned_rad, .. } => {
                     let moved_m = step.moved_m()?;
