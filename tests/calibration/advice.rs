@@ -129,7 +129,7 @@ impl Site {
         Some(ask(&SoFar {
             triplets: &analysis.pipeline.triplets,
             station1_from_station: &stations,
-            prisms_m: &self.scenario.prisms_m,
+            prisms_m: self.scenario.prisms_m.as_array().expect("three"),
             sizes: &self.sizes,
             expected,
             rate_hz: self.scenario.rate_hz,
@@ -355,7 +355,7 @@ fn prisms_that_turn_on_the_spot_are_no_one_prism() {
         let (sin, cos) = (prism / 3.0 * std::f64::consts::TAU).sin_cos();
         Vector3::new(0.5 * cos, 0.5 * sin, z_m)
     };
-    site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)];
+    site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)].into();
     let there_and_back = (0..=6).map(|step| Vector2::new(60.0 + 0.05 * f64::from(step % 2), 8.0));
     let mut waypoints: Vec<Waypoint> = there_and_back.map(Waypoint::at).collect();
     waypoints.push(Waypoint::at(Vector2::new(45.0, 6.0)));

@@ -25,7 +25,7 @@ use resect_core::calibration::joint::reliability::GroupKind;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
-use resect_core::network::PerStation;
+use resect_core::network::{PerPair, PerStation};
 use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_8;
 
@@ -81,10 +81,11 @@ fn scenario_in_order(preset: Preset, seed: u64) -> Scenario {
         sigma * deviate
     };
     let errors = &mut scenario.errors;
-    errors.clock_offset_s = [0.0, normal(CLOCK_OFFSET_SIGMA_S), normal(CLOCK_OFFSET_SIGMA_S)];
-    errors.clock_drift = [0.0, normal(DRAWN.drift), normal(DRAWN.drift)];
-    errors.tilt_rad = std::array::from_fn(|_| [normal(DRAWN.tilt_rad), normal(DRAWN.tilt_rad)]);
-    errors.inter_prism_m = std::array::from_fn(|_| normal(DRAWN.distance_m));
+    errors.clock_offset_s =
+        [0.0, normal(CLOCK_OFFSET_SIGMA_S), normal(CLOCK_OFFSET_SIGMA_S)].into();
+    errors.clock_drift = [0.0, normal(DRAWN.drift), normal(DRAWN.drift)].into();
+    errors.tilt_rad = PerStation::from_fn(3, |_| [normal(DRAWN.tilt_rad), normal(DRAWN.tilt_rad)]);
+    errors.inter_prism_m = PerPair::from_fn(3, |_| normal(DRAWN.distance_m));
     errors.prism_constant_m = normal(DRAWN.prism_constant_m);
     errors.rig_constant_m = normal(DRAWN.rig_constant_m);
     scenario

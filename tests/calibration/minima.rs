@@ -23,7 +23,7 @@ fn the_lowest_is_the_truth_or_its_twin() {
             let analysis = analyse(&deployment, &published());
             let details = answer(&analysis).calibration.inter_prism().expect("method D");
             let (lowest, truth) = (&details.basins[0], &simulated.truth);
-            let [p1, p2, p3] = truth.prisms_m;
+            let [p1, p2, p3] = *truth.prisms_m.as_array().expect("three");
             let heights_m = [p1.z - p2.z, p1.z - p3.z];
             let off_m = |sign: f64| {
                 (0..2)

@@ -31,7 +31,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
     for (seed, offsets_s) in
         [(1, [0.0, 0.010, -0.010]), (2, [0.0, -0.010, 0.0]), (3, [0.010, 0.0, 0.0])]
     {
-        let errors = SystematicErrors { clock_offset_s: offsets_s, ..Default::default() };
+        let errors = SystematicErrors { clock_offset_s: offsets_s.into(), ..Default::default() };
         let simulated = with_errors(errors, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let truth = &simulated.truth.station1_from_station;
@@ -55,7 +55,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
 
 #[test]
 fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
-    let errors = SystematicErrors { inter_prism_m: [0.003, 0.0, 0.0], ..Default::default() };
+    let errors = SystematicErrors { inter_prism_m: [0.003, 0.0, 0.0].into(), ..Default::default() };
     let simulated = with_errors(errors, 4);
     let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let mut all = by(Method::Joint);
@@ -179,7 +179,7 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
     let mut runs = Vec::new();
     for seed in 40..64 {
         let mut scenario = Preset::SinglePrism.scenario();
-        scenario.errors.clock_offset_s = [0.0, 0.010, -0.005];
+        scenario.errors.clock_offset_s = [0.0, 0.010, -0.005].into();
         let simulated = simulate_scenario(&scenario, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let plain = analyse(&deployment, &by(Method::DynamicGcp));

@@ -62,7 +62,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
     let simulated = simulate(Preset::Warthog, 4);
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let analysis = analyse(&deployment, &published());
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.into());
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.clone());
     let transforms =
         simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let (trajectory, frame) = vehicle_trajectory(

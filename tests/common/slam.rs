@@ -97,7 +97,7 @@ pub fn driven(seed: u64) -> (Simulated, Deployment) {
 }
 
 pub fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployment {
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.into());
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.clone());
     deployment
 }
 

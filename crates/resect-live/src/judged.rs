@@ -11,7 +11,7 @@ use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distanc
 use resect_core::deployment::{Deployment, Finding, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::{Pair, PerPair, PerStation};
+use resect_core::network::{Number, Pair, PerPair, PerStation};
 use resect_core::planning::OPENING;
 use resect_core::statistics::median;
 
@@ -141,7 +141,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
         let told = joint.steps.iter().filter_map(|step| {
-            let (station, when) = (step.station, joint.describe_time(step));
+            let (station, when) = (step.station.index(), joint.describe_time(step));
             match &step.size {
                 StepSize::Station { turned_rad, .. } => {
                     let moved_m = step.moved_m()?;

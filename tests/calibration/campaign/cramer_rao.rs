@@ -62,7 +62,7 @@ pub fn bound(
 
 /// Returns the covariance of the written distances, which share the error of the prism constant.
 fn written_distances_covariance_m2(simulated: &Simulated, drawn: &Drawn) -> Matrix3<f64> {
-    let sights_m = simulated.rig_reading.map(Polar::to_cartesian);
+    let sights_m = simulated.rig_reading.map(|own| own.to_cartesian());
     let by_constant = Vector3::from_iterator(Pair::among(3).map(Pair::indices).map(|[a, b]| {
         let along = (sights_m[a] - sights_m[b]).normalize();
         (sights_m[a].normalize() - sights_m[b].normalize()).dot(&along)

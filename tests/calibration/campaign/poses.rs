@@ -54,7 +54,7 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
             value + rig_sigma_m * Distribution::<f64>::sample(&StandardNormal, &mut rng)
         })
     });
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(given_m.into());
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(given_m);
     let analysis = analyse(&deployment, &by(Method::Joint));
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     // The poses are those of one of two solutions.
@@ -111,9 +111,10 @@ fn covers(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
 
 fn true_pose(simulated: &Simulated, time_s: f64) -> Pose {
     let truth = &simulated.truth;
-    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
+    let prisms_m = truth.prisms_m.as_array::<3>().expect("three");
+    let points_m = prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
     let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
-    align_rig(&truth.prisms_m, &observed).expect("a triangle")
+    align_rig(prisms_m, &observed).expect("a triangle")
 }
 
 fn is_near_gap(analysis: &Analysis, time_s: f64) -> bool {

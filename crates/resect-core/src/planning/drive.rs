@@ -64,9 +64,9 @@ impl Plan {
                 wrong_targets_per_minute: 0.0,
             },
             rate_hz: self.instrument.rate_hz,
-            prisms_m: self.rig.prisms_m,
+            prisms_m: self.rig.prisms_m.into(),
             antennas_m: None,
-            stations_m: [second_m - first_m, third_m - first_m],
+            stations_m: vec![second_m - first_m, third_m - first_m],
             control_point_sets: 0,
             pillars: false,
             ..Preset::Warthog.scenario()
@@ -101,8 +101,8 @@ pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> 
             wrong_targets_per_minute: 0.0,
         },
         // Stations read in turn, which is neither the best nor the worst case.
-        stagger_s: Some([0.0, period_s / 3.0, 2.0 * period_s / 3.0]),
-        yaws_rad: Some(yaws_rad),
+        stagger_s: Some([0.0, period_s / 3.0, 2.0 * period_s / 3.0].into()),
+        yaws_rad: Some(yaws_rad.to_vec()),
         ..scenario
     };
     let simulated = simulate_scenario(&scenario, SEED);

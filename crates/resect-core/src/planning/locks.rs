@@ -72,7 +72,7 @@ fn of_station(station: usize, track: &Track, simulated: &Simulated, plan: &Plan)
     let mut before: Option<&Measurement> = None;
     for reading in &track.measurements {
         let time_s = reading.time_s - EPOCH_S;
-        let prisms_m = simulated.truth.prisms_m;
+        let Some(prisms_m) = simulated.truth.prisms_m.as_array::<3>() else { return lock };
         let at = prisms_m.map(|prism_m| simulated.truth.motion.position_m(&prism_m, time_s));
         let instrument_m = simulated.truth.station1_from_station[station].translation_m;
         let range_m = (at[station] - instrument_m).norm();

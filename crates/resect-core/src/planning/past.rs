@@ -42,13 +42,14 @@ impl Plan {
         let places_m: Vec<Vector2<f64>> =
             time_s.iter().map(|t| motion.position_m(&Vector3::zeros(), *t).xy()).collect();
         let noise = scenario.noise;
+        let prisms_m = scenario.prisms_m.into_array().expect("three prisms");
         Self {
             name: preset.name().to_owned(),
             stations_m: [Vector3::zeros(), scenario.stations_m[0], scenario.stations_m[1]],
             speed_m_per_s: scenario.cruise_m_per_s,
             turn_radius_m: 1.0,
             ground: scenario.ground,
-            rig: PlannedRig { prisms_m: scenario.prisms_m, ..PlannedRig::default() },
+            rig: PlannedRig { prisms_m, ..PlannedRig::default() },
             instrument: PlannedInstrument {
                 range_mm: 1e3 * noise.range_sigma_m,
                 range_ppm: 0.0,

@@ -83,7 +83,7 @@ pub struct PlannedInstrument {
 
 impl Default for PlannedRig {
     fn default() -> Self {
-        let prisms_m = Preset::Warthog.scenario().prisms_m;
+        let prisms_m = Preset::Warthog.scenario().prisms_m.into_array().expect("three prisms");
         Self { prisms_m, inter_prism_sigma_m: 0.001, clearance_m: 0.08 }
     }
 }

@@ -24,7 +24,7 @@ use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
-use crate::network::{Pair, PerPair};
+use crate::network::Pair;
 use crate::pipeline::SampleFate;
 use crate::progress::Progress;
 use crate::simulation::{EPOCH_S, Scenario, Simulated, Truth};
@@ -63,18 +63,18 @@ pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let expected = expected(plan, &driven.simulated);
     let truth = &driven.simulated.truth;
     let triplets = &driven.pipeline.triplets;
-    let inter_prism_m: PerPair<f64> = truth.inter_prism_m.clone().into();
+    let inter_prism_m = &truth.inter_prism_m;
     let is_one_prism = plan.rig.is_one_prism();
     let targets = if is_one_prism { Targets::OnePrism } else { Targets::ThreePrisms };
     let followed = followed_prisms(&driven.deployment, targets);
-    let at_the_truth = (&truth.station1_from_station, &inter_prism_m);
+    let at_the_truth = (&truth.station1_from_station, inter_prism_m);
     let layout = Arc::new(Layout::new(&followed));
     let (sizes, progress) = (sizes(plan), Progress::default());
     let estimate = joint::predict(triplets, &layout, at_the_truth, &sizes, &expected, &progress);
     let estimate = estimate.unwrap_or_default();
     let covariance = estimate.as_ref().map(|estimate| estimate.covariance.clone());
     let foreseen = (!is_one_prism).then(|| {
-        let network = PrismNetwork::new(followed, &inter_prism_m);
+        let network = PrismNetwork::new(followed, inter_prism_m);
         inter_prism::foresee(triplets, &network, &truth.station1_from_station, covariance)
     });
     let foreseen = foreseen.flatten();
@@ -242,7 +242,7 @@ fn sigma_of_instant(
     if plan.rig.is_one_prism() {
         return Some((instant.time_s, [Some(instant.position_covariance.trace().sqrt()), None]));
     }
-    let pose = rig_pose(&truth.prisms_m, RIG_FLEX_SIGMA_M, instant)?;
+    let pose = rig_pose(truth.prisms_m.as_slice(), RIG_FLEX_SIGMA_M, instant)?;
     let rms = |at: usize| Some(pose.covariance.fixed_view::<3, 3>(at, at).trace().sqrt());
     Some((instant.time_s, [rms(0), rms(3)]))
 }

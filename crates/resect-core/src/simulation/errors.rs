@@ -1,6 +1,6 @@
 //! Systematic errors of instruments and rig: none unless a scenario sets them.
 //!
-//! Stations and prisms are numbered from 0 to 2 here, and from 1 to 3 in `truth.toml`.
+//! Stations and prisms are numbered from 0 here, and from 1 in `truth.toml`.
 
 use nalgebra::{Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -9,51 +9,51 @@ use serde::{Serialize, Serializer};
 use super::facet_errors::FacetErrors;
 use super::random::{Stream, normal};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
-use crate::network::PerStation;
+use crate::network::{Number, Pair, Per, PerPair, PerPrism, PerStation, Station, USUAL_STATIONS};
 
 /// Systematic errors of the instruments and the rig.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SystematicErrors {
     /// Offset of each station's clock (s), added to every stamp.
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub clock_offset_s: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub clock_offset_s: PerStation<f64>,
     /// Drift of each station's clock (s/s): stamps are later by this times the time of the drive.
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub clock_drift: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub clock_drift: PerStation<f64>,
     /// Standard deviation of the independent error of each stamp (s).
     #[serde(skip_serializing_if = "is_nothing")]
     pub stamp_jitter_s: f64,
     /// Latency of each station's angles (s): they are measured this much before the range.
     ///
     /// The stamp is the time of the range: range at t, angles at t − latency.
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub latency_s: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub latency_s: PerStation<f64>,
     /// Error of the prism constant, added to every range (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub prism_constant_m: f64,
     /// Additive error of each station's ranges (m).
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub range_offset_m: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub range_offset_m: PerStation<f64>,
     /// Relative scale error of each station's ranges, positive for ranges that are too long.
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub range_scale: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub range_scale: PerStation<f64>,
     /// Additive range error of each of the vehicle's prisms, the same for all stations (m).
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub prism_offset_m: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub prism_offset_m: PerPrism<f64>,
     /// Vertical index error of each station, added to its zenith angles (rad).
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub index_rad: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub index_rad: PerStation<f64>,
     /// Collimation error of each station: deviation of the line of sight from the normal to the horizontal axis (rad).
     ///
     /// The error of the azimuth is this divided by the sine of the zenith angle.
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub collimation_rad: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub collimation_rad: PerStation<f64>,
     /// Tilt of each station's vertical axis about its own x and y (rad).
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub tilt_rad: [[f64; 2]; 3],
-    /// Errors of the written distances 12, 13, 23 between the prisms (m).
-    #[serde(skip_serializing_if = "is_nothing")]
-    pub inter_prism_m: [f64; 3],
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub tilt_rad: PerStation<[f64; 2]>,
+    /// Errors of the written distances 12, 13, 23, … between the prisms (m).
+    #[serde(skip_serializing_if = "are_nothing")]
+    pub inter_prism_m: PerPair<f64>,
     /// Error of the prism constant with which the written distances are computed from the reading of the rig (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub rig_constant_m: f64,
@@ -77,7 +77,7 @@ pub struct SystematicErrors {
     pub set_up_changes: Vec<ChangedSetUp>,
     /// Errors of the readings of each of the vehicle's prisms that repeat with the incidence.
     #[serde(skip_serializing_if = "is_nothing")]
-    pub facets: Option<[FacetErrors; 3]>,
+    pub facets: Option<PerPrism<FacetErrors>>,
 }
 
 /// A step of a clock: all stamps from `at_s` on are later by `by_s`.
@@ -152,12 +152,16 @@ impl CentredTargets {
         Self { centring, rng: Stream::Centring(set).rng(seed) }
     }
 
-    /// Returns the positions of the next target (m) when it is turned to stations 1, 2 and 3.
-    pub fn positions_m(&mut self, marker_m: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    /// Returns the positions of the next target (m) when it is turned to each of the stations.
+    pub fn positions_m(
+        &mut self,
+        marker_m: &Vector3<f64>,
+        stations: usize,
+    ) -> PerStation<Vector3<f64>> {
         let Self { centring, rng } = self;
         let mut displaced = |sigma_m: f64| sigma_m * Vector3::from_fn(|_, _| normal(rng));
         let target_m = marker_m + displaced(centring.marker_m);
-        std::array::from_fn(|_| target_m + displaced(centring.turned_m))
+        PerStation::from_fn(stations, |_| target_m + displaced(centring.turned_m))
     }
 }
 
@@ -267,13 +271,15 @@ impl SystematicErrors {
         &self,
         station1_from_station: &PerStation<LevelTransform>,
     ) -> PerStation<LevelTransform> {
-        let [first, second, third] = [0, 1, 2].map(|station| {
-            let pose = self.at_survey(station, &station1_from_station[station]);
+        let poses = station1_from_station.map_each(|station, set_up| {
+            let pose = self.at_survey(station.index(), set_up);
             LevelTransform::new(pose.translation_m, pose.yaw_rad())
         });
-        let survey_from_drive = first.inverse();
-        let [second, third] = [second, third].map(|pose| survey_from_drive.then_from(&pose));
-        [LevelTransform::IDENTITY, second, third].into()
+        let survey_from_drive = poses[Station::FIRST].inverse();
+        poses.map_each(|station, pose| match station {
+            Station::FIRST => LevelTransform::IDENTITY,
+            _ => survey_from_drive.then_from(pose),
+        })
     }
 
     /// Returns the rotation from a station's axes to its frame: the tilt, and the difference between its plumb line and
@@ -312,11 +318,45 @@ impl SystematicErrors {
     }
 }
 
+impl Default for SystematicErrors {
+    /// No errors of the usual numbers of stations and prisms.
+    fn default() -> Self {
+        let stations = USUAL_STATIONS;
+        let none = PerStation::repeat(stations, 0.0);
+        Self {
+            clock_offset_s: none.clone(),
+            clock_drift: none.clone(),
+            stamp_jitter_s: 0.0,
+            latency_s: none.clone(),
+            prism_constant_m: 0.0,
+            range_offset_m: none.clone(),
+            range_scale: none.clone(),
+            prism_offset_m: PerPrism::repeat(stations, 0.0),
+            index_rad: none.clone(),
+            collimation_rad: none,
+            tilt_rad: PerStation::repeat(stations, [0.0; 2]),
+            inter_prism_m: PerPair::repeat(Pair::count(stations), 0.0),
+            rig_constant_m: 0.0,
+            range_wander: None,
+            curvature: None,
+            centring: None,
+            clock_steps: Vec::new(),
+            settling: Vec::new(),
+            set_up_changes: Vec::new(),
+            facets: None,
+        }
+    }
+}
+
+fn are_nothing<N: Number, T: Default + PartialEq>(values: &Per<N, T>) -> bool {
+    values.iter().all(is_nothing)
+}
+
 fn is_nothing<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Serializes a station as its number from 1 to 3.
+/// Serializes a station as its number from 1.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
 fn number<S: Serializer>(station: &usize, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_u64(*station as u64 + 1)

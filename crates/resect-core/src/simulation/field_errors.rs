@@ -1,5 +1,6 @@
 //! Random systematic errors, as large as in the field.
 
+use crate::network::{Number, Pair, Per, PerPrism, PerStation, Station};
 use std::f64::consts::E;
 
 use nalgebra::Vector3;
@@ -91,31 +92,33 @@ const CHANGED_LEAN_RAD: f64 = 1.5 * ARCSECOND_RAD;
 /// Draws the errors of one kind as large as in the field, and replaces those of that kind in the scenario.
 pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let duration_s = scenario.duration_s;
+    let (stations, prisms) = (scenario.stations(), scenario.prisms_m.len());
+    let is_one_prism = scenario.is_one_prism();
     let errors = &mut scenario.errors;
     match kind {
-        ErrorKind::Settling => errors.settling = settling(duration_s, rng),
+        ErrorKind::Settling => errors.settling = settling(stations, duration_s, rng),
         ErrorKind::RangeOffset => {
-            errors.range_offset_m = normals(RANGE_OFFSET_M, rng);
-            errors.prism_offset_m = normals(PRISM_OFFSET_M, rng);
+            errors.range_offset_m = each_normal(stations, RANGE_OFFSET_M, rng);
+            errors.prism_offset_m = each_normal(prisms, PRISM_OFFSET_M, rng);
             // A prism that all stations track has one offset.
-            if is_one_prism(&scenario.prisms_m) {
-                errors.prism_offset_m = [errors.prism_offset_m[0]; 3];
+            if is_one_prism {
+                errors.prism_offset_m = PerPrism::repeat(prisms, errors.prism_offset_m[0]);
             }
         }
-        ErrorKind::RangeScale => errors.range_scale = normals(RANGE_SCALE, rng),
+        ErrorKind::RangeScale => errors.range_scale = each_normal(stations, RANGE_SCALE, rng),
         ErrorKind::RangeWander => {
             let sigma_m = (WANDER_M * normal(rng)).abs();
             let correlation_s = E.powf(between(WANDER_CORRELATION_S.map(f64::ln), rng));
             errors.range_wander = Some(Wander { sigma_m, correlation_s });
         }
-        ErrorKind::Latency => errors.latency_s = std::array::from_fn(|_| between(LATENCY_S, rng)),
+        ErrorKind::Latency => {
+            errors.latency_s = PerStation::from_fn(stations, |_| between(LATENCY_S, rng));
+        }
         ErrorKind::StampJitter => errors.stamp_jitter_s = between(STAMP_JITTER_S, rng),
         ErrorKind::ClockOffset => {
             // Station 1's clock is the reference.
-            let ([offset_2, offset_3], [drift_2, drift_3]) =
-                (normals(CLOCK_OFFSET_S, rng), normals(CLOCK_DRIFT, rng));
-            errors.clock_offset_s = [0.0, offset_2, offset_3];
-            errors.clock_drift = [0.0, drift_2, drift_3];
+            errors.clock_offset_s = relative_to_first(stations, CLOCK_OFFSET_S, rng);
+            errors.clock_drift = relative_to_first(stations, CLOCK_DRIFT, rng);
         }
         ErrorKind::ClockJumps => {
             let chance = rng.random_range(0.0..1.0);
@@ -123,7 +126,7 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
                 + usize::from(chance < JUMPING_TWICE);
             errors.clock_steps = (0..jumps)
                 .map(|_| {
-                    let station = rng.random_range(0..3);
+                    let station = rng.random_range(0..stations);
                     let at_s = rng.random_range(0.0..duration_s);
                     let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
                     ClockStep { station, at_s, by_s: sign * between(JUMP_S, rng) }
@@ -138,41 +141,42 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
                 })
                 .collect();
         }
-        ErrorKind::Index => errors.index_rad = normals(INDEX_RAD, rng),
-        ErrorKind::Collimation => errors.collimation_rad = normals(COLLIMATION_RAD, rng),
-        ErrorKind::Tilt => errors.tilt_rad = std::array::from_fn(|_| normals(TILT_RAD, rng)),
+        ErrorKind::Index => errors.index_rad = each_normal(stations, INDEX_RAD, rng),
+        ErrorKind::Collimation => {
+            errors.collimation_rad = each_normal(stations, COLLIMATION_RAD, rng);
+        }
+        ErrorKind::Tilt => {
+            errors.tilt_rad = PerStation::from_fn(stations, |_| normals(TILT_RAD, rng));
+        }
         ErrorKind::Curvature => {
             let refraction = between(REFRACTION, rng);
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
         }
         ErrorKind::Distances => {
-            errors.inter_prism_m = normals(DISTANCE_M, rng);
+            errors.inter_prism_m = each_normal(Pair::count(prisms), DISTANCE_M, rng);
             let is_without = rng.random_bool(WITHOUT_CONSTANT);
             errors.rig_constant_m = if is_without { -RIG_CONSTANT_M } else { 0.0 };
         }
         ErrorKind::PrismConstant => errors.prism_constant_m = PRISM_CONSTANT_M * normal(rng),
         ErrorKind::Facets => draw_facets(FACETS_M, scenario, rng),
         ErrorKind::Centring => errors.centring = Some(CENTRING),
-        ErrorKind::SetUpChange => errors.set_up_changes = changed_set_ups(rng),
+        ErrorKind::SetUpChange => errors.set_up_changes = changed_set_ups(stations, rng),
     }
 }
 
 /// Draws the errors of the prisms that repeat with the incidence; `rms_m` are root mean squares along the sight, across it and
 /// upward (m).
 pub fn draw_facets(rms_m: [f64; 3], scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
-    let facets: [FacetErrors; 3] = std::array::from_fn(|_| FacetErrors::draw(rms_m, rng));
-    let is_one = is_one_prism(&scenario.prisms_m);
-    scenario.errors.facets = Some(if is_one { [facets[0]; 3] } else { facets });
+    let prisms = scenario.prisms_m.len();
+    let facets = PerPrism::from_fn(prisms, |_| FacetErrors::draw(rms_m, rng));
+    let is_one = scenario.is_one_prism();
+    scenario.errors.facets =
+        Some(if is_one { PerPrism::repeat(prisms, facets[0]) } else { facets });
 }
 
-/// Returns true if all stations track one prism.
-fn is_one_prism([first, second, third]: &[Vector3<f64>; 3]) -> bool {
-    first == second && first == third
-}
-
-fn settling(duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settling> {
+fn settling(stations: usize, duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settling> {
     let at_once = rng.random_bool(AT_ONCE);
-    (0..3)
+    (0..stations)
         .map(|station| {
             let from_s = rng.random_range(0.0..duration_s);
             let slow_s = between(SLOW_SHARE, rng) * (duration_s - from_s);
@@ -188,8 +192,8 @@ fn settling(duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settling> {
         .collect()
 }
 
-fn changed_set_ups(rng: &mut ChaCha8Rng) -> Vec<ChangedSetUp> {
-    (0..3)
+fn changed_set_ups(stations: usize, rng: &mut ChaCha8Rng) -> Vec<ChangedSetUp> {
+    (0..stations)
         .map(|station| ChangedSetUp {
             station,
             turn_rad: CHANGED_TURN_RAD * normal(rng),
@@ -212,6 +216,19 @@ impl Scenario {
         }
         self
     }
+}
+
+/// Draws a normal number for each station, prism or pair.
+fn each_normal<N: Number>(count: usize, sigma: f64, rng: &mut ChaCha8Rng) -> Per<N, f64> {
+    Per::from_fn(count, |_| sigma * normal(rng))
+}
+
+/// Draws a normal number for each station but the first, whose number is zero.
+fn relative_to_first(stations: usize, sigma: f64, rng: &mut ChaCha8Rng) -> PerStation<f64> {
+    PerStation::from_fn(stations, |station| match station {
+        Station::FIRST => 0.0,
+        _ => sigma * normal(rng),
+    })
 }
 
 fn normals<const N: usize>(sigma: f64, rng: &mut ChaCha8Rng) -> [f64; N] {

@@ -1,4 +1,4 @@
-//! Readings of three stations, each tracking a moving prism, with noise, outliers and lost locks.
+//! Readings of the stations, each tracking a moving prism, with noise, outliers and lost locks.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,7 +17,7 @@ use crate::deployment::{
     ControlPoint, ControlPointSet, Measurement, RawRecord, pairwise_distances,
 };
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
-use crate::network::{Number, PerStation};
+use crate::network::{Number, PerPrism, PerStation};
 
 /// Number of readings of the rig that are averaged.
 const RIG_READINGS: f64 = 10.0;
@@ -30,13 +30,13 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let motion = Motion::drive(scenario, &mut rng);
     // Drawn even if unused: an option must not change other random numbers.
     let drawn: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
-    let yaws = scenario.yaws_rad.unwrap_or(drawn);
-    let station1_from_station: PerStation<LevelTransform> = [
-        LevelTransform::IDENTITY,
-        LevelTransform::new(scenario.stations_m[0], yaws[0]),
-        LevelTransform::new(scenario.stations_m[1], yaws[1]),
-    ]
-    .into();
+    let mut drawn = drawn.to_vec();
+    drawn.extend((drawn.len()..scenario.stations_m.len()).map(|_| rng.random_range(-PI..PI)));
+    let yaws_rad = scenario.yaws_rad.as_ref().unwrap_or(&drawn);
+    let others = scenario.stations_m.iter().zip(yaws_rad);
+    let others = others.map(|(station_m, yaw_rad)| LevelTransform::new(*station_m, *yaw_rad));
+    let station1_from_station: PerStation<LevelTransform> =
+        std::iter::once(LevelTransform::IDENTITY).chain(others).collect();
 
     let mut recording = Recording::default();
     for (station, set_up) in station1_from_station.iter().enumerate() {
@@ -50,8 +50,8 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let mut control_points: Vec<ControlPointSet> =
         (0..scenario.control_point_sets).map(|set| survey.control_points(set, &mut rng)).collect();
     let rig_reading = read_rig(scenario, &mut rng);
-    let prisms_m = scenario.prisms_m;
-    let inter_prism_m = *pairwise_distances(&prisms_m).as_array().expect("three prisms");
+    let prisms_m = scenario.prisms_m.clone();
+    let inter_prism_m = pairwise_distances(prisms_m.as_slice());
     if scenario.pillars {
         control_points.push(survey.pillars(&mut rng));
     }
@@ -103,7 +103,7 @@ impl SimulatedStation<'_> {
         let (errors, noise) = (&scenario.errors, &scenario.noise);
         // Drawn even if unused: an option must not change other random numbers.
         let drawn_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
-        let stagger_s = scenario.stagger_s.map_or(drawn_s, |given| given[station]);
+        let stagger_s = scenario.stagger_s.as_ref().map_or(drawn_s, |given| given[station]);
         let silences = spans(scenario.duration_s, noise.lost_locks_per_minute, 1.5..14.0, rng);
         let mistaken = spans(
             scenario.duration_s,
@@ -120,7 +120,8 @@ impl SimulatedStation<'_> {
             let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
             let within =
                 |spans: &[[f64; 2]]| spans.iter().any(|[from, to]| (*from..*to).contains(&t));
-            let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
+            let is_mistaken = within(&mistaken);
+            let prism = scenario.prism_of(if is_mistaken { station + 1 } else { station });
             let mut seen = self.read_prism(prism, t);
             seen.range_m += wandering.as_mut().map_or(0.0, |range| range.at_m(t));
             let mut polar = noisy(seen, scenario, 1.0, rng);
@@ -132,7 +133,7 @@ impl SimulatedStation<'_> {
             if within(&scenario.pauses_s) {
                 continue;
             }
-            recording.outliers += usize::from(prism != station) + usize::from(blundered);
+            recording.outliers += usize::from(is_mistaken) + usize::from(blundered);
             if within(&silences) {
                 recording.lost_readings += 1;
                 continue;
@@ -174,13 +175,14 @@ impl SimulatedStation<'_> {
 }
 
 /// Simulates a static reading of the rig from a few metres away; the vehicle stands level, with a random heading.
-fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> [Polar; 3] {
+fn read_rig(scenario: &Scenario, rng: &mut ChaCha8Rng) -> PerPrism<Polar> {
     let heading: f64 = rng.random_range(0.0..TAU);
     let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
     let errors = &scenario.errors;
     let set_up = LevelTransform::IDENTITY;
-    std::array::from_fn(|prism| {
-        let place = beside.apply(&scenario.prisms_m[prism]);
+    scenario.prisms_m.map_each(|prism, prism_m| {
+        let prism = prism.index();
+        let place = beside.apply(prism_m);
         let seen = sight(errors, 0, &set_up, &set_up.into(), &place);
         let mut reading = errors.misread(0, Some(prism), seen);
         if let Some(facets) = &errors.facets {
@@ -261,7 +263,7 @@ impl SimulatedSurvey<'_> {
         rng: &mut ChaCha8Rng,
     ) -> PerStation<Option<Polar>> {
         let errors = &self.scenario.errors;
-        let positions_m = targets.positions_m(marker_m);
+        let positions_m = targets.positions_m(marker_m, self.station1_from_station.len());
         self.station1_from_station.map_each(|station, set_up| {
             let station = station.index();
             let frame = errors.at_survey(station, set_up);

@@ -15,6 +15,7 @@ mod gnss;
 mod ground;
 mod instrument;
 mod motion;
+mod network;
 mod planar;
 mod preset;
 mod random;

@@ -98,7 +98,7 @@ impl Preset {
             },
             Self::SinglePrism => Scenario {
                 name,
-                prisms_m: [Vector3::new(0.0, 0.0, 1.5); 3],
+                prisms_m: [Vector3::new(0.0, 0.0, 1.5); 3].into(),
                 antennas_m: None,
                 ..warthog()
             },
@@ -108,7 +108,8 @@ impl Preset {
                     Vector3::new(0.10, 0.00, 0.62),
                     Vector3::new(-0.05, 0.09, 0.55),
                     Vector3::new(-0.05, -0.09, 0.59),
-                ],
+                ]
+                .into(),
                 antennas_m: None,
                 ..drive_bends(name, EIGHT, 300.0)
             },
@@ -151,13 +152,14 @@ fn warthog() -> Scenario {
             Vector3::new(0.45, 0.05, 1.55),
             Vector3::new(-0.28, 0.47, 1.20),
             Vector3::new(-0.13, -0.47, 1.38),
-        ],
+        ]
+        .into(),
         antennas_m: Some([
             Vector3::new(0.40, -0.30, 1.10),
             Vector3::new(-0.35, -0.28, 1.12),
             Vector3::new(0.02, 0.38, 1.31),
         ]),
-        stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
+        stations_m: vec![Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
         yaws_rad: None,
         control_point_sets: 2,
         pillars: true,
@@ -187,9 +189,10 @@ fn hd2_tunnel() -> Scenario {
             Vector3::new(0.20, 0.00, 0.62),
             Vector3::new(-0.08, 0.17, 0.50),
             Vector3::new(-0.08, -0.17, 0.57),
-        ],
+        ]
+        .into(),
         antennas_m: None,
-        stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
+        stations_m: vec![Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
         yaws_rad: None,
         control_point_sets: 0,
         pillars: false,

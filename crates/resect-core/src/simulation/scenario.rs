@@ -1,5 +1,6 @@
 //! The description of a simulated drive: path, ground, instruments and their errors.
 
+use crate::network::{PerPrism, PerStation};
 use nalgebra::Vector3;
 
 use super::error_kind::ErrorKind;
@@ -51,15 +52,15 @@ pub struct Scenario {
     /// Readings per second of each station.
     pub rate_hz: f64,
     /// Time of the first reading of each station (s); `None` to draw it within the first period.
-    pub stagger_s: Option<[f64; 3]>,
+    pub stagger_s: Option<PerStation<f64>>,
     /// Prisms in the frame of the vehicle, whose origin is on the ground: x ahead, y left, z up (m).
-    pub prisms_m: [Vector3<f64>; 3],
+    pub prisms_m: PerPrism<Vector3<f64>>,
     /// GNSS antennas, in the same frame.
     pub antennas_m: Option<[Vector3<f64>; 3]>,
-    /// Positions of stations 2 and 3 in station 1's frame (m).
-    pub stations_m: [Vector3<f64>; 2],
-    /// Yaws of stations 2 and 3; `None` to draw them.
-    pub yaws_rad: Option<[f64; 2]>,
+    /// Positions of stations 2, 3, … in station 1's frame (m).
+    pub stations_m: Vec<Vector3<f64>>,
+    /// Yaws of stations 2, 3, …; `None` to draw them.
+    pub yaws_rad: Option<Vec<f64>>,
     /// Number of sets of ten control points.
     pub control_point_sets: usize,
     /// Surveyed pillars on a line, for method A.

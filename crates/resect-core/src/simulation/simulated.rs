@@ -7,7 +7,7 @@ use super::scenario::Scenario;
 use crate::deployment::{ControlPointSet, GnssFix, RawRecord};
 use crate::evaluation::trajectory::{Pose, Trajectory};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
-use crate::network::{Number, PerStation};
+use crate::network::{Number, PerPair, PerPrism, PerStation};
 
 /// Unix time of the first reading (s), arbitrary.
 pub const EPOCH_S: f64 = 1_760_000_000.0;
@@ -21,8 +21,8 @@ pub struct Simulated {
     /// Readings of all stations in order of time; ranges lack the prism constant.
     pub records: Vec<RawRecord>,
     pub control_points: Vec<ControlPointSet>,
-    /// A static station's averaged reading of the three prisms, prism constant included.
-    pub rig_reading: [Polar; 3],
+    /// A static station's averaged reading of the prisms, prism constant included.
+    pub rig_reading: PerPrism<Polar>,
     pub antennas: Option<[Vec<GnssFix>; 3]>,
     pub truth: Truth,
 }
@@ -34,9 +34,9 @@ pub struct Truth {
     pub station1_from_station: PerStation<LevelTransform>,
     /// Level poses of the stations when they measured the control points, in station 1's frame of that time.
     pub station1_from_station_at_survey: PerStation<LevelTransform>,
-    pub inter_prism_m: [f64; 3],
+    pub inter_prism_m: PerPair<f64>,
     /// Prisms in the vehicle's frame: x ahead, y left, z up (m).
-    pub prisms_m: [Vector3<f64>; 3],
+    pub prisms_m: PerPrism<Vector3<f64>>,
     /// Motion of the vehicle from [`EPOCH_S`] on.
     pub motion: Motion,
     /// Number of readings with a gross error, and number of readings suppressed by lost locks.

@@ -79,9 +79,9 @@ fn near(found: f64, expected: f64, within: f64) {
 #[test]
 fn ranges_are_wrong_by_offset_scale_and_prism() {
     let errors = || SystematicErrors {
-        range_offset_m: [0.001, -0.002, 0.003],
-        range_scale: [40e-6, -20e-6, 10e-6],
-        prism_offset_m: [0.0005, 0.0007, -0.0009],
+        range_offset_m: [0.001, -0.002, 0.003].into(),
+        range_scale: [40e-6, -20e-6, 10e-6].into(),
+        prism_offset_m: [0.0005, 0.0007, -0.0009].into(),
         prism_constant_m: 0.0002,
         ..none()
     };
@@ -108,7 +108,7 @@ fn a_wrong_prism_brings_its_own_offset() {
     let mut scenario = noiseless();
     scenario.noise.wrong_targets_per_minute = 4.0;
     let right = simulate_scenario(&scenario, 5);
-    scenario.errors.prism_offset_m = [0.001, 0.002, 0.003];
+    scenario.errors.prism_offset_m = [0.001, 0.002, 0.003].into();
     let wrong = simulate_scenario(&scenario, 5);
     let mut seen = [false; 3];
     for (right, wrong) in readings(&right, 0).iter().zip(&readings(&wrong, 0)) {
@@ -122,7 +122,7 @@ fn a_wrong_prism_brings_its_own_offset() {
 #[test]
 fn angles_are_those_of_a_latency_earlier() {
     let latency_s = [0.0, 0.010, 0.300];
-    let simulated = drive(SystematicErrors { latency_s, ..none() });
+    let simulated = drive(SystematicErrors { latency_s: latency_s.into(), ..none() });
     let mut fastest_m = 0.0_f64;
     for station in 0..3 {
         let this_from_station1 = simulated.truth.station1_from_station[station].inverse();
@@ -314,8 +314,8 @@ fn a_pause_has_no_readings_and_changes_no_others() {
 #[test]
 fn index_and_collimation_go_into_the_angles() {
     let errors = || SystematicErrors {
-        index_rad: [1e-4, -2e-4, 3e-4],
-        collimation_rad: [-5e-4, 1e-4, 2e-4],
+        index_rad: [1e-4, -2e-4, 3e-4].into(),
+        collimation_rad: [-5e-4, 1e-4, 2e-4].into(),
         ..none()
     };
     let check = |station: usize, right: Polar, wrong: Polar| {
@@ -372,7 +372,7 @@ fn refraction_lifts_what_is_far() {
 fn a_leaning_station_sees_the_world_lean_the_other_way() {
     // A right-handed rotation about y leans up towards +x, so targets ahead appear higher.
     let tilt_rad = [[0.0, 1e-3], [0.0; 2], [0.0; 2]];
-    let [first, ..] = side_by_side(SystematicErrors { tilt_rad, ..none() });
+    let [first, ..] = side_by_side(SystematicErrors { tilt_rad: tilt_rad.into(), ..none() });
     for (right, wrong) in first {
         let ahead = right.azimuth_rad.cos();
         near(wrong.zenith_rad - right.zenith_rad, -1e-3 * ahead, 1e-6);
@@ -430,7 +430,7 @@ fn errors_are_drawn_as_large_as_in_the_field() {
         (1.5 * ARCSECOND_RAD, |e| e.tilt_rad[0][1]),
         (0.002, |e| e.inter_prism_m[2]),
         // One of three orders.
-        (0.001 / 3.0_f64.sqrt(), |e| e.facets.expect("drawn")[1].along_m[0][1]),
+        (0.001 / 3.0_f64.sqrt(), |e| e.facets.as_ref().expect("drawn")[1].along_m[0][1]),
         (36e-6, |e| e.set_up_changes[1].turn_rad),
         (0.0007, |e| e.set_up_changes[0].move_m.y),
         (1.5 * ARCSECOND_RAD, |e| e.set_up_changes[2].lean_rad[0]),

@@ -74,6 +74,10 @@ impl PriorConflict {
 
 /// Returns the quantile of a normal distribution with the probability of the χ² of several numbers (Wilson & Hilferty 1931).
 fn joint_sigmas(covariance: DMatrix<f64>, numbers: &DVector<f64>) -> f64 {
+    // nalgebra does not decompose an empty matrix.
+    if numbers.is_empty() {
+        return 0.0;
+    }
     let eigen = covariance.symmetric_eigen();
     let (mut chi_square, mut freedom) = (0.0, 0.0);
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {

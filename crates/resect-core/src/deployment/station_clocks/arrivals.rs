@@ -1,5 +1,6 @@
 //! Comparison of the stations' stamps and own clocks with the recorder's clock.
 
+use crate::network::MOST_STATIONS;
 use crate::deployment::Finding;
 use crate::deployment::findings::recordings::stamps_contradict_recorder;
 use crate::statistics::median;
@@ -15,9 +16,9 @@ const KEPT_ARRIVALS: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub struct Arrivals {
     /// Delay of the readings of each station after the stamp and after the own clock (s); every `every`-th reading.
-    kept: [Vec<(f64, f64)>; 3],
-    seen: [usize; 3],
-    every: [usize; 3],
+    kept: [Vec<(f64, f64)>; MOST_STATIONS],
+    seen: [usize; MOST_STATIONS],
+    every: [usize; MOST_STATIONS],
 }
 
 impl Arrivals {

@@ -29,7 +29,7 @@ fn facets_have_the_sizes_that_were_asked_for() {
 
 #[test]
 fn facets_repeat_with_the_incidence_on_each_prism() {
-    let errors = || SystematicErrors { facets: Some(facets()), ..none() };
+    let errors = || SystematicErrors { facets: Some(facets().into()), ..none() };
     let Truth { motion, prisms_m, station1_from_station, .. } = drive(errors()).truth;
     for (station, pairs) in side_by_side(errors()).iter().enumerate() {
         let own = facets()[station];
