@@ -88,7 +88,7 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         let errors_m = resect_core::calibration::distance_errors_m(
             triplets,
             &transforms,
-            simulated.truth.inter_prism_m.as_array().expect("three"),
+            &simulated.truth.inter_prism_m,
         );
         let mut ratios: Vec<f64> = (0..triplets.len())
             .flat_map(|index| {

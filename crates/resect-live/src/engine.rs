@@ -190,7 +190,7 @@ impl Engine {
             *kept = Some(Arc::clone(judged));
             // An answer from readings of a wrong prism does not become the reference. If that lasts long, the earlier
             // reference may be the wrong one.
-            let is_right = !outcome.wrong_pairs().contains(&true);
+            let is_right = !outcome.wrong_pairs().iter().any(|is_off| *is_off);
             let is_old = |known: &Arc<Judged>| judged.up_to_s - known.up_to_s > LONGEST_KNOWN_S;
             if judged.is_sure() && (is_right || self.known.as_ref().is_none_or(is_old)) {
                 self.known = Some(Arc::clone(judged));

@@ -11,7 +11,7 @@ use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distanc
 use resect_core::deployment::{Deployment, Finding, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::{Number, Pair, PerStation};
+use resect_core::network::{Number, Pair, PerPair, PerStation};
 use resect_core::planning::OPENING;
 use resect_core::statistics::median;
 
@@ -90,13 +90,14 @@ pub struct Outcome {
     pub is_first: bool,
     pub judged: Result<Arc<Judged>, NoAnswer>,
     /// Median absolute distance errors of the last triplets, by pair (m).
-    pub lately_off_m: Option<[f64; 3]>,
+    pub lately_off_m: Option<PerPair<f64>>,
 }
 
 impl Outcome {
     /// Returns true for each pair of prisms whose last distance errors exceed any noise.
-    pub fn wrong_pairs(&self) -> [bool; 3] {
-        self.lately_off_m.map_or([false; 3], |off_m| off_m.map(|off_m| off_m > WRONG_PRISM_M))
+    pub fn wrong_pairs(&self) -> PerPair<bool> {
+        let off_m = self.lately_off_m.as_ref();
+        off_m.map_or_else(PerPair::default, |off_m| off_m.map(|off_m| *off_m > WRONG_PRISM_M))
     }
 }
 
@@ -179,8 +180,8 @@ fn lately_off_m(
     deployment: &Deployment,
     analysis: &Analysis,
     transforms: &PerStation<RigidTransform>,
-) -> Option<[f64; 3]> {
-    let rig_m = *deployment.rig.as_ref()?.inter_prism_m.as_array()?;
+) -> Option<PerPair<f64>> {
+    let rig_m = &deployment.rig.as_ref()?.inter_prism_m;
     let triplets = &analysis.pipeline.triplets;
     let last_s = triplets.time_s.last()?;
     let from = triplets.time_s.partition_point(|time_s| *time_s < last_s - LATEST_S);
@@ -190,15 +191,16 @@ fn lately_off_m(
     if latest.len() < FEWEST || !is_now {
         return None;
     }
-    let errors_m = distance_errors_m(&triplets.select(&latest), transforms, &rig_m);
-    let off_m = errors_m.map(|errors| median(errors.into_iter().map(f64::abs)).unwrap_or(0.0));
-    Some(off_m)
+    let errors_m = distance_errors_m(&triplets.select(&latest), transforms, rig_m);
+    let median_m = |errors_m: &Vec<f64>| median(errors_m.iter().map(|error_m| error_m.abs()));
+    Some(errors_m.map(|errors_m| median_m(errors_m).unwrap_or(0.0)))
 }
 
-/// Returns the station, 0 to 2, that the deviating pairs have in common; `None` if all pairs deviate, or none.
-pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
-    (0..3).find(|station| {
-        (0..3).all(|pair| is_off[pair] == Pair::at(pair).indices().contains(station))
+/// Returns the station (from 0) that the deviating pairs have in common; `None` if all pairs deviate, or none.
+pub fn station_in_common(is_off: &PerPair<bool>) -> Option<usize> {
+    let stations = Pair::prisms_of(is_off.len()).filter(|stations| *stations > 2)?;
+    (0..stations).find(|station| {
+        is_off.each().all(|(pair, is_off)| *is_off == pair.indices().contains(station))
     })
 }
 
@@ -236,10 +238,10 @@ mod tests {
 
     #[test]
     fn the_station_of_two_bad_pairs_is_named() {
-        assert_eq!(station_in_common([true, true, false]), Some(0));
-        assert_eq!(station_in_common([true, false, true]), Some(1));
-        assert_eq!(station_in_common([false, true, true]), Some(2));
-        assert_eq!(station_in_common([true, true, true]), None);
-        assert_eq!(station_in_common([false; 3]), None);
+        assert_eq!(station_in_common(&[true, true, false].into()), Some(0));
+        assert_eq!(station_in_common(&[true, false, true].into()), Some(1));
+        assert_eq!(station_in_common(&[false, true, true].into()), Some(2));
+        assert_eq!(station_in_common(&[true, true, true].into()), None);
+        assert_eq!(station_in_common(&[false; 3].into()), None);
     }
 }

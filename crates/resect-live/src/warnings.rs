@@ -71,11 +71,14 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
             all.push(stepped.clone());
         }
     }
-    if let Some((outcome, off_m)) = seen.latest.and_then(|one| Some((one, one.lately_off_m?))) {
+    if let Some((outcome, off_m)) =
+        seen.latest.and_then(|one| Some((one, one.lately_off_m.as_ref()?)))
+    {
         let is_off = outcome.wrong_pairs();
-        if is_off.contains(&true) {
-            let worst = (0..3).max_by(|a, b| off_m[*a].total_cmp(&off_m[*b])).unwrap_or(0);
-            all.push(wrong_prism(station_in_common(is_off), worst, off_m[worst]));
+        if is_off.iter().any(|is_off| *is_off) {
+            let worst =
+                (0..off_m.len()).max_by(|a, b| off_m[*a].total_cmp(&off_m[*b])).unwrap_or(0);
+            all.push(wrong_prism(station_in_common(&is_off), worst, off_m[worst]));
         }
     }
     let judged = seen.deciding.or_else(|| seen.latest?.judged.as_ref().ok().map(AsRef::as_ref));
@@ -176,10 +179,10 @@ mod tests {
     #[test]
     fn a_wrong_prism_is_told_with_its_station() {
         let stations = locked();
-        let off = |off_m| Outcome {
+        let off = |off_m: [f64; 3]| Outcome {
             is_first: true,
             judged: Err(NoAnswer { why: "no answer".to_owned(), drive: None }),
-            lately_off_m: Some(off_m),
+            lately_off_m: Some(off_m.into()),
         };
         let right = off([0.002, 0.04, 0.001]);
         assert_eq!(names(&Seen { latest: Some(&right), ..seen(&stations) }), []);

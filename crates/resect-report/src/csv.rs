@@ -10,6 +10,7 @@ use super::summary::StationSummary;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::answer_rows::AnswerRow;
+use resect_core::network::Pair;
 use resect_core::pipeline::SampleFate;
 use resect_io::atomic;
 use resect_io::atomic::{Ready, WriteError};
@@ -119,10 +120,13 @@ fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> 
     Ok(())
 }
 
-/// Writes the three distance errors of every triplet (mm): apparent minus known.
+/// Writes the distance errors of every triplet, one for each pair (mm): apparent minus known.
 fn residuals(analysis: &Analysis, answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let errors = &answer.evaluation.distance_errors_mm;
-    table.write_record(["time_s", "interval", "error_12_mm", "error_13_mm", "error_23_mm"])?;
+    let mut header = vec!["time_s".to_owned(), "interval".to_owned()];
+    let name = |Pair { first, second }| format!("error_{first}{second}_mm");
+    header.extend(errors.numbers().map(name));
+    table.write_record(header)?;
     for index in 0..analysis.triplets().len() {
         let mut row = at(analysis, index);
         row.extend(errors.iter().map(|pair| optional(pair.get(index).copied())));

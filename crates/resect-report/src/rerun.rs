@@ -32,7 +32,7 @@ use super::text;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::{Deployment, Track};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::{Pair, PerStation};
+use resect_core::network::{Number, Pair, PerStation};
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
@@ -224,18 +224,20 @@ fn log_control_points(
 
 /// Logs the errors of the inter-prism distances over time.
 fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) -> Result<()> {
-    for (pair, Pair { first, second }) in Pair::among(3).enumerate() {
+    for (pair, errors_mm) in answer.evaluation.distance_errors_mm.each() {
+        let Pair { first, second } = pair;
         let name = format!("{first}{second}");
         let path = format!("{DISTANCE_ERRORS}/{name}");
         recording.log_static(
             path.as_str(),
-            &SeriesPoints::new().with_colors([palette::PAIRS[pair]]).with_names([name]),
+            &SeriesPoints::new()
+                .with_colors([palette::PAIRS[pair.index() % palette::PAIRS.len()]])
+                .with_names([name]),
         )?;
         recording.send_columns(
             path,
             time_column(time_s),
-            Scalars::new(answer.evaluation.distance_errors_mm[pair].iter().copied())
-                .columns_of_unit_batches()?,
+            Scalars::new(errors_mm.iter().copied()).columns_of_unit_batches()?,
         )?;
     }
     Ok(())

@@ -89,12 +89,12 @@ impl PreparedPlots {
         let errors = &answer.evaluation.distance_errors_mm;
         let triplets = analysis.triplets();
         let since_s: Vec<f64> = triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
-        let range_mm = range_mm(errors);
+        let range_mm = range_mm(errors.as_slice());
         let mut sorted_mm: Vec<f64> = errors.iter().flatten().copied().collect();
         sorted_mm.sort_unstable_by(f64::total_cmp);
         Self {
             range_mm,
-            residuals: errors.each_ref().map(|errors| Residuals {
+            residuals: by_pair(errors.as_slice()).map(|errors| Residuals {
                 dots: (since_s.iter().zip(errors))
                     .map(|(since_s, error_mm)| PlotPoint::new(*since_s, *error_mm))
                     .collect(),
@@ -103,7 +103,7 @@ impl PreparedPlots {
             }),
             sorted_mm,
             bands: bands(analysis, answer, start_s),
-            distributions: Distributions::of(errors, range_mm),
+            distributions: Distributions::of(&by_pair(errors.as_slice()), range_mm),
             gaps,
             track,
             readings,
@@ -112,7 +112,7 @@ impl PreparedPlots {
 
     /// Returns the distribution of the errors of a span of time (s since the first measurement).
     pub fn distributions_within(&self, span_s: [f64; 2]) -> Distributions {
-        let errors = self.residuals.each_ref().map(|residuals| {
+        let errors = self.residuals.each_ref().map(|residuals| -> Vec<f64> {
             residuals.dots[residuals.within(span_s)].iter().map(|dot| dot.y).collect()
         });
         Distributions::of(&errors, self.range_mm)
@@ -155,9 +155,10 @@ impl Residuals {
 }
 
 impl Distributions {
-    fn of(errors_mm: &[Vec<f64>; 3], range_mm: [f64; 2]) -> Self {
+    fn of<E: AsRef<[f64]>>(errors_mm: &[E; 3], range_mm: [f64; 2]) -> Self {
         let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
         let outlines = errors_mm.each_ref().map(|errors| {
+            let errors = errors.as_ref();
             let counts = histogram(errors, range_mm, BINS);
             outline(&counts, 100.0 / errors.len().max(1) as f64, range_mm[0], bin_width_mm)
         });
@@ -165,13 +166,20 @@ impl Distributions {
             highest_percent: outlines.iter().flatten().map(|corner| corner.y).fold(0.0, f64::max),
             outlines,
             bin_width_mm,
-            by_pair_mm: errors_mm.each_ref().map(|errors| Spread::of(errors.iter().copied())),
-            all_mm: Spread::of(errors_mm.iter().flatten().copied()),
+            by_pair_mm: errors_mm
+                .each_ref()
+                .map(|errors| Spread::of(errors.as_ref().iter().copied())),
+            all_mm: Spread::of(errors_mm.iter().flat_map(AsRef::as_ref).copied()),
         }
     }
 }
 
 /// Returns the greatest half-width of each segment of some triplets: between readings σ rises and falls many times a second.
+/// Returns the errors of the pairs that the plots have, empty for a missing pair.
+fn by_pair(errors_mm: &[Vec<f64>]) -> [&[f64]; 3] {
+    std::array::from_fn(|pair| errors_mm.get(pair).map_or(&[][..], Vec::as_slice))
+}
+
 fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     let triplets = analysis.triplets();
     let transforms = &answer.calibration.station1_from_station;
@@ -187,7 +195,10 @@ fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
             let widest = stretch
                 .iter()
                 .filter_map(|index| distance_sigma_m(triplets, *index, transforms))
-                .fold([0.0; 3], |a, b| std::array::from_fn(|pair| f64::max(a[pair], b[pair])));
+                .fold([0.0; 3], |a, b| {
+                    let sigma_m = |pair: usize| b.as_slice().get(pair).copied().unwrap_or(0.0);
+                    std::array::from_fn(|pair| f64::max(a[pair], sigma_m(pair)))
+                });
             let ends = [stretch[0], stretch[stretch.len() - 1]];
             for (bands, sigma_m) in bands.iter_mut().zip(widest) {
                 if let Some(band) = bands.last_mut() {

@@ -48,7 +48,7 @@ fn published_cells(answers: &DriveAnswers) -> Option<Vec<String>> {
     let evaluation = evaluate(
         deployment,
         &analysis.pipeline.triplets,
-        distances_m,
+        distances_m.as_ref(),
         &published.station1_from_station,
     );
     let measured_mm = evaluation.inter_prism_mm.map(|spread| spread.median);

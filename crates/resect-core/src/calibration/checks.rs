@@ -157,11 +157,7 @@ fn distances_contradict(
     station1_from_station: &PerStation<RigidTransform>,
     sigma: &PerStation<TransformSigma>,
 ) -> Option<Finding> {
-    let errors_m = distance_errors_m(
-        triplets,
-        station1_from_station,
-        rig.inter_prism_m.as_array().expect("three prisms"),
-    );
+    let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
     let median_m = median(errors_m.into_iter().flatten().map(f64::abs))?;
     let range_m = triplets.points_m[0][triplets.len() / 2].norm();
     let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);

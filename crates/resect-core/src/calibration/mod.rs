@@ -22,6 +22,8 @@ mod joint_failure;
 mod judgement;
 mod method;
 mod method_answer;
+#[cfg(test)]
+mod methods_tests;
 mod misfits;
 mod moving_triplets;
 mod numbers;
@@ -49,7 +51,7 @@ pub use instrument::ErrorSizes;
 pub use inter_prism::{Basin, Mirror, ResolvedBy};
 pub use joint_failure::JointFailure;
 pub use method::{Method, Offer};
-pub use misfits::{distance_errors_m, each_distance_error_m};
+pub use misfits::distance_errors_m;
 pub use moving_triplets::{Clock, MovingTriplets, velocity_m_per_s, with_clocks};
 pub use numbers::{CALIBRATION_NUMBERS, SIGMA_DISTANCES};
 pub use recommendation::{Recommendation, RecommendationProof, RecommendationReason, recommend};

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
 use super::matched_pose::{TruePose, contradiction_limit_m};
-use crate::network::{Number, Pair};
+use crate::network::{Pair, PerPair};
 use crate::statistics::median;
 
 /// Squared errors above this are outliers, in units of the combined variance of the estimate's usual errors and the ground
@@ -93,24 +93,26 @@ const NO_PART: f64 = 0.4;
 /// Triplets within this time before and after a span count (s): those on either side of it.
 const BESIDE_S: f64 = 0.3;
 
-/// Returns the station whose distances to both others are wrong in a span; `None` if it is no single one.
+/// Returns the station whose distances to all others are wrong in a span; `None` if it is no single one.
 ///
-/// The distance errors are those of pairs 12, 13, 23 at the times of the triplets.
+/// The distance errors are those of all pairs of stations at the times of the triplets.
 pub fn station_at_fault(
     span_s: [f64; 2],
     triplet_s: &[f64],
-    distance_errors_mm: &[Vec<f64>; 3],
+    distance_errors_mm: &PerPair<Vec<f64>>,
 ) -> Option<usize> {
     let from = triplet_s.partition_point(|time_s| *time_s < span_s[0] - BESIDE_S);
     let to = triplet_s.partition_point(|time_s| *time_s <= span_s[1] + BESIDE_S);
-    let off = distance_errors_mm.each_ref().map(|errors| {
+    let off = distance_errors_mm.map(|errors| {
         let of_span = errors.get(from..to).unwrap_or_default().iter();
         of_span.map(|error| error * error).sum::<f64>().sqrt()
     });
-    (0..3).find(|station| {
-        let (own, other): (Vec<usize>, Vec<usize>) =
-            (0..3).partition(|pair| Pair::at(*pair).indices().contains(station));
-        own.iter().all(|pair| off[other[0]] < NO_PART * off[*pair])
+    (0..Pair::prisms_of(off.len())?).find(|station| {
+        let (own, other): (Vec<Pair>, Vec<Pair>) =
+            off.numbers().partition(|pair| pair.indices().contains(station));
+        // Two stations have no other pair, so neither is at fault alone.
+        !other.is_empty()
+            && own.iter().all(|own| other.iter().all(|other| off[*other] < NO_PART * off[*own]))
     })
 }
 
@@ -263,7 +265,7 @@ mod tests {
                 triplet_s.iter().map(error).collect::<Vec<f64>>()
             })
         };
-        let at_fault = |off, span_s| station_at_fault(span_s, &triplet_s, &errors(off));
+        let at_fault = |off, span_s| station_at_fault(span_s, &triplet_s, &errors(off).into());
         assert_eq!(at_fault([true, true, false], [4.2, 5.0]), Some(0));
         assert_eq!(at_fault([true, false, true], [4.2, 5.0]), Some(1));
         assert_eq!(at_fault([false, true, true], [4.2, 5.0]), Some(2));

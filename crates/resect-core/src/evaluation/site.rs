@@ -164,11 +164,9 @@ pub fn seen_m(
     point: &ControlPoint,
     station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<Vector3<f64>> {
-    let seen: Vec<Vector3<f64>> = (0..3)
-        .filter_map(|station| {
-            let reading = point.readings[station]?.to_cartesian();
-            Some(station1_from_station[station].apply(&reading))
-        })
+    let readings = station1_from_station.iter().zip(&point.readings);
+    let seen: Vec<Vector3<f64>> = readings
+        .filter_map(|(transform, reading)| Some(transform.apply(&reading.as_ref()?.to_cartesian())))
         .collect();
     (!seen.is_empty()).then(|| seen.iter().sum::<Vector3<f64>>() / seen.len() as f64)
 }

@@ -154,7 +154,7 @@ pub fn trajectory_by(
         };
     };
     let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
-    let inter_prism_m = distances_m.map(|distance| distance.value).into_array().expect("three");
+    let inter_prism_m = distances_m.map(|distance| distance.value);
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
     // Unreachable else branch: nothing cancels this calculation.
@@ -192,8 +192,8 @@ pub fn vehicle_at(
     align_rigid(joint.solution.prisms_m(time_s)?.as_slice(), &rig_m)
 }
 
-/// Largest |distance error| of pairs 12, 13, 23 at the triplet of this time, else at the triplets before and after it.
-pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> f64 {
+/// Largest |distance error| of all pairs at the triplet of this time, else at the triplets before and after it.
+pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &PerPair<Vec<f64>>) -> f64 {
     let after = triplet_s.partition_point(|other| *other < time_s);
     let is_there = triplet_s.get(after) == Some(&time_s);
     let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
@@ -340,16 +340,15 @@ fn observed(
         .collect()
 }
 
-/// σ of the distances 12, 13, 23 at an instant by the interpolation (m); `None` if the interpolation gives none.
+/// σ of the distances of all pairs of stations at an instant by the interpolation (m); `None` if the interpolation gives none.
 pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
     station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<PerPair<f64>> {
     let sigma_m = triplets.sigma_m.as_ref()?;
-    let points = triplets.triplet_m(index);
-    let placed: [Vector3<f64>; 3] =
-        std::array::from_fn(|station| station1_from_station[station].apply(&points[station]));
+    let placed = station1_from_station
+        .zip(&triplets.points_m, |transform, points_m| transform.apply(&points_m[index]));
     let distance_sigma_m = |[a, b]: [usize; 2]| {
         let direction = (placed[b] - placed[a]).normalize();
         let variance = |station: usize| {

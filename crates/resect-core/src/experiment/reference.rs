@@ -13,7 +13,7 @@ use crate::deployment::{Deployment, Finding};
 use crate::evaluation;
 use crate::evaluation::known_distances_m;
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{PerPair, PerStation};
 use crate::pipeline;
 use crate::pipeline::PipelineSettings;
 
@@ -27,7 +27,7 @@ pub struct Judge {
     plan: SplitPlan,
     /// Transforms estimated from each training subset.
     station1_from_station: Vec<PerStation<RigidTransform>>,
-    inter_prism_m: Option<[f64; 3]>,
+    inter_prism_m: Option<PerPair<f64>>,
 }
 
 impl Judge {
@@ -102,7 +102,8 @@ impl Judge {
         transforms: &PerStation<RigidTransform>,
     ) -> Vec<f64> {
         let DataSubset { deployment, triplets } = part;
-        let evaluation = evaluation::evaluate(deployment, triplets, self.inter_prism_m, transforms);
+        let evaluation =
+            evaluation::evaluate(deployment, triplets, self.inter_prism_m.as_ref(), transforms);
         evaluation.distance_errors_mm.into_iter().flatten().collect()
     }
 }

@@ -8,7 +8,7 @@ use crate::analysis::Answer;
 use crate::calibration::distance_errors_m;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
-use crate::network::{Pair, PerStation};
+use crate::network::{Pair, PerPair, PerStation};
 use crate::pipeline::Triplets;
 
 /// Critical value of a standard normal variable, one-sided, at significance level
@@ -41,7 +41,7 @@ pub fn metric_there(
     earlier: &Earlier,
     own: &Answer,
     difference: &Difference,
-    known_m: &[f64; 3],
+    known_m: &PerPair<f64>,
     one_prism: bool,
 ) -> Option<MetricThere> {
     let transforms = &own.calibration.station1_from_station;

@@ -15,7 +15,7 @@ use crate::deployment::findings::validation::{
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::evaluation::known_distances_m;
 use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::PerStation;
+use crate::network::{Number, PerStation};
 
 /// Largest standard deviation of a conclusive difference (m); a calibration with a larger one is weak as well.
 const COARSE_SIGMA_M: f64 = 0.020;
@@ -178,8 +178,8 @@ fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Fi
     }
     if let (Some(before), Some(rig)) = (&earlier.inter_prism_m, &deployment.rig) {
         let sigma_m = 2_f64.sqrt() * own.settings.calibration.inter_prism_sigma_m;
-        for pair in 0..3 {
-            let (before_m, now_m) = (before[pair], rig.inter_prism_m[pair]);
+        for ((pair, before_m), now_m) in before.each().zip(&rig.inter_prism_m) {
+            let (pair, before_m, now_m) = (pair.index(), *before_m, *now_m);
             if (now_m - before_m).abs() > OTHER_RIG_SIGMAS * sigma_m {
                 caveats.push(rig_differs_from_earlier(pair, before_m, now_m));
             }

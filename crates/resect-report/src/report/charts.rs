@@ -64,8 +64,11 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) 
         }
         _ => ("prisms", "Computed minus known distance between two prisms"),
     };
-    let drawing = residual_chart::draw(errors_mm, &time_s, each, WIDTH);
-    let beyond = residual_chart::beyond(errors_mm, residual_chart::range_mm(errors_mm));
+    let drawing = residual_chart::draw(errors_mm.as_slice(), &time_s, each, WIDTH);
+    let beyond = residual_chart::beyond(
+        errors_mm.as_slice(),
+        residual_chart::range_mm(errors_mm.as_slice()),
+    );
     let all = errors_mm.iter().map(Vec::len).sum::<usize>();
     figure(
         &drawing,
