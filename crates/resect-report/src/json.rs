@@ -21,6 +21,7 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
 use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
 use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch};
+use resect_core::calibration::joint::unknown::Unknown;
 use resect_core::calibration::joint::{
     DriveClocks, JointEstimate, SetUpChange, StepSize, SurveyPoses,
 };
@@ -123,7 +124,7 @@ fn survey_transforms(survey: &SurveyPoses) -> Value {
 /// Returns the change of a set-up from the survey to the drive; its station is null if the data does not decide which one changed.
 fn set_up_change(change: &SetUpChange) -> Value {
     json!({
-        "station": change.station.map(|station| station + 1),
+        "station": change.station.map(Station::number),
         "turned_rad": estimate(&change.turned_rad),
         "moved_m": estimates(&change.moved_m),
     })
@@ -314,10 +315,10 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         .iter()
         .map(|step| match &step.size {
             StepSize::Clock(by_s) => json!({
-                "station": step.station + 1, "after_s": step.after_s, "clock_s": estimate(by_s),
+                "station": step.station.number(), "after_s": step.after_s, "clock_s": estimate(by_s),
             }),
             StepSize::Station { turned_rad, moved_m } => json!({
-                "station": step.station + 1,
+                "station": step.station.number(),
                 "after_s": step.after_s,
                 "slowly": step.slowly,
                 "turned_rad": estimate(turned_rad),
@@ -329,20 +330,12 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         json!({
             "from_s": drive.span_s[0],
             "to_s": drive.span_s[1],
-            "clock_offsets_s": estimates(&drive.offsets_s),
+            "clock_offsets_s": estimates(&drive.offsets_s.as_slice()[1..]),
         })
     };
-    json!({
-        "clock_offsets_s": estimates(&found.clock_offsets_s),
-        "clock_drifts": estimates(&found.clock_drifts),
+    let mut value = json!({
+        "clock_offsets_s": estimates(&found.clock_offsets_s.as_slice()[1..]),
         "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
-        "inter_prism_m": found.distances_m.map(|distances| estimates(&distances)),
-        "latencies_s": estimates(&found.latencies_s),
-        "range_offsets_m": estimates(&found.range_offsets_m),
-        "range_scales": estimates(&found.range_scales),
-        "indices_rad": estimates(&found.indices_rad),
-        "collimations_rad": estimates(&found.collimations_rad),
-        "leans_rad": found.leans_rad.each_ref().map(|leans| estimates(leans)),
         "noise": {
             "range_m": found.levels.range_m(),
             "angle_rad": found.levels.angle_rad,
@@ -361,7 +354,34 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         "reliability": reliability::reliability(deployment, found),
         // Without convergence there is no joint estimate.
         "converged": true,
-    })
+    });
+    for (key, list) in lists_of_unknowns(found) {
+        value[key] = list;
+    }
+    value
+}
+
+/// Returns the estimates of the unknowns by their names in files, each a list by owner; null without an owner.
+fn lists_of_unknowns(found: &JointEstimate) -> Vec<(&'static str, Value)> {
+    let unknowns: Vec<&Unknown> = found.layout().unknowns().collect();
+    let named = unknowns.chunk_by(|a, b| a.key == b.key).filter_map(|all| Some((all[0].key?, all)));
+    named
+        .map(|(key, all)| {
+            let own: Vec<Vec<Value>> = all
+                .iter()
+                .map(|unknown| found.estimates(unknown).map(|one| estimate(&one)).collect())
+                .collect();
+            let list = match &own[..] {
+                [only] if only.is_empty() => Value::Null,
+                [only] => json!(only),
+                several => {
+                    let owners = 0..several[0].len();
+                    owners.map(|owner| several.iter().map(|all| all[owner].clone()).collect::<Value>()).collect()
+                }
+            };
+            (key, list)
+        })
+        .collect()
 }
 
 fn prior_search(search: &PriorSearch) -> Value {

@@ -9,6 +9,7 @@ use resect_core::calibration::joint::reliability::{
 };
 use resect_core::calibration::joint::survey::SurveyReading;
 use resect_core::deployment::{ControlPointSet, Deployment};
+use resect_core::network::Number;
 
 /// Axes of a reading of a control point.
 const AXES: [&str; 3] = ["along", "right", "up"];
@@ -50,7 +51,7 @@ fn of_group(
         None => {}
     }
     if !group.kind.axes().is_empty() {
-        let own = readings.iter().filter(|reading| reading.station == group.index);
+        let own = readings.iter().filter(|reading| reading.station.index() == group.index);
         let numbers = own.flat_map(|reading| group.kind.axes().map(move |axis| (reading, axis)));
         let numbers = numbers.map(|(reading, axis)| number(reading, axis, sets));
         value["readings"] = numbers.collect();

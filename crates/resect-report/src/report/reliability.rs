@@ -41,7 +41,7 @@ pub fn reliability(deployment: &Deployment, found: &JointEstimate) -> Markup {
 /// The minimal detectable bias with its unit.
 fn bias_size(group: &GroupReliability) -> Option<String> {
     let (scale, unit) = group.kind.quantity().told();
-    let size = group.bias?.size * scale;
+    let size = group.bias.as_ref()?.size * scale;
     Some(format!("{size:.*} {unit}", decimals_of(size).unwrap_or(1)))
 }
 
@@ -50,7 +50,7 @@ fn row(deployment: &Deployment, group: &GroupReliability) -> Markup {
         value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
     };
     let sets = deployment.comparable_control_points();
-    let effect = |slot: usize| group.bias.map(|bias| bias.effect[slot]);
+    let effect = |slot: usize| group.bias.as_ref().map(|bias| bias.effect[slot]);
     html! { tr {
         th { (group.subject()) ", " (group.kind.name()) }
         td.number { (number(group.redundancy, 2)) }

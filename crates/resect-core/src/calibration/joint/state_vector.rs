@@ -128,6 +128,11 @@ impl Layout {
         self.indices(unknown).nth(owner).expect("an owner of the network")
     }
 
+    /// Returns the unknowns in the order of the table.
+    pub fn unknowns(&self) -> impl Iterator<Item = &'static Unknown> {
+        self.unknowns.iter().map(|placed| placed.unknown)
+    }
+
     /// Returns each unknown with its owner and index.
     pub fn each(&self) -> impl Iterator<Item = (&'static Unknown, usize, usize)> {
         self.unknowns.iter().flat_map(|placed| {

@@ -16,6 +16,8 @@ pub struct Unknown {
     /// Symbol in tables and files: that of the page [`super`].
     pub symbol: &'static str,
     pub quantity: Quantity,
+    /// Name of the list of its estimates in files; unknowns with the same name stand together. `None` for those that other lists contain.
+    pub key: Option<&'static str>,
     pub owner: Owner,
     /// Its source in the budget of σ.
     pub source: &'static str,
@@ -119,13 +121,15 @@ const fn pose(
     effect: Effect,
 ) -> Unknown {
     let (source, sentence) = ("transforms", "station {}'s position is off by");
-    Unknown { name, symbol, quantity, owner: Owner::SetUp, source, prior: None, effect, sentence }
+    let (owner, prior, key) = (Owner::SetUp, None, None);
+    Unknown { name, symbol, quantity, key, owner, source, prior, effect, sentence }
 }
 
 pub static CLOCK_OFFSET: Unknown = Unknown {
     name: "clock offset",
     symbol: "Δt",
     quantity: Quantity::Time,
+    key: None,
     owner: Owner::Clock,
     source: "clocks",
     prior: Some(PriorSize { sigma: |sizes| sizes.clock_offset_s, least: 1e-7 }),
@@ -137,6 +141,7 @@ pub static CLOCK_DRIFT: Unknown = Unknown {
     name: "clock drift",
     symbol: "Δf",
     quantity: Quantity::Drift,
+    key: Some("clock_drifts"),
     owner: Owner::Clock,
     source: "clocks",
     prior: Some(PriorSize { sigma: |sizes| sizes.clock_drift, least: 1e-9 }),
@@ -148,6 +153,7 @@ pub static RANGE_OFFSET: Unknown = Unknown {
     name: "range offset",
     symbol: "a",
     quantity: Quantity::Length,
+    key: Some("range_offsets_m"),
     owner: Owner::Station,
     source: "range offsets",
     prior: Some(PriorSize { sigma: |sizes| sizes.range_offset_m, least: 1e-6 }),
@@ -162,6 +168,7 @@ pub static RANGE_SCALE: Unknown = Unknown {
     name: "range scale",
     symbol: "k",
     quantity: Quantity::Share,
+    key: Some("range_scales"),
     owner: Owner::Station,
     source: "range scales",
     prior: Some(PriorSize { sigma: |sizes| sizes.range_scale, least: 1e-8 }),
@@ -176,6 +183,7 @@ pub static VERTICAL_INDEX: Unknown = Unknown {
     name: "vertical index",
     symbol: "ι",
     quantity: Quantity::Angle,
+    key: Some("indices_rad"),
     owner: Owner::Station,
     source: "vertical indices",
     prior: Some(PriorSize { sigma: |sizes| sizes.index_rad, least: 1e-9 }),
@@ -190,6 +198,7 @@ pub static COLLIMATION: Unknown = Unknown {
     name: "collimation",
     symbol: "κ",
     quantity: Quantity::Angle,
+    key: Some("collimations_rad"),
     owner: Owner::Station,
     source: "collimations",
     prior: Some(PriorSize { sigma: |sizes| sizes.collimation_rad, least: 1e-9 }),
@@ -204,6 +213,7 @@ pub static LATENCY: Unknown = Unknown {
     name: "latency",
     symbol: "λ",
     quantity: Quantity::Time,
+    key: Some("latencies_s"),
     owner: Owner::Station,
     source: "latencies",
     prior: Some(PriorSize { sigma: |sizes| sizes.latency_s, least: 1e-7 }),
@@ -226,6 +236,7 @@ const fn lean(
         name,
         symbol,
         quantity: Quantity::Angle,
+        key: Some("leans_rad"),
         owner: Owner::Station,
         source: "leans",
         prior: Some(PriorSize { sigma: |sizes| sizes.lean_rad, least: 1e-9 }),
@@ -238,6 +249,7 @@ pub static DISTANCE: Unknown = Unknown {
     name: "distance",
     symbol: "d",
     quantity: Quantity::Length,
+    key: Some("inter_prism_m"),
     owner: Owner::Pair,
     source: "inter-prism distances",
     prior: Some(PriorSize { sigma: |sizes| sizes.inter_prism_m, least: 1e-6 }),
