@@ -376,7 +376,11 @@ fn lists_of_unknowns(found: &JointEstimate) -> Vec<(&'static str, Value)> {
                 [only] => json!(only),
                 several => {
                     let owners = 0..several[0].len();
-                    owners.map(|owner| several.iter().map(|all| all[owner].clone()).collect::<Value>()).collect()
+                    owners
+                        .map(|owner| {
+                            several.iter().map(|all| all[owner].clone()).collect::<Value>()
+                        })
+                        .collect()
                 }
             };
             (key, list)

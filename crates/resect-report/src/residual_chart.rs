@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn strokes_stay_inside_however_many_errors_there_are() {
         for n in [0, 1, 2, 5000] {
-            let errors = std::array::from_fn(|pair| {
+            let errors: [Vec<f64>; 3] = std::array::from_fn(|pair| {
                 (0..n).map(|i| 30.0 * (f64::from(i) + pair as f64).tan()).collect()
             });
             let time_s: Vec<f64> = (0..n).map(|i| 0.1 * f64::from(i)).collect();
