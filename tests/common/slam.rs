@@ -83,7 +83,11 @@ pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuate
     // For vehicles with one prism as well.
     let corners_m = [Vector3::x(), Vector3::y(), Vector3::z()];
     let points_m = corners_m.map(|p| simulated.truth.motion.position_m(&p, time_s - EPOCH_S));
-    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+    let observed = ObservedRig {
+        time_s,
+        points_m: points_m.into(),
+        sigma_m: [Vector3::repeat(1e-3); 3].into(),
+    };
     let pose = align_rig(&corners_m, &observed).expect("a triangle");
     (pose.position_m, pose.orientation)
 }

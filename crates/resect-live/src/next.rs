@@ -70,7 +70,8 @@ fn moves(
 ) -> Vec<NextMove> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let calibration = &answer.calibration;
-    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle).map(|(prisms_m, _)| prisms_m);
+    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle);
+    let given = given.and_then(|(prisms_m, _)| prisms_m.into_array());
     let prisms_m = match analysis.offer.targets {
         Targets::OnePrism => [Vector3::zeros(); 3],
         _ => match given {

@@ -7,8 +7,9 @@ use serde_json::{Value, json};
 use super::json::{SCHEMA, findings, rows};
 use super::text::spread_text;
 use resect_core::calibration::Estimate;
+use resect_core::network::USUAL_STATIONS;
 use resect_core::validation::in_words::chance;
-use resect_core::validation::{Cause, LEVEL, Outcome, StationMove, Validation};
+use resect_core::validation::{Cause, Outcome, StationMove, Validation, level};
 
 /// Formats verdict and reason, the difference, a test for each station, and the metric.
 pub fn text(found: &Validation) -> String {
@@ -88,7 +89,7 @@ pub fn json(found: &Validation) -> Value {
         },
         "own_verdict": found.own_verdict,
         // Overall probability that a valid calibration is rejected.
-        "level": LEVEL,
+        "level": level(found.difference.as_ref().map_or(USUAL_STATIONS, |found| found.stations.len())),
         // Own minus earlier: x, y, z, yaw of station 2, then of station 3, …, with the covariance.
         "difference": found.difference.as_ref().map(|difference| json!({
             "values": difference.values.as_slice(),

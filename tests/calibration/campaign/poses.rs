@@ -111,10 +111,10 @@ fn covers(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
 
 fn true_pose(simulated: &Simulated, time_s: f64) -> Pose {
     let truth = &simulated.truth;
-    let prisms_m = truth.prisms_m.as_array::<3>().expect("three");
-    let points_m = prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
-    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
-    align_rig(prisms_m, &observed).expect("a triangle")
+    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(p, time_s - EPOCH_S));
+    let sigma_m = points_m.map(|_| Vector3::repeat(1e-3));
+    let observed = ObservedRig { time_s, points_m, sigma_m };
+    align_rig(truth.prisms_m.as_slice(), &observed).expect("a triangle")
 }
 
 fn is_near_gap(analysis: &Analysis, time_s: f64) -> bool {

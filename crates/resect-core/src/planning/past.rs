@@ -103,8 +103,9 @@ impl Plan {
         let height_m =
             places_m.iter().map(|at| middle_m(at).z).sum::<f64>() / places_m.len() as f64;
         let given = deployment.rig.as_ref().and_then(prisms_in_vehicle);
-        let as_driven =
-            given.and_then(|(prisms_m, _)| AsDriven::of(&prisms_m, &triplets.time_s, &places_m));
+        let as_driven = given.and_then(|(prisms_m, _)| {
+            AsDriven::of(prisms_m.as_array()?, &triplets.time_s, &places_m)
+        });
         let as_driven = match (as_driven, analysis.offer.targets) {
             (Some(as_driven), _) => as_driven,
             (None, Targets::OnePrism) => AsDriven {

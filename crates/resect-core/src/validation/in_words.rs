@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::metric::MetricThere;
 use super::moved::{Difference, StationMove};
-use super::outcome::{Cause, LEVEL, Outcome};
+use super::outcome::{Cause, Outcome, level};
 use super::validate::Validation;
 use crate::deployment::{AngleFormat, MessageAngle};
 
@@ -44,7 +44,7 @@ impl Validation {
                 format!(
                     "no station moved significantly ({}, level {:.0} %); {}{metric}",
                     chance(difference.p_value),
-                    LEVEL * 100.0,
+                    level(difference.stations.len()) * 100.0,
                     would_show(difference, tell)
                 )
             }

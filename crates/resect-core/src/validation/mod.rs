@@ -10,8 +10,8 @@
 //! the same instruments) are counted twice although they partly cancel. The tests are therefore conservative, most of all
 //! in height, where the rig's distances dominate.
 //!
-//! **Five tests**, each at a fifth of [`LEVEL`] (Bonferroni): the whole difference, a move of each station alone, and the
-//! metric. Together they reject a valid calibration at most once in a hundred runs.
+//! **Tests** of the whole difference, of a move of each station alone, and of the metric, each at the same significance level
+//! ([`level`] of all together, Bonferroni). With three stations they reject a valid calibration at most once in a hundred runs.
 
 mod earlier;
 pub mod in_words;
@@ -24,5 +24,5 @@ mod validate;
 pub use self::earlier::Earlier;
 pub use self::metric::MetricThere;
 pub use self::moved::{Difference, StationMove};
-pub use self::outcome::{Cause, LEVEL, Outcome};
+pub use self::outcome::{Cause, Outcome, level};
 pub use self::validate::{Validation, drive_alone, validate};

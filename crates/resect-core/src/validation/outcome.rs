@@ -1,9 +1,13 @@
 //! The outcome of a validation, and the level of its tests.
 
-/// Significance level: largest probability of rejecting a valid calibration.
-pub const LEVEL: f64 = 0.01;
-/// Significance level of each of the five tests.
-pub const LEVEL_OF_ONE: f64 = LEVEL / 5.0;
+/// Significance level of each test.
+pub const LEVEL_OF_ONE: f64 = 0.002;
+
+/// Significance level of all tests together: largest probability of rejecting a valid calibration (Bonferroni). There is a test of
+/// the whole difference, of each station, and of the metric.
+pub fn level(stations: usize) -> f64 {
+    LEVEL_OF_ONE * (stations + 2) as f64
+}
 
 /// Outcome of the validation of a calibration by another run.
 #[derive(Clone, Debug, PartialEq)]

@@ -69,6 +69,7 @@ pub fn validate(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> V
     };
     if let Ok(answer) = &answer
         && !in_other_frames(earlier, deployment)
+        && has_same_stations(earlier, answer)
     {
         let level = |transforms: &PerStation<RigidTransform>| {
             transforms.map(|to| LevelTransform::new(to.translation_m, to.yaw_rad()))
@@ -97,6 +98,10 @@ fn in_other_frames(earlier: &Earlier, deployment: &Deployment) -> bool {
     earlier.frame().is_some_and(|frame| frame != deployment.track_frame)
 }
 
+fn has_same_stations(earlier: &Earlier, answer: &Answer) -> bool {
+    earlier.station1_from_station.len() == answer.calibration.station1_from_station.len()
+}
+
 fn outcome(
     earlier: &Earlier,
     deployment: &Deployment,
@@ -111,6 +116,13 @@ fn outcome(
         );
     }
     let answer = match answer {
+        Ok(answer) if !has_same_stations(earlier, answer) => {
+            return cannot(format!(
+                "the earlier calibration has {} stations, the run has {}",
+                earlier.station1_from_station.len(),
+                answer.calibration.station1_from_station.len()
+            ));
+        }
         Ok(answer) => &answer.calibration,
         Err(why) => return cannot(format!("the run has no calibration of its own: {why}")),
     };
