@@ -1,8 +1,8 @@
 //! Comparison of the stations' stamps and own clocks with the recorder's clock.
 
-use crate::network::MOST_STATIONS;
 use crate::deployment::Finding;
 use crate::deployment::findings::recordings::stamps_contradict_recorder;
+use crate::network::MOST_STATIONS;
 use crate::statistics::median;
 
 /// Smallest number of readings for a drift; half as many on either side of a jump.
