@@ -35,10 +35,13 @@ impl Basin {
 
 /// Returns true if two solutions are the same minimum.
 pub fn same_solution(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> bool {
-    a.iter().zip(b).all(|(a, b)| {
-        (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
-            && wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
-    })
+    a.iter().zip(b).all(|(a, b)| same_pose(a, b))
+}
+
+/// Returns true if two poses of a station are those of the same minimum.
+pub fn same_pose(a: &LevelTransform, b: &LevelTransform) -> bool {
+    (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
+        && wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
 }
 
 /// Returns a minimum as a solution with its cost.

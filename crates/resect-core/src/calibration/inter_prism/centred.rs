@@ -6,6 +6,7 @@
 use nalgebra::{DVector, Vector3};
 
 use super::PrismNetwork;
+use super::basin::same_pose;
 use super::prism_network::first_unknown;
 use crate::geometry::LevelTransform;
 use crate::network::{PerStation, Station};
@@ -117,15 +118,24 @@ impl CentredTriplets {
 
     /// Returns the transforms of parameters: the inverse of [`CentredTriplets::parameters`].
     pub fn transforms(&self, parameters: &Parameters) -> PerStation<LevelTransform> {
-        self.centre_m.map_each(|station, centre_m| {
-            if station == Station::FIRST {
-                return LevelTransform::IDENTITY;
-            }
-            let pose = self.pose(parameters, station);
-            let translation_m =
-                self.centre_m[Station::FIRST] + pose.translation_m - pose.rotate(centre_m);
-            LevelTransform::new(translation_m, pose.yaw_rad)
-        })
+        self.centre_m.map_each(|station, _| self.transform(parameters, station))
+    }
+
+    fn transform(&self, parameters: &Parameters, station: Station) -> LevelTransform {
+        if station == Station::FIRST {
+            return LevelTransform::IDENTITY;
+        }
+        let pose = self.pose(parameters, station);
+        let turned_m = pose.rotate(&self.centre_m[station]);
+        let translation_m = self.centre_m[Station::FIRST] + pose.translation_m - turned_m;
+        LevelTransform::new(translation_m, pose.yaw_rad)
+    }
+
+    /// Returns true if two solutions are the same minimum.
+    pub fn are_same(&self, a: &Parameters, b: &Parameters) -> bool {
+        self.network
+            .unknown_stations()
+            .all(|station| same_pose(&self.transform(a, station), &self.transform(b, station)))
     }
 
     /// Returns the mean height of station 1's prism above that of each station (m). The centred points have mean zero.

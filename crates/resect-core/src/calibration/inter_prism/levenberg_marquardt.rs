@@ -1,6 +1,6 @@
 //! Levenberg–Marquardt on normal equations, exact or compressed.
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 use super::prism_network::UNKNOWNS_PER_STATION;
 use super::{CentredTriplets, NormalEquations, Parameters};
@@ -122,17 +122,45 @@ fn damp(matrix: &DMatrix<f64>, damping: f64, damped: &mut DMatrix<f64>) {
     }
 }
 
-/// Writes the Gauss–Newton step to `step`, and overwrites the matrix. Returns false if that is not positive definite.
+/// Writes the Gauss–Newton step to `step`, and overwrites the matrix by its Cholesky factor. Returns false if it is not positive
+/// definite.
+///
+/// For the few unknowns of a network this is twice as fast as nalgebra's matrices of dynamic size.
 fn solve(matrix: &mut DMatrix<f64>, gradient: &Parameters, step: &mut Parameters) -> bool {
     let order = gradient.len();
-    let Some(cholesky) = Cholesky::new(std::mem::take(matrix)) else {
-        *matrix = DMatrix::zeros(order, order);
-        return false;
-    };
-    step.copy_from(gradient);
-    step.neg_mut();
-    cholesky.solve_mut(step);
-    *matrix = cholesky.unpack_dirty();
+    let columns = matrix.as_mut_slice();
+    for j in 0..order {
+        let (done, rest) = columns.split_at_mut(j * order);
+        let column = &mut rest[j..order];
+        for other in done.chunks_exact(order) {
+            let other = &other[j..];
+            let factor = other[0];
+            for (entry, other) in column.iter_mut().zip(other) {
+                *entry -= factor * other;
+            }
+        }
+        let diagonal = column[0].sqrt();
+        if diagonal.is_nan() || diagonal <= 0.0 {
+            return false;
+        }
+        column.iter_mut().for_each(|entry| *entry /= diagonal);
+    }
+    let step = step.as_mut_slice();
+    for (step, gradient) in step.iter_mut().zip(gradient) {
+        *step = -gradient;
+    }
+    for (j, column) in columns.chunks_exact(order).enumerate() {
+        step[j] /= column[j];
+        let value = step[j];
+        for (rest, factor) in step[j + 1..].iter_mut().zip(&column[j + 1..]) {
+            *rest -= value * factor;
+        }
+    }
+    for (j, column) in columns.chunks_exact(order).enumerate().rev() {
+        let below = step[j + 1..].iter().zip(&column[j + 1..]);
+        let known: f64 = below.map(|(value, factor)| value * factor).sum();
+        step[j] = (step[j] - known) / column[j];
+    }
     true
 }
 
@@ -151,4 +179,29 @@ pub fn track_radius_m(data: &CentredTriplets) -> f64 {
     let [x, y, _] = &data.coordinates[Station::at(1)];
     let sum: f64 = x.iter().zip(y).map(|(x, y)| x * x + y * y).sum();
     (sum / data.len().max(1) as f64).sqrt().max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::normal_equations::tests::{irregular, irregular_shared};
+    use super::*;
+
+    #[test]
+    fn the_step_is_that_of_nalgebra() {
+        for (data, parameters) in [irregular(40), irregular_shared(40)] {
+            let normal = NormalEquations::at(&data, &parameters);
+            let expected =
+                normal.matrix.clone().cholesky().expect("definite").solve(&normal.gradient);
+            let mut step = Parameters::zeros(parameters.len());
+            assert!(solve(&mut normal.matrix.clone(), &normal.gradient, &mut step));
+            assert!((step + &expected).amax() < 1e-9 * expected.amax());
+            let mut indefinite = normal.matrix;
+            indefinite[(5, 5)] = -1.0;
+            assert!(!solve(
+                &mut indefinite,
+                &normal.gradient,
+                &mut Parameters::zeros(parameters.len())
+            ));
+        }
+    }
 }

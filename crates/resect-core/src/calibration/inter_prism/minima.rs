@@ -6,9 +6,7 @@
 
 use super::levenberg_marquardt::{FINE_M, ROUGH_M};
 use super::search::search;
-use super::{
-    CentredTriplets, Minimum, Parameters, PrismNetwork, SquaredCost, basin, minimise, same_solution,
-};
+use super::{CentredTriplets, Minimum, Parameters, PrismNetwork, SquaredCost, basin, minimise};
 use crate::calibration::Basin;
 use crate::network::{PerStation, Prism, Station};
 
@@ -57,8 +55,7 @@ pub fn find(
     squared: &SquaredCost,
     priors: &[Parameters],
 ) -> Minima {
-    let same =
-        |a: &Parameters, b: &Parameters| same_solution(&data.transforms(a), &data.transforms(b));
+    let same = |a: &Parameters, b: &Parameters| data.are_same(a, b);
     let candidates = search(squared, &with_all_heights(data, squared, priors), same);
     let least = candidates[0].normal.cost;
     let mut minima: Vec<Minimum> = Vec::new();
@@ -142,7 +139,7 @@ fn height_flips(network: &PrismNetwork) -> Vec<PerStation<bool>> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::closed_form_priors;
+    use super::super::{closed_form_priors, same_solution};
     use super::*;
     use crate::geometry::LevelTransform;
     use crate::network::{Number, PerPair};

@@ -222,8 +222,9 @@ impl LinearisedTriplets {
             noise_pull: vec![0.0; count * order],
         };
         let station1_from_station = model.transforms(state);
+        let mut placed = PlacedTriplet::empty(&station1_from_station);
         for (index, covariances_m2) in covariances_m2.iter().enumerate() {
-            let placed = PlacedTriplet::new(model, data, index, state, &station1_from_station);
+            placed.replace(model, data, index, state, &station1_from_station);
             for observed in &model.residuals {
                 let residual = observed.between(&placed.points_m, state);
                 let row = all.residual_m.len() * order..(all.residual_m.len() + 1) * order;
@@ -300,31 +301,35 @@ struct PlacedTriplet {
 }
 
 impl PlacedTriplet {
-    fn new(
+    fn empty(stations: &PerStation<RigidTransform>) -> Self {
+        Self {
+            points_m: stations.map(|_| Vector3::zeros()),
+            moves: stations.map(|_| [Vector3::zeros(); 8]),
+            sights: stations.map(|_| Vector3::zeros()),
+        }
+    }
+
+    /// Replaces the points by those of another triplet.
+    fn replace(
+        &mut self,
         model: &ClockCheckModel,
         data: &MovingTriplets<'_>,
         index: usize,
         state: &State,
         station1_from_station: &PerStation<RigidTransform>,
-    ) -> Self {
-        let mut placed = Self {
-            points_m: PerStation::default(),
-            moves: PerStation::default(),
-            sights: PerStation::default(),
-        };
+    ) {
         for (station, transform) in station1_from_station.each() {
             let (point, sight) = seen(model, data, index, state, station);
-            placed.sights.push(transform.rotate(&sight));
+            self.sights[station] = transform.rotate(&sight);
             if station == Station::FIRST {
-                placed.points_m.push(point);
-                placed.moves.push([Vector3::zeros(); 8]);
+                self.points_m[station] = point;
                 continue;
             }
             let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
             let turned = transform.rotate(&point);
-            placed.points_m.push(turned + transform.translation_m);
+            self.points_m[station] = turned + transform.translation_m;
             let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(&point));
-            placed.moves.push([
+            self.moves[station] = [
                 Vector3::x(),
                 Vector3::y(),
                 Vector3::z(),
@@ -334,9 +339,8 @@ impl PlacedTriplet {
                 // To first order in the tilt, which is arcseconds.
                 tilted_by(Vector3::x()),
                 tilted_by(Vector3::y()),
-            ]);
+            ];
         }
-        placed
     }
 
     /// Sets the derivatives of a pair's separation along a vector with respect to each unknown that moves points.
