@@ -34,7 +34,7 @@ fn without_a_method_the_answer_is_the_joint_estimate() {
     assert_eq!(found.method, Method::Joint);
     assert_same(&found, &calibration(&sample(), &by(Method::Joint)));
     let joint = found.joint().expect("a joint estimate");
-    assert!(found.clocks().is_some() && joint.distances_m.is_some());
+    assert!(found.clocks().is_some() && joint.distances_m().is_some());
     assert!(found.inter_prism().is_some(), "three prisms");
 }
 

@@ -17,6 +17,7 @@ use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::joint::SetUpChange;
 use resect_core::calibration::{Method, Targets};
 use resect_core::geometry::wrap_to_pi;
+use resect_core::network::Station;
 use resect_core::statistics::median;
 use resect_io::open::open;
 
@@ -126,7 +127,10 @@ fn require_turned(change: Option<&SetUpChange>, failures: &mut Failures) {
         return failures.require(false, format!("{TURNED}: no change of a set-up is reported"));
     };
     let station = change.station;
-    failures.require(station == Some(1), format!("{TURNED}: the named station is {station:?}"));
+    failures.require(
+        station == Station::numbered(2),
+        format!("{TURNED}: the named station is {station:?}"),
+    );
     let turned_rad = change.turned_rad.value;
     failures.require(
         TURNED_RAD.contains(&turned_rad),

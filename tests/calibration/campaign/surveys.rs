@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::RigidTransform;
+use resect_core::network::Number;
 use resect_core::simulation::{ChangedSetUp, ErrorKind, simulate_scenario};
 
 use super::beyond::{direction, sign};
@@ -89,7 +90,7 @@ fn surveyed(seed: u64) -> Surveyed {
         None => Report::None,
         Some(found) => match found.station {
             None => Report::Undecided,
-            Some(named) if named == station => Report::RightStation,
+            Some(named) if named.index() == station => Report::RightStation,
             Some(_) => Report::OtherStation,
         },
     };

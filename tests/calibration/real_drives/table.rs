@@ -100,10 +100,9 @@ fn format_mm(value_mm: Option<f64>) -> String {
 }
 
 fn change_in_words(change: &SetUpChange) -> String {
-    let station = change.station.map_or_else(
-        || "an undecided station".to_owned(),
-        |station| format!("station {}", station + 1),
-    );
+    let station = change
+        .station
+        .map_or_else(|| "an undecided station".to_owned(), |station| format!("station {station}"));
     let (turned, sigma) = (1e3 * change.turned_rad.value, 1e3 * change.turned_rad.sigma);
     format!("{station} turned by {turned:+.2} ± {sigma:.2} mrad")
 }
