@@ -128,7 +128,7 @@ fn require_turned(change: Option<&SetUpChange>, failures: &mut Failures) {
     };
     let station = change.station;
     failures.require(
-        station == Station::numbered(2),
+        station.map(Station::number) == Some(2),
         format!("{TURNED}: the named station is {station:?}"),
     );
     let turned_rad = change.turned_rad.value;

@@ -300,7 +300,7 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
             let times_s: Vec<f64> =
                 (-2000..2000).map(|step| cut_s + STEP_S * f64::from(step)).collect();
             let instants = joint.solution.instants(&times_s, &Progress::default());
-            let instants = instants.expect("nobody cancels");
+            let instants = instants.expect("not cancelled");
             assert_eq!(instants.len(), times_s.len(), "every instant once");
             let sigma_m = |at: &MotionInstant| (at.position_covariance.trace() / 9.0).sqrt();
             // Between readings σ is larger than at them.
@@ -310,8 +310,8 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
                 instants.iter().filter(is_in).map(sigma_m).fold(0.0, f64::max)
             };
             let jumps = instants.windows(2).map(|two| {
-                let (step, ahead) =
-                    (&two[1].position_m - &two[0].position_m, &two[0].velocity_m_per_s);
+                let step = &two[1].position_m - &two[0].position_m;
+                let ahead = &two[0].velocity_m_per_s;
                 let jump_m = (step - ahead * (two[1].time_s - two[0].time_s)).amax();
                 (jump_m / sigma_m(&two[0]), two[0].time_s - cut_s)
             });

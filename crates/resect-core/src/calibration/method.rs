@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::targets::{Targets, targets};
+use super::targets::{Targets, followed_prisms, targets};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, FindingKind};
-use crate::network::Station;
+use crate::network::{Number, Pair, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 
 /// Fewest control points that determine an answer of method B.
@@ -107,6 +107,8 @@ impl fmt::Display for Method {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
     pub targets: Targets,
+    /// The prism that each station follows.
+    pub followed: PerStation<Prism>,
     /// The data that is missing for each method, in words, in the order of [`Method::ALL`]; `None` if the method can run.
     pub lacks: [Option<String>; Method::ALL.len()],
 }
@@ -116,6 +118,7 @@ impl Offer {
         let targets = targets(deployment, triplets);
         Self {
             lacks: Method::ALL.map(|method| lack(method, deployment, triplets, targets)),
+            followed: followed_prisms(deployment, targets),
             targets,
         }
     }
@@ -180,12 +183,10 @@ fn lack(
         Method::InterPrism => {
             if targets == Targets::OnePrism {
                 Some("a prism for each station; here all stations follow one".to_owned())
-            } else if deployment.rig.is_none() {
-                Some("the inter-prism distances (calibration_results.csv, or another file of the rig)".to_owned())
             } else if triplets.is_empty() {
                 no_triplets()
             } else {
-                None
+                lacking_distances(deployment, &followed_prisms(deployment, targets))
             }
         }
         Method::Joint => {
@@ -194,6 +195,17 @@ fn lack(
             lack(published, deployment, triplets, targets)
         }
     }
+}
+
+/// Returns the distances of the rig that are missing between followed prisms.
+fn lacking_distances(deployment: &Deployment, followed: &PerStation<Prism>) -> Option<String> {
+    let Some(rig) = &deployment.rig else {
+        let files = "calibration_results.csv, or another file of the rig";
+        return Some(format!("the inter-prism distances ({files})"));
+    };
+    let prisms = Pair::prisms_of(rig.inter_prism_m.len()).unwrap_or(1);
+    let beyond = followed.iter().find(|prism| prism.index() >= prisms)?;
+    Some(format!("the distances of prism {beyond} (the rig has those of {prisms} prisms)"))
 }
 
 /// Returns the reason why there are no triplets, with a remedy.

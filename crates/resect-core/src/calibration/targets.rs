@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, align_level, wrap_to_pi};
-use crate::network::{Number, PerStation, Prism, Station};
+use crate::network::{Number, PerStation, Prism};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -64,11 +64,12 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     }
 }
 
-/// Returns the prism that each station follows: one for all, or each its own.
+/// Returns the prism that each station follows: as stated, else one for all, or each its own.
 pub fn followed_prisms(deployment: &Deployment, targets: Targets) -> PerStation<Prism> {
-    let is_shared = targets == Targets::OnePrism;
-    let of_station = |station: Station| Prism::at(if is_shared { 0 } else { station.index() });
-    PerStation::from_fn(deployment.tracks.len(), of_station)
+    deployment.tracks.map_each(|station, track| match targets {
+        Targets::OnePrism => Prism::default(),
+        _ => track.prism.unwrap_or_else(|| Prism::at(station.index())),
+    })
 }
 
 /// Returns the median distance between the tracks after stations 2 and 3 are aligned to station 1 (m).

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use super::errors::SystematicErrors;
 use super::scenario::{Path, Scenario};
 use super::waypoint::Waypoint;
-use crate::network::{Pair, PerPrism};
+use crate::network::{Pair, PerPrism, USUAL_STATIONS};
 
 /// Distance of further stations from the centre of a winding path, as a multiple of its radius.
 const OUTSIDE: f64 = 1.5;
@@ -57,7 +57,8 @@ impl Scenario {
             self.stations_m.push(station_m);
         }
         self.stations_m.truncate(stations - 1);
-        if prisms != self.prisms() {
+        let is_usual = (stations, prisms) == (USUAL_STATIONS, self.prisms());
+        if prisms != self.prisms() || (!is_usual && self.is_one_prism()) {
             if self.is_one_prism() {
                 self.prisms_m.resize_with(1, Vector3::zeros);
             }

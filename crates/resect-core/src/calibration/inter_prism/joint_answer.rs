@@ -10,7 +10,8 @@ use super::{
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{Basin, Verdict};
 use crate::deployment::findings::answers::other_minimum_fits_better;
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding};
+use crate::network::PerStation;
 
 /// The published method's solution on the corrected readings, with the joint estimate as its answer.
 pub struct JointAnswer {
@@ -38,7 +39,7 @@ impl JointAnswer {
 /// The estimate has converged. A drive that does not determine the answer by itself has no other minimum to choose.
 pub fn solve(
     estimate: &JointEstimate,
-    rig: &Rig,
+    (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
     control_points: &[ControlPointSet],
     used: &Used<'_>,
     is_determined_by_drive: bool,
@@ -47,20 +48,16 @@ pub fn solve(
     let (time_s, interval) = used.instants();
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
-    let mut network = PrismNetwork::of_rig(rig);
-    let heights_m = network.height_differences_m(rig);
-    if let Some(distances_m) = estimate.distances_m() {
-        network = network.with_distances(&distances_m.map(|distance| distance.value));
-    }
+    let network = &network.with_estimates(estimate);
     // Gross outliers must not move the minima.
-    let fitting = gross_errors::fitting_triplets(&points_m, level, &network);
+    let fitting = gross_errors::fitting_triplets(&points_m, level, network);
     let mut kept_s = None;
     if fitting.len() >= FEWEST_TRIPLETS {
         kept_s = Some(fitting.iter().map(|i| time_s[*i]).collect());
         points_m.iter_mut().for_each(|points| keep(points, &fitting));
     }
-    let data = CentredTriplets::from_points(points_m, &network);
-    let mut solution = published::solve(heights_m.as_ref(), control_points, &data, None);
+    let data = CentredTriplets::from_points(points_m, network);
+    let mut solution = published::solve(heights_m, control_points, &data, None);
     let parameters = data.parameters(level);
     let normal = NormalEquations::at(&data, &parameters);
     solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::calibration::joint::JointEstimate;
 use crate::deployment::Rig;
 use crate::network::{Number, Pair, PerPair, PerStation, Prism, Station, StationPair};
 
@@ -67,16 +68,12 @@ impl PrismNetwork {
         Self::new(PerStation::from_fn(prisms, |station| Prism::at(station.index())), &inter_prism_m)
     }
 
-    /// Returns the network of a rig, with as many stations as prisms.
-    pub fn of_rig(rig: &Rig) -> Self {
-        Self::of_own_prisms(rig.inter_prism_m.clone())
-    }
-
-    /// Returns the same network with other distances between the prisms (m).
-    pub fn with_distances(&self, inter_prism_m: &PerPair<f64>) -> Self {
+    /// Returns the same network with the distances of a joint estimate.
+    pub fn with_estimates(&self, estimate: &JointEstimate) -> Self {
         let mut network = self.clone();
         for pair in &mut network.pairs {
-            pair.distance_m = pair.prisms.map_or(0.0, |prisms| inter_prism_m[prisms]);
+            let estimated = pair.prisms.and_then(|prisms| estimate.distance_m(prisms));
+            pair.distance_m = estimated.map_or(pair.distance_m, |distance| distance.value);
         }
         network
     }

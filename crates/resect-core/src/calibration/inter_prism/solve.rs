@@ -2,7 +2,7 @@
 
 use super::unjudged::{UnjudgedAnswer, required_rig};
 use super::used::Used;
-use super::{InterPrismDetails, PrismNetwork, clock_check, gross_errors, published};
+use super::{InterPrismDetails, clock_check, gross_errors, published};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
@@ -19,9 +19,8 @@ pub fn solve(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
-    let rig = required_rig(deployment, triplets, offer)?;
+    let (rig, network) = required_rig(deployment, triplets, offer)?;
     let used = Used::all(triplets);
-    let network = PrismNetwork::of_rig(rig);
     let heights_m = network.height_differences_m(rig);
     let data = used.centred(&network);
     let search = (settings.prior == PriorMethod::Search).then_some(&used);

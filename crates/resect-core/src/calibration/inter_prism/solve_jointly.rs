@@ -18,7 +18,6 @@ use crate::calibration::joint::{
 };
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
-use crate::calibration::targets::followed_prisms;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
@@ -39,10 +38,10 @@ pub fn solve_jointly(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
-    let rig = required_rig(deployment, triplets, offer)?;
-    let layout = &Arc::new(Layout::new(&followed_prisms(deployment, offer.targets)));
+    let (rig, network) = required_rig(deployment, triplets, offer)?;
+    let layout = &Arc::new(Layout::new(&offer.followed));
     let (screened, survey) = rayon::join(
-        || screened(deployment, rig, triplets, settings, progress),
+        || screened(deployment, (rig, &network), triplets, settings, progress),
         || joint::survey_adjustment::of_deployment(deployment, layout, settings),
     );
     let (published, data, used) = screened?;
@@ -65,7 +64,8 @@ pub fn solve_jointly(
                 is_determined_by_drive,
                 sizes: &sizes,
             };
-            estimate(&input, (deployment, rig), &used, progress)?
+            let heights_m = network.height_differences_m(rig);
+            estimate(&input, deployment, (&network, heights_m.as_ref()), &used, progress)?
         }
         None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
@@ -101,31 +101,30 @@ pub fn solve_jointly(
 /// Returns the published answer without gross outliers, which no robust loss makes harmless.
 fn screened<'a>(
     deployment: &Deployment,
-    rig: &Rig,
+    (rig, network): (&Rig, &PrismNetwork),
     triplets: &'a Triplets,
     settings: &CalibrationSettings,
     progress: &Progress,
 ) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
     let points = deployment.comparable_control_points();
-    let network = PrismNetwork::of_rig(rig);
     let heights_m = network.height_differences_m(rig);
     let solve = |used: &Used<'_>, data: &CentredTriplets| {
         let search = (settings.prior == PriorMethod::Search).then_some(used);
         published::solve(heights_m.as_ref(), points, data, search)
     };
     let mut used = Used::all(triplets);
-    let mut data = used.centred(&network);
+    let mut data = used.centred(network);
     let mut published = solve(&used, &data);
     progress.check()?;
     for _ in 0..MOST_SCREENINGS {
         let answer = &published.choice.answer.station1_from_station;
-        let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, &network);
+        let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, network);
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
         }
         used = Used::some(triplets, kept);
         drop(data);
-        data = used.centred(&network);
+        data = used.centred(network);
         published = solve(&used, &data);
     }
     Ok((published, data, used))
@@ -137,7 +136,8 @@ fn screened<'a>(
 /// readings are corrected, the iteration starts again there, and its result stands if it stays.
 fn estimate(
     input: &JointInput<'_>,
-    (deployment, rig): (&Deployment, &Rig),
+    deployment: &Deployment,
+    (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
     used: &Used<'_>,
     progress: &Progress,
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
@@ -147,8 +147,9 @@ fn estimate(
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
         Ok(estimate.map_err(JointFailure::from).map(|estimate| {
+            let known = (network, heights_m);
             let evaluated =
-                joint_answer::solve(&estimate, rig, points, used, input.is_determined_by_drive);
+                joint_answer::solve(&estimate, known, points, used, input.is_determined_by_drive);
             (estimate, evaluated)
         }))
     };

@@ -18,6 +18,7 @@ const FIRST_LOOK: usize = 60;
 
 /// The lowest minimum and its mirror twin, before the choice between them.
 pub struct Twins {
+    network: PrismNetwork,
     lowest: Basin,
     twin: Option<Basin>,
 }
@@ -26,8 +27,8 @@ impl Twins {
     /// Finds the two solutions; `None` if the minima nearest to the priors fit worse than `hopeless_m` (median absolute error).
     ///
     /// The search for all minima takes ten times as long, and correct triplets have a minimum near a prior.
-    pub fn of(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Self> {
-        let data = CentredTriplets::new(triplets, &PrismNetwork::of_rig(rig));
+    pub fn of(network: PrismNetwork, triplets: &Triplets, hopeless_m: f64) -> Option<Self> {
+        let data = CentredTriplets::new(triplets, &network);
         let thinned = data.thinned(THINNED);
         let squared = SquaredCost::of(&thinned);
         let priors = closed_form_priors(&squared);
@@ -42,7 +43,7 @@ impl Twins {
         }
         let found = minima::find(&data, &thinned, &squared, &priors);
         let twin = found.twin.as_ref().map(|twin| basin(&data, twin));
-        Some(Self { lowest: basin(&data, &found.lowest), twin })
+        Some(Self { network, lowest: basin(&data, &found.lowest), twin })
     }
 
     /// Returns the transforms of the stations to station 1's frame by the solution that rig, control points or cost select.
@@ -51,7 +52,7 @@ impl Twins {
         rig: &Rig,
         control_points: &[ControlPointSet],
     ) -> PerStation<RigidTransform> {
-        let heights_m = PrismNetwork::of_rig(rig).height_differences_m(rig);
+        let heights_m = self.network.height_differences_m(rig);
         let choice = mirror::choose(
             heights_m.as_ref(),
             control_points,

@@ -5,7 +5,9 @@ use super::observability::{self, Observability};
 use super::published::Published;
 use super::uncertainty::{self, Uncertainty};
 use super::used::Used;
-use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch, gross_errors};
+use super::{
+    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch, PrismNetwork, gross_errors,
+};
 use crate::calibration::joint::SurveyPoses;
 use crate::calibration::judgement::Judgement;
 use crate::calibration::method::why_no_triplets;
@@ -15,12 +17,12 @@ use crate::geometry::RigidTransform;
 use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
-/// Returns the rig, if the deployment has all data that the method needs.
+/// Returns the rig and the network of its prisms, if the deployment has all data that the method needs.
 pub fn required_rig<'a>(
     deployment: &'a Deployment,
     triplets: &Triplets,
     offer: &Offer,
-) -> Result<&'a Rig, CalibrationError> {
+) -> Result<(&'a Rig, PrismNetwork), CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
         let why = why_no_triplets(deployment);
@@ -33,7 +35,12 @@ pub fn required_rig<'a>(
         let (found, needed) = (triplets.len(), FEWEST_TRIPLETS);
         return Err(CalibrationError::TooFewTriplets { deployment: name(), found, needed });
     }
-    deployment.rig.as_ref().ok_or_else(|| CalibrationError::NoRig { deployment: name() })
+    let no_rig = || CalibrationError::NoRig { deployment: name() };
+    let rig = deployment.rig.as_ref().ok_or_else(no_rig)?;
+    if offer.lack(Method::InterPrism).is_some() {
+        return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
+    }
+    Ok((rig, PrismNetwork::new(offer.followed.clone(), &rig.inter_prism_m)))
 }
 
 /// An answer without its verdict.

@@ -19,7 +19,7 @@ use super::trace::Trace;
 use super::unknown::{CLOCK_DRIFT, DISTANCE, Unknown};
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::{PerPair, PerStation};
+use crate::network::{Number, Pair, PerPair, PerStation};
 
 /// The result of a joint estimate that converged.
 #[derive(Clone, Debug)]
@@ -121,6 +121,12 @@ impl JointEstimate {
     /// Returns the distances of the followed prisms (m); `None` for one prism.
     pub fn distances_m(&self) -> Option<PerPair<Estimate>> {
         Some(self.estimates(&DISTANCE).collect()).filter(|all: &PerPair<Estimate>| !all.is_empty())
+    }
+
+    /// Returns the distance of two prisms of the rig (m); `None` if it is not estimated.
+    pub fn distance_m(&self, prisms: Pair) -> Option<Estimate> {
+        let place = (0..self.layout().pairs()).find(|k| self.layout().pair(Pair::at(*k)) == prisms);
+        place.and_then(|place| self.estimates(&DISTANCE).nth(place))
     }
 
     /// Returns the largest source of σ of a coordinate: (x, y, z, yaw) of station 2, then of the next ones.

@@ -6,15 +6,17 @@
 use crate::deployment::findings::checks::{
     SuspectedMisreading, misreading_not_found, misreading_suspected,
 };
-use crate::network::{Number, PerStation};
+use crate::network::{Number, Pair, PerStation};
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
 use super::shown::{Agreement, Shown, Witnesses};
+use crate::calibration::Targets;
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
-use crate::calibration::inter_prism::Twins;
+use crate::calibration::inter_prism::{PrismNetwork, Twins};
 use crate::calibration::misfits::control_points_apart_m;
+use crate::calibration::targets::followed_prisms;
 use crate::deployment::{ControlPointSet, Deployment, Finding, Remedy, Rig, Track};
 use crate::geometry::RigidTransform;
 use crate::pipeline;
@@ -83,7 +85,7 @@ pub fn explain(
     let tries = tried.0.get_or_insert_with(|| {
         let points = deployment.comparable_control_points();
         let triplets = thinned(triplets);
-        let base = twins(rig, &triplets, f64::INFINITY).and_then(|twins| {
+        let base = twins(deployment, rig, &triplets, f64::INFINITY).and_then(|twins| {
             let transforms = twins.chosen(rig, points);
             Some((Shown::of(rig, points, &triplets, &transforms)?, transforms))
         });
@@ -130,7 +132,7 @@ fn try_all(
             Misreading::Feet(_) if rejected => thinned(&filtered_again(deployment, misreading)),
             _ => misreading.undone(&triplets, &constants_m),
         };
-        let found = twins(rig, &undone, hopeless_m);
+        let found = twins(deployment, rig, &undone, hopeless_m);
         let show = |points: &[ControlPointSet]| {
             Shown::of(rig, points, &undone, &found.as_ref()?.chosen(rig, points))
         };
@@ -151,11 +153,20 @@ fn try_all(
 }
 
 /// Returns the published method's solutions on some triplets; `None` if there are too few, or if they fit worse than `hopeless_m`.
-fn twins(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Twins> {
+fn twins(
+    deployment: &Deployment,
+    rig: &Rig,
+    triplets: &Triplets,
+    hopeless_m: f64,
+) -> Option<Twins> {
     if triplets.len() < FEWEST_TRIPLETS {
         return None;
     }
-    Twins::of(rig, triplets, hopeless_m)
+    let followed = followed_prisms(deployment, Targets::ThreePrisms);
+    let prisms = Pair::prisms_of(rig.inter_prism_m.len())?;
+    let is_known = followed.iter().all(|prism| prism.index() < prisms);
+    let network = is_known.then(|| PrismNetwork::new(followed, &rig.inter_prism_m))?;
+    Twins::of(network, triplets, hopeless_m)
 }
 
 /// Returns the explanation of tracks without triplets: ranges in feet, whose rates no filter accepts.
@@ -165,10 +176,7 @@ pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String>
         .filter_map(|misreading| {
             let triplets = filtered_again(deployment, misreading);
             let some = thinned(&triplets);
-            if some.len() < FEWEST_TRIPLETS {
-                return None;
-            }
-            let transforms = Twins::of(rig, &some, f64::INFINITY)?
+            let transforms = twins(deployment, rig, &some, f64::INFINITY)?
                 .chosen(rig, deployment.comparable_control_points());
             let shown = Shown::of(rig, &[], &some, &transforms)?;
             Some((misreading, triplets.len(), shown.fit_m))

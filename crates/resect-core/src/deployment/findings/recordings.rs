@@ -1,6 +1,7 @@
 //! Findings about the clocks of a recording, and about several drives.
 
 use crate::deployment::{Finding, FindingKind, Subject, Unit};
+use crate::network::MOST_STATIONS;
 
 pub fn stamps_are_station_clocks() -> Finding {
     Finding::new(
@@ -32,7 +33,16 @@ pub fn station_clocks_compared(clocks: &[ClockDifference]) -> Finding {
     let each: Vec<String> = clocks.iter().map(in_words).collect();
     let message =
         format!("own clocks minus synchronised stamps (the stamps are used): {}", each.join(", "));
-    const OFFSETS: [&str; 3] = ["offset_station_1", "offset_station_2", "offset_station_3"];
+    const OFFSETS: [&str; MOST_STATIONS] = [
+        "offset_station_1",
+        "offset_station_2",
+        "offset_station_3",
+        "offset_station_4",
+        "offset_station_5",
+        "offset_station_6",
+        "offset_station_7",
+        "offset_station_8",
+    ];
     clocks.iter().fold(Finding::new(FindingKind::StationClocksCompared, message), |found, clock| {
         found.quantity(OFFSETS[clock.station], clock.offset_s, Unit::Second)
     })
