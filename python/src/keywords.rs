@@ -200,6 +200,7 @@ fn trajectory_keyword(why: &NoTrajectory) -> Option<&'static str> {
         NoTrajectory::NoRig(_) => Some("rig"),
         NoTrajectory::NoMotionFits(_)
         | NoTrajectory::PrismsOnALine(_)
+        | NoTrajectory::UnknownLayout(_)
         | NoTrajectory::OtherFrame(_)
         | NoTrajectory::NoAnswer { .. } => None,
     }

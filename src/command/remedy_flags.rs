@@ -50,6 +50,7 @@ fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
         NoTrajectory::NoRig(_) => Some("--rig"),
         NoTrajectory::NoMotionFits(_) => Some("resect calibrate"),
         NoTrajectory::PrismsOnALine(_)
+        | NoTrajectory::UnknownLayout(_)
         | NoTrajectory::OtherFrame(_)
         | NoTrajectory::NoAnswer { .. } => None,
     }

@@ -70,9 +70,9 @@ fn two_drives_are_one_answer_that_is_surer_and_each_has_its_clocks() {
         assert!(off < 4.0, "{name}: {off:.1} σ off");
         let [first, second]: [DriveClocks; 2] =
             joint(calibration).drives.clone().try_into().expect("two drives");
-        for (slot, restarted_s) in RESTARTED_S.into_iter().enumerate() {
-            let later_s = second.offsets_s[slot].value - first.offsets_s[slot].value;
-            let sigma_s = first.offsets_s[slot].sigma.hypot(second.offsets_s[slot].sigma);
+        for (station, restarted_s) in (1..).zip(RESTARTED_S) {
+            let later_s = second.offsets_s[station].value - first.offsets_s[station].value;
+            let sigma_s = first.offsets_s[station].sigma.hypot(second.offsets_s[station].sigma);
             assert!(
                 (later_s - restarted_s).abs() < 4.0 * sigma_s && sigma_s < 0.003,
                 "{name}: {later_s:.4} ± {sigma_s:.4} s"
