@@ -190,7 +190,7 @@ fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
 
 /// Returns the transforms of a minimum, without σ.
 fn level_transforms(basin: &Basin) -> Vec<Value> {
-    (1..3)
+    (1..basin.station1_from_station.len())
         .map(|station| {
             let transform = &basin.station1_from_station[station];
             json!({

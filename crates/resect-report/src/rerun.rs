@@ -30,9 +30,9 @@ use self::chunks::Chunks;
 use super::rerun_error::RerunError;
 use super::text;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::deployment::{Deployment, Track};
+use resect_core::deployment::{ControlPoint, Deployment, Track};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::{Number, Pair, PerStation};
+use resect_core::network::{Number, Pair, PerStation, Station};
 use resect_core::palette;
 use resect_core::palette::Rgb;
 use resect_core::pipeline::SampleFate;
@@ -117,7 +117,7 @@ fn log_deployment(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks
     let places_points =
         answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
     recording.log_static("world", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    for station in 0..3 {
+    for station in 0..deployment.tracks.len() {
         log_station(
             &mut recording,
             (deployment, analysis),
@@ -203,9 +203,9 @@ fn log_control_points(
     transforms: &PerStation<RigidTransform>,
 ) -> Result<()> {
     for set in &deployment.control_points {
-        for station in 0..3 {
-            let seen: Vec<_> =
-                set.points.iter().filter_map(|p| Some((p.marker, p.readings[station]?))).collect();
+        for station in 0..transforms.len() {
+            let read = |p: &ControlPoint| Some((p.marker, (*p.readings.get(Station::at(station))?)?));
+            let seen: Vec<_> = set.points.iter().filter_map(read).collect();
             let positions = seen.iter().map(|(_, polar)| {
                 let p = transforms[station].apply(&polar.to_cartesian());
                 [p.x as f32, p.y as f32, p.z as f32]

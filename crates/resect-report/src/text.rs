@@ -54,7 +54,7 @@ pub fn calibration(
     text.push('\n');
     text += &transforms(calibration);
     if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin.as_ref()) {
-        for station in 1..3 {
+        for station in 1..twin.station1_from_station.len() {
             let transform = &twin.station1_from_station[station];
             _ = write!(text, "mirror T1{}", station + 1);
             for axis in 0..3 {
@@ -213,7 +213,7 @@ fn search_table(search: &PriorSearch) -> String {
 /// are used.
 pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
     let unused = SampleFate::ALL.into_iter().filter(|fate| *fate != SampleFate::Kept);
-    let counts = unused.map(|fate| (fate, (0..3).map(|station| out.count(station, fate)).sum()));
+    let counts = unused.map(|fate| (fate, out.counts(fate).iter().sum()));
     let words: Vec<String> = counts
         .filter(|(_, count): &(SampleFate, usize)| *count > 0)
         .map(|(fate, count)| format!("{count} {}", fate.label()))

@@ -126,7 +126,7 @@ pub fn explain(
                     .map(|(_, interval, beside)| Place::In { interval, beside, kept: None })?
             }
             SampleFate::InNoInterval => Place::InNone(
-                (0..3)
+                (0..deployment.tracks.len())
                     .filter_map(|other| {
                         let tau_s = settings.thresholds.tau_s_seconds;
                         silence(deployment, output, other, reading.time_s, tau_s)
