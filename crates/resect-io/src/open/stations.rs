@@ -72,6 +72,13 @@ fn stated_by_prisms(deployment: &Deployment, overrides: &Overrides) -> usize {
 fn check_lengths(overrides: &Overrides, stations: usize) -> Result<(), OpenError> {
     let prisms = match &overrides.prisms {
         Some(FollowedPrisms::Each(prisms)) => Some(prisms.len()),
+        Some(FollowedPrisms::Count(prisms)) if (2..stations).contains(&usize::from(*prisms)) => {
+            return Err(OpenError::file(
+                "deployment.toml",
+                format!("prisms is {prisms}, but there are {stations} stations"),
+                "list the prism of each station: prisms = [1, 2, 2]",
+            ));
+        }
         _ => None,
     };
     let constants = match &overrides.prism_constant_m {
@@ -89,4 +96,39 @@ fn check_lengths(overrides: &Overrides, stations: usize) -> Result<(), OpenError
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::open::open_files;
+    use resect_core::network::Number;
+
+    /// Returns a table with ten readings of each station.
+    fn readings(stations: usize) -> String {
+        let row = |i: usize| format!("{}.0,{},10,0.1,1.5\n", i / stations, i % stations + 1);
+        "timestamp,id,distance,ha,va\n".to_owned()
+            + &(0..10 * stations).map(row).collect::<String>()
+    }
+
+    #[test]
+    fn the_prism_of_each_station_is_stated_by_a_number_or_a_list() {
+        let prisms = |stations: usize, toml: &str| {
+            let files = [("t.csv", &*readings(stations)), ("deployment.toml", toml)];
+            let deployment = open_files("d", &files).map_err(|error| error.to_string())?;
+            let prism_of = |track: &resect_core::deployment::Track| track.prism.map(Number::index);
+            Ok::<_, String>(deployment.tracks.iter().map(prism_of).collect::<Vec<_>>())
+        };
+        assert_eq!(prisms(4, ""), Ok(vec![None; 4]));
+        assert_eq!(prisms(4, "prisms = 1"), Ok(vec![Some(0); 4]));
+        assert_eq!(prisms(3, "prisms = 3"), Ok(vec![Some(0), Some(1), Some(2)]));
+        assert_eq!(prisms(3, "prisms = [1, 2, 2]"), Ok(vec![Some(0), Some(1), Some(1)]));
+        // A station without readings.
+        assert_eq!(prisms(2, "prisms = [1, 2, 1]"), Ok(vec![Some(0), Some(1), Some(0)]));
+        let error = prisms(4, "prisms = 2").expect_err("ambiguous");
+        assert!(error.contains("list the prism of each station"), "{error}");
+        let error = prisms(4, "prisms = [1, 2, 2]").expect_err("short");
+        assert!(error.contains("prisms lists 3 values, but there are 4 stations"), "{error}");
+        let error = prisms(3, "prisms = 0").expect_err("none");
+        assert!(error.contains("prisms is 0"), "{error}");
+    }
 }
