@@ -204,7 +204,8 @@ fn log_control_points(
 ) -> Result<()> {
     for set in &deployment.control_points {
         for station in 0..transforms.len() {
-            let read = |p: &ControlPoint| Some((p.marker, (*p.readings.get(Station::at(station))?)?));
+            let read =
+                |p: &ControlPoint| Some((p.marker, (*p.readings.get(Station::at(station))?)?));
             let seen: Vec<_> = set.points.iter().filter_map(read).collect();
             let positions = seen.iter().map(|(_, polar)| {
                 let p = transforms[station].apply(&polar.to_cartesian());

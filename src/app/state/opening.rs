@@ -142,7 +142,7 @@ impl State {
             return;
         };
         let Opening { source, then, .. } = self.deployments.opening.remove(index);
-        let deployment = match result {
+        let deployment = match result.and_then(of_three_stations) {
             Ok(deployment) => deployment,
             Err(OpenError::Cancelled) if then == Then::Restore => {
                 self.not_restored(&format!("{}: reading was cancelled", source.title()));
@@ -284,4 +284,16 @@ fn read_settings(path: &Path) -> Result<Settings, String> {
     let settings = resect_io::settings_file::read(path).map_err(|error| error.to_string())?;
     settings.check().map_err(|what| format!("{}: {what}", path.display()))?;
     Ok(settings)
+}
+
+/// The panes draw three stations; commands take any number.
+fn of_three_stations(deployment: Arc<Deployment>) -> Result<Arc<Deployment>, OpenError> {
+    match deployment.tracks.len() {
+        3 => Ok(deployment),
+        stations => Err(OpenError::File {
+            file: deployment.name.clone(),
+            what: format!("it has the readings of {stations} stations, and the window draws three"),
+            remedy: "use `resect calibrate`, which takes any number".to_owned(),
+        }),
+    }
 }

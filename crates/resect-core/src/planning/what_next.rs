@@ -145,7 +145,6 @@ fn foreseen(
     });
     let seen = seen.flatten();
     let held = covariance.filter(|_| seen.as_ref().is_none_or(|seen| seen.is_held));
-    let held = held.map(|c| DMatrix::from_column_slice(c.nrows(), c.ncols(), c.as_slice()));
     Ok(PredictedDrive { held, observability: seen.map(|seen| seen.observability) })
 }
 

@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
 use super::uncertainty::Uncertainty;
@@ -175,7 +173,7 @@ fn replace(
     let Published { thinned, answer: minimum, .. } = &answer.published;
     answer.fitting = gross_errors::inliers(thinned, &minimum.parameters);
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
-    let covariance = DMatrix::from_column_slice(8, 8, estimate.covariance.as_slice());
+    let covariance = estimate.covariance.clone();
     answer.uncertainty = Uncertainty {
         has_control_points: estimate.survey.is_some(),
         ..uncertainty::of_covariance(&data, &answer.fitting, minimum, covariance)

@@ -217,7 +217,8 @@ impl SurveyEvidence {
         constants: &Constants,
         covariance: &ConstantsMatrix,
     ) -> Option<Self> {
-        if !self.changed.is_empty() {
+        // A single station has nothing that it moves against.
+        if !self.changed.is_empty() || self.survey.layout.moved() == 0 {
             return None;
         }
         let (normal, right) = self.without_prior(constants, covariance)?;
