@@ -190,9 +190,8 @@ impl Recording {
         numbers.sort_unstable();
         let (first, last) = (*numbers.first()?, *numbers.last()?);
         let is_numbering = first >= 1 && last <= MOST_STATIONS as i64;
-        let are_others = !is_numbering
-            || first > numbers.len() as i64
-            || (numbers.len() == USUAL_STATIONS && last != USUAL_STATIONS as i64);
+        let are_others =
+            !is_numbering || (numbers.len() == USUAL_STATIONS && last != USUAL_STATIONS as i64);
         let is_whole = are_stations && numbers.len() <= MOST_STATIONS && are_others;
         is_whole.then(|| numbers.into_iter().collect())
     }
@@ -592,6 +591,7 @@ mod tests {
         assert_eq!(numbers_of(&[1, 2, 4]), Some([1, 2, 4].into()));
         // A gap is a station without readings.
         assert_eq!(numbers_of(&[1, 3]), None);
+        assert_eq!(numbers_of(&[2]), None);
         assert_eq!(numbers_of(&[1, 2, 3, 4, 5]), None);
     }
 

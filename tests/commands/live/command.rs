@@ -99,7 +99,7 @@ fn bad_usage_is_one_line() {
         (vec!["live", "--replay", text(&sample), "--speed", "0"], 2, "not a speed"),
         (vec!["live", "--replay", text(&sample), "--speed", "-1"], 2, "not a speed"),
         (vec!["live", "--replay", text(&sample), "--target-mm", "0"], 2, "not a target"),
-        (vec!["live", "--replay", text(&sample), "--topics", "a,b"], 2, "2 names"),
+        (vec!["live", "--replay", text(&sample), "--topics", "a,b,c,d,e,f,g,h,i"], 2, "9 names"),
         (vec!["live", "--replay", "/not/there"], 1, "/not/there"),
         (vec!["live", "ws://127.0.0.1:9", "--drive", "x"], 2, "--drive"),
         (vec!["live", "ws://127.0.0.1:9", "--seconds", "1"], 1, "no server answers"),

@@ -85,8 +85,7 @@ fn check_lengths(overrides: &Overrides, stations: usize) -> Result<(), OpenError
         Some(PrismConstants::Each(constants_m)) => Some(constants_m.len()),
         _ => None,
     };
-    let topics = overrides.topics.as_ref().map(PerStation::len);
-    for (key, length) in [("prisms", prisms), ("prism_constant_m", constants), ("topics", topics)] {
+    for (key, length) in [("prisms", prisms), ("prism_constant_m", constants)] {
         if let Some(length) = length.filter(|length| *length < stations) {
             return Err(OpenError::file(
                 "deployment.toml",
