@@ -119,7 +119,7 @@ fn transforms(rows: &[AnswerRow]) -> Markup {
 fn matrices(calibration: &Calibration) -> Markup {
     html! {
         div.matrices {
-            @for station in 1..twin.station1_from_station.len() {
+            @for station in 1..calibration.station1_from_station.len() {
                 figure {
                     figcaption { "T1" (station + 1) ", frame of station " (station + 1) " into station 1's (m)" }
                     pre { (text::matrix(calibration, station).trim_end()) }
