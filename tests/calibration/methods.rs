@@ -158,7 +158,7 @@ fn a_lacking_method_says_what_it_needs() {
         (Preset::Hd2Tunnel, Method::TwoPoint, "known coordinates"),
         (Preset::Hd2Tunnel, Method::StaticGcp, "3 control points"),
         (Preset::Hd2Tunnel, Method::DynamicGcp, "one prism"),
-        (Preset::SinglePrism, Method::InterPrism, "three prisms"),
+        (Preset::SinglePrism, Method::InterPrism, "a prism for each station"),
     ] {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
         let analysis = analyse(&deployment, &by(method));

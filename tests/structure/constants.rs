@@ -35,11 +35,12 @@ const LAYOUT_FILES: [&str; 8] = [
     "track_clocks.rs",
 ];
 /// Other indices and sizes.
-const LAYOUT: [&str; 20] = [
+const LAYOUT: [&str; 21] = [
     "inter_prism/compression.rs CONSTANT",
     "inter_prism/compression.rs LANES",
     "inter_prism/compression.rs MONOMIALS",
-    "inter_prism/normal_equations.rs LANES",
+    "inter_prism/distance_pass.rs LANES",
+    "inter_prism/distance_pass.rs ZERO",
     "inter_prism/squared_cost.rs LANES",
     "inter_prism/squared_cost.rs ROWS",
     "joint/equations.rs ANGLES",

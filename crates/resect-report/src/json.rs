@@ -12,11 +12,11 @@ pub use finding::{finding, findings};
 pub use recommendation::recommendation;
 pub use schema::SCHEMA;
 
-use nalgebra::{Dim, Matrix, RawStorage};
 use serde_json::{Value, json};
 
 use crate::difference::moved_from_published;
 use crate::of_run;
+use crate::rows;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
 use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
@@ -64,8 +64,8 @@ pub fn calibration(
         },
         "transforms": transforms(calibration),
         // Order: x, y, z, yaw of station 2, then of station 3, … (m, rad).
-        "covariance": calibration.covariance.as_ref().map(rows),
-        "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
+        "covariance": calibration.covariance.as_ref().map(rows::of_matrix),
+        "correlation": calibration.correlation().map(|correlation| rows::of_matrix(&correlation)),
         "metrics": {
             "inter_prism_mm": evaluation.inter_prism_mm,
             "inter_prism_against_measured_mm": evaluation.against_measured_mm,
@@ -172,7 +172,7 @@ fn published(joint: &Calibration) -> Option<Value> {
         "independently_checked": published.is_independently_checked(),
         "findings": findings(&published.findings),
         "transforms": transforms(published),
-        "covariance": published.covariance.as_ref().map(rows),
+        "covariance": published.covariance.as_ref().map(rows::of_matrix),
         // Joint estimate minus the paper's answer, in m, rad and σ of both combined; null if one of them failed.
         "moved": moved,
     }))
@@ -225,17 +225,12 @@ pub fn transform_of(
         "translation_m": station1_from_station.translation_m.as_slice(),
         "yaw_rad": station1_from_station.yaw_rad(),
         "tilt_rad": station1_from_station.tilt_rad(),
-        "matrix": rows(&station1_from_station.matrix()),
+        "matrix": rows::of_matrix(&station1_from_station.matrix()),
         "sigma": sigma.map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
         })),
     })
-}
-
-/// Returns the rows of a matrix.
-pub fn rows<D: Dim>(matrix: &Matrix<f64, D, D, impl RawStorage<f64, D, D>>) -> Vec<Vec<f64>> {
-    (0..matrix.nrows()).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 
 /// Returns the details of the answer's method.

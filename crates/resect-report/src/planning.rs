@@ -5,7 +5,8 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, findings, rows};
+use super::json::{SCHEMA, findings};
+use super::rows;
 use super::text::sigma_text;
 use resect_core::calibration::inter_prism::observability::{Direction, Observability};
 use resect_core::network::{Number, Station};
@@ -143,7 +144,7 @@ fn place(at: &Vector3<f64>) -> &[f64] {
 
 fn held(held: &Held) -> Value {
     json!({
-        "covariance": rows(&held.covariance),
+        "covariance": rows::of_matrix(&held.covariance),
         "sigma": held.sigma.iter().skip(1).map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::json::rows;
+use super::rows;
 use resect_core::analysis::{Analysis, Answer, Settings};
 use resect_core::calibration::{Calibration, Method, Targets, TransformSigma, Verdict};
 use resect_core::deployment::{Deployment, Severity};
@@ -73,7 +73,7 @@ impl ResultSummary {
             triplets: analysis.pipeline.triplets.len(),
             one_prism: analysis.offer.targets == Targets::OnePrism,
             stations: StationSummary::of(calibration),
-            covariance: calibration.covariance.as_ref().map(rows),
+            covariance: calibration.covariance.as_ref().map(rows::of_matrix),
             inter_prism_mm: evaluation.inter_prism_mm,
             control_points_mm: evaluation.control_points_mm.clone(),
             estimates: estimate_rows(deployment, calibration),

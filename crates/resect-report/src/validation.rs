@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, findings, rows};
+use super::json::{SCHEMA, findings};
+use super::rows;
 use super::text::spread_text;
 use resect_core::calibration::Estimate;
 use resect_core::network::USUAL_STATIONS;
@@ -93,7 +94,7 @@ pub fn json(found: &Validation) -> Value {
         // Own minus earlier: x, y, z, yaw of station 2, then of station 3, …, with the covariance.
         "difference": found.difference.as_ref().map(|difference| json!({
             "values": difference.values.as_slice(),
-            "covariance": rows(&difference.covariance),
+            "covariance": rows::of_matrix(&difference.covariance),
             "chi_square": difference.chi_square,
             "p_value": difference.p_value,
         })),

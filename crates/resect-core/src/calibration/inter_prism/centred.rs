@@ -6,8 +6,8 @@
 use nalgebra::{DVector, Vector3};
 
 use super::PrismNetwork;
-use super::basin::same_pose;
 use super::prism_network::first_unknown;
+use super::same_solution::same_pose;
 use crate::geometry::LevelTransform;
 use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;

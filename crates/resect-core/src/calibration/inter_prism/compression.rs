@@ -133,7 +133,7 @@ fn dot(a: &[f64; CHUNK], b: &[f64; CHUNK]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_equations::tests::{irregular, irregular_shared};
+    use super::super::distance_pass::tests::{irregular, irregular_shared};
     use super::*;
     use nalgebra::DMatrix;
 

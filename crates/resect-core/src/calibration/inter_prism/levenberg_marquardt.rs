@@ -183,7 +183,7 @@ pub fn track_radius_m(data: &CentredTriplets) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_equations::tests::{irregular, irregular_shared};
+    use super::super::distance_pass::tests::{irregular, irregular_shared};
     use super::*;
 
     #[test]

@@ -9,7 +9,7 @@
 //! 1. [`squared_cost`] compresses thinned triplets to a cost that does not depend on their number.
 //! 2. [`closed_form`] or [`prior_search`] computes a prior.
 //! 3. [`search`] finds all minima of the compressed cost.
-//! 4. [`minima`] refines them on the exact cost, the best one and its mirror twin on all triplets. [`normal_equations`] is the one
+//! 4. [`minima`] refines them on the exact cost, the best one and its mirror twin on all triplets. [`distance_pass`] is the one
 //!    fused pass over the data.
 //! 5. [`mirror`] decides between the two.
 //! 6. [`uncertainty`], [`observability`] and [`drive_shape`] evaluate the answer.
@@ -25,6 +25,7 @@ mod clock_check;
 mod closed_form;
 mod compression;
 mod diagnosis;
+mod distance_pass;
 pub mod drive_shape;
 mod foresee;
 pub mod gross_errors;
@@ -43,6 +44,7 @@ mod pair_sums;
 mod prior_search;
 mod prism_network;
 mod published;
+mod same_solution;
 mod search;
 mod solve;
 mod solve_jointly;
@@ -53,19 +55,21 @@ mod unjudged;
 mod used;
 mod valley;
 
+pub use basin::Basin;
 use basin::basin;
-pub use basin::{Basin, SAME_TRANSLATION_M, SAME_YAW_RAD, same_solution};
 use centred::FEWEST_TRIPLETS;
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
+pub use distance_pass::distance_pulls;
 pub use foresee::{Foreseen, foresee};
 pub use inter_prism_details::InterPrismDetails;
 pub use levenberg_marquardt::{Minimum, minimise};
 pub use mirror::DECISIVE_COST_RATIO;
 pub use mirror_twin::{Mirror, ResolvedBy};
-pub use normal_equations::{NormalEquations, distance_pulls};
+pub use normal_equations::NormalEquations;
 pub use prior_search::{PriorSearch, SearchRun};
 pub use prism_network::{FollowedPair, PrismNetwork};
+pub use same_solution::{SAME_TRANSLATION_M, SAME_YAW_RAD, same_solution};
 pub use solve::solve;
 pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;

@@ -163,7 +163,7 @@ fn rows(
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_equations::tests::{irregular, irregular_shared};
+    use super::super::distance_pass::tests::{irregular, irregular_shared};
     use super::*;
     use crate::calibration::inter_prism::prism_network::FollowedPair;
     use crate::geometry::LevelTransform;

@@ -172,8 +172,8 @@ fn block_jacobian(
 
 #[cfg(test)]
 mod tests {
+    use super::super::sight::Sight;
     use super::super::state_vector::tests::layout;
-    use super::super::station_model::Sight;
     use super::*;
 
     /// Stations and their mean sights to a rig that rotates, far from level.

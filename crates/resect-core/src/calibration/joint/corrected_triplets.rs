@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::joint_estimate::JointEstimate;
-use super::station_model::{Sight, StationModel};
+use super::sight::Sight;
+use super::station_model::StationModel;
 use crate::calibration::{Clock, velocity_m_per_s};
 use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;

@@ -1,8 +1,9 @@
 //! The readings of a drive by segment, and the mean sights of its blocks.
 
 use super::knot_grid::{KnotGrid, segment_grids};
+use super::sight::Sight;
 use super::state_vector::{Constants, Layout, Slow, StateVector};
-use super::station_model::{MeanSight, Sight, StationModel};
+use super::station_model::{MeanSight, StationModel};
 use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 use crate::statistics::median;

@@ -290,6 +290,7 @@ mod random_walks;
 pub mod reliability;
 mod residuals;
 mod settling;
+mod sight;
 mod solver_status;
 mod state_vector;
 mod stated_size_conflict;

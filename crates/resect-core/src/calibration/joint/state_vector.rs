@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::unknown::{Effect, Owner, ReadingError, UNKNOWNS, Unknown};
+use crate::geometry::LevelTransform;
 use crate::network::{Number, Pair, Per, PerPrism, PerStation, Prism, Station};
 
 /// Constants θ (m, rad, s, shares), and a matrix of constants by constants.
@@ -33,14 +34,14 @@ pub struct Layout {
     followed: PerStation<Prism>,
     /// The prisms that are followed, by their numbers on the rig.
     prisms: PerPrism<Prism>,
-    unknowns: Vec<Placed>,
+    unknowns: Vec<PlacedUnknown>,
     /// Number of constants θ.
     pub constants: usize,
 }
 
 /// An unknown with its first index among the constants, the distance from owner to owner, and the number of owners.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
+struct PlacedUnknown {
     unknown: &'static Unknown,
     first: usize,
     stride: usize,
@@ -69,7 +70,7 @@ impl Layout {
         for group in table.chunk_by(|a, b| (a.owner, a.source) == (b.owner, b.source)) {
             let (stride, owners) = (group.len(), owners(group[0].owner));
             for (first, unknown) in (constants..).zip(group) {
-                unknowns.push(Placed { unknown, first, stride, owners });
+                unknowns.push(PlacedUnknown { unknown, first, stride, owners });
             }
             constants += stride * owners;
         }
@@ -233,6 +234,15 @@ impl Layout {
     pub fn block_distances(&self) -> usize {
         self.block_latencies() + self.stations()
     }
+}
+
+/// Transforms by poses (x, y, z, yaw; m, rad) of stations 2, 3, ….
+pub fn level_transforms(poses: &DVector<f64>) -> PerStation<LevelTransform> {
+    let level = |slot: usize| {
+        let pose = poses.fixed_rows::<4>(4 * slot);
+        LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
+    };
+    by_station(LevelTransform::IDENTITY, (0..poses.len() / 4).map(level))
 }
 
 /// Returns one value for each station: that of the reference, then those by slot.

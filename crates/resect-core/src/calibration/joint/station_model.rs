@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use super::sight::Sight;
 use super::state_vector::{Constants, Layout};
 use super::unknown::{CLOCK_DRIFT, CLOCK_OFFSET, LATENCY, LEAN_X, LEAN_Y, ReadingError};
 use crate::network::{Number, Station};
@@ -82,25 +83,6 @@ impl StationModel {
 /// Rotation by leans about a station's own x and y (rad).
 fn lean(x_rad: f64, y_rad: f64) -> Rotation3<f64> {
     Rotation3::new(Vector3::new(x_rad, y_rad, 0.0))
-}
-
-/// A reading's direction in the station's own axes: unit vectors along the sight, to its right, and up.
-#[derive(Clone, Copy, Debug)]
-pub struct Sight {
-    pub range_m: f64,
-    pub along: Vector3<f64>,
-    pub side: Vector3<f64>,
-    pub up: Vector3<f64>,
-}
-
-impl Sight {
-    /// The sight to a point in the station's own frame (m).
-    pub fn to(point_m: &Vector3<f64>) -> Self {
-        let range_m = point_m.norm().max(1e-9);
-        let along = point_m / range_m;
-        let side = along.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
-        Self { range_m, along, side, up: side.cross(&along) }
-    }
 }
 
 /// Mean of the sights of one station during a block.

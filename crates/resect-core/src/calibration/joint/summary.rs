@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::chain::ChainVector;
 use super::facets::facet_covariance;
@@ -16,12 +16,10 @@ use super::reliability::{
     GroupReliability, PosteriorMoments, control_point_reliability, drive_reliability,
     rig_reliability,
 };
-use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station};
+use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station, level_transforms};
 use super::trace::Trace;
 use super::unknown::CLOCK_OFFSET;
 use crate::calibration::{ErrorSizes, Estimate};
-use crate::geometry::LevelTransform;
-use crate::network::PerStation;
 
 impl GaussNewtonStep {
     /// Summarises a solution; the caller sets steps, iterations and the rows of the trace.
@@ -202,15 +200,6 @@ fn group_reliability(
         groups.extend(rig_reliability(&posterior));
     }
     groups
-}
-
-/// Transforms by poses (x, y, z, yaw; m, rad) of stations 2, 3, ….
-pub fn level_transforms(poses: &DVector<f64>) -> PerStation<LevelTransform> {
-    let level = |slot: usize| {
-        let pose = poses.fixed_rows::<4>(4 * slot);
-        LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
-    };
-    by_station(LevelTransform::IDENTITY, (0..poses.len() / 4).map(level))
 }
 
 /// Poses at the survey, by the constants and their covariance.

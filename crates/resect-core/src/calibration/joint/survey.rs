@@ -5,8 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, Vector3};
 
 use super::constants_prior::precisions;
-use super::state_vector::{Constants, ConstantsMatrix, Layout};
-use super::summary::level_transforms;
+use super::state_vector::{Constants, ConstantsMatrix, Layout, level_transforms};
 use super::unknown::{COLLIMATION, LEAN_X, LEAN_Y, RANGE_OFFSET, VERTICAL_INDEX};
 use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS};
 use crate::deployment::findings::instruments::{NamedError, instrument_error};

@@ -14,8 +14,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::block_jacobians::point_jacobian;
 use super::constants_prior::prior_mean;
 use super::loss::{CONSISTENCY, robust_weight};
+use super::sight::Sight;
 use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station};
-use super::station_model::{MeanSight, Sight, StationModel};
+use super::station_model::{MeanSight, StationModel};
 use super::survey::{ANGLES, FaceErrors, RANGES, Survey, SurveyReading, survey_precisions};
 use super::survey_elimination::{
     Centre, EliminatedFrame, FRAME, OwnErrors, PointEquation, PointJacobian, add_gram,

@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::station_model::Sight;
+use super::sight::Sight;
 use crate::calibration::{ErrorSizes, Quantity};
 
 /// A kind of unknown.
