@@ -166,8 +166,7 @@ impl Calibration {
 
     /// Returns the clocks relative to station 1; `None` if they are not estimated.
     pub fn clocks(&self) -> Option<PerStation<Clock>> {
-        let clocks = self.joint()?.clocks();
-        Some(std::iter::once(Clock::default()).chain(clocks).collect())
+        Some(self.joint()?.clocks())
     }
 
     /// Returns offset (s) and drift (s/s) of the clocks relative to station 1; `None` if they are not estimated.
