@@ -6,6 +6,7 @@ import json
 import multiprocessing
 import os
 import signal
+import statistics
 import subprocess
 import sys
 import time
@@ -133,8 +134,9 @@ print("goes on", flush=True)
 @pytest.mark.skipif(os.name == "nt", reason="the signal is sent as Linux and macOS do")
 @pytest.mark.parametrize("after_s", [0.05, 0.3, 0.7])
 def test_ctrl_c_ends_a_call_within_a_tenth_of_a_second(after_s: float) -> None:
-    # Other processes on the same cores delay some answers, but not all.
-    assert any(ctrl_c_ends_a_call_after_s(after_s) < 0.1 for _ in range(5))
+    # Other processes on the same cores delay some answers, but not most.
+    delays_s = [ctrl_c_ends_a_call_after_s(after_s) for _ in range(5)]
+    assert statistics.median(delays_s) < 0.1, delays_s
 
 
 def ctrl_c_ends_a_call_after_s(after_s: float) -> float:
