@@ -27,6 +27,21 @@ fn progress_ends_at_the_bytes_that_were_read() {
     }
 }
 
+/// Also among more other files than a message names.
+#[test]
+fn an_empty_file_of_tracks_is_named_in_the_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let points = sample_folder("warthog").join("GCP_raw_1.txt");
+    for k in 1..=6 {
+        let copy = folder.path().join(format!("GCP_raw_{k}.txt"));
+        std::fs::copy(&points, copy).expect("copied");
+    }
+    std::fs::write(folder.path().join("inter_prism.csv"), "").expect("written");
+    let error = open(folder.path()).expect_err("no tracks").to_string();
+    assert!(error.contains("among: inter_prism.csv (empty), GCP_raw_1.txt"), "{error}");
+    assert!(error.contains("and 3 more"), "{error}");
+}
+
 #[test]
 fn what_is_cancelled_is_not_an_error_of_the_data() {
     let mut paths =

@@ -21,6 +21,9 @@ use resect_core::deployment::{
 use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::progress::Progress;
 
+/// So many files are named in a message.
+const NAMED_FILES: usize = 4;
+
 /// Contents of the files with tracks.
 pub struct TracksRead<'a> {
     pub tracks: PerStation<Track>,
@@ -239,17 +242,7 @@ fn choose_tracks<'a>(
             let what = "describes a bag whose files are missing here";
             Err(OpenError::file(&metadata.file, what, "copy its .db3 or .mcap files beside it"))
         }
-        [] => {
-            let mut seen: Vec<_> =
-                files.iter().map(|f| format!("{} ({})", f.file, f.format.describe())).collect();
-            seen.truncate(4);
-            let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
-            Err(OpenError::file(
-                name,
-                format!("no tracks of the stations among: {seen}"),
-                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 or ROS 2 bag",
-            ))
-        }
+        [] => Err(no_tracks(name, files)),
         _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => {
             Ok(Choice::Files(pieces))
         }
@@ -258,6 +251,25 @@ fn choose_tracks<'a>(
         }
         _ => Ok(Choice::OneOf(candidates)),
     }
+}
+
+fn no_tracks(name: &str, files: &[FoundFile]) -> OpenError {
+    // What is not read may be the missing tracks: an empty file, a pointer of Git LFS.
+    let (unread, others): (Vec<_>, Vec<_>) =
+        files.iter().partition(|f| matches!(f.format, Format::Ignored(_) | Format::Unreadable));
+    let all = unread.iter().chain(&others);
+    let mut seen: Vec<_> = all.map(|f| format!("{} ({})", f.file, f.format.describe())).collect();
+    let more = seen.len().saturating_sub(NAMED_FILES);
+    seen.truncate(NAMED_FILES);
+    if more > 0 {
+        seen.push(format!("and {more} more"));
+    }
+    let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
+    OpenError::file(
+        name,
+        format!("no tracks of the stations among: {seen}"),
+        "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 or ROS 2 bag",
+    )
 }
 
 /// Reads the chosen files one after the other; all bags among them form one recording.
