@@ -19,7 +19,7 @@ use resect::app::{
 };
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
-use resect_core::simulation::{Preset, simulate_scenario};
+use resect_tools::simulation::{Preset, simulate_scenario};
 
 /// Returns a drive long enough for a million readings of the three stations.
 fn deployment() -> Arc<Deployment> {

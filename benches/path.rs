@@ -6,6 +6,7 @@
 //! Writes the same triplets to `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
 //! `levenberg-marquardt` crate does so here. `benches/table` runs all of them and prints the README's table.
 
+use resect_core::network::Pair;
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -14,12 +15,12 @@ use nalgebra_peer::{DVector, Dyn, Matrix, OMatrix, OVector, Owned, U8, Vector3};
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration;
 use resect_core::calibration::{CalibrationSettings, Method, Offer, PriorMethod};
-use resect_core::deployment::{Deployment, PAIRS};
+use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
 use resect_core::pipeline;
 use resect_core::pipeline::{Interpolation, PipelineSettings, Triplets};
-use resect_core::simulation::{Preset, simulate_scenario};
 use resect_io::open::open;
+use resect_tools::simulation::{Preset, simulate_scenario};
 
 type Vector8 = OVector<f64, U8>;
 
@@ -86,7 +87,13 @@ fn benchmarks(criterion: &mut Criterion) {
                 analyst.run(black_box(&settings))
             });
         });
-        let distances = deployment.rig.as_ref().expect("simulated").inter_prism_m;
+        let distances: [f64; 3] = *deployment
+            .rig
+            .as_ref()
+            .expect("simulated")
+            .inter_prism_m
+            .as_array()
+            .expect("three prisms");
         group.bench_function(BenchmarkId::new("peer-levenberg-marquardt", size), |b| {
             b.iter(|| {
                 let problem = Peer::new(black_box(&triplets), distances, good_prior(&analysis));
@@ -139,7 +146,13 @@ fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::p
     let numbers =
         |t: &RigidTransform| [t.translation_m.x, t.translation_m.y, t.translation_m.z, t.yaw_rad()];
     let ours = [numbers(t2), numbers(t3)].concat();
-    let distances = deployment.rig.as_ref().expect("simulated").inter_prism_m;
+    let distances: [f64; 3] = *deployment
+        .rig
+        .as_ref()
+        .expect("simulated")
+        .inter_prism_m
+        .as_array()
+        .expect("three prisms");
     let line = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
         numbers.join(",") + "\n"
@@ -192,7 +205,7 @@ impl levenberg_marquardt::LeastSquaresProblem<f64, Dyn, U8> for Peer {
         let n = self.points[0].len();
         let mut r = DVector::zeros(3 * n);
         for i in 0..n {
-            for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            for (pair, [a, b]) in Pair::among(3).map(Pair::indices).enumerate() {
                 let (pa, pb) =
                     (self.place(a, &self.points[a][i]).0, self.place(b, &self.points[b][i]).0);
                 r[3 * i + pair] = (pa - pb).norm() - self.distances[pair];
@@ -205,7 +218,7 @@ impl levenberg_marquardt::LeastSquaresProblem<f64, Dyn, U8> for Peer {
         let n = self.points[0].len();
         let mut jacobian = OMatrix::<f64, Dyn, U8>::zeros(3 * n);
         for i in 0..n {
-            for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            for (pair, [a, b]) in Pair::among(3).map(Pair::indices).enumerate() {
                 let ((pa, da), (pb, db)) =
                     (self.place(a, &self.points[a][i]), self.place(b, &self.points[b][i]));
                 let u = (pa - pb).normalize();

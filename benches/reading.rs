@@ -11,9 +11,9 @@ use std::time::Instant;
 
 use resect_core::deployment::Measurement;
 use resect_core::progress::Progress;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::format::polar_csv;
 use resect_io::recording::Recording;
+use resect_tools::simulation::{Preset, simulate};
 
 /// A function that reads a file, and returns its number of readings.
 type Reader = fn(&Path) -> usize;

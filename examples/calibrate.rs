@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let calibration = &answer.calibration;
         println!("{}: {}", calibration.answered_by().label(), calibration.verdict_in_words());
         for (station, transform) in calibration.station1_from_station.iter().enumerate().skip(1) {
-            let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
+            let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
             let sigma_mm = sigma.map_or(f64::NAN, |sigma| 1e3 * sigma.translation_m.max());
             let [x, y, z] = transform.translation_m.into();
             println!("  station {}: {x:.4} {y:.4} {z:.4} m, σ up to {sigma_mm:.1} mm", station + 1);

@@ -1,4 +1,4 @@
-//! resect: extrinsic calibration of three robotic total stations that can be trusted.
+//! resect: extrinsic calibration of robotic total stations that can be trusted.
 //!
 //! This page is the map; CONTRIBUTING.md has a table of which file to open for which change. The terms are the field's, and
 //! [`resect_report::glossary`] explains them.
@@ -26,11 +26,12 @@
 //! Each crate imports only from those above it, and each `lib.rs` has the map of its own modules.
 //!
 //! ```text
-//! resect-core     geometry, data model, pipeline, calibration, evaluation, simulation, planning: no files, no windows, no clap
-//! └ resect-io     formats, opening of folders, bags, atomic files
-//!   └ resect-live     streams from the network, answers while a drive grows, coaching
-//!     └ resect-report   text, JSON, CSV, HTML, pictures, trajectories, Rerun; the glossary
-//!       └ resect          this package: the window, the command line
+//! resect-core     geometry, data model, pipeline, calibration, evaluation: what one must trust for an answer
+//! └ resect-tools  validation, other trajectories, simulation, planning, studies: no files, no windows, no clap
+//!   └ resect-io     formats, opening of folders, bags, atomic files
+//!     └ resect-live     streams from the network, answers while a drive grows, coaching
+//!       └ resect-report   text, JSON, CSV, HTML, pictures, trajectories, Rerun; the glossary
+//!         └ resect          this package: the window, the command line
 //! ```
 //!
 //! | module | content | next change |

@@ -2,8 +2,8 @@
 
 struct Uniforms {
     clip_from_world: mat4x4<f32>,
-    // Stations 1, 2, 3, and the world itself.
-    world_from_frame: array<mat4x4<f32>, 4>,
+    // Eight stations, and the world itself.
+    world_from_frame: array<mat4x4<f32>, 9>,
     background: vec4<f32>,
     viewport_pixels: vec2<f32>,
     // Times since the first measurement (s); readings and tracks at others are dimmed.
@@ -52,11 +52,11 @@ fn point_vertex(in: PointInput) -> PointOutput {
 }
 
 // In the last byte of a cloud's colour: the station's number, and
-const STATION: u32 = 3u;
-const LARGE: u32 = 4u;
-const JOINED: u32 = 8u;
+const STATION: u32 = 7u;
+const LARGE: u32 = 8u;
+const JOINED: u32 = 16u;
 // Above these the number of a reading's fate.
-const FATE: u32 = 4u;
+const FATE: u32 = 5u;
 
 // How much of a colour is left outside of the selection.
 const DIMMED: f32 = 0.25;

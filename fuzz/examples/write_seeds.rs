@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use resect::app::persist::session::{Files, SavedDeployment, Session};
 use resect_core::analysis::Settings;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate};
 
 /// Longest seed; longer ones slow the fuzzer down and find nothing more.
 const LONGEST_SEED_BYTES: usize = 8 << 10;

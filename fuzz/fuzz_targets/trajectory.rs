@@ -3,9 +3,9 @@
 //! A trajectory of another system in any encoding and layout, and the file of its covariances; evaluated against itself.
 
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::estimates::{GroundTruth, Options, judge};
 use resect_core::progress::Progress;
 use resect_io::source::Source;
+use resect_tools::estimates::{GroundTruth, Options, judge};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let folder = tempfile::tempdir_in(resect_fuzz::place()).expect("a folder");

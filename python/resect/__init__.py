@@ -1,4 +1,4 @@
-"""Calibration of three robotic total stations, and ground truth trajectories with covariance.
+"""Calibration of robotic total stations, and ground truth trajectories with covariance.
 
     import resect
 
@@ -90,7 +90,7 @@ def evaluate(
     as_evo: bool = False,
     rig: Path | None = None,
     truth_topic: str | None = None,
-    truth_station: Literal[1, 2, 3] | None = None,
+    truth_station: int | None = None,
     method: Method | None = None,
     **settings: Unpack[Settings],
 ) -> Evaluation:
@@ -123,7 +123,7 @@ def evaluate(
         "truth_station": plain(truth_station),
     }
     if truth_station is not None:
-        arguments.choice("truth_station", options["truth_station"], (1, 2, 3))
+        arguments.whole_number("truth_station", options["truth_station"], 1, 8, "the number of a station, 1 to 8")
     if isinstance(against, Deployment):
         truth = against._handle
     else:

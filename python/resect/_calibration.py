@@ -151,19 +151,17 @@ class Calibration:
         return str(self._json["recommendation"]["reason"])
 
     @cached_property
-    def transforms(self) -> tuple[Transform, Transform]:
-        """`station1_from_station2` and `station1_from_station3`, of the drive."""
-        two, three = (Transform._of(values) for values in self._json["transforms"])
-        return two, three
+    def transforms(self) -> tuple[Transform, ...]:
+        """`station1_from_station2`, `station1_from_station3`, …, of the drive."""
+        return tuple(Transform._of(values) for values in self._json["transforms"])
 
     @cached_property
-    def survey_transforms(self) -> tuple[Transform, Transform] | None:
-        """Both transforms when the control points were measured; None if the answer does not use control points."""
+    def survey_transforms(self) -> tuple[Transform, ...] | None:
+        """The transforms when the control points were measured; None if the answer does not use control points."""
         transforms = self._json.get("survey_transforms")
         if transforms is None:
             return None
-        two, three = (Transform._of(values) for values in transforms)
-        return two, three
+        return tuple(Transform._of(values) for values in transforms)
 
     @property
     def station1_from_station2(self) -> Transform:
@@ -177,7 +175,7 @@ class Calibration:
 
     @cached_property
     def covariance(self) -> Array | None:
-        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), in the frame of station 1.
+        """Shape (4(N - 1), 4(N - 1)) of N stations: x, y, z, yaw of station 2, then of station 3, … (m, rad), in the frame of station 1.
 
         None if a direction is not determined.
         """

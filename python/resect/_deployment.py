@@ -27,7 +27,8 @@ class Track:
     """Readings of one station in order of time; n is their number.
 
     Attributes:
-        station: 1, 2 or 3.
+        station: its number, from 1.
+        name: how the files or `station_names` call it; None if that is its number.
         time_s: shape (n,), synchronised time (s).
         range_m: shape (n,), without the prism constant (m).
         azimuth_rad: shape (n,), clockwise seen from above (rad).
@@ -37,6 +38,7 @@ class Track:
     """
 
     station: int
+    name: str | None
     time_s: Array
     range_m: Array
     azimuth_rad: Array
@@ -68,12 +70,12 @@ class Track:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Pipeline:
-    """Triplets: the positions of the three prisms at n common instants.
+    """Triplets: the positions of the stations' prisms at n common instants.
 
     Attributes:
         time_s: shape (n,) (s).
         interval: shape (n,), number of the interval from 0.
-        points_m: shape (n, 3, 3): instant, station, and x, y, z in the station's own frame (m).
+        points_m: shape (n, N, 3): instant, station, and x, y, z in the station's own frame (m).
         speed_m_per_s: shape (n,), speed of prism 1 (m/s).
         fates: for each station, an array with the fate of each reading in words: "kept", "rejected: range rate", …
         intervals: number of intervals.
@@ -90,7 +92,7 @@ class Pipeline:
     def table(self) -> Table:
         """Columns for pandas or polars."""
         table: Table = {"time_s": self.time_s, "interval": self.interval, "speed_m_per_s": self.speed_m_per_s}
-        for station in range(3):
+        for station in range(self.points_m.shape[1]):
             for axis, name in enumerate("xyz"):
                 table[f"{name}{station + 1}_m"] = self.points_m[:, station, axis]
         return table
@@ -110,7 +112,7 @@ class Pipeline:
 
 
 class Deployment:
-    """One field session of three robotic total stations. `resect.open` reads it."""
+    """One field session of robotic total stations. `resect.open` reads it."""
 
     def __init__(self, handle: _native.DeploymentHandle) -> None:
         self._handle = handle
@@ -122,14 +124,14 @@ class Deployment:
         return str(self._about["name"])
 
     @cached_property
-    def tracks(self) -> tuple[Track, Track, Track]:
-        """Readings of stations 1, 2 and 3; a missing station has an empty track."""
-        one, two, three = (Track(station + 1, **self._handle.track(station)) for station in range(3))
-        return one, two, three
+    def tracks(self) -> tuple[Track, ...]:
+        """Readings of stations 1, 2, …; a missing station has an empty track."""
+        stations = range(self._about["stations"])
+        return tuple(Track(station + 1, **self._handle.track(station)) for station in stations)
 
     @property
     def inter_prism_m(self) -> Array | None:
-        """Shape (3,): distances of prisms 12, 13, 23 as measured on the vehicle (m); None if no file has them."""
+        """Distances of prisms 12, 13, 23, 14, 24, 34, … as measured on the vehicle (m); None if no file has them."""
         distances_m = self._about["inter_prism_m"]
         return None if distances_m is None else np.array(distances_m)
 

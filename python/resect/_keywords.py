@@ -57,11 +57,13 @@ class Overrides(TypedDict, total=False):
     tracks: str | Sequence[str]
     topics: Sequence[str]
     stations: Sequence[int]
+    station_names: Sequence[str]
     azimuth: Literal["clockwise", "counter-clockwise"]
     prism_constant_m: float | Sequence[float]
     ranges_include_prism_constant: bool
     inter_prism_m: Sequence[float]
-    prisms: Literal[1, 3]
+    # A number of prisms, or the prism of each station.
+    prisms: int | Sequence[int]
     prisms_m: Sequence[Sequence[float]]
     gnss: Sequence[str]
     control_points: Sequence[str]
@@ -157,21 +159,29 @@ def name_or_names(name: str, value: Any) -> str | list[str]:
 def prism_constants_m(name: str, value: Any) -> float | list[float]:
     """Returns one prism constant, or one for each station."""
     if isinstance(value, list):
-        return arguments.numbers(name, value, 3)
+        return arguments.numbers(name, value)
     if arguments.is_number(value):
         return float(value)
-    arguments.refuse(name, arguments.in_words(value), "one number or three, in metres")
+    arguments.refuse(name, arguments.in_words(value), "one number, or one for each station, in metres")
 
 
 def prisms_m(name: str, value: Any) -> list[list[float]]:
-    """Returns the positions of three prisms."""
+    """Returns the positions of prisms."""
 
     def is_point(point: Any) -> bool:
         return isinstance(point, list) and len(point) == 3 and all(map(arguments.is_number, point))
 
-    if not isinstance(value, list) or len(value) != 3 or not all(map(is_point, value)):
-        arguments.refuse(name, "is not three points", "[[x, y, z], [x, y, z], [x, y, z]], in metres")
+    if not isinstance(value, list) or not all(map(is_point, value)):
+        arguments.refuse(name, "is not a list of points", "[[x, y, z], [x, y, z], …], in metres")
     return value
+
+
+def followed_prisms(name: str, value: Any) -> int | list[int]:
+    """Returns a number of prisms, or the prism of each station."""
+    form = "a number of prisms, or the prism of each station"
+    if isinstance(value, list):
+        return [arguments.whole_number(f"a value of {name}", own, 0, 255, form) for own in value]
+    return arguments.whole_number(name, value, 0, 255, form)
 
 
 def masked(name: str, value: Any) -> list[dict[str, Any]]:
@@ -181,7 +191,7 @@ def masked(name: str, value: Any) -> list[dict[str, Any]]:
     for reading in readings:
         if not isinstance(reading, dict) or set(reading) != {"station", "time_s"}:
             arguments.refuse(name, "is not a list of readings", form)
-        arguments.whole_number(f"station of {name}", reading["station"], 0, 255, "1, 2 or 3")
+        arguments.whole_number(f"station of {name}", reading["station"], 0, 255, "the number of a station")
         arguments.number(f"{name}: time_s", reading["time_s"])
     return readings
 
@@ -199,17 +209,18 @@ def columns(name: str, value: Any) -> dict[str, Any]:
 OVERRIDE_CHECKS: dict[str, Check] = {
     "name": arguments.word,
     "tracks": name_or_names,
-    "topics": partial(arguments.words, count=3),
-    "stations": partial(arguments.items, is_item=arguments.is_station_number, kind="whole number", count=3),
+    "topics": arguments.words,
+    "stations": partial(arguments.items, is_item=arguments.is_station_number, kind="whole number"),
+    "station_names": arguments.words,
     "azimuth": partial(arguments.choice, choices=("clockwise", "counter-clockwise")),
     "prism_constant_m": prism_constants_m,
     "ranges_include_prism_constant": arguments.truth,
-    "inter_prism_m": partial(arguments.numbers, count=3),
-    "prisms": partial(arguments.choice, choices=(1, 3)),
+    "inter_prism_m": arguments.numbers,
+    "prisms": followed_prisms,
     "prisms_m": prisms_m,
     "gnss": partial(arguments.words, count=3),
     "control_points": arguments.words,
-    "surveys": partial(arguments.words, count=3),
+    "surveys": arguments.words,
     "span_s": partial(arguments.numbers, count=2),
     "masked": masked,
     "columns": columns,

@@ -27,10 +27,9 @@ class Simulation:
         return Deployment(self._handle.deployment())
 
     @cached_property
-    def true_transforms(self) -> tuple[Transform, Transform]:
-        """The true `station1_from_station2` and `station1_from_station3` at set-up."""
-        two, three = (Transform._of(values) for values in self._handle.transforms())
-        return two, three
+    def true_transforms(self) -> tuple[Transform, ...]:
+        """The true `station1_from_station2`, `station1_from_station3`, … at set-up."""
+        return tuple(Transform._of(values) for values in self._handle.transforms())
 
     def true_trajectory(self, rate: float = 10.0) -> Trajectory:
         """Returns the true poses of the vehicle in the frame of station 1 at set-up, with a covariance of zero.

@@ -76,10 +76,10 @@ impl AnalysisHandle {
         let table = PyDict::new(py);
         set_column(&table, "time_s", triplets.time_s.iter().copied())?;
         table.set_item("interval", PyArray1::from_slice(py, &triplets.interval))?;
-        let names = ["error_12_mm", "error_13_mm", "error_23_mm"];
-        for (name, errors_mm) in names.iter().zip(&answer.evaluation.distance_errors_mm) {
+        for (pair, errors_mm) in answer.evaluation.distance_errors_mm.each() {
             if errors_mm.len() == triplets.len() {
-                set_column(&table, name, errors_mm.iter().copied())?;
+                let name = format!("error_{}{}_mm", pair.first, pair.second);
+                set_column(&table, &name, errors_mm.iter().copied())?;
             }
         }
         Ok(table)
@@ -96,8 +96,8 @@ impl AnalysisHandle {
             let request = options.request()?;
             let AnsweredDeployment { deployment, analysis, answer, .. } = &*answered;
             check_times(deployment, options.times_s.as_deref().unwrap_or_default())?;
-            let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
-            requested_trajectory(deployment, triplets, targets, &answer.calibration, &request)
+            let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
+            requested_trajectory(deployment, triplets, followed, &answer.calibration, &request)
                 .map_err(|why| of_request(&why))
         })?;
         requested_arrays(py, &requested)

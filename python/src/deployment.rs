@@ -43,8 +43,9 @@ impl DeploymentHandle {
             py,
             &json!({
                 "name": deployment.name,
+                "stations": deployment.tracks.len(),
                 "track_frame": deployment.track_frame,
-                "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+                "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
                 "start_s": deployment.start_s(),
                 "end_s": deployment.end_s(),
                 "findings": json::findings(&deployment.findings),
@@ -52,10 +53,9 @@ impl DeploymentHandle {
         )
     }
 
-    /// Returns the readings of a station (0 to 2).
+    /// Returns the readings of a station (from 0).
     fn track<'py>(&self, py: Python<'py>, station: usize) -> PyResult<Bound<'py, PyDict>> {
-        let no_station =
-            || Failure::new(format!("no station {}; stations are 1, 2, 3", station + 1));
+        let no_station = || Failure::new(format!("no station {}", station + 1));
         let track = raised(self.deployment.tracks.as_slice().get(station).ok_or_else(no_station))?;
         let readings = &track.measurements;
         let table = PyDict::new(py);
@@ -67,6 +67,7 @@ impl DeploymentHandle {
             readings.iter().map(|reading| track.position_m(reading)).collect();
         set_points(&table, "position_m", &positions_m)?;
         table.set_item("prism_constant_m", track.prism_constant_m)?;
+        table.set_item("name", track.name.as_deref())?;
         Ok(table)
     }
 
@@ -152,7 +153,7 @@ fn pipeline_arrays<'py>(py: Python<'py>, output: &PipelineOutput) -> PyResult<Bo
     let count = triplets.len();
     let points = (0..count).flat_map(|index| triplets.triplet_m(index));
     let values: Vec<f64> = points.flat_map(|point| [point.x, point.y, point.z]).collect();
-    set_stack(&table, "points_m", values, [count, 3, 3])?;
+    set_stack(&table, "points_m", values, [count, triplets.points_m.len(), 3])?;
     set_column(&table, "speed_m_per_s", triplets.speed_m_per_s.iter().copied())?;
     let codes = output.fates.iter().map(|fates| {
         let code =

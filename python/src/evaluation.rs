@@ -8,10 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{Body, EstimatesJudgement, GroundTruth, Judged, Options, judge};
+use resect_core::network::MOST_STATIONS;
 use resect_core::progress::Progress;
 use resect_io::estimate_file;
 use resect_report::estimates;
+use resect_tools::estimates::{Body, EstimatesJudgement, GroundTruth, Judged, Options, judge};
 use serde_json::Value;
 
 use crate::arrays::{plain, set_column, set_points};
@@ -74,9 +75,9 @@ impl EvaluationOptions {
     /// Returns the index of the station that is the ground truth.
     fn station(&self) -> Result<Option<usize>, Failure> {
         match self.truth_station {
-            Some(number) if !(1..=3).contains(&number) => {
-                Err(Failure(format!("truth_station is {number}; stations are 1, 2, 3")))
-            }
+            Some(number) if !(1..=MOST_STATIONS).contains(&number) => Err(Failure(format!(
+                "truth_station is {number}; stations are 1 to {MOST_STATIONS}"
+            ))),
             station => Ok(station.map(|number| number - 1)),
         }
     }

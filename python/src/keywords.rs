@@ -6,11 +6,11 @@ use pythonize::depythonize;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Evidence, Method};
 use resect_core::deployment::{Finding, Overrides, Remedy};
-use resect_core::estimates::Unjudged;
-use resect_core::estimates::unfit::Unfit;
 use resect_core::evaluation::requested_trajectory::RequestError;
 use resect_core::evaluation::vehicle::NoTrajectory;
 use resect_io::source::Extras;
+use resect_tools::estimates::Unjudged;
+use resect_tools::estimates::unfit::Unfit;
 use serde::Deserialize;
 use serde::de::value::{Error, StrDeserializer};
 use toml::{Table, Value};
@@ -200,6 +200,7 @@ fn trajectory_keyword(why: &NoTrajectory) -> Option<&'static str> {
         NoTrajectory::NoRig(_) => Some("rig"),
         NoTrajectory::NoMotionFits(_)
         | NoTrajectory::PrismsOnALine(_)
+        | NoTrajectory::UnknownLayout(_)
         | NoTrajectory::OtherFrame(_)
         | NoTrajectory::NoAnswer { .. } => None,
     }

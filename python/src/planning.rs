@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
-use resect_core::planning::{Plan, improvements, predict};
 use resect_core::progress::Progress;
 use resect_io::{plan_file, way_file};
 use resect_report::planning;
+use resect_tools::planning::{Plan, improvements, predict};
 use serde_json::Value;
 
 use crate::arrays::plain;

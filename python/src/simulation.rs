@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use resect_core::simulation::{Preset, Simulated, simulate_scenario};
 use resect_io::simulation_files;
 use resect_report::json::transform_of;
+use resect_tools::simulation::{Preset, Simulated, simulate_scenario};
 use serde_json::Value;
 
 use crate::arrays::plain;

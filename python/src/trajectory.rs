@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::calibration::joint::prism_motion::PrismInstant;
 use resect_core::evaluation::requested_trajectory::{RequestedMotion, RequestedTrajectory};
 use resect_core::evaluation::trajectory::Trajectory;
 
@@ -49,10 +49,7 @@ pub fn pose_arrays<'py>(py: Python<'py>, trajectory: &Trajectory) -> PyResult<Bo
 }
 
 /// Returns the arrays of the positions of one prism, which have no orientation.
-fn prism_arrays<'py>(
-    py: Python<'py>,
-    positions: &[MotionInstant<3>],
-) -> PyResult<Bound<'py, PyDict>> {
+fn prism_arrays<'py>(py: Python<'py>, positions: &[PrismInstant]) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     set_column(&table, "time_s", positions.iter().map(|at| at.time_s))?;
     set_points(&table, "position_m", positions.iter().map(|at| &at.position_m))?;

@@ -58,12 +58,33 @@ def test_a_track_without_readings_is_empty(tmp_path: Path) -> None:
     header, *rows = (SAMPLES / "warthog/inter_prism.csv").read_text(encoding="utf-8").splitlines()
     first = [row for row in rows if row.split(",")[1] == "1"]
     (tmp_path / "inter_prism.csv").write_text("\n".join([header, *first]), encoding="utf-8")
+    three = resect.open(tmp_path, stations=[1, 2, 3])
+    assert [len(track) for track in three.tracks][1:] == [0, 0]
+    assert all(track.position_m.shape == (len(track), 3) for track in three.tracks)
+    assert three.run_pipeline().points_m.shape == (0, 3, 3)
+    assert "–" in repr(three)
+    assert three._repr_html_()
+
+
+def test_one_station_has_a_track_and_no_transform(tmp_path: Path) -> None:
+    header, *rows = (SAMPLES / "warthog/inter_prism.csv").read_text(encoding="utf-8").splitlines()
+    first = [row for row in rows if row.split(",")[1] == "1"]
+    (tmp_path / "inter_prism.csv").write_text("\n".join([header, *first]), encoding="utf-8")
     alone = resect.open(tmp_path)
-    assert [len(track) for track in alone.tracks][1:] == [0, 0]
-    assert all(track.position_m.shape == (len(track), 3) for track in alone.tracks)
-    assert alone.run_pipeline().points_m.shape == (0, 3, 3)
-    assert "–" in repr(alone)
-    assert alone._repr_html_()
+    pipeline = alone.run_pipeline()
+    assert pipeline.points_m.shape == (len(pipeline), 1, 3)
+    answer = alone.calibrate()
+    assert list(answer.transforms) == []
+    assert alone._repr_html_() and answer._repr_html_()
+    assert len(answer.trajectory()) > 1000
+
+
+def test_two_stations_of_three(warthog: resect.Deployment) -> None:
+    two = resect.open(SAMPLES / "warthog", stations=[1, 2])
+    assert two.run_pipeline().points_m.shape[1:] == (2, 3)
+    [pose] = two.calibrate().transforms
+    [of_three, _] = warthog.calibrate().transforms
+    assert np.allclose(pose.translation_m, of_three.translation_m, atol=3 * max(pose.sigma_translation_m))
 
 
 def test_triplets_and_fates_of_readings(warthog: resect.Deployment) -> None:

@@ -20,7 +20,7 @@
 //!       ├─ jobs               other background work; the outcome is a function applied to the state
 //!       ├─ display_server     X11 where the Wayland server is dead
 //!       └─ file_dialog, theme, words, short   asking for a path; dark and light colours and sizes of the window itself (data
-//!                             colours are in `resect_core::palette`); terms explained on hover and by F1; shortened
+//!                             colours are in `resect_tools::palette`); terms explained on hover and by F1; shortened
 //!                             names
 //! ```
 //!
@@ -83,7 +83,7 @@ pub use model::{
     LiveCommand, LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureFormat, PictureOrder,
     PictureTo, Pin, PlanCommand, Playback, Results, ResultsCommand, Ruler, RulerEnd, Run,
     SceneCommand, SceneOptions, SessionCommand, StudyKind, StudyOptions, StudyResult, TimeCommand,
-    TimeUnit, Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
+    TimeUnit, Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, kinds, toasts,
 };
 pub use picture::{ScreenshotOrder, offscreen_renderer, picture, without_graphics};
 pub use pictures::pane_picture::PanePicture;

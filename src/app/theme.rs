@@ -3,7 +3,7 @@
 use egui::{Color32, FontFamily, FontId, TextStyle};
 
 use resect_core::deployment::Severity;
-use resect_core::palette::Rgb;
+use resect_tools::palette::Rgb;
 
 const TEXT_LIGHT: Color32 = Color32::from_gray(40);
 const TEXT_DARK: Color32 = Color32::from_gray(205);

@@ -294,6 +294,7 @@ impl Panes<'_> {
             Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
             Pane::Guide => panels::guide::ui(ui, self.state, self.commands),
             Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
+            Pane::Solver => panels::solver::ui(ui, self.state),
             Pane::Evaluation => panels::evaluation::ui(ui, self.state, self.commands),
             Pane::PlanNumbers => panels::plan::numbers(ui, self.state, self.commands),
             Pane::PlanMap => plots::plan_map::ui(ui, self.state, self.commands),

@@ -1,5 +1,6 @@
 //! `resect check`: content and faults of a folder or file.
 
+use resect_core::network::{Number, Pair};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -9,7 +10,7 @@ use super::remedy_flags::finding_line;
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::{CalibrationError, Method};
-use resect_core::deployment::{Deployment, Finding, Severity, Track, pair_label};
+use resect_core::deployment::{Deployment, Finding, Severity, Track};
 use resect_core::statistics::median;
 use resect_io::source::Extras;
 use resect_report::of_run;
@@ -50,13 +51,14 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
         None => text += "  unknown\n",
         Some(rig) => {
             for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
-                _ = writeln!(text, "  prisms {}  {distance:.4} m", pair_label(pair));
+                _ = writeln!(text, "  prisms {}  {distance:.4} m", Pair::at(pair));
             }
-            if let Some([h12, h13]) = rig.height_differences_m() {
-                _ = writeln!(
-                    text,
-                    "  prism 1 is {h12:+.3} m above prism 2, {h13:+.3} m above prism 3"
-                );
+            if let Some(heights_m) = rig.height_differences_m() {
+                let heights: Vec<String> = (2..)
+                    .zip(heights_m)
+                    .map(|(prism, height_m)| format!("{height_m:+.3} m above prism {prism}"))
+                    .collect();
+                _ = writeln!(text, "  prism 1 is {}", heights.join(", "));
             }
         }
     }

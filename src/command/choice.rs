@@ -2,10 +2,10 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use resect_core::calibration::{Alignment, Method, PriorMethod};
-use resect_core::estimates::TrajectoryAlignment;
-use resect_core::experiment::Parameter;
 use resect_core::pipeline::Interpolation;
-use resect_core::simulation::Preset;
+use resect_tools::estimates::TrajectoryAlignment;
+use resect_tools::experiment::Parameter;
+use resect_tools::simulation::Preset;
 
 /// Values with their words and their help (may be empty).
 type Choices<T> = &'static [(T, &'static str, &'static str)];
@@ -33,8 +33,8 @@ fn letter(help: &str) -> Option<&str> {
 pub const METHODS: Choices<Method> = &[
     (Method::TwoPoint, "two-point", "A: two points whose relative position is known"),
     (Method::StaticGcp, "static-gcp", "B: static control points"),
-    (Method::DynamicGcp, "dynamic-gcp", "C: one moving prism that all three stations follow"),
-    (Method::InterPrism, "inter-prism", "D: three prisms of a rig with known distances"),
+    (Method::DynamicGcp, "dynamic-gcp", "C: one moving prism that all stations follow"),
+    (Method::InterPrism, "inter-prism", "D: prisms of a rig with known distances"),
     (
         Method::Joint,
         "joint",
@@ -102,7 +102,7 @@ pub const PRESETS: Choices<Preset> = &[
         "The Warthog on flat ground, where only the rig resolves the mirror ambiguity",
     ),
     (Preset::UnevenGround, "uneven-ground", "The Warthog where it pitches and rolls more"),
-    (Preset::SinglePrism, "single-prism", "One prism that all three stations follow, for method C"),
+    (Preset::SinglePrism, "single-prism", "One prism that all stations follow, for method C"),
     (Preset::FigureEight, "figure-eight", "Figure-eights: turns to both sides"),
     (
         Preset::ShortBaselines,

@@ -6,9 +6,9 @@ use super::progress_line::with_progress;
 use super::remedy_flags::finding_line;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
-use resect_core::experiment::compare;
 use resect_core::progress::Progress;
 use resect_report::study;
+use resect_tools::experiment::compare;
 
 #[derive(Args)]
 pub struct CompareArguments {

@@ -11,10 +11,10 @@ use super::settings_args::AnswerArguments;
 use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use resect_core::analysis::Analyst;
-use resect_core::estimates::{GroundTruth, judge};
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
 use resect_report::{estimates, svg};
+use resect_tools::estimates::{GroundTruth, judge};
 
 #[derive(Args)]
 pub struct EvaluateArguments {

@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::Failure;
 use super::settings_args::metres;
-use resect_core::estimates::{Body, Options, TrajectoryAlignment};
+use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {

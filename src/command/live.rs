@@ -1,5 +1,6 @@
 //! `resect live`: calibration during the drive, a line of results a second.
 
+use resect_core::network::{MOST_STATIONS, PerStation};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -125,15 +126,14 @@ fn wanted(arguments: &LiveArguments) -> Result<Wanted, Failure> {
     })
 }
 
-/// Returns three names, or `None` without any.
-fn of_each_station(flag: &str, names: &[String]) -> Result<Option<[String; 3]>, Failure> {
-    match <[String; 3]>::try_from(names.to_vec()) {
-        Ok(names) => Ok(Some(names)),
-        Err(none) if none.is_empty() => Ok(None),
-        Err(given) => {
-            let count = given.len();
-            Err(Failure::Usage(format!("{flag} has {count} names; give those of stations 1, 2, 3")))
-        }
+/// Returns a name for each station, or `None` without any.
+fn of_each_station(flag: &str, names: &[String]) -> Result<Option<PerStation<String>>, Failure> {
+    match names.len() {
+        0 => Ok(None),
+        1..=MOST_STATIONS => Ok(Some(names.iter().cloned().collect())),
+        count => Err(Failure::Usage(format!(
+            "{flag} has {count} names; give those of stations 1 to {MOST_STATIONS} at most"
+        ))),
     }
 }
 

@@ -9,12 +9,12 @@ use super::output::{is_standard_output, spare, write};
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
-use resect_core::planning::{Plan, improvements, predict};
 use resect_core::progress::Progress;
-use resect_core::simulation::Preset;
 use resect_io::file_mark::used_files;
 use resect_io::{plan_file, way_file};
 use resect_report::planning;
+use resect_tools::planning::{Plan, improvements, predict};
+use resect_tools::simulation::Preset;
 
 #[derive(Args)]
 pub struct PlanArguments {
@@ -27,7 +27,7 @@ pub struct PlanArguments {
     /// Seed of the preset's drive
     #[arg(long, default_value_t = 1, conflicts_with = "path")]
     seed: u64,
-    /// File with the path to drive, instead of the plan's: CSV (x, y), PLY or GeoJSON (with the three stations as points)
+    /// File with the path to drive, instead of the plan's: CSV (x, y), PLY or GeoJSON (with the stations as points)
     #[arg(long, value_name = "FILE")]
     way: Option<PathBuf>,
     /// Largest acceptable root mean square error at the far end (mm), instead of the plan's

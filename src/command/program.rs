@@ -22,7 +22,7 @@ Examples:
 Exit codes: 0 for an answer, 1 for bad input, 2 for wrong usage.
 Results are printed on standard output, without colours; errors, notes and progress on standard error.";
 
-/// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
+/// Inspect a deployment of robotic total stations, tune its filters, and calibrate it.
 #[derive(Parser)]
 #[command(
     version = VERSION, about, subcommand_precedence_over_arg = true, max_term_width = 100,

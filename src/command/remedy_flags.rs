@@ -2,10 +2,10 @@
 
 use resect_core::calibration::CalibrationError;
 use resect_core::deployment::{Finding, Remedy, Severity};
-use resect_core::estimates::Unjudged;
-use resect_core::estimates::unfit::Unfit;
 use resect_core::evaluation::requested_trajectory::RequestError;
 use resect_core::evaluation::vehicle::NoTrajectory;
+use resect_tools::estimates::Unjudged;
+use resect_tools::estimates::unfit::Unfit;
 
 /// Returns the flag that applies a remedy; `None` without one.
 fn flag(remedy: &Remedy) -> Option<&'static str> {
@@ -29,7 +29,7 @@ pub fn finding_line(finding: &Finding) -> String {
     let line = with_flags(finding);
     match finding.severity {
         Severity::Note => line,
-        Severity::Warning | Severity::Problem => format!("{line} [{}]", finding.kind.code()),
+        Severity::Warning | Severity::Problem => format!("{line} [{}]", finding.kind.code),
     }
 }
 
@@ -50,6 +50,7 @@ fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
         NoTrajectory::NoRig(_) => Some("--rig"),
         NoTrajectory::NoMotionFits(_) => Some("resect calibrate"),
         NoTrajectory::PrismsOnALine(_)
+        | NoTrajectory::UnknownLayout(_)
         | NoTrajectory::OtherFrame(_)
         | NoTrajectory::NoAnswer { .. } => None,
     }
@@ -91,11 +92,11 @@ pub fn error_with_flags(error: &anyhow::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::FindingKind;
+    use resect_core::deployment::kinds;
 
     #[test]
     fn the_line_has_the_flags_and_the_message_has_none() {
-        let finding = Finding::new(FindingKind::MirrorNeedsWitness, "the twins fit equally well")
+        let finding = Finding::new(kinds::MIRROR_NEEDS_WITNESS, "the twins fit equally well")
             .with(Remedy::GiveControlPoints)
             .with(Remedy::ShowTimes([1.0, 2.0]))
             .with(Remedy::GiveRig);

@@ -12,13 +12,13 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{EstimatedTrajectory, GroundTruth, Options, judge};
 use resect_io::error::OpenError;
 use resect_io::estimate_file;
 use resect_io::file_mark::marks_of;
 use resect_report::of_run;
 use resect_report::report;
 use resect_report::report::Chapter;
+use resect_tools::estimates::{EstimatedTrajectory, GroundTruth, Options, judge};
 
 #[derive(Args)]
 pub struct ReportArguments {

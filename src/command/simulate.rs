@@ -3,6 +3,7 @@
 mod error_args;
 mod limits;
 
+use resect_core::network::{MOST_STATIONS, USUAL_STATIONS};
 use std::path::{Path, PathBuf};
 use std::slice::from_mut;
 
@@ -14,11 +15,11 @@ use super::choice::{PRESETS, choice};
 use super::output::{kind_of, spare_file};
 use super::{Failure, print};
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::simulation::{Preset, Scenario, Simulated, simulate_scenario};
 use resect_io::atomic;
 use resect_io::simulation_files::write_folder;
 use resect_report::trajectory as trajectory_file;
 use resect_report::trajectory::FileKind;
+use resect_tools::simulation::{Preset, Scenario, Simulated, simulate_scenario};
 
 const TRUE_POSES_APART_S: f64 = 0.1;
 
@@ -30,6 +31,12 @@ pub struct SimulateArguments {
     /// The same seed gives the same files
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Number of stations, 1 to 8; further ones stand around the path
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
+    stations: Option<u8>,
+    /// Number of prisms on the vehicle, 1 to 8; stations share prisms if there are fewer prisms
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
+    prisms: Option<u8>,
     /// Folder to write into
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -54,7 +61,7 @@ pub struct SimulateArguments {
     /// Readings per second of each station
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Time of the first reading of stations 1, 2, 3 (ms); from the seed if not given
+    /// Time of the first reading of each station (ms); from the seed if not given
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',')]
     stagger: Vec<f64>,
     /// Duration of the drive (s)
@@ -95,8 +102,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Result<(), Failure> {
     spare_file(file, [])?;
     let trajectory = simulated.true_trajectory(TRUE_POSES_APART_S);
-    let prisms =
-        simulated.truth.prisms_m.map(|at| format!("({}, {}, {})", at.x, at.y, at.z)).join(", ");
+    let prisms = simulated.truth.prisms_m.map(|at| format!("({}, {}, {})", at.x, at.y, at.z));
+    let prisms = prisms.as_slice().join(", ");
     let header = format!(
         "true poses, preset {}, seed {}: frame of station 1 at set-up; vehicle: x ahead, y left, z up, prisms at {prisms} m",
         simulated.scenario.name, simulated.seed
@@ -108,9 +115,17 @@ fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Resul
 
 /// Returns the preset with the changes of the options.
 fn scenario(arguments: &SimulateArguments) -> Result<Scenario, Failure> {
-    let mut scenario = arguments.preset.scenario();
+    let scenario = arguments.preset.scenario();
+    let stations = arguments.stations.map_or(USUAL_STATIONS, usize::from);
+    let own_prisms = || match scenario.prisms() {
+        1 => 1,
+        prisms if arguments.stations.is_none() => prisms,
+        _ => stations,
+    };
+    let prisms = arguments.prisms.map_or_else(own_prisms, usize::from);
+    let mut scenario = scenario.with_network(stations, prisms);
     let noise = &mut scenario.noise;
-    let mut stagger_s = [0.0; 3];
+    let mut stagger_s = vec![0.0; stations];
     let per_minute = Limits::up_to(60.0, 1.0);
     for (name, given, limits, to) in [
         (
@@ -160,7 +175,7 @@ fn scenario(arguments: &SimulateArguments) -> Result<Scenario, Failure> {
         replace(name, given, limits, to)?;
     }
     if !arguments.stagger.is_empty() {
-        scenario.stagger_s = Some(stagger_s);
+        scenario.stagger_s = Some(stagger_s.into_iter().collect());
     }
     // Last, since errors occur within the duration of the drive.
     arguments.errors.apply(scenario, arguments.seed)

@@ -8,8 +8,8 @@ use clap::Args;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load_each, print};
 use resect_core::deployment::Deployment;
-use resect_core::experiment::{Splits, Study};
 use resect_report::study;
+use resect_tools::experiment::{Splits, Study};
 
 #[derive(Args)]
 pub struct StudyArguments {

@@ -7,9 +7,9 @@ use super::progress_line::with_progress;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use resect_core::calibration::Method;
-use resect_core::experiment::{Parameter, Sweep, sweep};
 use resect_core::progress::Progress;
 use resect_report::study;
+use resect_tools::experiment::{Parameter, Sweep, sweep};
 
 #[derive(Args)]
 pub struct SweepArguments {

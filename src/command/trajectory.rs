@@ -11,19 +11,20 @@ use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst};
 use resect_core::calibration::Calibration;
-use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::calibration::joint::prism_motion::PrismInstant;
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{EstimatedTrajectory, GroundTruth};
 use resect_core::evaluation::requested_trajectory::{
     LARGEST_RATE_HZ, RequestedMotion, TrajectoryRequest, requested_trajectory,
 };
 use resect_core::evaluation::trajectory::Trajectory;
 use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M};
+use resect_core::network::MOST_STATIONS;
 use resect_core::pipeline::Triplets;
 use resect_core::statistics::median;
 use resect_io::atomic;
 use resect_io::file_mark::used_files;
 use resect_report::trajectory as trajectory_file;
+use resect_tools::estimates::{EstimatedTrajectory, GroundTruth};
 
 #[derive(Args)]
 pub struct TrajectoryArguments {
@@ -50,7 +51,7 @@ pub struct TrajectoryArguments {
     lever_arm: Option<Vector3<f64>>,
     /// Positions of one station's prism in the station's own frame, as .tum or .csv with covariance. They need no calibration, and are
     /// the answer for a deployment with one station
-    #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with_all = ["at", "at_readings", "lever_arm"])]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64), conflicts_with_all = ["at", "at_readings", "lever_arm"])]
     station: Option<u8>,
     /// The frame of the poses: station 1's, or the one in which the control points were surveyed
     #[arg(long, value_enum, default_value_t = FrameArgument::Station1)]
@@ -99,9 +100,9 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
         lever_arm_m: arguments.lever_arm,
         is_in_site_frame: arguments.frame == FrameArgument::ControlPoints,
     };
-    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let requested =
-        requested_trajectory(&deployment, triplets, targets, &answer.calibration, &request)
+        requested_trajectory(&deployment, triplets, followed, &answer.calibration, &request)
             .map_err(|why| advised(&why, request_flag(&why)))?;
     let frame_of_poses = requested.frame_in_words();
     let (trajectory, frame) = match requested.motion {
@@ -231,7 +232,7 @@ fn one_prism(
     arguments: &TrajectoryArguments,
     deployment: &Deployment,
     calibration: &Calibration,
-    (positions, frame): (&[MotionInstant<3>], &str),
+    (positions, frame): (&[PrismInstant], &str),
 ) -> Result<(), Failure> {
     let by =
         format!("by {}, verdict {}", calibration.method_in_words(), calibration.verdict_in_words());
@@ -243,7 +244,7 @@ fn one_prism(
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
     atomic::write(file, content)?;
-    let sigma_m = |at: &MotionInstant<3>| (at.position_covariance.trace() / 3.0).sqrt();
+    let sigma_m = |at: &PrismInstant| (at.position_covariance.trace() / 3.0).sqrt();
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
     sigmas_m.sort_by(f64::total_cmp);
     Ok(print(&format!(
@@ -303,11 +304,15 @@ fn reading_times_s(
 ) -> Vec<f64> {
     let ends = triplets.time_s.first().zip(triplets.time_s.last());
     let middle_s = ends.map_or(0.0, |(first_s, last_s)| 0.5 * (first_s + last_s));
+    let clocks = calibration.clocks();
     let late_s = |station: usize, time_s: f64| {
-        let clock = station.checked_sub(1).and_then(|slot| Some(calibration.clocks()?[slot]));
-        clock.map_or(0.0, |clock| clock.offset_s + clock.drift * (time_s - middle_s))
+        clocks
+            .as_ref()
+            .map(|clocks| clocks[station])
+            .map_or(0.0, |clock| clock.offset_s + clock.drift * (time_s - middle_s))
     };
     let readings = deployment.tracks.iter().enumerate().flat_map(|(station, track)| {
+        let late_s = &late_s;
         track.measurements.iter().map(move |m| m.time_s - late_s(station, m.time_s))
     });
     let mut times_s: Vec<f64> = readings.collect();

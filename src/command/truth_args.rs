@@ -10,6 +10,7 @@ use super::Failure;
 use super::progress_line::with_progress;
 use super::settings_args::metres;
 use resect_core::deployment::{Deployment, PoseCovariance};
+use resect_core::network::MOST_STATIONS;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
 
@@ -23,7 +24,7 @@ pub struct TruthArguments {
     #[arg(long, value_name = "TOPIC")]
     truth_topic: Option<String>,
     /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
-    #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
     pub truth_station: Option<u8>,
 }
 

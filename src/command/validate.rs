@@ -8,9 +8,9 @@ use serde_json::Value;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use resect_core::analysis::Analyst;
-use resect_core::validation::{drive_alone, validate};
 use resect_report::json::read_earlier;
 use resect_report::validation;
+use resect_tools::validation::{drive_alone, validate};
 
 #[derive(Args)]
 pub struct ValidateArguments {

@@ -8,13 +8,14 @@ use rayon::prelude::*;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::calibration::joint::ExpectedNoise;
-use resect_core::calibration::{ErrorSizes, Method, Targets};
+use resect_core::calibration::{ErrorSizes, Method};
 use resect_core::evaluation::far_end::far_end;
 use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::network::Prism;
 use resect_core::pipeline::Thresholds;
-use resect_core::planning::{Known, NextMove, Plan, SoFar, known, opening_m, what_next};
 use resect_core::progress::Progress;
-use resect_core::simulation::{
+use resect_tools::planning::{Known, NextMove, Plan, SoFar, known, opening_m, what_next};
+use resect_tools::simulation::{
     EPOCH_S, ErrorKind, Motion, Path, Preset, Scenario, Simulated, Waypoint, simulate_scenario,
 };
 
@@ -129,6 +130,7 @@ impl Site {
         Some(ask(&SoFar {
             triplets: &analysis.pipeline.triplets,
             station1_from_station: &stations,
+            followed: &analysis.offer.followed,
             prisms_m: &self.scenario.prisms_m,
             sizes: &self.sizes,
             expected,
@@ -142,7 +144,7 @@ impl Site {
     }
 
     fn known(&self, analysis: &Analysis) -> Option<Known> {
-        let covariance = analysis.answer.as_ref().ok()?.calibration.covariance;
+        let covariance = analysis.answer.as_ref().ok()?.calibration.covariance.clone();
         self.ask(analysis, |so_far| {
             known(so_far, covariance.as_ref(), &Progress::default()).expect("nobody cancels it")
         })
@@ -159,7 +161,7 @@ impl Site {
             let station_from_station1 = at.inverse();
             self.places_m.iter().map(|place_m| station_from_station1.apply(place_m)).collect()
         });
-        let sigma_m = far_end(transforms, &calibration.covariance?, &own)?.sigma_m;
+        let sigma_m = far_end(transforms, calibration.covariance.as_ref()?, &own)?.sigma_m;
         (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
     }
 
@@ -338,7 +340,7 @@ fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
     let truth = &drive.truth.station1_from_station;
     for until_s in [48.0, 51.0, end_s] {
         let analysis = site.analysis(&drive, until_s);
-        assert_eq!(analysis.offer.targets, Targets::ThreePrisms, "{until_s} s");
+        assert_eq!(Prism::count(&analysis.offer.followed), 3, "{until_s} s");
     }
     let analysis = site.analysis(&drive, end_s);
     let found = &analysis.answer.as_ref().expect("an answer").calibration.station1_from_station;
@@ -355,14 +357,14 @@ fn prisms_that_turn_on_the_spot_are_no_one_prism() {
         let (sin, cos) = (prism / 3.0 * std::f64::consts::TAU).sin_cos();
         Vector3::new(0.5 * cos, 0.5 * sin, z_m)
     };
-    site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)];
+    site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)].into();
     let there_and_back = (0..=6).map(|step| Vector2::new(60.0 + 0.05 * f64::from(step % 2), 8.0));
     let mut waypoints: Vec<Waypoint> = there_and_back.map(Waypoint::at).collect();
     waypoints.push(Waypoint::at(Vector2::new(45.0, 6.0)));
     let drive = site.along(&waypoints);
     for until_s in [16.0, 24.0, 36.0, 48.0, 56.0, 64.0] {
         let analysis = site.analysis(&drive, until_s);
-        assert_eq!(analysis.offer.targets, Targets::ThreePrisms, "{until_s} s");
+        assert_eq!(Prism::count(&analysis.offer.followed), 3, "{until_s} s");
     }
 }
 

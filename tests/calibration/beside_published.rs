@@ -4,11 +4,12 @@ use crate::common::{analyse, answer, by, field_data, published};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::calibration::joint::SolverStatus;
 use resect_core::calibration::{Calibration, JointFailure, Method, Verdict};
-use resect_core::deployment::{Deployment, Finding, FindingKind, Remedy};
+use resect_core::deployment::kinds;
+use resect_core::deployment::{Deployment, Finding, Remedy};
 use resect_core::progress::Progress;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 fn calibration(deployment: &Deployment, settings: &Settings) -> Calibration {
     answer(&analyse(deployment, settings)).calibration.clone()
@@ -34,7 +35,7 @@ fn without_a_method_the_answer_is_the_joint_estimate() {
     assert_eq!(found.method, Method::Joint);
     assert_same(&found, &calibration(&sample(), &by(Method::Joint)));
     let joint = found.joint().expect("a joint estimate");
-    assert!(found.clocks().is_some() && joint.distances_m.is_some());
+    assert!(found.clocks().is_some() && joint.distances_m().is_some());
     assert!(found.inter_prism().is_some(), "three prisms");
 }
 
@@ -71,15 +72,14 @@ fn the_papers_method_answers_where_the_joint_estimate_is_not_determined() {
 
 #[test]
 fn control_points_determine_what_a_drive_of_plain_shape_leaves_open() {
-    for (preset, shape) in [
-        (Preset::StraightLine, FindingKind::DriveStraightLine),
-        (Preset::Circle, FindingKind::DriveCircle),
-    ] {
+    for (preset, shape) in
+        [(Preset::StraightLine, kinds::DRIVE_STRAIGHT_LINE), (Preset::Circle, kinds::DRIVE_CIRCLE)]
+    {
         let simulated = simulate(preset, 1);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let found = calibration(&deployment, &Settings::default());
         assert_eq!(found.answered_by(), Method::Joint, "{preset:?}");
-        let covariance = found.covariance.expect("determined");
+        let covariance = found.covariance.as_ref().expect("determined");
         for station in [1, 2] {
             let truth = simulated.truth.station1_from_station[station];
             let off_m = found.station1_from_station[station].translation_m - truth.translation_m;

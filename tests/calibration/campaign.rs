@@ -14,7 +14,7 @@ mod surveys;
 
 use crate::common::{analyse, by};
 use cramer_rao::Drawn;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -25,9 +25,9 @@ use resect_core::calibration::joint::reliability::GroupKind;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
-use resect_core::network::PerStation;
-use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
+use resect_core::network::{PerPair, PerStation};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_8;
+use resect_tools::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
 
 const PRESETS: [Preset; 10] = [
     Preset::Warthog,
@@ -81,10 +81,11 @@ fn scenario_in_order(preset: Preset, seed: u64) -> Scenario {
         sigma * deviate
     };
     let errors = &mut scenario.errors;
-    errors.clock_offset_s = [0.0, normal(CLOCK_OFFSET_SIGMA_S), normal(CLOCK_OFFSET_SIGMA_S)];
-    errors.clock_drift = [0.0, normal(DRAWN.drift), normal(DRAWN.drift)];
-    errors.tilt_rad = std::array::from_fn(|_| [normal(DRAWN.tilt_rad), normal(DRAWN.tilt_rad)]);
-    errors.inter_prism_m = std::array::from_fn(|_| normal(DRAWN.distance_m));
+    errors.clock_offset_s =
+        [0.0, normal(CLOCK_OFFSET_SIGMA_S), normal(CLOCK_OFFSET_SIGMA_S)].into();
+    errors.clock_drift = [0.0, normal(DRAWN.drift), normal(DRAWN.drift)].into();
+    errors.tilt_rad = PerStation::from_fn(3, |_| [normal(DRAWN.tilt_rad), normal(DRAWN.tilt_rad)]);
+    errors.inter_prism_m = PerPair::from_fn(3, |_| normal(DRAWN.distance_m));
     errors.prism_constant_m = normal(DRAWN.prism_constant_m);
     errors.rig_constant_m = normal(DRAWN.rig_constant_m);
     scenario
@@ -145,7 +146,7 @@ struct Outcome {
     error: SVector<f64, 8>,
     /// The same against the set-ups in the middle of the drive: an answer that holds for most of a drive is right.
     error_in_the_middle: SVector<f64, 8>,
-    covariance: Option<SMatrix<f64, 8, 8>>,
+    covariance: Option<DMatrix<f64>>,
     /// Kinds of readings whose errors no test can detect, as the answer states by its reliability.
     unchecked: Vec<GroupKind>,
     jumps: bool,
@@ -170,7 +171,7 @@ impl Outcome {
         let error = pose_errors(&calibration.station1_from_station, truth);
         let found = &calibration.station1_from_station;
         let error_in_the_middle = pose_errors(found, &set_ups_in_the_middle(simulated));
-        let covariance = calibration.covariance;
+        let covariance = calibration.covariance.clone();
         let reliability = calibration.joint().map_or(&[][..], |joint| &joint.reliability);
         let unchecked = reliability.iter().filter(|group| group.bias.is_none());
         let unchecked = unchecked.map(|group| group.kind).collect();
@@ -179,8 +180,8 @@ impl Outcome {
     }
 
     fn covered(&self) -> Option<bool> {
-        let inverse = self.covariance?.cholesky()?.inverse();
-        Some((self.error.transpose() * inverse * self.error)[0] <= CHI_SQUARE_95_OF_8)
+        let inverse = self.covariance.clone()?.cholesky()?.inverse();
+        Some(self.error.dot(&(inverse * self.error)) <= CHI_SQUARE_95_OF_8)
     }
 
     fn largest_sigmas(&self) -> f64 {
@@ -188,7 +189,7 @@ impl Outcome {
     }
 
     fn in_sigmas(&self, error: &SVector<f64, 8>) -> f64 {
-        self.covariance.map_or(0.0, |covariance| {
+        self.covariance.as_ref().map_or(0.0, |covariance| {
             (0..8).map(|k| error[k].abs() / covariance[(k, k)].sqrt()).fold(0.0, f64::max)
         })
     }

@@ -4,12 +4,13 @@ use crate::common::{analyse, answer, by, knock, two_runs};
 use resect_core::analysis::Analysis;
 use resect_core::calibration::joint::{DriveClocks, JointEstimate, StepSize};
 use resect_core::calibration::{Calibration, Method, Verdict};
-use resect_core::deployment::{Deployment, Finding, FindingKind};
+use resect_core::deployment::kinds;
+use resect_core::deployment::{Deployment, Finding};
 use resect_core::geometry::wrap_to_pi;
 use resect_core::progress::Progress;
-use resect_core::simulation::{Preset, Settling, Simulated, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::{Extras, Source};
+use resect_tools::simulation::{Preset, Settling, Simulated, simulate};
 
 /// Increase of the clock offsets of stations 2 and 3 from the first drive to the second (s).
 const RESTARTED_S: [f64; 2] = [0.15, -0.08];
@@ -45,7 +46,7 @@ fn joint(calibration: &Calibration) -> &JointEstimate {
 
 /// Returns the largest error of the calibration in σ.
 fn sigmas_off(calibration: &Calibration, truth: &Simulated) -> f64 {
-    let covariance = calibration.covariance.expect("σ");
+    let covariance = calibration.covariance.as_ref().expect("σ");
     let off = |k: usize| {
         let found = &calibration.station1_from_station[k / 4 + 1];
         let truth = &truth.truth.station1_from_station[k / 4 + 1];
@@ -70,9 +71,9 @@ fn two_drives_are_one_answer_that_is_surer_and_each_has_its_clocks() {
         assert!(off < 4.0, "{name}: {off:.1} σ off");
         let [first, second]: [DriveClocks; 2] =
             joint(calibration).drives.clone().try_into().expect("two drives");
-        for (slot, restarted_s) in RESTARTED_S.into_iter().enumerate() {
-            let later_s = second.offsets_s[slot].value - first.offsets_s[slot].value;
-            let sigma_s = first.offsets_s[slot].sigma.hypot(second.offsets_s[slot].sigma);
+        for (station, restarted_s) in (1..).zip(RESTARTED_S) {
+            let later_s = second.offsets_s[station].value - first.offsets_s[station].value;
+            let sigma_s = first.offsets_s[station].sigma.hypot(second.offsets_s[station].sigma);
             assert!(
                 (later_s - restarted_s).abs() < 4.0 * sigma_s && sigma_s < 0.003,
                 "{name}: {later_s:.4} ± {sigma_s:.4} s"
@@ -80,9 +81,9 @@ fn two_drives_are_one_answer_that_is_surer_and_each_has_its_clocks() {
         }
         let alone = drives.each_ref().map(|drive| {
             let analysis = jointly(&resect_io::simulation_files::open(drive).expect("valid"));
-            answer(&analysis).calibration.covariance.expect("σ").trace()
+            answer(&analysis).calibration.covariance.as_ref().expect("σ").trace()
         });
-        let together = calibration.covariance.expect("σ").trace();
+        let together = calibration.covariance.as_ref().expect("σ").trace();
         assert!(together < alone[0].min(alone[1]), "{name}: {together:e} {alone:?}");
     }
 }
@@ -96,7 +97,7 @@ fn a_station_that_moved_between_drives_is_named() {
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak);
     let moved: Vec<&Finding> =
-        calibration.findings.iter().filter(|f| f.kind == FindingKind::StationMoved).collect();
+        calibration.findings.iter().filter(|f| f.kind == kinds::STATION_MOVED).collect();
     let [moved] = moved[..] else { panic!("{:#?}", calibration.findings) };
     assert!(moved.is_about_station(1), "{moved}");
     assert!(moved.to_string().contains("between drives 1 and 2"), "{moved}");
@@ -117,7 +118,7 @@ fn drives_whose_stamps_overlap_follow_each_other_and_other_rigs_do_not() {
     for track in &both.tracks {
         assert!(track.measurements.windows(2).all(|w| w[0].time_s < w[1].time_s));
     }
-    assert!(both.findings.iter().any(|f| f.kind == FindingKind::DriveShifted));
+    assert!(both.findings.iter().any(|f| f.kind == kinds::DRIVE_SHIFTED));
     let twice = both.take_in(vec![first.clone()]).expect_err("nothing new").to_string();
     assert!(twice.contains("give each drive once"), "{twice}");
     let mut lacking =

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use crate::common::{analyse, answer, of_field, published};
 use resect_core::analysis::Settings;
+use resect_core::calibration::misfits::compared_stations;
 use resect_core::deployment::Deployment;
-use resect_core::experiment::ablate;
 use resect_core::geometry::RigidTransform;
 use resect_core::pipeline::Interpolation;
 use resect_core::progress::Progress;
-use resect_core::simulation::{Path, Preset, simulate, simulate_scenario};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::experiment::ablate;
+use resect_tools::simulation::{Path, Preset, simulate, simulate_scenario};
 
 /// Returns the median of the inter-prism metric of method D (mm).
 fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
@@ -85,9 +86,12 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         let transforms =
             simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
         let triplets = &analysis.pipeline.triplets;
+        let followed = &analysis.offer.followed;
+        let by_station = compared_stations(followed);
         let errors_m = resect_core::calibration::distance_errors_m(
             triplets,
             &transforms,
+            followed,
             &simulated.truth.inter_prism_m,
         );
         let mut ratios: Vec<f64> = (0..triplets.len())
@@ -96,6 +100,7 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
                     triplets,
                     index,
                     &transforms,
+                    &by_station,
                 );
                 let sigma = sigma.expect("stated");
                 [0, 1, 2].map(|pair| errors_m[pair][index].abs() / sigma[pair])

@@ -12,6 +12,7 @@ mod field_data;
 mod interpolation;
 mod methods;
 mod minima;
+mod networks;
 mod observability;
 mod own_evidence;
 mod paper;

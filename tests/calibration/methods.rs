@@ -2,10 +2,12 @@
 
 use crate::common::{analyse, answer, by, normalised, rms_by_component};
 use resect_core::analysis::Settings;
-use resect_core::calibration::{Alignment, Method, Targets, Verdict};
-use resect_core::deployment::{Finding, FindingKind, Subject};
+use resect_core::calibration::{Alignment, Method, Verdict};
+use resect_core::deployment::kinds;
+use resect_core::deployment::{Finding, Subject};
 use resect_core::geometry::LevelTransform;
-use resect_core::simulation::{Preset, simulate};
+use resect_core::network::Prism;
+use resect_tools::simulation::{Preset, simulate};
 
 fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
@@ -51,12 +53,12 @@ impl Recovered {
             let analysis = analyse(&deployment, &by(method));
             let truth = &simulated.truth.station1_from_station;
             let calibration = &answer(&analysis).calibration;
-            let sigma = calibration.sigma.expect("all directions are determined");
+            let sigma = calibration.sigma.as_ref().expect("all directions are determined");
             for station in 1..3 {
                 let placed = &calibration.station1_from_station[station];
                 let off_m = (placed.translation_m - truth[station].translation_m).norm();
                 all.error_m = all.error_m.max(off_m);
-                all.sigma_m = all.sigma_m.max(sigma[station - 1].translation_m.max());
+                all.sigma_m = all.sigma_m.max(sigma[station].translation_m.max());
             }
             all.good += usize::from(calibration.verdict == Verdict::Good);
             all.in_sigmas.push(normalised(&analysis, truth));
@@ -128,16 +130,16 @@ fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
 #[test]
 fn one_prism_is_recognised_and_three_are_not_mistaken_for_it() {
     for (preset, expected) in [
-        (Preset::SinglePrism, Targets::OnePrism),
-        (Preset::Warthog, Targets::ThreePrisms),
-        (Preset::Hd2Tunnel, Targets::ThreePrisms),
-        (Preset::StraightLine, Targets::ThreePrisms),
+        (Preset::SinglePrism, 1),
+        (Preset::Warthog, 3),
+        (Preset::Hd2Tunnel, 3),
+        (Preset::StraightLine, 3),
     ] {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 5)).expect("valid");
         let analysis = analyse(&deployment, &Settings::default());
-        assert_eq!(analysis.offer.targets, expected, "{preset:?}");
+        assert_eq!(Prism::count(&analysis.offer.followed), expected, "{preset:?}");
         let by_paper = analysis.offer.published_method();
-        assert_eq!(by_paper == Method::DynamicGcp, expected == Targets::OnePrism);
+        assert_eq!(by_paper == Method::DynamicGcp, expected == 1);
     }
 }
 
@@ -148,7 +150,7 @@ fn a_straight_drive_without_a_rig_does_not_pass_for_one_prism() {
         resect_io::simulation_files::open(&simulate(Preset::StraightLine, 5)).expect("valid");
     deployment.rig = None;
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
-    assert_eq!(analysis.offer.targets, Targets::Undecided);
+    assert!(analysis.offer.is_undecided);
     assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
 }
 
@@ -158,7 +160,7 @@ fn a_lacking_method_says_what_it_needs() {
         (Preset::Hd2Tunnel, Method::TwoPoint, "known coordinates"),
         (Preset::Hd2Tunnel, Method::StaticGcp, "3 control points"),
         (Preset::Hd2Tunnel, Method::DynamicGcp, "one prism"),
-        (Preset::SinglePrism, Method::InterPrism, "three prisms"),
+        (Preset::SinglePrism, Method::InterPrism, "a prism for each station"),
     ] {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
         let analysis = analyse(&deployment, &by(method));
@@ -205,7 +207,7 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak);
     let point = Some(Subject::Point { file: "GCP_raw_2.txt".to_owned(), marker });
-    let is_named = |f: &Finding| f.kind == FindingKind::ControlPointOutlier && f.subject == point;
+    let is_named = |f: &Finding| f.kind == kinds::CONTROL_POINT_OUTLIER && f.subject == point;
     assert!(calibration.findings.iter().any(is_named), "{:?}", calibration.findings);
 
     let mut deployment =
@@ -216,7 +218,7 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
     let point = Some(Subject::Point { file: "Two_points.txt".to_owned(), marker: 3 });
-    let is_named = |f: &Finding| f.kind == FindingKind::KnownPointMisplaced && f.subject == point;
+    let is_named = |f: &Finding| f.kind == kinds::KNOWN_POINT_MISPLACED && f.subject == point;
     assert!(calibration.findings.iter().any(is_named), "{:?}", calibration.findings);
 }
 

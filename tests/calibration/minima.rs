@@ -4,8 +4,8 @@ use crate::common::{analyse, answer, of_field, published};
 use resect_core::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::wrap_to_pi;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
+use resect_tools::simulation::{Preset, simulate};
 
 /// Returns roles and cost ratios, in order of cost.
 fn minima(deployment: &Deployment) -> Vec<(&'static str, f64)> {
@@ -23,11 +23,11 @@ fn the_lowest_is_the_truth_or_its_twin() {
             let analysis = analyse(&deployment, &published());
             let details = answer(&analysis).calibration.inter_prism().expect("method D");
             let (lowest, truth) = (&details.basins[0], &simulated.truth);
-            let [p1, p2, p3] = truth.prisms_m;
+            let [p1, p2, p3] = *truth.prisms_m.as_array().expect("three");
             let heights_m = [p1.z - p2.z, p1.z - p3.z];
             let off_m = |sign: f64| {
                 (0..2)
-                    .map(|i| (lowest.height_differences_m[i] - sign * heights_m[i]).abs())
+                    .map(|i| (lowest.height_differences_m[i + 1] - sign * heights_m[i]).abs())
                     .fold(0.0, f64::max)
             };
             assert!(off_m(1.0).min(off_m(-1.0)) < 0.03, "{preset:?} {seed}: {lowest:?}");

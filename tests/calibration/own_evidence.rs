@@ -5,13 +5,14 @@ use crate::common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect_core::analysis::Analysis;
 use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict, Witness};
-use resect_core::deployment::{Deployment, FindingKind};
+use resect_core::deployment::Deployment;
+use resect_core::deployment::kinds;
 use resect_core::evaluation::answer_rows::{RowGroup, estimate_rows};
 use resect_core::geometry::FOOT_M;
 use resect_core::geometry::Polar;
-use resect_core::simulation::{Preset, Scenario, Settling, simulate_scenario};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, Scenario, Settling, simulate_scenario};
 
 fn solved(deployment: &Deployment, method: Method) -> Calibration {
     answer(&analyse(deployment, &by(method))).calibration.clone()
@@ -68,7 +69,7 @@ fn a_wrong_control_point_is_named_and_moves_nothing() {
         let calibration = answer(&analyse(&wrong, &by_points)).calibration.clone();
         assert_eq!(calibration.verdict, Verdict::Weak, "{settings}");
         let mut findings = calibration.findings.iter();
-        let outlier = findings.find(|finding| finding.kind == FindingKind::ControlPointOutlier);
+        let outlier = findings.find(|finding| finding.kind == kinds::CONTROL_POINT_OUTLIER);
         let outlier = outlier.unwrap_or_else(|| panic!("{settings}: {:?}", calibration.findings));
         assert!(outlier.to_string().contains(&format!("marker {marker} of")), "{outlier}");
         for station in 1..3 {
@@ -92,12 +93,12 @@ fn turned_after_the_survey() -> Deployment {
 fn a_set_up_that_changed_after_the_survey_is_named_and_contradicts_nothing() {
     let calibration = solved(&turned_after_the_survey(), Method::Joint);
     let findings = &calibration.findings;
-    let changed = findings.iter().find(|finding| finding.kind == FindingKind::SetUpChanged);
+    let changed = findings.iter().find(|finding| finding.kind == kinds::SET_UP_CHANGED);
     let changed = changed.unwrap_or_else(|| panic!("no change in {findings:#?}"));
     assert!(changed.is_about_station(1), "{changed}");
     let turned_rad = changed.value("turned").expect("a turn");
     assert!((turned_rad.abs() - 2e-3).abs() < 3e-4, "{changed}");
-    let contradictions = [FindingKind::MethodsDisagree, FindingKind::ControlPointsContradict];
+    let contradictions = [kinds::METHODS_DISAGREE, kinds::CONTROL_POINTS_CONTRADICT];
     let has_none = !findings.iter().any(|finding| contradictions.contains(&finding.kind));
     assert!(has_none, "{findings:#?}");
     assert!(!calibration.checked_by.contains(&Witness::ControlPoints));
@@ -189,7 +190,7 @@ fn a_joint_estimate_is_judged_as_itself() {
     let plain = solved(&late, Method::InterPrism);
     let joint = solved(&late, Method::Joint);
     let fits_poorly =
-        |c: &Calibration| c.findings.iter().any(|f| f.kind == FindingKind::DistancesFitPoorly);
+        |c: &Calibration| c.findings.iter().any(|f| f.kind == kinds::DISTANCES_FIT_POORLY);
     assert!(fits_poorly(&plain), "{:?}", plain.findings);
     assert!(!fits_poorly(&joint), "{:?}", joint.findings);
     assert_eq!(joint.verdict, Verdict::Good, "{:?}", joint.findings);
@@ -305,7 +306,7 @@ fn a_size_that_the_data_contradicts_is_told() {
 fn distances_that_are_off_together_are_a_doubt() {
     let mut wrong = sample();
     let inter_prism_m = &mut wrong.rig.as_mut().expect("a rig").inter_prism_m;
-    for distance_m in &mut inter_prism_m[1..] {
+    for distance_m in &mut inter_prism_m.as_mut_slice()[1..] {
         *distance_m += 0.012;
     }
     wrong.rig.as_mut().expect("a rig").prisms_m = None;

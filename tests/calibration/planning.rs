@@ -5,19 +5,19 @@
 use std::path::Path;
 
 use crate::common::{analyse, by};
-use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
+use nalgebra::{DVector, Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::calibration::{ErrorSizes, Method, Verdict};
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{RigidTransform, wrap_to_pi};
-use resect_core::planning::locks::WhyNotRead;
-use resect_core::planning::{
+use resect_core::progress::Progress;
+use resect_io::plan_file;
+use resect_tools::planning::locks::WhyNotRead;
+use resect_tools::planning::{
     FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, improvements, predict,
 };
-use resect_core::progress::Progress;
-use resect_core::simulation::{ErrorKind, Preset, Ramp, Scenario, Waypoint, simulate_scenario};
-use resect_io::plan_file;
+use resect_tools::simulation::{ErrorKind, Preset, Ramp, Scenario, Waypoint, simulate_scenario};
 
 /// Presets whose drives constrain all eight parameters well.
 const WELL_POSED: [Preset; 6] = [
@@ -62,7 +62,7 @@ struct Realised {
     /// Error at the far end of the track (m).
     far_end_m: f64,
     /// Variances that the estimate itself states.
-    stated: SVector<f64, 8>,
+    stated: DVector<f64>,
 }
 
 fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised> {
@@ -93,7 +93,7 @@ fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised>
     let own = truth[far.station].inverse().apply(&(far.position_m - plan.stations_m[0]));
     let found = calibration.station1_from_station[far.station].apply(&own);
     let far_end_m = (found - truth[far.station].apply(&own)).norm();
-    Some(Realised { error, far_end_m, stated: calibration.covariance?.diagonal() })
+    Some(Realised { error, far_end_m, stated: calibration.covariance.as_ref()?.diagonal() })
 }
 
 /// Errors of drives of a plan relative to the prediction.
@@ -245,7 +245,7 @@ fn the_mirror_twin_costs_what_is_predicted() {
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::InterPrism));
         let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
-        let mirror = calibration.inter_prism().expect("method D").mirror;
+        let mirror = &calibration.inter_prism().expect("method D").mirror;
         let found = mirror.cost_ratio.expect("a twin");
         println!("{}: {predicted:.2}, found {found:.2}", preset.name());
         let apart = (found - 1.0) / (predicted - 1.0);
@@ -307,8 +307,8 @@ fn where_a_plan_lies_changes_nothing() {
 fn stations_that_change_their_numbers_change_their_sigma() {
     let plan = eights();
     let mut other = plan.clone();
-    other.stations_m.swap(1, 2);
-    other.rig.prisms_m.swap(1, 2);
+    other.stations_m.as_mut_slice().swap(1, 2);
+    other.rig.prisms_m.as_mut_slice().swap(1, 2);
     let held = |plan: &Plan| predict(plan).expect("a prediction").held.expect("held");
     let (plan, other) = (held(&plan), held(&other));
     for k in 0..8 {

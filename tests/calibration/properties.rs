@@ -8,9 +8,10 @@ mod written;
 
 use crate::common::{analyse, answer, published};
 use resect_core::calibration::{PriorMethod, ResolvedBy, Verdict};
-use resect_core::deployment::{Deployment, FindingKind};
-use resect_core::simulation::{Preset, simulate};
+use resect_core::deployment::Deployment;
+use resect_core::deployment::kinds;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
@@ -47,11 +48,11 @@ fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
 #[test]
 fn the_shape_of_the_drive_shows_in_the_verdict() {
     let expected = [
-        (Preset::StraightLine, Verdict::Degenerate, FindingKind::DriveLeavesDirectionFree),
-        (Preset::Circle, Verdict::Degenerate, FindingKind::DriveLeavesDirectionFree),
-        (Preset::FigureEight, Verdict::Good, FindingKind::WeakestDirection),
-        (Preset::UnevenGround, Verdict::Good, FindingKind::WeakestDirection),
-        (Preset::FlatFloor, Verdict::Good, FindingKind::MirrorResolvedByRig),
+        (Preset::StraightLine, Verdict::Degenerate, kinds::DRIVE_LEAVES_DIRECTION_FREE),
+        (Preset::Circle, Verdict::Degenerate, kinds::DRIVE_LEAVES_DIRECTION_FREE),
+        (Preset::FigureEight, Verdict::Good, kinds::WEAKEST_DIRECTION),
+        (Preset::UnevenGround, Verdict::Good, kinds::WEAKEST_DIRECTION),
+        (Preset::FlatFloor, Verdict::Good, kinds::MIRROR_RESOLVED_BY_RIG),
     ];
     for (preset, verdict, reason) in expected {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");

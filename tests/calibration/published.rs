@@ -1,5 +1,6 @@
 //! The authors' layout: tracks as positions in one frame, with and without the transforms.
 
+use resect_io::findings::kinds;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -7,12 +8,12 @@ use crate::common::{analyse, answer, assert_close, field_data, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Calibration, Method};
-use resect_core::deployment::{Deployment, FindingKind, Severity, Subject, TrackFrame};
+use resect_core::deployment::{Deployment, Severity, Subject, TrackFrame};
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect_core::network::PerStation;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::simulation_files::write_folder;
+use resect_tools::simulation::{Preset, simulate};
 
 /// Converts axes: our x is their y, our y their −x.
 fn to_theirs(p: &Vector3<f64>) -> Vector3<f64> {
@@ -258,7 +259,7 @@ fn stamps_of_another_day_than_the_folder_are_a_doubt() {
     let published = Published::new("20200101-1", |_| {});
     let deployment = published.open();
     let doubt =
-        deployment.findings.iter().find(|f| f.kind == FindingKind::FolderDateContradictsStamps);
+        deployment.findings.iter().find(|f| f.kind == kinds::FOLDER_DATE_CONTRADICTS_STAMPS);
     let doubt = doubt.unwrap_or_else(|| panic!("not said: {}", said(&deployment)));
     assert!(doubt.kind.is_doubt() && doubt.severity == Severity::Warning, "{doubt}");
     assert!(published.folder.path().is_dir());
@@ -275,13 +276,13 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("sensors_extrinsic_calibration/sensor_positions.csv", &text);
     std::fs::remove_file(rig("calibration_raw.csv")).expect("there");
     let deployment = published.open();
-    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m), Some(prisms_m));
+    assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m.as_ref()), Some(&prisms_m));
     assert!(!deployment.findings.iter().any(|f| f.kind.is_doubt()), "{}", said(&deployment));
 
     std::fs::remove_file(rig("calibration_results.csv")).expect("there");
     let deployment = published.open();
     let doubt = deployment.findings.iter().find(|f| f.kind.is_doubt()).expect("derived distances");
-    assert_eq!(doubt.kind, FindingKind::RigDerivedFromReading);
+    assert_eq!(doubt.kind, kinds::RIG_DERIVED_FROM_READING);
     let file = "sensors_extrinsic_calibration/sensor_positions.csv".to_owned();
     assert_eq!(doubt.subject, Some(Subject::File(file)), "{doubt}");
 
@@ -294,7 +295,7 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     published.write("deployment.toml", "rig = \"again.csv\"\n");
     let deployment = published.open();
     let rig = deployment.rig.expect("named");
-    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03], None));
+    assert_eq!((rig.inter_prism_m, rig.prisms_m), ([0.70, 0.90, 1.03].into(), None));
     published.write("deployment.toml", "rig = \"total_stations/trimble1.csv\"\n");
     let error = open(&published.name).expect_err("no rig").to_string();
     assert!(error.contains("does not describe a rig"), "{error}");

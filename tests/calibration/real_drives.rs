@@ -12,11 +12,12 @@ mod table;
 
 use crate::common::{analyse, answer, of_field};
 use drive_answers::{DriveAnswers, JudgedAnswer, set_up_change};
-use real_drive::real_drives;
+pub use real_drive::real_drives;
 use resect_core::analysis::{Analysis, Settings};
+use resect_core::calibration::Method;
 use resect_core::calibration::joint::SetUpChange;
-use resect_core::calibration::{Method, Targets};
 use resect_core::geometry::wrap_to_pi;
+use resect_core::network::{Prism, Station};
 use resect_core::statistics::median;
 use resect_io::open::open;
 
@@ -126,7 +127,10 @@ fn require_turned(change: Option<&SetUpChange>, failures: &mut Failures) {
         return failures.require(false, format!("{TURNED}: no change of a set-up is reported"));
     };
     let station = change.station;
-    failures.require(station == Some(1), format!("{TURNED}: the named station is {station:?}"));
+    failures.require(
+        station.map(Station::number) == Some(2),
+        format!("{TURNED}: the named station is {station:?}"),
+    );
     let turned_rad = change.turned_rad.value;
     failures.require(
         TURNED_RAD.contains(&turned_rad),
@@ -137,20 +141,20 @@ fn require_turned(change: Option<&SetUpChange>, failures: &mut Failures) {
 /// Requires a joint estimate of one prism without an option, with small σ that cover the difference from the published answer.
 fn require_one_prism(answers: &DriveAnswers, failures: &mut Failures) {
     let analysis = &answers.by_everything.analysis;
-    let targets = analysis.offer.targets;
-    failures.require(targets == Targets::OnePrism, format!("{ONE_PRISM} opens as {targets:?}"));
+    let followed = &analysis.offer.followed;
+    failures.require(Prism::is_one(followed), format!("{ONE_PRISM} opens as {followed:?}"));
     // A missing answer is reported already.
     let Ok(answer) = &analysis.answer else { return };
     let (calibration, published) = (&answer.calibration, answers.drive.published.as_ref());
     let is_joint = calibration.method == Method::Joint && calibration.joint().is_some();
     failures.require(is_joint, format!("{ONE_PRISM}: the answer is not the joint estimate"));
-    let (Some(sigma), Some(published)) = (calibration.sigma, published) else {
+    let (Some(sigma), Some(published)) = (&calibration.sigma, published) else {
         return failures.require(false, format!("{ONE_PRISM}: no σ, or nothing is published"));
     };
     for station in 1..3 {
         let own = &calibration.station1_from_station[station];
         let published = &published.station1_from_station[station];
-        let sigma = &sigma[station - 1];
+        let sigma = &sigma[station];
         let label = format!("{ONE_PRISM}, station {}", station + 1);
         let off_m = own.translation_m - published.translation_m;
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {

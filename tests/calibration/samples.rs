@@ -4,9 +4,9 @@ use crate::common::{analyse, answer, normalised, published, sample_folder};
 use resect_core::calibration::{PriorMethod, Verdict};
 use resect_core::geometry::LevelTransform;
 use resect_core::network::PerStation;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 #[derive(serde::Deserialize)]
 struct Truth {

@@ -6,9 +6,9 @@ use resect_core::analysis::Settings;
 use resect_core::calibration::{Calibration, Method, Verdict, Witness};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::FOOT_M;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 /// A mistake in the tracks, and the words that name it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -339,7 +339,7 @@ fn a_doubt_of_the_reader_caps_every_answer() {
 fn feet_that_no_filter_lets_through_are_named_in_the_error() {
     let mut scenario = Preset::Warthog.scenario();
     scenario.cruise_m_per_s = 1.5;
-    let right = resect_io::simulation_files::open(&resect_core::simulation::simulate_scenario(
+    let right = resect_io::simulation_files::open(&resect_tools::simulation::simulate_scenario(
         &scenario, 1,
     ))
     .expect("valid");

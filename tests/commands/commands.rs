@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::common::{field_data, knock, of_field, sample_folder, two_runs};
-use resect_core::simulation::Preset;
 use resect_io::simulation_files::write_folder;
+use resect_tools::simulation::Preset;
 use serde_json::Value;
 
 /// Runs resect without a display.

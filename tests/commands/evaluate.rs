@@ -11,18 +11,18 @@ use rayon::prelude::*;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy};
-use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::ranking::{ComparedError, PairComparison};
-use resect_core::estimates::unfit::Unfit;
-use resect_core::estimates::{
+use resect_core::evaluation::vehicle::NoTrajectory;
+use resect_io::estimate_file;
+use resect_tools::estimates::odd::{OddOne, OddSpan};
+use resect_tools::estimates::ranking::{ComparedError, PairComparison};
+use resect_tools::estimates::unfit::Unfit;
+use resect_tools::estimates::{
     Body, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, TrajectoryAlignment,
     Unjudged, judge,
 };
-use resect_core::evaluation::vehicle::NoTrajectory;
-use resect_core::simulation::{
+use resect_tools::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
 };
-use resect_io::estimate_file;
 
 fn judged(
     deployment: &Deployment,

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::calibration::Method;
 use resect_core::progress::Progress;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
 use resect_report::json::calibration;
+use resect_tools::simulation::{Preset, simulate};
 use serde_json::Value;
 
 use crate::common::{by, published};

@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use resect_core::simulation::{EPOCH_S, Preset, Simulated, simulate};
+use resect_tools::simulation::{EPOCH_S, Preset, Simulated, simulate};
 use serde_json::Value;
 
 /// Clock and body of the estimates: 59 ms late, 0.4 m away from the vehicle's origin.

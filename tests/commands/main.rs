@@ -12,6 +12,7 @@ mod evaluate;
 mod golden;
 mod ground_truths;
 mod live;
+mod networks;
 mod report;
 mod schema;
 mod schema_check;

@@ -1,19 +1,20 @@
 //! The report as its reader sees it: complete content, well-formed, and safe against any name.
 
+use resect_io::findings::kinds;
 use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::common::{of_field, sample_folder};
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::{Deployment, Finding, FindingKind};
-use resect_core::estimates::{
-    EstimatedPose, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, judge,
-};
+use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::trajectory::Pose;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
 use resect_io::file_mark::FileMark;
 use resect_io::sample::Sample;
 use resect_report::report::{Chapter, page};
+use resect_tools::estimates::{
+    EstimatedPose, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, judge,
+};
 use resvg::usvg::roxmltree::{Document, Node};
 use sha2::Digest;
 
@@ -249,9 +250,9 @@ fn files_that_flags_put_aside_are_not_called_used() {
 /// Returns the deployment's own poses, in the form of another system's estimate.
 fn own_poses(deployment: &Deployment, analysis: &Analysis) -> Vec<EstimatedPose> {
     let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
-    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let wanted = Instants::Rate(2.0);
-    let found = trajectory_by(deployment, triplets, targets, calibration, wanted, f64::INFINITY);
+    let found = trajectory_by(deployment, triplets, followed, calibration, wanted, f64::INFINITY);
     let pose = |pose: &Pose| EstimatedPose {
         time_s: pose.time_s,
         position_m: pose.position_m,
@@ -267,7 +268,7 @@ fn no_name_can_break_the_page() {
     deployment.name = hostile.to_owned();
     deployment.ingredients[0].file = hostile.to_owned();
     deployment.control_points[0].file = hostile.to_owned();
-    deployment.findings.push(Finding::new(FindingKind::FileUnreadable, hostile));
+    deployment.findings.push(Finding::new(kinds::FILE_UNREADABLE, hostile));
     let analysis = Box::new(crate::common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
     let files = vec![FileMark { path: hostile.into(), bytes: 1, sha256: hostile.to_owned() }];

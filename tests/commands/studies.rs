@@ -1,17 +1,18 @@
 //! The paper's studies on simulated deployments and on the field data.
 
+use resect_tools::findings::kinds;
 use std::sync::Arc;
 
 use crate::common::of_field;
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
-use resect_core::deployment::{Deployment, FindingKind};
-use resect_core::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
+use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
 use resect_report::study;
+use resect_tools::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
+use resect_tools::simulation::{Preset, simulate};
 
 fn sample() -> Vec<Arc<Deployment>> {
     vec![Arc::new(Sample::Warthog.open().expect("built in"))]
@@ -104,7 +105,7 @@ fn splits_are_seeded_and_judge_unseen_data() {
     let whole = compare(&sample(), &Settings::default(), None, &Progress::default())
         .expect("compares")
         .study;
-    let n = |study: &resect_core::experiment::Study, group: usize, metric: usize| {
+    let n = |study: &resect_tools::experiment::Study, group: usize, metric: usize| {
         study.groups[group].boxes[metric].as_ref().expect("a box").n as f64
     };
     // Four quarters.
@@ -121,7 +122,7 @@ fn what_cannot_be_judged_is_left_out_and_said() {
     let study =
         ablate(&both, &Settings::default(), None, None, &Progress::default()).expect("one is left");
     assert!(
-        study.findings.iter().any(|f| f.kind == FindingKind::DeploymentLeftOut),
+        study.findings.iter().any(|f| f.kind == kinds::DEPLOYMENT_LEFT_OUT),
         "{:?}",
         study.findings
     );

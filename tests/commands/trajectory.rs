@@ -4,15 +4,15 @@ use std::process::Command;
 
 use crate::common::{analyse, answer, by, of_field, published, sample_folder};
 use resect_core::calibration::Method;
-use resect_core::calibration::joint::prism_motion::{MotionInstant, PrismMotion};
+use resect_core::calibration::joint::prism_motion::MotionInstant;
 use resect_core::evaluation::vehicle::{
     Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
 use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
-use resect_core::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
 use resect_io::open::open;
 use resect_io::sample::Sample;
+use resect_tools::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
 
 const LIMIT_M: f64 = 0.020;
 
@@ -23,7 +23,7 @@ fn the_poses_carry_the_prisms_to_where_they_were_seen() {
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let (trajectory, frame) =
-        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)
+        vehicle_trajectory(&deployment, triplets, &analysis.offer.followed, transforms, LIMIT_M)
             .expect("three prisms");
     assert_eq!(frame, VehicleFrame::Reading);
     assert!(trajectory.poses.len() + trajectory.dropped == triplets.len());
@@ -48,7 +48,7 @@ fn a_tighter_limit_drops_more_and_counts_them() {
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let dropped = |limit_m: f64| {
         let triplets = &analysis.pipeline.triplets;
-        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, limit_m)
+        vehicle_trajectory(&deployment, triplets, &analysis.offer.followed, transforms, limit_m)
             .expect("three prisms")
             .0
             .dropped
@@ -62,13 +62,13 @@ fn the_frame_of_deployment_toml_is_taken_over() {
     let simulated = simulate(Preset::Warthog, 4);
     let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let analysis = analyse(&deployment, &published());
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.clone());
     let transforms =
         simulated.truth.station1_from_station.map(|level| RigidTransform::from(*level));
     let (trajectory, frame) = vehicle_trajectory(
         &deployment,
         &analysis.pipeline.triplets,
-        analysis.offer.targets,
+        &analysis.offer.followed,
         Some(&transforms),
         LIMIT_M,
     )
@@ -102,7 +102,7 @@ fn one_prism_has_no_orientation() {
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let error =
-        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)
+        vehicle_trajectory(&deployment, triplets, &analysis.offer.followed, transforms, LIMIT_M)
             .expect_err("one prism");
     assert!(matches!(error, NoTrajectory::OnePrism(_)));
 }
@@ -300,18 +300,18 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
             let times_s: Vec<f64> =
                 (-2000..2000).map(|step| cut_s + STEP_S * f64::from(step)).collect();
             let instants = joint.solution.instants(&times_s, &Progress::default());
-            let Ok(PrismMotion::Rig(instants)) = instants else { panic!("a rig") };
+            let instants = instants.expect("not cancelled");
             assert_eq!(instants.len(), times_s.len(), "every instant once");
-            let sigma_m = |at: &MotionInstant<9>| (at.position_covariance.trace() / 9.0).sqrt();
+            let sigma_m = |at: &MotionInstant| (at.position_covariance.trace() / 9.0).sqrt();
             // Between readings σ is larger than at them.
             let largest_m = |from_s: f64, to_s: f64| {
                 let is_in =
-                    |at: &&MotionInstant<9>| (from_s..to_s).contains(&(at.time_s - cut_s).abs());
+                    |at: &&MotionInstant| (from_s..to_s).contains(&(at.time_s - cut_s).abs());
                 instants.iter().filter(is_in).map(sigma_m).fold(0.0, f64::max)
             };
             let jumps = instants.windows(2).map(|two| {
-                let (step, ahead) =
-                    (two[1].position_m - two[0].position_m, two[0].velocity_m_per_s);
+                let step = &two[1].position_m - &two[0].position_m;
+                let ahead = &two[0].velocity_m_per_s;
                 let jump_m = (step - ahead * (two[1].time_s - two[0].time_s)).amax();
                 (jump_m / sigma_m(&two[0]), two[0].time_s - cut_s)
             });
@@ -335,10 +335,10 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     let deployment = Sample::Warthog.open().expect("built in");
     let analysis = analyse(&deployment, &by(Method::Joint));
     let (calibration, triplets) = (&answer(&analysis).calibration, &analysis.pipeline.triplets);
-    let targets = analysis.offer.targets;
+    let followed = &analysis.offer.followed;
     let rate = Instants::Rate(10.0);
     let (trajectory, _) =
-        trajectory_by(&deployment, triplets, targets, calibration, rate, f64::INFINITY)
+        trajectory_by(&deployment, triplets, followed, calibration, rate, f64::INFINITY)
             .expect("a rig");
     let mut off_sigmas: Vec<f64> = Vec::new();
     for pose in &trajectory.poses {
@@ -419,11 +419,11 @@ fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     let deployment = Sample::Warthog.open().expect("built in");
     let analysis = analyse(&deployment, &by(Method::Joint));
     let calibration = &answer(&analysis).calibration;
-    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let dropped = |limit_m: f64| {
         let wanted = Instants::Triplets;
         let (found, _) =
-            trajectory_by(&deployment, triplets, targets, calibration, wanted, limit_m)
+            trajectory_by(&deployment, triplets, followed, calibration, wanted, limit_m)
                 .expect("three prisms");
         assert!(found.poses.iter().all(|pose| pose.inter_prism_error_m <= limit_m));
         found.dropped

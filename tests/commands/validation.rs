@@ -1,5 +1,6 @@
 //! Validation of a calibration on another run: simulated pairs of runs of one set-up, and inconclusive runs.
 
+use resect_core::deployment::kinds;
 use std::sync::{Arc, LazyLock};
 
 use crate::common::{analyse, answer, by, field_data, knock, of_field, two_runs};
@@ -8,10 +9,10 @@ use rayon::prelude::*;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::distance_errors_m;
 use resect_core::calibration::{Method, Verdict};
-use resect_core::deployment::{Deployment, FindingKind, TrackFrame};
-use resect_core::simulation::{Preset, Settling, simulate};
-use resect_core::validation::{Cause, Earlier, Outcome, Validation, drive_alone, validate};
+use resect_core::deployment::{Deployment, TrackFrame};
 use resect_io::open::open;
+use resect_tools::simulation::{Preset, Settling, simulate};
+use resect_tools::validation::{Cause, Earlier, Outcome, Validation, drive_alone, validate};
 
 /// Returns two opened runs of one set-up.
 fn runs(preset: Preset, seed: u64, between: &[Settling]) -> [Deployment; 2] {
@@ -123,9 +124,11 @@ fn what_is_said_of_the_metric_is_what_the_distances_do() {
     before.station1_from_station[2].translation_m += Vector3::new(0.003, -0.002, 0.001);
     let found = validate(&before, &SAMPLE.0[1], own);
     let answer = answer(own);
-    let known_m = SAMPLE.0[1].rig.as_ref().expect("a rig").inter_prism_m;
+    let rig = SAMPLE.0[1].rig.as_ref().expect("a rig");
+    let known_m = &rig.inter_prism_m;
+    let followed = &own.offer.followed;
     let [ours, theirs] = [&answer.calibration.station1_from_station, &before.station1_from_station]
-        .map(|transforms| distance_errors_m(&answer.triplets, transforms, &known_m));
+        .map(|transforms| distance_errors_m(&answer.triplets, transforms, followed, known_m));
     let squares: Vec<f64> = (0..3)
         .flat_map(|pair| ours[pair].iter().zip(&theirs[pair]).map(|(a, b)| (a - b).powi(2)))
         .collect();
@@ -149,7 +152,7 @@ fn control_points_do_not_stand_in_the_way() {
     let [_, second] = runs(Preset::Warthog, 3, &[knock]);
     let analysis = analyse(&second, &Settings::default());
     let findings = &answer(&analysis).calibration.findings;
-    let changes = [FindingKind::SetUpChanged, FindingKind::SetUpChangeUndecided];
+    let changes = [kinds::SET_UP_CHANGED, kinds::SET_UP_CHANGE_UNDECIDED];
     assert!(findings.iter().any(|finding| changes.contains(&finding.kind)), "{findings:?}");
     assert_moved(&validate(&SAMPLE.1, &second, &own(&second)), &knock);
 }
@@ -179,7 +182,8 @@ fn a_run_that_cannot_see_says_so() {
     let ambiguous = Earlier { verdict: Verdict::Ambiguous, ..before.clone() };
     assert_untold(&validate(&ambiguous, second, own), "the earlier calibration is ambiguous");
     // Calibrations that agree, one of which is too uncertain.
-    let coarse = Earlier { covariance: before.covariance.map(|c| c * 1e3), ..before.clone() };
+    let coarse =
+        Earlier { covariance: before.covariance.as_ref().map(|c| c * 1e3), ..before.clone() };
     assert_untold(&validate(&coarse, second, own), "too large to detect");
     let other_frame = Earlier { track_frame: Some(TrackFrame::Common), ..before.clone() };
     assert_untold(&validate(&other_frame, second, own), "different frames");

@@ -12,7 +12,7 @@ use resect_core::calibration::{Calibration, Method};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect_core::network::PerStation;
-use resect_core::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
+use resect_tools::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
 /// Returns a folder or file of the field data, which is never in the repository; `None`, with a message, if it is absent.
 ///
@@ -83,11 +83,11 @@ pub fn normalised(analysis: &Analysis, truth: &PerStation<LevelTransform>) -> [f
 /// Returns the same for a calibration.
 #[track_caller]
 pub fn off_in_sigmas(calibration: &Calibration, truth: &PerStation<LevelTransform>) -> [f64; 8] {
-    let sigma = calibration.sigma.expect("nothing is free");
+    let sigma = calibration.sigma.as_ref().expect("nothing is free");
     std::array::from_fn(|k| {
         let (station, part) = (k / 4 + 1, k % 4);
         let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
-        let sigma = &sigma[station - 1];
+        let sigma = &sigma[station];
         if part == 3 {
             wrap_to_pi(found.yaw_rad() - truth.yaw_rad) / sigma.yaw_rad
         } else {

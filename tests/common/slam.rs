@@ -7,9 +7,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect_core::deployment::{Deployment, Track};
-use resect_core::estimates::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::trajectory::{ObservedRig, align_rig};
-use resect_core::simulation::{EPOCH_S, Preset, Simulated, simulate};
+use resect_tools::estimates::{EstimatedPose, EstimatedTrajectory};
+use resect_tools::simulation::{EPOCH_S, Preset, Simulated, simulate};
 
 /// Errors of a SLAM system.
 pub struct Slam {
@@ -83,7 +83,11 @@ pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuate
     // For vehicles with one prism as well.
     let corners_m = [Vector3::x(), Vector3::y(), Vector3::z()];
     let points_m = corners_m.map(|p| simulated.truth.motion.position_m(&p, time_s - EPOCH_S));
-    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+    let observed = ObservedRig {
+        time_s,
+        points_m: points_m.into(),
+        sigma_m: [Vector3::repeat(1e-3); 3].into(),
+    };
     let pose = align_rig(&corners_m, &observed).expect("a triangle");
     (pose.position_m, pose.orientation)
 }
@@ -97,7 +101,7 @@ pub fn driven(seed: u64) -> (Simulated, Deployment) {
 }
 
 pub fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployment {
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m.clone());
     deployment
 }
 

@@ -3,11 +3,12 @@
 //! `tests/fixtures/bags` has the first readings of the sample "HD2 in a tunnel", written by `tests/peers/write_bags.py` with the PyPI
 //! package `rosbags`. The ignored tests read whole drives of the same script; `tests/run --peers` runs them.
 
+use resect_io::findings::kinds;
 use std::path::PathBuf;
 
 use crate::common::{analyse, answer, assert_close, sample_folder};
 use resect_core::analysis::Settings;
-use resect_core::deployment::{Deployment, Finding, FindingKind, OneOrMany, Overrides};
+use resect_core::deployment::{Deployment, Finding, OneOrMany, Overrides};
 use resect_core::geometry::RigidTransform;
 use resect_core::network::PerStation;
 use resect_core::progress::Progress;
@@ -251,7 +252,7 @@ fn the_same_drive_in_two_containers_is_read_once() {
     let alone = open(&fixtures().join("ros1-plain.bag")).expect("one of them");
     let counts = |deployment: &Deployment| deployment.tracks.map(|track| track.measurements.len());
     assert_eq!(counts(&all), counts(&alone));
-    let told = |f: &&Finding| f.kind == FindingKind::CopiesLeftOut;
+    let told = |f: &&Finding| f.kind == kinds::COPIES_LEFT_OUT;
     assert_eq!(all.findings.iter().filter(told).count(), 1);
 }
 
@@ -368,7 +369,7 @@ fn topics_of_points_of_the_peer_have_to_be_named() {
         let Question::Topics { topics, .. } = *question else { panic!("{question}") };
         let names: Vec<_> = topics.iter().map(|t| t.name.clone()).collect();
         assert_eq!(names, [1, 2, 3].map(|k| format!("/station_{k}/position")));
-        let topics = Some(names.try_into().expect("three"));
+        let topics = Some(names.into_iter().collect());
         let deployment = bags.open_with(name, Overrides { topics, ..Overrides::default() });
         let deployment = deployment.expect("opens");
         assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);

@@ -1,6 +1,6 @@
 //! Opening: its progress, its cancellation, and files that the user names in addition to those beside the tracks.
 
-use resect_core::deployment::FindingKind;
+use resect_io::findings::kinds;
 use std::path::{Path, PathBuf};
 
 use crate::common::{field_data, sample_folder};
@@ -101,10 +101,10 @@ fn a_named_rig_is_used_whatever_else_describes_one() {
         Source::at(folder.path()).with(extras).open(&Progress::default())
     };
     let own = with(None).expect("opens").rig.expect("given").inter_prism_m;
-    assert_eq!(own, [0.7, 0.9, 1.0]);
+    assert_eq!(own, [0.7, 0.9, 1.0].into());
     let named = with(Some(rig)).expect("opens");
-    assert_eq!(named.rig.expect("named").inter_prism_m, [0.8, 0.9, 1.1]);
-    assert!(named.findings.iter().any(|f| f.kind == FindingKind::RigFilePreferred));
+    assert_eq!(named.rig.expect("named").inter_prism_m, [0.8, 0.9, 1.1].into());
+    assert!(named.findings.iter().any(|f| f.kind == kinds::RIG_FILE_PREFERRED));
     let error = with(Some(path("p.csv"))).expect_err("tracks are no rig").to_string();
     assert!(error.contains("does not describe the rig (polar measurements"), "{error}");
 }

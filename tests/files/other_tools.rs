@@ -1,15 +1,16 @@
 //! Inputs as other programs, instruments and people leave them: read as what they are, or refused with the true cause.
 
+use resect_io::findings::kinds;
 use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::common::{analyse, by, sample_folder};
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Finding, FindingKind, OneOrMany, Overrides};
-use resect_core::estimates::EstimatedTrajectory;
 use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::source::{Extras, Source};
+use resect_tools::estimates::EstimatedTrajectory;
 
 /// Time, station, range, azimuth and zenith angle, as the sample writes them.
 type Row = [String; 5];
@@ -94,7 +95,7 @@ fn tracks_of_spreadsheets_and_shells_are_the_same_tracks() {
         let read = opened(&[("inter_prism.csv", &content)]);
         let read = read.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(apart_m(&read, &expected) < 1e-9, "{name}");
-        assert!(!has(&read, FindingKind::RowsSkipped), "{name}");
+        assert!(!has(&read, kinds::ROWS_SKIPPED), "{name}");
     }
 }
 
@@ -104,7 +105,7 @@ fn one_bad_row_costs_one_row() {
     text = text.replacen("\n", "\ns,,m,rad,rad\n", 1);
     text.truncate(text.len() - 12);
     let read = tracks(&text).expect("the other rows");
-    let finding = read.findings.iter().find(|finding| finding.kind == FindingKind::RowsSkipped);
+    let finding = read.findings.iter().find(|finding| finding.kind == kinds::ROWS_SKIPPED);
     let said = finding.expect("a finding").to_string();
     assert!(
         said.contains("2 rows are not valid and skipped (line 2: `s` in column `timestamp`"),
@@ -126,7 +127,7 @@ fn readings_in_face_right_are_the_same_points() {
     }
     let read = tracks(&table(&both)).expect("both faces");
     assert!(apart_m(&read, &expected) < 1e-5);
-    assert!(has(&read, FindingKind::ReadingsInFaceRight));
+    assert!(has(&read, kinds::READINGS_IN_FACE_RIGHT));
     assert!(!read.findings.iter().any(|finding| finding.kind.is_doubt()), "{:?}", read.findings);
 }
 
@@ -156,7 +157,7 @@ fn control_points_in_both_faces_are_their_means() {
     let (reading, left) = (points[0].readings[1].expect("measured"), points[0].face_one[1]);
     assert!((reading.zenith_rad - 1.51).abs() < 1e-7 && (reading.azimuth_rad - 0.3).abs() < 1e-7);
     assert!((left.expect("both faces").zenith_rad - 1.5101).abs() < 1e-7);
-    assert!(!has(&read, FindingKind::ControlPointRepeated));
+    assert!(!has(&read, kinds::CONTROL_POINT_REPEATED));
 }
 
 #[test]
@@ -170,7 +171,7 @@ fn stations_of_other_numbers_are_stations_in_ascending_order() {
         }
         let read = tracks(&table(&other)).expect("renumbered");
         assert!(apart_m(&read, &expected) < 1e-12);
-        assert!(has(&read, FindingKind::StationsRenumbered));
+        assert!(has(&read, kinds::STATIONS_RENUMBERED));
     }
 }
 
@@ -187,19 +188,19 @@ fn clocks_that_were_set_while_recording_are_a_doubt() {
         tracks(&table(&rows)).expect("opens")
     };
     let back = shifted(&|after_s| if (60.0..75.0).contains(&after_s) { -3.0 } else { 0.0 });
-    assert!(has(&back, FindingKind::ClockSetBack), "{:?}", back.findings);
+    assert!(has(&back, kinds::CLOCK_SET_BACK), "{:?}", back.findings);
     let jumped = shifted(&|after_s| if after_s < 30.0 { -40.0 * 86_400.0 } else { 0.0 });
-    assert!(has(&jumped, FindingKind::StampsJumped));
+    assert!(has(&jumped, kinds::STAMPS_JUMPED));
     let duration_s = jumped.end_s().expect("readings") - jumped.start_s().expect("readings");
     assert!(duration_s < 400.0, "{duration_s}");
     // Parts of a file in another order are no clock that was set.
     let mut parts = plain.clone();
     parts.rotate_left(1500);
     let read = tracks(&table(&parts)).expect("opens");
-    assert!(!has(&read, FindingKind::ClockSetBack), "{:?}", read.findings);
+    assert!(!has(&read, kinds::CLOCK_SET_BACK), "{:?}", read.findings);
     let mut twice = plain.clone();
     twice.extend(plain.clone());
-    assert!(!has(&tracks(&table(&twice)).expect("opens"), FindingKind::ClockSetBack));
+    assert!(!has(&tracks(&table(&twice)).expect("opens"), kinds::CLOCK_SET_BACK));
 }
 
 #[test]
@@ -210,7 +211,7 @@ fn rounded_stamps_are_a_doubt_and_exact_ones_are_not() {
             row[0] = format!("{:.decimals$}", number(&row[0]));
         }
         let read = tracks(&table(&rounded)).expect("opens");
-        assert_eq!(has(&read, FindingKind::StampsCoarse), is_doubtful, "{decimals}");
+        assert_eq!(has(&read, kinds::STAMPS_COARSE), is_doubtful, "{decimals}");
     }
 }
 
@@ -288,13 +289,13 @@ fn a_station_whose_clock_is_seconds_off_is_named_and_equal_clocks_are_not() {
             row
         });
         let deployment = tracks(&table(&shifted.collect::<Vec<Row>>())).expect("opens");
-        let off = deployment.findings.iter().filter(|f| f.kind == FindingKind::StationClockOff);
+        let off = deployment.findings.iter().filter(|f| f.kind == kinds::STATION_CLOCK_OFF);
         let off: Vec<&Finding> = off.collect();
         let [only] = off[..] else { panic!("{off:?}") };
         assert!(only.to_string().contains(&format!("station {station}")), "{only}");
         assert!((only.quantities[0].value - shift_s).abs() < 0.3, "{only}");
     }
-    assert!(!has(&tracks(&table(&rows())).expect("opens"), FindingKind::StationClockOff));
+    assert!(!has(&tracks(&table(&rows())).expect("opens"), kinds::STATION_CLOCK_OFF));
 }
 
 #[test]
@@ -306,9 +307,9 @@ fn ranges_that_were_repeated_while_the_prism_moved_are_left_out() {
         frozen[*row][2].clone_from(&range);
     }
     let deployment = tracks(&table(&frozen)).expect("opens");
-    assert!(has(&deployment, FindingKind::RangesRepeated));
+    assert!(has(&deployment, kinds::RANGES_REPEATED));
     assert_eq!(deployment.tracks[1].left_out.iter().filter(|left_out| **left_out).count(), 39);
-    assert!(!has(&tracks(&table(&rows())).expect("opens"), FindingKind::RangesRepeated));
+    assert!(!has(&tracks(&table(&rows())).expect("opens"), kinds::RANGES_REPEATED));
 }
 
 #[test]
@@ -332,7 +333,7 @@ fn coordinates_of_the_set_up_in_cartesian_tracks_are_a_doubt() {
             files.iter().map(|(name, text)| (&**name, text.as_bytes())).collect();
         all.push(("deployment.toml", toml.as_bytes()));
         let deployment = opened(&all).expect("opens");
-        assert_eq!(has(&deployment, FindingKind::CartesianOriginDoubtful), is_doubt);
+        assert_eq!(has(&deployment, kinds::CARTESIAN_ORIGIN_DOUBTFUL), is_doubt);
     }
 }
 
@@ -357,7 +358,7 @@ fn rounded_positions_unset_orientations_and_missing_times_are_named() {
     };
     let codes = |text: &str| -> Vec<&str> {
         let read = trajectory("slam.tum", text).expect("a trajectory");
-        read.findings.iter().map(|finding| finding.kind.code()).collect()
+        read.findings.iter().map(|finding| finding.kind.code).collect()
     };
     assert_eq!(codes(&along(0, |s| s, true)), ["estimate-positions-rounded"]);
     assert_eq!(codes(&along(4, |s| s, false)), ["estimate-orientations-constant"]);

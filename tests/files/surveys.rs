@@ -1,11 +1,12 @@
 //! Surveyors' files: control points, their coordinates and the rig from GSI and JobXML.
 
-use resect_core::deployment::{Deployment, FindingKind, Subject};
+use resect_core::deployment::{Deployment, Subject};
 use resect_core::geometry::{Polar, RigidTransform};
 use resect_core::network::PerStation;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::error::OpenError;
+use resect_io::findings::kinds;
 use resect_io::open::open_files;
+use resect_tools::simulation::{Preset, simulate};
 
 const TRACKS: &str =
     "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";
@@ -139,7 +140,7 @@ fn a_rig_is_the_first_three_points_of_the_file_that_is_named() {
     }
     assert!(deployment.control_points.is_empty());
     let doubt = deployment.findings.iter().find(|f| f.kind.is_doubt()).expect("derived distances");
-    assert_eq!(doubt.kind, FindingKind::RigDerivedFromReading);
+    assert_eq!(doubt.kind, kinds::RIG_DERIVED_FROM_READING);
     assert_eq!(doubt.subject, Some(Subject::File("rig.gsi".to_owned())), "{doubt}");
 }
 

@@ -1,12 +1,11 @@
 //! Tables of tracks: foreign columns by a mapping, Bonn's network, and implausible units, clocks and readings.
 
+use resect_io::findings::kinds;
 use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::common::{field_data, sample_folder};
-use resect_core::deployment::{
-    ColumnMapping, Deployment, Finding, FindingKind, OneOrMany, Overrides,
-};
+use resect_core::deployment::{ColumnMapping, Deployment, Finding, OneOrMany, Overrides};
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
 use resect_io::open::open;
@@ -141,7 +140,7 @@ fn zero_ranges_among_valid_readings_raise_a_doubt_and_good_data_none() {
             opened(&[("p.csv", &polar(&original))], Overrides::default()).expect("the rest");
         let said = doubts(&spoiled);
         assert_eq!(said.len(), 3, "one a station: {said:?}");
-        assert!(said.iter().all(|f| f.kind == FindingKind::ReadingsImplausible), "{said:?}");
+        assert!(said.iter().all(|f| f.kind == kinds::READINGS_IMPLAUSIBLE), "{said:?}");
         // With a time origin of its own, as in some recorders.
         for reading in &mut original {
             reading[0] -= 1.6e9;
@@ -191,7 +190,12 @@ fn foreign_columns_are_a_question_and_its_answer_reads_the_same_tracks() {
     // The window gives the same answer.
     let columns: Overrides = toml::from_str(&toml).expect("valid");
     let deployment = opened(&files[..1], columns).expect("answered");
-    assert!(deployment.findings.iter().any(|f| f.kind == FindingKind::TableColumns && f.to_string().contains("(millimetres)")));
+    assert!(
+        deployment
+            .findings
+            .iter()
+            .any(|f| f.kind == kinds::TABLE_COLUMNS && f.to_string().contains("(millimetres)"))
+    );
 }
 
 #[test]
@@ -276,5 +280,5 @@ fn bonns_files_are_stations_in_the_order_that_the_user_gives() {
     let bonn = opened(&files, answer).expect("answered");
     let good = opened(&[("p.csv", &polar(&original))], Overrides::default()).expect("good");
     assert_same(&bonn, &good);
-    assert!(bonn.findings.iter().any(|f| f.kind == FindingKind::TableClock));
+    assert!(bonn.findings.iter().any(|f| f.kind == kinds::TABLE_CLOCK));
 }

@@ -77,11 +77,11 @@ fn assert_always_the_same(arguments: &[&str], files: usize) {
 /// Returns a short drive with all errors of the field, so that every output has content.
 fn drive() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let scenario = resect_core::simulation::Scenario {
+    let scenario = resect_tools::simulation::Scenario {
         duration_s: 120.0,
-        ..resect_core::simulation::Preset::FieldErrors.scenario()
+        ..resect_tools::simulation::Preset::FieldErrors.scenario()
     };
-    let simulated = resect_core::simulation::simulate_scenario(&scenario, 3);
+    let simulated = resect_tools::simulation::simulate_scenario(&scenario, 3);
     resect_io::simulation_files::write_folder(&simulated, folder.path()).expect("written");
     folder
 }

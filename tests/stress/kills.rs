@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use resect_core::simulation::{Preset, simulate_scenario};
 use resect_io::simulation_files::write_folder;
+use resect_tools::simulation::{Preset, simulate_scenario};
 
 /// Long enough for files of some size, short enough for hundreds of runs.
 const DRIVE_S: f64 = 60.0;
@@ -159,7 +159,7 @@ fn kill_each(kills: usize) {
     let folder = tempfile::tempdir().expect("a folder");
     let data = folder.path().join("data");
     let scenario = Preset::Warthog.scenario();
-    let scenario = resect_core::simulation::Scenario { duration_s: DRIVE_S, ..scenario };
+    let scenario = resect_tools::simulation::Scenario { duration_s: DRIVE_S, ..scenario };
     write_folder(&simulate_scenario(&scenario, 1), &data).expect("writable");
     std::thread::scope(|scope| {
         for (seed, (name, command)) in COMMANDS.iter().enumerate() {

@@ -3,7 +3,7 @@
 use resect_core::calibration::{CalibrationSettings, Offer, solve};
 use resect_core::pipeline;
 use resect_core::pipeline::PipelineSettings;
-use resect_core::simulation::{Preset, simulate_scenario};
+use resect_tools::simulation::{Preset, simulate_scenario};
 
 use crate::{ALLOCATED, process};
 

@@ -35,11 +35,14 @@ const LAYOUT_FILES: [&str; 8] = [
     "track_clocks.rs",
 ];
 /// Other indices and sizes.
-const LAYOUT: [&str; 20] = [
+const LAYOUT: [&str; 24] = [
     "inter_prism/compression.rs CONSTANT",
     "inter_prism/compression.rs LANES",
     "inter_prism/compression.rs MONOMIALS",
-    "inter_prism/normal_equations.rs LANES",
+    "inter_prism/distance_pass.rs LANES",
+    "inter_prism/distance_pass.rs ZERO",
+    "inter_prism/prism_network.rs UNKNOWNS_PER_STATION",
+    "inter_prism/squared_cost.rs FIRST",
     "inter_prism/squared_cost.rs LANES",
     "inter_prism/squared_cost.rs ROWS",
     "joint/equations.rs ANGLES",
@@ -56,9 +59,10 @@ const LAYOUT: [&str; 20] = [
     "joint/survey_change.rs POSES",
     "point_to_point.rs COLUMNS",
     "recommendation.rs MOST_WORDS",
+    "transform_sigma.rs ZERO",
 ];
-/// Types of constants that are words or settings, which have a page of their own.
-const WORDS: [&str; 4] = ["str", "FindingKind", "NumberSetting", "[Self"];
+/// Types of constants that are words, rows of the table of unknowns, or settings, which have a page of their own.
+const WORDS: [&str; 5] = ["str", "FindingKind", "NumberSetting", "Unknown", "[Self"];
 
 /// Units by the end of a name, the longest first.
 const UNITS: [(&str, &str); 14] = [

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use crate::names::{SOURCES, files_of};
+
 const LONGEST_SENTENCE_WORDS: usize = 25;
 const LONGEST_README_WORDS: usize = 750;
 const LONGEST_README_LINES: usize = 80;
@@ -73,7 +75,7 @@ fn file_of(span: &str) -> Option<PathBuf> {
         && !span.starts_with(['.', '/']);
     let (first, rest) = span.split_once('/').filter(|_| is_path)?;
     let folder = match first {
-        "core" | "io" | "live" | "report" => format!("crates/resect-{first}/src"),
+        "core" | "tools" | "io" | "live" | "report" => format!("crates/resect-{first}/src"),
         "app" | "command" => format!("src/{first}"),
         "src" | "crates" | "tests" | "benches" | "examples" | "assets" | "docs" | "fuzz" => {
             first.to_owned()
@@ -101,6 +103,24 @@ fn every_path_of_the_maps_exists() {
     }
     assert!(paths > 80, "only {paths} paths were recognised");
     assert!(missing.is_empty(), "these paths do not exist: {}", missing.join(", "));
+}
+
+#[test]
+fn every_file_of_the_maps_of_the_crates_exists() {
+    let mut missing = Vec::new();
+    for source in SOURCES.into_iter().chain(["python/src"]) {
+        let map = text(&root().join(source).join("lib.rs"));
+        let head: Vec<&str> = map.lines().filter(|line| line.starts_with("//!")).collect();
+        let head = head.join("\n");
+        let files = files_of(source);
+        for span in code_spans(&head).filter(|span| span.ends_with(".rs")) {
+            let is_there = files.iter().any(|(path, _)| path.ends_with(span));
+            if !is_there && !root().join(span).exists() {
+                missing.push(format!("{source}/lib.rs: `{span}`"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "these files do not exist: {}", missing.join(", "));
 }
 
 #[test]

@@ -5,7 +5,9 @@
 use std::fmt::Write;
 
 use crate::documents::{anchor, assert_written};
-use resect_core::deployment::{ADVICE, Advice, FindingKind, Severity};
+use resect::app::kinds::of_all_crates;
+use resect_core::deployment::advice::{ADVICE, Advice};
+use resect_core::deployment::{FindingKind, Severity};
 
 /// Sections of the page, each with the code of its first kind.
 const SECTIONS: [(&str, &str); 22] = [
@@ -18,7 +20,7 @@ const SECTIONS: [(&str, &str); 22] = [
     ("rig-file-preferred", "Rig"),
     ("gnss-antennas-missing", "GNSS"),
     ("estimate-out-of-order", "Trajectories of other systems"),
-    ("stamps-are-station-clocks", "Clocks of the files"),
+    ("stations-without-common-time", "Clocks of the files"),
     ("no-triplets", "Answers that are missing"),
     ("estimate-not-converged", "Convergence and agreement of methods"),
     ("points-leave-direction-free", "Observability"),
@@ -30,7 +32,7 @@ const SECTIONS: [(&str, &str); 22] = [
     ("estimate-clock-far-off", "Evaluation and studies"),
     ("earlier-calibration-weak", "Validation and plans"),
     ("no-connection", "Live drive"),
-    ("no-answer", "Window and report"),
+    ("autosave-unavailable", "Window"),
 ];
 
 /// Remedies of the warnings for which the Guide has no advice.
@@ -39,6 +41,7 @@ const REMEDIES: &[(&str, &str)] = &[
     ("records-dropped", "Look at the first record that the message names; a few are usual."),
     ("stamps-out-of-order", "Check the recorder if many readings are concerned."),
     ("stamps-repeated", "Check that no file was added twice."),
+    ("ranges-repeated", "Use a faster tracking mode of the instrument for the next drive."),
     (
         "masked-readings-missing",
         "Remove `masked` from `deployment.toml`, or open the data that it was made for.",
@@ -64,7 +67,10 @@ const REMEDIES: &[(&str, &str)] = &[
     ("transforms-unreadable", "Correct the line that the message names."),
     ("transforms-not-confirmed", "Use the original readings, or the transforms of the same day."),
     ("transform-tilts-station", "Use the original readings."),
-    ("control-point-station-unknown", "Write 1, 2 or 3 in the first column."),
+    (
+        "control-point-station-unknown",
+        "Write the number of a station with a track in the first column.",
+    ),
     ("control-point-status-invalid", "Measure the point again if too few remain."),
     ("control-point-reading-implausible", "Correct the line, or measure the point again."),
     ("control-point-repeated", "Delete the reading that is not wanted."),
@@ -116,7 +122,6 @@ const REMEDIES: &[(&str, &str)] = &[
     ("published-answer-missing", "Follow the reason that the message names."),
     ("tracks-not-transformed", "Apply the answer to the original readings only."),
     ("prior-search-unconfirmed", "Use the closed-form prior (`--prior closed-form`)."),
-    ("ranges-repeated", "Use a faster tracking mode of the instrument for the next drive."),
     ("deployment-left-out", "Calibrate this deployment by itself; its findings name the cause."),
     ("earlier-calibration-weak", "Validate a calibration with the verdict *good*."),
     ("compared-in-unknown-frame", "Compare runs with the original readings."),
@@ -175,29 +180,30 @@ fn severity(kind: FindingKind) -> &'static str {
 }
 
 fn remedy(kind: FindingKind) -> String {
-    if let Some(Advice { title, step, .. }) = kind.advice() {
+    if let Some(Advice { title, step, .. }) = kind.advice {
         return format!("{step} [Why](#{})", anchor(title));
     }
-    let own = REMEDIES.iter().find(|(code, _)| *code == kind.code());
+    let own = REMEDIES.iter().find(|(code, _)| *code == kind.code);
     own.map_or("–", |(_, remedy)| remedy).to_owned()
 }
 
 fn page() -> String {
-    let doubts = FindingKind::ALL.iter().filter(|kind| kind.is_doubt());
-    let codes: Vec<String> = doubts.map(|kind| format!("`{}`", kind.code())).collect();
+    let kinds = of_all_crates();
+    let doubts = kinds.iter().filter(|kind| kind.is_doubt());
+    let codes: Vec<String> = doubts.map(|kind| format!("`{}`", kind.code)).collect();
     let mut page = format!("{HEAD}{}{LIMITS}", codes.join(",\n"));
-    for kind in FindingKind::ALL {
-        if let Some((_, title)) = SECTIONS.iter().find(|(first, _)| *first == kind.code()) {
+    for kind in &kinds {
+        if let Some((_, title)) = SECTIONS.iter().find(|(first, _)| *first == kind.code) {
             _ = write!(
                 page,
                 "\n## {title}\n\n| code | severity | cause | remedy |\n|---|---|---|---|\n"
             );
         }
-        let (code, severity) = (kind.code(), severity(*kind));
-        _ = writeln!(page, "| `{code}` | {severity} | {} | {} |", kind.cause(), remedy(*kind));
+        let (code, severity) = (kind.code, severity(*kind));
+        _ = writeln!(page, "| `{code}` | {severity} | {} | {} |", kind.cause, remedy(*kind));
     }
     page += "\n## Advice\n";
-    for Advice { title, meaning, step, .. } in &ADVICE {
+    for Advice { title, meaning, step, .. } in ADVICE {
         _ = write!(page, "\n### {title}\n{meaning} {step}\n");
     }
     page
@@ -211,15 +217,15 @@ fn the_page_has_every_kind_as_the_code_does() {
 #[test]
 fn every_section_begins_with_a_kind() {
     for (first, title) in SECTIONS {
-        assert!(FindingKind::ALL.iter().any(|kind| kind.code() == first), "{title}: {first}");
+        assert!(of_all_crates().iter().any(|kind| kind.code == first), "{title}: {first}");
     }
 }
 
 /// The remedies are those of the warnings without advice, in the order of the kinds.
 #[test]
 fn every_warning_without_advice_has_a_remedy() {
-    let needs = |kind: &&FindingKind| kind.severity() > Severity::Note && kind.advice().is_none();
-    let expected: Vec<_> = FindingKind::ALL.iter().filter(needs).map(|kind| kind.code()).collect();
+    let needs = |kind: &&FindingKind| kind.severity() > Severity::Note && kind.advice.is_none();
+    let expected: Vec<_> = of_all_crates().iter().filter(needs).map(|kind| kind.code).collect();
     let written: Vec<_> = REMEDIES.iter().map(|(code, _)| *code).collect();
     let first = expected.iter().zip(&written).find(|(expected, written)| expected != written);
     assert_eq!(expected.len(), written.len(), "{first:?}");

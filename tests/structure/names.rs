@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Folders of the crates' sources.
-const SOURCES: [&str; 5] = [
+pub const SOURCES: [&str; 6] = [
     "crates/resect-core/src",
+    "crates/resect-tools/src",
     "crates/resect-io/src",
     "crates/resect-live/src",
     "crates/resect-report/src",

@@ -9,9 +9,9 @@ use resect::app::{
 };
 use resect_core::calibration::Method;
 use resect_core::deployment::Remedy;
-use resect_core::simulation::{Preset, simulate, simulate_scenario};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate, simulate_scenario};
 
 use crate::harness::{LARGE, SMALL, Window, open, send, set, settle, shown, window};
 
@@ -96,19 +96,19 @@ fn exchanged_stations_are_exchanged_back_by_the_finding_that_sees_it() {
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     let stations = |harness: &Window| {
         let source = shown(harness).source.as_ref().expect("a source");
-        source.extras.corrections.stations
+        source.extras.corrections.stations.clone()
     };
     let mut extras = shown(&harness).source.as_ref().expect("a source").extras.clone();
-    extras.corrections.stations = Some([1, 3, 2]);
+    extras.corrections.stations = Some([1, 3, 2].into());
     send(&mut harness, DeploymentCommand::Correct(extras));
-    assert_eq!(stations(&harness), Some([1, 3, 2]));
+    assert_eq!(stations(&harness), Some([1, 3, 2].into()));
 
     let back = "Correct: station numbers 1 3 2 → 1 2 3";
     press_first(&mut harness, back);
     assert_eq!(stations(&harness), None);
     assert!(!is_said(&harness, back));
     send(&mut harness, DeploymentCommand::Undo);
-    assert_eq!(stations(&harness), Some([1, 3, 2]));
+    assert_eq!(stations(&harness), Some([1, 3, 2].into()));
 }
 
 #[test]

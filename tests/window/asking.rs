@@ -8,10 +8,10 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Asked, DeploymentCommand, Pane, ResectWindow, SessionCommand, Units};
 use resect_core::deployment::{ColumnMapping, OneOrMany, Overrides};
-use resect_core::simulation::{Preset, simulate};
 use resect_io::error::{Question, Topic};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::common::sample_folder;
 use crate::harness::{LARGE, Part, SMALL, Window, click, send, settle, shown, snapshot_of, window};
@@ -151,7 +151,7 @@ fn topics_are_proposed_and_can_be_exchanged() {
     );
     click(&mut harness, "Open");
     let expected = ["/rts2", "/rts1", "/rts10"].map(str::to_owned);
-    assert_eq!(corrections(&harness).topics, Some(expected));
+    assert_eq!(corrections(&harness).topics, Some(expected.into()));
 }
 
 /// The sample's tracks with an unknown header.
@@ -229,7 +229,7 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     send(&mut harness, DeploymentCommand::OpenPaths(vec![rig.clone()]));
     click(&mut harness, &format!("Use for {name}"));
     let now = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
-    assert_eq!(now, [0.9, 1.0, 1.1]);
+    assert_eq!(now, [0.9, 1.0, 1.1].into());
     assert_eq!(
         harness.state().state.deployments.undo.undo_name(Units::default()),
         "Undo rig as read → rig"
@@ -253,7 +253,7 @@ fn a_recording_without_a_rig_ends_in_a_calibration() {
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(folder.path().join("tracks.csv"))));
     assert!(harness.state().state.analysed().expect("open").1.answer.is_err());
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "no-rig-dark");
-    for (pair, distance_m) in ["1–2", "1–3", "2–3"].iter().zip(known) {
+    for (pair, distance_m) in ["1–2", "1–3", "2–3"].iter().zip(&known) {
         let name = format!("Distance of prisms {pair}");
         harness.get_by_role_and_label(Role::SpinButton, &name).focus();
         harness.run_steps(2);

@@ -183,7 +183,7 @@ fn what_is_shown_is_written_as_a_table() {
     assert!((time_s - first.time_s).abs() < 1e-6);
     // Hidden series and times out of view are not written.
     let mut visibility = harness.state().state.scene.visibility;
-    visibility.stations = [false, true, false];
+    visibility.stations[..3].copy_from_slice(&[false, true, false]);
     send(&mut harness, SceneCommand::Show(visibility));
     let [from_s, to_s] = [100.0, 130.0].map(|t| shown(&harness).start_s() + t);
     send(&mut harness, TimeCommand::ShowTimes([from_s, to_s]));

@@ -5,7 +5,7 @@ use egui_kittest::kittest::Queryable;
 use resect::app::{Pane, WorkspaceCommand};
 use resect_core::calibration::Method;
 use resect_core::deployment::TimeCorrection;
-use resect_core::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{LARGE, Part, SMALL, Window, open, send, set, shown, snapshot_of, window};
 

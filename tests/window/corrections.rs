@@ -11,9 +11,9 @@ use resect::app::{
     DeploymentCommand, LayoutPreset, Pane, Picked, TimeCommand, Units, WorkspaceCommand,
 };
 use resect_core::deployment::{AzimuthSense, Overrides, PrismConstants};
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::{Extras, Source};
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, press, send, settle, shown, snapshot_of, triplets, window,
@@ -114,13 +114,13 @@ fn each_correction_changes_the_answer_and_can_be_taken_back() {
         harness,
         "inter-prism distances",
         |harness| enter(harness, "Distance of prisms 1–2", "0.9"),
-        |own| own.inter_prism_m.is_some_and(|all| all[0] == 0.9),
+        |own| own.inter_prism_m.as_ref().is_some_and(|all| all[0] == 0.9),
     );
     changes_and_comes_back(
         harness,
         "station numbers",
         |harness| click(harness, "Exchange stations 2 and 3"),
-        |own| own.stations == Some([1, 3, 2]),
+        |own| own.stations == Some([1, 3, 2].into()),
     );
     changes_and_comes_back(
         harness,
@@ -155,7 +155,7 @@ fn a_constant_for_each_station_is_entered() {
     let (mut harness, _) = opened(folder.path());
     click(&mut harness, "each its own");
     enter(&mut harness, "Prism constant of station 2", "0");
-    let constants = PrismConstants::Each([0.010, 0.0, 0.010]);
+    let constants = PrismConstants::Each([0.010, 0.0, 0.010].into());
     assert_eq!(corrections(&harness).prism_constant_m, Some(constants));
     let tracks = &shown(&harness).deployment.tracks;
     assert_eq!(tracks.map(|track| track.prism_constant_m), [0.010, 0.0, 0.010].into());
@@ -253,7 +253,7 @@ fn it_is_written_to_the_folder_which_then_says_it() {
     assert_eq!(undo_name(&harness), "Undo");
     // A second exchange overrides the numbers in the file.
     click(&mut harness, "Exchange stations 2 and 3");
-    assert_eq!(corrections(&harness).stations, Some([1, 2, 3]));
+    assert_eq!(corrections(&harness).stations, Some([1, 2, 3].into()));
     // Another window reads it automatically.
     let mut harness = window(SMALL, Theme::Dark);
     send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
@@ -286,7 +286,8 @@ fn the_lines_are_drawn() {
         send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Inspect));
         let mut extras = Extras::default();
         extras.corrections.azimuth = Some(AzimuthSense::CounterClockwise);
-        extras.corrections.prism_constant_m = Some(PrismConstants::Each([0.010, 0.0, -0.0345]));
+        extras.corrections.prism_constant_m =
+            Some(PrismConstants::Each([0.010, 0.0, -0.0345].into()));
         send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path).with(extras)));
         click(&mut harness, "Corrections (2)");
         harness.get_by_label("Station numbers").scroll_to_me();

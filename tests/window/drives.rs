@@ -4,9 +4,9 @@ use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable as _;
 use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
 use resect_core::calibration::Verdict;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::common::{answer, two_runs};
 use crate::harness::{LARGE, Window, click, press, send, shown, type_and_enter_at_once, window};
@@ -15,7 +15,7 @@ fn sigma_m(harness: &Window) -> f64 {
     let analysis = shown(harness).analysis.clone().expect("analysed");
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
-    calibration.sigma.expect("σ")[0].translation_m.x
+    calibration.sigma.as_ref().expect("σ")[1].translation_m.x
 }
 
 #[test]

@@ -4,9 +4,9 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, DialogCommand, Overlay, Pane, WorkspaceCommand};
-use resect_core::simulation::{Preset, simulate};
 use resect_report::glossary;
 use resect_report::glossary::Term;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, press, send, settle, shown, snapshot_of, window,

@@ -230,21 +230,21 @@ fn what_is_corrections_while_it_is_live_holds_for_what_comes() {
     let before = firsts(&harness);
     let exchanged = PerStation::from([before[0], before[2], before[1]]);
     let mut extras = harness.state().state.extras().expect("recorded").clone();
-    extras.corrections.stations = Some([1, 3, 2]);
+    extras.corrections.stations = Some([1, 3, 2].into());
     send(&mut harness, DeploymentCommand::Correct(extras.clone()));
     // A second change comes before the first one is read.
-    extras.corrections.inter_prism_m = Some([0.4, 0.4, 0.4]);
+    extras.corrections.inter_prism_m = Some([0.4, 0.4, 0.4].into());
     send(&mut harness, DeploymentCommand::Correct(extras.clone()));
     let rig_m =
-        |window: &Window| shown(window).deployment.rig.as_ref().expect("a rig").inter_prism_m;
-    until(&mut harness, |window| firsts(window) == exchanged && rig_m(window) == [0.4; 3]);
+        |window: &Window| shown(window).deployment.rig.clone().expect("a rig").inter_prism_m;
+    until(&mut harness, |window| firsts(window) == exchanged && rig_m(window) == [0.4; 3].into());
     let then = lengths(&harness);
     // The correction applies to later snapshots and at the end.
     until(&mut harness, |window| lengths(window)[0] > then[0] + 20);
-    assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged.clone(), [0.4; 3]));
+    assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged.clone(), [0.4; 3].into()));
     // It can be undone like any other change.
     send(&mut harness, DeploymentCommand::Undo);
-    until(&mut harness, |window| rig_m(window) != [0.4; 3]);
+    until(&mut harness, |window| rig_m(window) != [0.4; 3].into());
     assert_eq!(firsts(&harness), exchanged);
     click_stop(&mut harness);
     let open = shown(&harness);

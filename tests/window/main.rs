@@ -15,6 +15,7 @@ mod harness;
 mod live;
 mod messages;
 mod naming;
+mod networks;
 mod numbers;
 mod opening;
 mod panes;

@@ -3,9 +3,9 @@
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{LARGE, SMALL, Window, send, set, shown, window};
 

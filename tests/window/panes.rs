@@ -275,6 +275,7 @@ fn each_pane_shows_numbers_of_the_analysis() {
         (Pane::Histogram, "distribution of the errors 1–3".to_owned()),
         (Pane::ControlPoints, format!("Go to control point P{}", point.marker)),
         (Pane::Channels, "σ position over time".to_owned()),
+        (Pane::Solver, "solver: the joint estimate converged".to_owned()),
         (Pane::Clocks, "clocks over time".to_owned()),
     ];
     for (pane, text) in panes {

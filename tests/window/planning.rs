@@ -4,9 +4,9 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{LayoutPreset, Pane, PlanCommand, WorkspaceCommand};
-use resect_core::planning::{Plan, Prediction};
-use resect_core::simulation::Preset;
 use resect_io::plan_file;
+use resect_tools::planning::{Plan, Prediction};
+use resect_tools::simulation::Preset;
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, press, send, settle, snapshot_of, type_and_enter_at_once,
@@ -61,7 +61,7 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
     drag(&mut harness, "station 3", Vec2::new(60.0, -80.0));
     let moved_m = plan(&harness).stations_m[2] - before.stations_m[2];
     assert!(moved_m.x > 2.0 && moved_m.y > 2.0 && moved_m.z == 0.0, "{moved_m}");
-    assert_eq!(plan(&harness).stations_m[..2], before.stations_m[..2]);
+    assert_eq!(plan(&harness).stations_m.as_slice()[..2], before.stations_m.as_slice()[..2]);
     assert!(
         (far_end_m(&harness) / before_m - 1.0).abs() > 0.01,
         "the prediction is of the old place"
@@ -138,7 +138,7 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     settle(&mut harness);
     assert!(harness.state().layout().place(Pane::PlanMap).is_some(), "its panes are there");
     let driven = plan(&harness).clone();
-    let stations = driven.stations_m.map(|at| at.norm());
+    let stations = driven.stations_m.map(nalgebra::Vector3::norm);
     assert!(stations[0] < 1e-9 && stations[1] > 4.0 && stations[2] > 4.0, "{stations:?}");
     // About as accurate as the actual drive.
     let found = far_end_m(&harness);

@@ -10,7 +10,7 @@ use resect::app::{
 };
 use resect_core::calibration::Method;
 use resect_core::pipeline::{OutlierReason, SampleFate, Thresholds};
-use resect_core::simulation::{Preset, simulate_scenario};
+use resect_tools::simulation::{Preset, simulate_scenario};
 
 use crate::harness::{LARGE, Window, double_click, open, send, set, settle, shown, triplets};
 
@@ -226,7 +226,7 @@ fn a_click_on_a_reading_picks_it() {
         let index = 300;
         let time_s = open.deployment.tracks[0].measurements[index].time_s;
         let mut visibility = harness.state().state.scene.visibility;
-        visibility.stations = [true, false, false];
+        visibility.stations[..3].copy_from_slice(&[true, false, false]);
         send(&mut harness, SceneCommand::Show(visibility));
         send(&mut harness, TimeCommand::ShowTimes([time_s - 3.0, time_s + 3.0]));
         let name = if pane == Pane::Rates {
@@ -326,7 +326,7 @@ fn each_pair_has_a_strip_of_its_own_and_all_have_one_time_axis() {
     }
     // A hidden pair leaves its room to the others.
     let mut visibility = harness.state().state.scene.visibility;
-    visibility.pairs = [true, false, true];
+    visibility.pairs[1] = false;
     send(&mut harness, SceneCommand::Show(visibility));
     let two = strips(&harness);
     assert_eq!(two.len(), 2);

@@ -8,7 +8,7 @@ use resect::app::{
 use resect_core::calibration::{Method, PriorMethod};
 use resect_core::deployment::Deployment;
 use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
-use resect_core::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, send, set, settings, settle, shown, snapshot_of,

@@ -6,6 +6,7 @@ use egui_kittest::kittest::Queryable;
 use resect::app::{
     Colouring, Picked, Ruler, RulerEnd, SceneCommand, TimeCommand, Timeline, ViewPreset,
 };
+use resect_core::network::{Number, Prism};
 
 use crate::harness::{LARGE, Window, send, window};
 
@@ -233,7 +234,7 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
     let end = |prism: usize| RulerEnd {
         position_m: Default::default(),
         what: format!("prism {}", prism + 1),
-        prism: Some(prism),
+        prism: Some(Prism::at(prism)),
     };
     let ruler = Ruler { active: true, ends: vec![end(0), end(1)] };
     // Near enough for the motion to be visible.

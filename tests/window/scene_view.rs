@@ -12,7 +12,7 @@ use crate::harness::{
     LARGE, SMALL, Window, click, double_click, open, press, send, settle, shown, window,
 };
 use crate::scene::{picture, seen};
-use resect_core::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate};
 
 fn strip(harness: &Window) -> String {
     let strip = harness.get_by_role(Role::Status);

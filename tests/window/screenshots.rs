@@ -5,8 +5,8 @@ use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, Pane, ResultsCommand, StudyKind, WorkspaceCommand};
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::common;
 use crate::harness::{
@@ -174,7 +174,7 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     let shown = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.scene.visibility.stations, [true, false, true]);
+    assert_eq!(harness.state().state.scene.visibility.stations[..3], [true, false, true]);
     let hidden = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);

@@ -1,6 +1,6 @@
 //! The window through crashes and session files: the session is restored, and nothing of it is lost.
 
-use resect_core::deployment::FindingKind;
+use resect::app::kinds;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,10 +14,10 @@ use resect::app::{
     SessionCommand, Start, TimeCommand, WorkspaceCommand,
 };
 use resect_core::analysis::Settings;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{SMALL, Window, click, send, settle, window_from};
 
@@ -175,7 +175,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     std::fs::write(&tracks, shorter).expect("written");
     let harness = window(&start, None);
     let findings = &harness.state().state.deployments.open[0].deployment.findings;
-    assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
+    assert_eq!(findings[0].kind, kinds::SESSION_FILE_CHANGED, "{findings:?}");
     drop(harness);
 
     // A missing deployment stays in the session, through a save, until it is available again.

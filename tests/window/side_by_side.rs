@@ -5,8 +5,8 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
 use resect_core::calibration::Method;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::sample::Sample;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, send, set, settings, snapshot_of, window,

@@ -15,14 +15,14 @@ use resect::app::{
     Visibility, WorkspaceCommand,
 };
 use resect_core::calibration::Method;
-use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 use resect_core::evaluation::trajectory::Trajectory;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
-use resect_core::simulation::{Preset, simulate};
-use resect_core::validation::one_frame::PlacedBy;
 use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Place;
+use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
+use resect_tools::simulation::{Preset, simulate};
+use resect_tools::validation::one_frame::PlacedBy;
 
 use crate::common::slam::{SLAM, Slam, write_tum};
 use crate::common::{knock, two_runs};
@@ -36,11 +36,11 @@ fn own(harness: &Window) -> Trajectory {
     let open = shown(harness);
     let analysis = open.analysis.as_ref().expect("analysed");
     let answer = analysis.answer.as_ref().expect("an answer");
-    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let wanted = Instants::Rate(10.0);
     let limit_m = f64::INFINITY;
     let calibration = &answer.calibration;
-    trajectory_by(&open.deployment, triplets, targets, calibration, wanted, limit_m)
+    trajectory_by(&open.deployment, triplets, followed, calibration, wanted, limit_m)
         .expect("poses")
         .0
 }

@@ -3,8 +3,8 @@
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{AngleUnit, DeploymentCommand, Pane, ResultsCommand, Units, WorkspaceCommand};
-use resect_core::simulation::Preset;
-use resect_core::validation::{Cause, Outcome};
+use resect_tools::simulation::Preset;
+use resect_tools::validation::{Cause, Outcome};
 
 use crate::common::{knock, two_runs};
 use crate::harness::{LARGE, Window, click, open, send, set, settle, window};

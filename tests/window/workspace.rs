@@ -8,7 +8,8 @@ use resect::app::{
     StudyResult, TimeCommand, Units, WorkspaceCommand,
 };
 use resect_core::calibration::Evidence;
-use resect_core::simulation::{Preset, simulate};
+use resect_core::network::Prism;
+use resect_tools::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, SMALL, Window, click, open, press, send, set, settings, settle, shown,
@@ -382,14 +383,14 @@ fn what_was_measured_in_one_deployment_is_not_shown_in_another() {
         prism,
     };
     let measure = |harness: &mut Window| {
-        let ends = vec![end(1.0, None), end(2.0, Some(0))];
+        let ends = vec![end(1.0, None), end(2.0, Some(Prism::default()))];
         send(harness, SceneCommand::Measure(Ruler { active: true, ends }));
     };
     measure(&mut harness);
     // Another calibration moves everything but the prisms.
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
     let kept: Vec<_> = harness.state().state.scene.ruler.ends.iter().map(|end| end.prism).collect();
-    assert_eq!(kept, [Some(0)]);
+    assert_eq!(kept, [Some(Prism::default())]);
     measure(&mut harness);
     send(&mut harness, DeploymentCommand::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     assert!(harness.state().state.scene.ruler.ends.is_empty());

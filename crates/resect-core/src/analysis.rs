@@ -63,7 +63,7 @@ impl Analysis {
             |_| Vec::new(),
             |answer| {
                 let Answer { calibration, evaluation, .. } = &**answer;
-                answer_rows(deployment, calibration, evaluation, self.offer.targets)
+                answer_rows(deployment, calibration, evaluation, &self.offer.followed)
             },
         )
     }
@@ -113,7 +113,7 @@ impl Analyst {
             let (corrected, evaluation) = evaluation::evaluate_answer(
                 &self.deployment,
                 triplets,
-                offer.targets,
+                &offer.followed,
                 &calibration,
             );
             let triplets = corrected.map_or_else(|| Arc::clone(triplets), Arc::new);

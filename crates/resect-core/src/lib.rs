@@ -1,4 +1,4 @@
-//! The ground floor of resect: the paper and what goes beyond it, as functions on plain data.
+//! The ground floor of resect: what one must trust for an answer, as functions on plain data.
 //!
 //! No files, no windows, no command line, and no threads but rayon's: the crate compiles for `wasm32-unknown-unknown` too.
 //!
@@ -17,34 +17,24 @@
 //! | [`progress`] | progress and cancellation of long work | |
 //! | [`number_setting`] | a number that a user can set: its name, unit, limits and meaning | |
 //! | [`stopwatch`] | wall time of a calculation, on targets that have a clock | |
-//! | [`network`] | numbers of stations, prisms and pairs, and values by each of them | |
-//! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | a finding: its kind in `finding_kind.rs`, its constructor in `findings/`, its advice in `finding_advice.rs`; a prism constant per type of prism: `overrides.rs` |
+//! | [`network`] | numbers of stations, prisms and pairs, and values by each of them | the largest number: `MOST_STATIONS` in `number.rs`; the compiler finds its users but: `indexed` in `evaluation/answer_rows.rs`, three bits of a station in `src/app/scene/colouring.rs` (its byte is full) and `assets/shaders/scene.wgsl` (and the length of `world_from_frame`), `by_number` in `crates/resect-io/src/open/tables.rs`, places in `crates/resect-tools/src/simulation/network.rs`, `python/resect/__init__.py`, and messages with "1 to 8" |
+//! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | another kind of measurement: a field of `deployment.rs`, carried by the crate `resect-io` (`crates/resect-io/src/open/combine.rs`, `crates/resect-io/src/recording.rs`, `crates/resect-io/src/growing.rs`); a finding: its kind in `kinds.rs`, its constructor in `findings/`, new advice in `advice.rs`; a prism constant per type of prism: `overrides.rs` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, its row in `numbers.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
-//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and checks | method D: `inter_prism/` (the mirror solution: `mirror.rs`); an unknown of the joint estimate: its index in `joint/state_vector.rs`, its kind in `joint/instrument_error_kind.rs`, its summary in `joint/summary.rs`, its prior in `instrument.rs` and `numbers.rs`; the robust loss: `joint/loss.rs`; the verdict: `checks.rs`, `inter_prism/diagnosis.rs` |
+//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and checks | method D: `inter_prism/` (the mirror solution: `mirror.rs`); recognising the prism that a station follows: `followed_prisms.rs`, stated ones: `FollowedPrisms` in `deployment/overrides.rs`; that it is one for a whole drive is assumed wherever `PerStation<Prism>` is, first of all in `Layout` of `joint/state_vector.rs`; an error of the instruments: its row in `joint/unknown.rs`, the user's size of its prior in `instrument.rs` and `numbers.rs`; a slow change: `joint/random_walks.rs`, `joint/state_vector.rs`, `joint/block_jacobians.rs`; what a reading depends on: `joint/residuals.rs`; another kind of equation: `joint/equations.rs`; the robust loss: `joint/loss.rs`; the verdict: `checks.rs`, `inter_prism/diagnosis.rs` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: `rig_motion.rs` (joint estimate), `trajectory.rs` (each triplet), `vehicle.rs` (which of the two); the frame of the control points: `site.rs`; an option of `trajectory`: `requested_trajectory.rs` |
 //! | [`analysis`] | settings, and the one path | |
-//! | [`validation`] | whether a calibration holds for another run, and which station moved | |
-//! | [`palette`] | colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
-//! | [`estimates`] | trajectories of other systems (SLAM, odometry) against a deployment: APE, RPE, ranking, the odd one out | a metric: `metrics.rs` |
-//! | [`simulation`] | deployments with known truth | a preset: a function and an arm in `preset.rs`; an instrument error: `errors.rs`, its size in the field: `field_errors.rs` |
-//! | [`planning`] | predictions of a drive before it is driven, and what improves it | a manoeuvre: `manoeuvres.rs`, tried by `improvements.rs` and `from_here.rs`; a condition along the way: `locks.rs` |
-//! | [`experiment`] | the paper's studies over many deployments | a study: a file that returns a [`experiment::Study`] |
 
 pub mod analysis;
 pub mod calibration;
 pub mod deployment;
-pub mod estimates;
 pub mod evaluation;
-pub mod experiment;
 pub mod geometry;
 pub mod linear_algebra;
 pub mod network;
 pub mod number_setting;
-pub mod palette;
 pub mod pipeline;
-pub mod planning;
 pub mod progress;
-pub mod simulation;
+#[cfg(test)]
+mod simulated_drives;
 pub mod statistics;
 pub mod stopwatch;
-pub mod validation;

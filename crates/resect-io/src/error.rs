@@ -29,7 +29,7 @@ pub enum OpenError {
 pub enum Question {
     /// A bag has topics of positions that do not name their station.
     #[error(
-        "{file}: the stations of its topics are unknown: {}; list the topics of stations 1, 2, 3 in deployment.toml: \
+        "{file}: the stations of its topics are unknown: {}; list the topics of stations 1, 2, … in deployment.toml: \
          topics = [\"…\", \"…\", \"…\"]",
         topics_in_words(topics)
     )]
@@ -50,7 +50,7 @@ pub enum Question {
     Tracks { folder: String, files: Vec<String> },
     /// Each file contains the track of one station, and none names the station.
     #[error(
-        "{folder}: the stations of these files are unknown: {}; list those of stations 1, 2, 3 in deployment.toml: \
+        "{folder}: the stations of these files are unknown: {}; list those of stations 1, 2, … in deployment.toml: \
          tracks = [\"…\", \"…\", \"…\"]",
         files.join(", ")
     )]

@@ -25,8 +25,8 @@ use crate::format::table::CORRECT;
 use crate::format::text_encoding::decode_text;
 use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::Finding;
-use resect_core::estimates::{EstimatedPose, EstimatedTrajectory, PoseCovariance};
 use resect_core::progress::Progress;
+use resect_tools::estimates::{EstimatedPose, EstimatedTrajectory, PoseCovariance};
 
 /// Largest difference of a quaternion's length from one; larger ones are errors.
 const ROUNDED: f64 = 1e-2;

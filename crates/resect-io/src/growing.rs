@@ -2,17 +2,18 @@
 //!
 //! [`Growing::deployment`] returns the same as opening a bag with the same messages.
 
+use crate::findings::kinds;
 use std::path::Path;
 
 use super::format::bag::stream::{Heard, Stream, Subscription};
 use super::format::bag::wire::Encoding;
-use super::open::tracks_of_recording;
+use super::open::{complete_stations, tracks_of_recording};
 use crate::error::OpenError;
 use crate::extras::Extras;
 use crate::open;
 use crate::recording::Recording;
-use resect_core::deployment::{Deployment, FindingKind, Overrides, Track};
-use resect_core::network::PerStation;
+use resect_core::deployment::{Deployment, Overrides, Track};
+use resect_core::network::{MOST_STATIONS, PerStation, USUAL_STATIONS};
 use resect_core::progress::Progress;
 
 /// Source of the readings in findings.
@@ -54,7 +55,7 @@ impl Growing {
     pub fn of_readings_again(mut deployment: Deployment, corrections: &Overrides) -> Self {
         deployment.tracks = deployment.tracks.map(|_| Track::default());
         // This finding is repeated for the new readings.
-        deployment.findings.retain(|finding| finding.kind != FindingKind::PrismConstantAdded);
+        deployment.findings.retain(|finding| finding.kind != kinds::PRISM_CONSTANT_ADDED);
         // The readings arrive as they were read, with the overrides about reading already applied.
         deployment.as_read = deployment.as_read.beside_readings();
         deployment.overrides = corrections.clone().over(deployment.as_read.clone());
@@ -63,19 +64,27 @@ impl Growing {
 
     fn new(around: Deployment, overrides: Overrides, corrections: Overrides) -> Self {
         let counter_clockwise = overrides.is_counter_clockwise();
-        let mut recording = Recording::new(overrides.stations, counter_clockwise);
+        let mut recording = Recording::new(overrides.stations.as_ref(), counter_clockwise);
         recording.begin_file(STREAM, "message");
+        if around.tracks.len() != USUAL_STATIONS {
+            recording.expect_stations(around.tracks.len());
+        }
         let stream = Stream::of_readings(overrides.topics.clone());
         Self { around, overrides, corrections, recording, stream, messages: 0 }
     }
 
     /// Replaces everything but the readings, and re-reads all of them with the other's overrides. Returns the former index of each
     /// station; `None` for a new one.
-    pub fn read_with(&mut self, other: Self) -> [Option<usize>; 3] {
+    pub fn read_with(&mut self, other: Self) -> PerStation<Option<usize>> {
         let counter_clockwise = other.overrides.is_counter_clockwise();
         (self.around, self.overrides, self.corrections) =
             (other.around, other.overrides, other.corrections);
-        self.recording.count_as(self.overrides.stations, counter_clockwise)
+        self.recording.count_as(self.overrides.stations.as_ref(), counter_clockwise)
+    }
+
+    /// States that there are at least this many stations, even without readings.
+    pub fn expect_stations(&mut self, count: usize) {
+        self.recording.expect_stations(count);
     }
 
     /// Registers a topic; returns `None` if its messages are not wanted.
@@ -101,14 +110,14 @@ impl Growing {
     }
 
     /// Prism constants added to the ranges of messages that name their station (m).
-    pub fn added_to_ranges_m(&self) -> [f64; 3] {
+    pub fn added_to_ranges_m(&self) -> PerStation<f64> {
         match self.overrides.ranges_include_prism_constant {
-            Some(true) => [0.0; 3],
-            _ => self.overrides.prism_constant_m.unwrap_or_default().each_m(),
+            Some(true) => PerStation::repeat(MOST_STATIONS, 0.0),
+            _ => self.overrides.prism_constant_m.clone().unwrap_or_default().each_m(MOST_STATIONS),
         }
     }
 
-    /// Returns the station, 0 to 2, with this number in the messages.
+    /// Returns the station, from 0, with this number in the messages.
     pub fn station_of(&self, number: i64) -> Option<usize> {
         self.recording.station_of(number)
     }
@@ -150,9 +159,12 @@ impl Growing {
         findings.extend(read.findings);
         findings.extend(read.about_prism_constant);
         deployment.tracks = read.tracks;
-        for (track, told) in deployment.time_corrections.iter_mut().zip(read.time_corrections) {
-            track.extend(told);
+        for (station, told) in read.time_corrections.into_iter().enumerate() {
+            let known = deployment.time_corrections.len();
+            deployment.time_corrections.resize_with(known.max(station + 1), Vec::new);
+            deployment.time_corrections[station].extend(told);
         }
+        complete_stations(&mut deployment, STREAM)?;
         Ok(deployment)
     }
 }

@@ -11,13 +11,13 @@
 //! | [`atomic`] | atomic writing: a crash leaves the old file or the new one | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`skipped_rows`] | rows of tables that are not valid | |
-//! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `finding_kind.rs` of resect-core |
+//! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `kinds.rs` |
 //! | [`reading_sense`] | plausibility of numbers as radians, metres and seconds | |
 //! | [`recording`] | conversion of records into tracks: impossible readings are counted and left out | |
-//! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
+//! | [`format`](mod@format) | one file a format, `bag/` for the bags, `rig_files.rs` for the rig; `recognise.rs` distinguishes them by content | another message of a bag: `bag/messages.rs`, `bag/stream.rs`, then a field of the deployment; a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
 //! | [`estimate_file`] | trajectories of other systems | a format: a layout in `format/pose_table.rs` |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
-//! | [`open`](mod@open) | opening of a folder as a deployment: the role of each file | |
+//! | [`open`](mod@open) | opening of a folder as a deployment: the role of each file | a check of complete tracks: `open/track_checks.rs` |
 //! | [`sample`], [`source`] | the built-in deployments; the source of a deployment | |
 //! | [`growing`] | a deployment whose messages are still arriving | |
 //! | [`what_is`] | recognition of a dropped path | |

@@ -78,13 +78,13 @@ fn file_names(paths: &[PathBuf]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::{AS_NUMBERED, PrismConstants};
+    use resect_core::deployment::{PrismConstants, as_numbered};
 
     #[test]
     fn a_change_is_told_from_what_the_folder_says() {
-        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
+        let as_read = Overrides { stations: Some([1, 3, 2].into()), ..Overrides::default() };
         let mut after = Extras::default();
-        after.corrections.stations = Some(AS_NUMBERED);
+        after.corrections.stations = Some(as_numbered(3));
         let told = extras_changes(&Extras::default(), &after, &as_read);
         assert_eq!(told[0].to_string(), "station numbers 1 3 2 → 1 2 3");
     }
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn changes_are_told_in_words() {
         let corrections = Overrides {
-            stations: Some([1, 3, 2]),
+            stations: Some([1, 3, 2].into()),
             prism_constant_m: Some(PrismConstants::All(-0.0345)),
             ..Overrides::default()
         };

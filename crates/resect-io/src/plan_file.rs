@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::OpenError;
 use crate::format::deployment_toml::parse_toml;
-use resect_core::planning::Plan;
+use resect_tools::planning::Plan;
 
 /// Reads a plan; an invalid value is an error with its line.
 pub fn read(path: &Path) -> Result<Plan, OpenError> {

@@ -6,17 +6,22 @@ use crate::findings::readings::{
     clock_set_back, readings_in_face_right, records_dropped, stamps_out_of_order, stamps_repeated,
     station_without_readings,
 };
+use resect_core::deployment::printable::printable;
 use resect_core::deployment::{
-    AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
+    Finding, Measurement, RawRecord, TimeCorrection, Track, as_numbered,
 };
 use resect_core::geometry::Polar;
-use resect_core::network::{PerStation, USUAL_STATIONS};
+use resect_core::network::{MOST_STATIONS, PerStation, USUAL_STATIONS};
 use resect_core::statistics::median;
 
-/// Number of different station numbers that are remembered: more than three are no three stations.
-const MOST_NUMBERS: usize = 4;
+/// Number of different station numbers that are remembered: more are no stations.
+const MOST_NUMBERS: usize = MOST_STATIONS + 1;
 /// Records of a number that is a station's, and not a slip.
 const FEWEST_OF_A_STATION: usize = 10;
+/// A number with fewer records is a station's as well if it has this share of those of the most frequent number.
+const SHARE_OF_A_STATION: f64 = 0.5;
+/// Reason for dropping a record, before the station numbers are known.
+const UNKNOWN_NUMBER: &str = "a station number other than";
 /// Shortest step of a clock that is reported (s): recorders write readings a little out of order.
 const LEAST_SET_BACK_S: f64 = 0.5;
 /// Readings of a time that the clock showed twice are this many times denser than elsewhere, at least.
@@ -41,6 +46,8 @@ struct StationRecording {
     duplicates: (usize, Option<String>),
     sense: StationSense,
     time_corrections: Vec<TimeCorrection>,
+    /// Place of the first record.
+    first_place: Option<String>,
 }
 
 /// Collects the readings of tracks, file by file: usable ones, and counts of the others by reason.
@@ -48,8 +55,10 @@ struct StationRecording {
 pub struct Recording {
     file: String,
     place_word: &'static str,
-    /// Numbers that the files give to stations 1, 2, 3.
-    numbers: Option<[i64; 3]>,
+    /// Numbers that the files give to stations 1, 2, ….
+    numbers: Option<PerStation<i64>>,
+    /// Number of stations that the names of files or topics state; 0 without.
+    stated: usize,
     counter_clockwise: bool,
     stations: PerStation<StationRecording>,
     dropped: DropCounts,
@@ -62,14 +71,18 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Returns an empty recording; `numbers` are the files' numbers of stations 1, 2, 3, and the sense applies to azimuths.
-    pub fn new(numbers: Option<[i64; 3]>, counter_clockwise: bool) -> Self {
+    /// Returns an empty recording; `numbers` are the files' numbers of stations 1, 2, …, and the sense applies to azimuths.
+    ///
+    /// Without numbers, the records determine the number of stations.
+    pub fn new(numbers: Option<&PerStation<i64>>, counter_clockwise: bool) -> Self {
+        let count = numbers.map_or(USUAL_STATIONS, PerStation::len);
         Self {
             file: String::new(),
             place_word: "",
-            numbers,
+            numbers: numbers.cloned(),
+            stated: 0,
             counter_clockwise,
-            stations: (0..USUAL_STATIONS).map(|_| StationRecording::default()).collect(),
+            stations: (0..count).map(|_| StationRecording::default()).collect(),
             dropped: DropCounts::default(),
             numbers_seen: Vec::new(),
             ranges_include_prism_constant: false,
@@ -82,6 +95,33 @@ impl Recording {
         (self.file, self.place_word) = (file.to_owned(), place_word);
     }
 
+    /// States that there are at least this many stations, even without records.
+    pub fn expect_stations(&mut self, count: usize) {
+        self.stated = self.stated.max(count);
+        let is_empty = self.numbers_seen.is_empty() && self.stated > 0;
+        if self.numbers.is_none() && (self.stations.len() < count || is_empty) {
+            self.stations.resize_with(self.stated, StationRecording::default);
+        }
+    }
+
+    /// Calls stations without a name by their numbers in the files.
+    pub fn name_by_numbers(&mut self, numbers: &PerStation<i64>) {
+        for (station, number) in numbers.iter().enumerate() {
+            if self.tracks().nth(station).is_some_and(|track| track.name.is_none()) {
+                self.name_station(station, &number.to_string());
+            }
+        }
+    }
+
+    /// States how the files call a station (from 0). A name that is only its number, like "/rts2" of station 2, says nothing.
+    pub fn name_station(&mut self, station: usize, name: &str) {
+        let digits: String = name.chars().filter(char::is_ascii_digit).collect();
+        let is_number = digits.parse() == Ok(station + 1);
+        if let Some(own) = self.stations.as_mut_slice().get_mut(station).filter(|_| !is_number) {
+            own.track.name = Some(printable(name));
+        }
+    }
+
     /// Adds a record, or counts the reason why it cannot be a reading.
     pub fn push(&mut self, record: &RawRecord) {
         self.count_number(record.station);
@@ -90,9 +130,15 @@ impl Recording {
         let (polar, is_face_right) = Polar { range_m, azimuth_rad, zenith_rad }.in_face_left();
         (m.azimuth_rad, m.zenith_rad) = (polar.azimuth_rad, polar.zenith_rad);
         let Some(station) = self.station_of(record.station) else {
-            self.drop(None, "a station number other than 1, 2, 3".to_owned(), record);
+            self.drop(None, UNKNOWN_NUMBER.to_owned(), record);
             return;
         };
+        if self.stations.len() <= station {
+            self.stations.resize_with(station + 1, StationRecording::default);
+        }
+        let (word, file) = (self.place_word, &self.file);
+        let first_place = &mut self.stations[station].first_place;
+        first_place.get_or_insert_with(|| format!("first at {word} {} of {file}", record.place));
         if record.status != 0 {
             let why = format!("status {} (no valid reading)", record.status);
             self.drop(Some(station), why, record);
@@ -112,19 +158,22 @@ impl Recording {
         }
     }
 
-    /// Changes the numbers of stations 1, 2, 3 and the sense of azimuths, also for the readings so far. Returns the former index of
+    /// Changes the numbers of stations 1, 2, … and the sense of azimuths, also for the readings so far. Returns the former index of
     /// each station. Readings of numbers that had no station are lost, and remain counted as dropped.
     pub fn count_as(
         &mut self,
-        numbers: Option<[i64; 3]>,
+        numbers: Option<&PerStation<i64>>,
         counter_clockwise: bool,
-    ) -> [Option<usize>; 3] {
-        let from = numbers.unwrap_or(AS_NUMBERED).map(|number| self.station_of(number));
-        self.numbers = numbers;
+    ) -> PerStation<Option<usize>> {
+        let usual = as_numbered(self.stations.len().max(USUAL_STATIONS));
+        let from = numbers.unwrap_or(&usual).map(|number| self.station_of(*number));
+        self.numbers = numbers.cloned();
         let mut before = std::mem::take(&mut self.stations);
         // A station without a former index has no readings.
-        let moved = |from: Option<usize>| from.map(|own| std::mem::take(&mut before[own]));
-        self.stations = from.map(moved).map(Option::unwrap_or_default).into();
+        self.stations = from.map(|from| {
+            let recording = from.and_then(|own| before.as_mut_slice().get_mut(own));
+            recording.map(std::mem::take).unwrap_or_default()
+        });
         self.dropped.renumber(&from);
         if std::mem::replace(&mut self.counter_clockwise, counter_clockwise) != counter_clockwise {
             for m in self.stations.iter_mut().flat_map(|own| &mut own.track.measurements) {
@@ -136,7 +185,7 @@ impl Recording {
 
     /// Returns the index of the station with this number in the files; `None` for an unknown number.
     pub fn station_of(&self, number: i64) -> Option<usize> {
-        match self.numbers {
+        match &self.numbers {
             Some(numbers) => numbers.iter().position(|own| *own == number),
             None => station_index(number),
         }
@@ -151,13 +200,47 @@ impl Recording {
         }
     }
 
-    /// Returns the three station numbers of the records in ascending order, if they are three and others than 1, 2, 3.
-    pub fn other_numbers(&self) -> Option<[i64; 3]> {
-        let mut numbers = <[(i64, usize); 3]>::try_from(self.numbers_seen.clone()).ok()?;
+    /// Returns the station numbers of the records in ascending order, if they are others than 1, 2, ….
+    ///
+    /// A gap among small numbers is a station without readings, unless there are three numbers.
+    pub fn other_numbers(&self) -> Option<PerStation<i64>> {
+        let are_stations = self.numbers_seen.iter().all(|(_, count)| *count >= FEWEST_OF_A_STATION);
+        let mut numbers: Vec<i64> = self.numbers_seen.iter().map(|(number, _)| *number).collect();
         numbers.sort_unstable();
-        let are_stations = numbers.iter().all(|(_, count)| *count >= FEWEST_OF_A_STATION);
-        let numbers = are_stations.then_some(numbers.map(|(number, _)| number))?;
-        (numbers != AS_NUMBERED).then_some(numbers)
+        let (first, last) = (*numbers.first()?, *numbers.last()?);
+        let is_numbering = first >= 1 && last <= MOST_STATIONS as i64;
+        let are_others =
+            !is_numbering || (numbers.len() == USUAL_STATIONS && last != USUAL_STATIONS as i64);
+        let is_whole = are_stations && numbers.len() <= MOST_STATIONS && are_others;
+        is_whole.then(|| numbers.into_iter().collect())
+    }
+
+    /// Returns the number of stations that the records, or the names of files, show.
+    fn count_stations(&self) -> usize {
+        if let Some(numbers) = &self.numbers {
+            return numbers.len();
+        }
+        let most = self.numbers_seen.iter().map(|(_, count)| *count).max().unwrap_or_default();
+        let is_station = |number: i64, count: usize| {
+            number <= USUAL_STATIONS as i64
+                || count >= FEWEST_OF_A_STATION
+                || count as f64 >= SHARE_OF_A_STATION * most as f64
+        };
+        let seen = self.numbers_seen.iter().filter(|(number, count)| is_station(*number, *count));
+        let last = seen.filter_map(|(number, _)| station_index(*number)).max();
+        last.map_or(0, |last| last + 1).max(self.stated).max(1)
+    }
+
+    /// Removes the stations that do not exist; the records of their numbers are slips.
+    pub fn remove_absent_stations(&mut self) {
+        let count = self.count_stations();
+        for absent in self.stations.as_mut_slice().iter_mut().skip(count) {
+            let records = absent.track.measurements.len() + absent.duplicates.0;
+            if let Some(place) = absent.first_place.take().filter(|_| records > 0) {
+                self.dropped.add_several((None, UNKNOWN_NUMBER.to_owned()), records, || place);
+            }
+        }
+        self.stations.resize_with(count, StationRecording::default);
     }
 
     fn keep(&mut self, station: usize, measurement: Measurement, record: &RawRecord) {
@@ -248,13 +331,16 @@ impl Recording {
     ///
     /// Without any usable reading, an error with the reasons why the records were dropped.
     pub fn finish(mut self, files: &str) -> Result<(PerStation<Track>, Vec<Finding>), OpenError> {
+        self.remove_absent_stations();
         self.settle();
-        let Self { stations, dropped, mut findings, .. } = self;
+        let numbers = self.numbers.clone().unwrap_or_else(|| as_numbered(self.stations.len()));
+        let Self { stations, mut dropped, mut findings, .. } = self;
+        dropped.complete_unknown_numbers(&numbers);
         if stations.iter().all(|own| own.track.measurements.is_empty()) {
             return Err(OpenError::file(
                 files,
                 format!("no usable measurement of any station{}", dropped.in_words()),
-                "stations are numbered 1, 2, 3 and a valid reading has status 0",
+                "stations are numbered from 1 and a valid reading has status 0",
             ));
         }
         findings.extend(dropped.into_findings());
@@ -328,12 +414,9 @@ fn sort_by_time(track: &mut Track) -> usize {
     before - order.len()
 }
 
-/// Returns 0, 1 or 2 for the station numbers 1, 2, 3; `None` for other numbers.
+/// Returns the place of a station number from 1 to 8 in a list; `None` for other numbers.
 pub fn station_index(number: i64) -> Option<usize> {
-    match number {
-        1..=3 => Some(number as usize - 1),
-        _ => None,
-    }
+    (1..=MOST_STATIONS as i64).contains(&number).then(|| number as usize - 1)
 }
 
 /// Counts of left-out records by station (if known) and reason, each with its first place.
@@ -351,14 +434,26 @@ fn reason_in_words((station, why): &Reason) -> String {
 
 impl DropCounts {
     fn add(&mut self, reason: Reason, place: impl FnOnce() -> String) {
+        self.add_several(reason, 1, place);
+    }
+
+    fn add_several(&mut self, reason: Reason, more: usize, place: impl FnOnce() -> String) {
         match self.0.iter_mut().find(|(known, _, _)| *known == reason) {
-            Some((_, count, _)) => *count += 1,
-            None => self.0.push((reason, 1, place())),
+            Some((_, count, _)) => *count += more,
+            None => self.0.push((reason, more, place())),
+        }
+    }
+
+    /// Names the known numbers in the reason of unknown ones.
+    fn complete_unknown_numbers(&mut self, known: &PerStation<i64>) {
+        let list = known.map(ToString::to_string).as_slice().join(", ");
+        for ((_, why), _, _) in self.0.iter_mut().filter(|((_, why), ..)| why == UNKNOWN_NUMBER) {
+            *why = format!("{UNKNOWN_NUMBER} {list}");
         }
     }
 
     /// Renumbers the stations of the reasons; `from[i]` is the former index of station i. Stations without a new index become `None`.
-    fn renumber(&mut self, from: &[Option<usize>; 3]) {
+    fn renumber(&mut self, from: &PerStation<Option<usize>>) {
         for ((station, _), _, _) in &mut self.0 {
             *station = station.and_then(|own| from.iter().position(|before| *before == Some(own)));
         }
@@ -437,12 +532,14 @@ mod tests {
         (0..6).for_each(|i| recording.push(&record(i % 3 + 1, i as usize + 2, i as f64)));
         recording.push(&RawRecord { status: 3, ..record(2, 8, 9.0) });
         recording.push(&record(3, 9, 5.0));
-        assert_eq!(recording.count_as(Some([1, 3, 2]), true), [Some(0), Some(2), Some(1)]);
+        let from = recording.count_as(Some(&[1, 3, 2].into()), true);
+        assert_eq!(from, [Some(0), Some(2), Some(1)].into());
         assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]].into());
         let second = recording.tracks().nth(1).expect("a station");
         assert_eq!(second.measurements[0].time_s, 2.0);
         // Number 4 had no station so far; the readings of number 2 are lost.
-        assert_eq!(recording.count_as(Some([1, 3, 4]), true), [Some(0), Some(1), None]);
+        let from = recording.count_as(Some(&[1, 3, 4].into()), true);
+        assert_eq!(from, [Some(0), Some(1), None].into());
         recording.push(&record(4, 10, 9.0));
         let (tracks, findings) = recording.finish("x.csv").expect("readings");
         assert_eq!(tracks.map(|track| track.measurements.len()), [2, 2, 1].into());
@@ -476,10 +573,59 @@ mod tests {
 
     #[test]
     fn a_silent_station_is_a_problem() {
-        let (_, findings) = assemble(&[record(1, 2, 0.0)]);
+        let (_, findings) = assemble(&[record(3, 2, 0.0)]);
         let problems =
             findings.iter().filter(|f| f.severity == resect_core::deployment::Severity::Problem);
         assert_eq!(problems.count(), 2);
+    }
+
+    #[test]
+    fn the_records_determine_the_number_of_stations() {
+        for count in 1..=8 {
+            let records: Vec<_> =
+                (0..4 * count).map(|i| record(i % count + 1, i as usize + 2, i as f64)).collect();
+            let (tracks, findings) = assemble(&records);
+            assert_eq!(tracks.len() as i64, count);
+            assert_eq!(findings, []);
+        }
+        let mut recording = Recording::new(None, false);
+        recording.begin_file("x.csv", "line");
+        recording.expect_stations(2);
+        recording.push(&record(1, 2, 0.0));
+        let (tracks, findings) = recording.finish("x.csv").expect("readings");
+        assert_eq!((tracks.len(), findings.len()), (2, 1));
+    }
+
+    #[test]
+    fn other_numbers_than_one_to_eight_are_stations_in_ascending_order() {
+        let numbers_of = |numbers: &[i64]| {
+            let mut recording = Recording::new(None, false);
+            for number in numbers.repeat(FEWEST_OF_A_STATION) {
+                recording.push(&record(number, 1, 0.0));
+            }
+            recording.other_numbers()
+        };
+        assert_eq!(numbers_of(&[2, 0, 1, 3]), Some([0, 1, 2, 3].into()));
+        assert_eq!(numbers_of(&[883, 882]), Some([882, 883].into()));
+        assert_eq!(numbers_of(&[1, 2, 4]), Some([1, 2, 4].into()));
+        // A gap is a station without readings.
+        assert_eq!(numbers_of(&[1, 3]), None);
+        assert_eq!(numbers_of(&[2]), None);
+        assert_eq!(numbers_of(&[1, 2, 3, 4, 5]), None);
+    }
+
+    #[test]
+    fn a_name_of_a_station_is_kept_if_it_is_not_its_number() {
+        let numbers = PerStation::from([7, 2, 9]);
+        let mut recording = Recording::new(Some(&numbers), false);
+        recording.name_by_numbers(&numbers);
+        let names = |recording: &Recording| -> Vec<Option<String>> {
+            recording.tracks().map(|track| track.name.clone()).collect()
+        };
+        assert_eq!(names(&recording), [Some("7".into()), None, Some("9".into())]);
+        recording.name_station(0, "/rts1");
+        recording.name_station(1, "/tower");
+        assert_eq!(names(&recording), [Some("7".into()), Some("/tower".into()), Some("9".into())]);
     }
 
     #[test]

@@ -11,8 +11,8 @@ use crate::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::open::open_files;
 use resect_core::deployment::{Deployment, pairwise_distances};
 use resect_core::geometry::{LevelTransform, Polar};
-use resect_core::network::PerStation;
-use resect_core::simulation::{Simulated, SystematicErrors};
+use resect_core::network::{PerPair, PerStation, Station, USUAL_STATIONS};
+use resect_tools::simulation::{Simulated, SystematicErrors};
 
 /// Ground truth of a simulation. A folder that contains this file may be overwritten.
 const TRUTH: &str = "truth.toml";
@@ -67,25 +67,22 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     let measured = written_distances_m(simulated);
     let mut files = vec![
         ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
-        (
-            "deployment.toml".to_owned(),
-            format!(
-                "# Simulated by resect: preset {}, seed {}.\nname = \"{} (simulated)\"\nprism_constant_m = {prism_constant_m}\n",
-                simulated.scenario.name, simulated.seed, simulated.scenario.name
-            ),
-        ),
+        ("deployment.toml".to_owned(), deployment_text(simulated, &measured)),
         (TRUTH.to_owned(), truth_text(simulated)),
     ];
-    let inter_antenna_m = simulated.scenario.antennas_m.as_ref().map(pairwise_distances);
+    let inter_antenna_m =
+        simulated.scenario.antennas_m.as_ref().map(|antennas_m| pairwise_distances(antennas_m));
     for (index, fixes) in simulated.antennas.iter().flatten().enumerate() {
         files.push((format!("gnss_{}.pos", index + 1), rtklib_pos::write(fixes)));
     }
     // A single prism has no rig.
-    if simulated.truth.inter_prism_m.iter().all(|distance| *distance > 0.0) {
+    if simulated.scenario.prisms() > 1 {
         files.push((
             "calibration_raw.csv".to_owned(),
-            rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
+            rig_files::write_rig_reading(simulated.rig_reading.as_slice(), prism_constant_m),
         ));
+    }
+    if simulated.scenario.prisms() > 2 {
         files.push((
             "calibration_results.csv".to_owned(),
             rig_files::write_distances(&measured, inter_antenna_m.as_ref()),
@@ -100,14 +97,39 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     files
 }
 
+/// Returns the `deployment.toml`, which states the prisms of the stations unless their numbers are the usual ones.
+fn deployment_text(simulated: &Simulated, inter_prism_m: &PerPair<f64>) -> String {
+    let scenario = &simulated.scenario;
+    let (name, prism_constant_m) = (scenario.name, scenario.prism_constant_m);
+    let mut text = format!(
+        "# Simulated by resect: preset {name}, seed {}.\nname = \"{name} (simulated)\"\nprism_constant_m = {prism_constant_m}\n",
+        simulated.seed
+    );
+    let (stations, prisms) = (scenario.stations(), scenario.prisms_m.len());
+    if (stations, prisms) == (USUAL_STATIONS, USUAL_STATIONS) {
+        return text;
+    }
+    let of_stations: Vec<usize> =
+        (0..stations).map(|station| scenario.prism_of(station) + 1).collect();
+    text += &match prisms {
+        1 => "prisms = 1\n".to_owned(),
+        _ => format!("prisms = {of_stations:?}\n"),
+    };
+    if prisms == 2 {
+        // A file of one distance is not recognised.
+        text += &format!("inter_prism_m = [{:.6}]\n", inter_prism_m[0]);
+    }
+    text
+}
+
 /// Returns the inter-prism distances by the reading of the rig, with their errors (m).
-fn written_distances_m(simulated: &Simulated) -> [f64; 3] {
+fn written_distances_m(simulated: &Simulated) -> PerPair<f64> {
     let SystematicErrors { inter_prism_m, rig_constant_m, .. } = &simulated.scenario.errors;
     let prisms_m = simulated.rig_reading.map(|reading| {
-        Polar { range_m: reading.range_m + rig_constant_m, ..reading }.to_cartesian()
+        Polar { range_m: reading.range_m + rig_constant_m, ..*reading }.to_cartesian()
     });
-    let measured_m = pairwise_distances(&prisms_m);
-    std::array::from_fn(|pair| measured_m[pair] + inter_prism_m[pair])
+    let measured_m = pairwise_distances(prisms_m.as_slice());
+    measured_m.iter().zip(inter_prism_m).map(|(own_m, error_m)| own_m + error_m).collect()
 }
 
 #[derive(Serialize)]
@@ -116,7 +138,7 @@ struct TruthFile<'a> {
     seed: u64,
     outliers: usize,
     lost_readings: usize,
-    inter_prism_m: [f64; 3],
+    inter_prism_m: &'a PerPair<f64>,
     /// Intervals without recording (s); left out if empty, like the errors.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pauses_s: &'a [[f64; 2]],
@@ -144,7 +166,7 @@ fn truth_text(simulated: &Simulated) -> String {
         seed: simulated.seed,
         outliers: truth.outliers,
         lost_readings: truth.lost_readings,
-        inter_prism_m: truth.inter_prism_m,
+        inter_prism_m: &truth.inter_prism_m,
         pauses_s: &simulated.scenario.pauses_s,
         errors: (*errors != SystematicErrors::default()).then_some(errors),
         transforms: transform_entries(&truth.station1_from_station),
@@ -158,13 +180,13 @@ fn truth_text(simulated: &Simulated) -> String {
 }
 
 fn transform_entries(station1_from_station: &PerStation<LevelTransform>) -> Vec<TransformEntry> {
-    let entry = |station: usize| TransformEntry {
-        from: station + 1,
+    let entry = |(station, transform): (Station, &LevelTransform)| TransformEntry {
+        from: station.number(),
         to: 1,
-        translation_m: station1_from_station[station].translation_m.into(),
-        yaw_rad: station1_from_station[station].yaw_rad,
+        translation_m: transform.translation_m.into(),
+        yaw_rad: transform.yaw_rad,
     };
-    [1, 2].map(entry).into()
+    station1_from_station.each().skip(1).map(entry).collect()
 }
 
 /// Opens the files of a simulated deployment from memory, with the same readers as from disk.
@@ -178,7 +200,8 @@ pub fn open(simulated: &Simulated) -> Result<Deployment, OpenError> {
 mod tests {
     use super::*;
     use nalgebra::Vector3;
-    use resect_core::simulation::{
+    use resect_core::network::{Number, Pair};
+    use resect_tools::simulation::{
         ChangedSetUp, ClockStep, ErrorKind, Preset, Scenario, draw, simulate_scenario,
     };
 
@@ -197,8 +220,11 @@ mod tests {
     #[test]
     fn the_distances_that_are_written_are_wrong_and_the_rig_is_not() {
         let inter_prism_m = [0.003, -0.002, 0.001];
-        let simulated = drive(SystematicErrors { inter_prism_m, ..SystematicErrors::default() });
-        let rig_m = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
+        let errors =
+            SystematicErrors { inter_prism_m: inter_prism_m.into(), ..SystematicErrors::default() };
+        let simulated = drive(errors);
+        let rig_m =
+            pairwise_distances(simulated.rig_reading.map(|own| own.to_cartesian()).as_slice());
         let files = files(&simulated);
         let (_, written) =
             files.iter().find(|(name, _)| name == "calibration_results.csv").expect("written");
@@ -216,7 +242,8 @@ mod tests {
         let simulated = drive(errors);
         let written_m = written_distances_m(&simulated);
         let shorter = simulated.rig_reading.map(|p| p.to_cartesian() * (1.0 - 0.010 / p.range_m));
-        for (written_m, expected_m) in written_m.iter().zip(pairwise_distances(&shorter)) {
+        for (written_m, expected_m) in written_m.iter().zip(pairwise_distances(shorter.as_slice()))
+        {
             assert!((written_m - expected_m).abs() < 1e-12, "{written_m} {expected_m}");
         }
         let off_m = |pair: usize| (written_m[pair] - simulated.truth.inter_prism_m[pair]).abs();
@@ -257,11 +284,39 @@ mod tests {
     }
 
     #[test]
+    fn any_number_of_stations_and_prisms_opens() {
+        for preset in [Preset::Warthog, Preset::Hd2Tunnel, Preset::SinglePrism] {
+            for (stations, prisms) in [(1, 1), (2, 1), (2, 2), (4, 3), (4, 4), (6, 6), (8, 8)] {
+                let scenario = preset.scenario().with_network(stations, prisms);
+                let simulated = simulate_scenario(&Scenario { duration_s: 60.0, ..scenario }, 1);
+                let deployment = open(&simulated).expect("own files");
+                assert_eq!(deployment.tracks.len(), stations, "{} {prisms}", preset.name());
+                for (station, track) in deployment.tracks.each() {
+                    let prism = track.prism.expect("stated").index();
+                    assert_eq!(prism, station.index() % prisms);
+                    assert!(track.measurements.len() > 50);
+                }
+                assert_eq!(deployment.prisms, Some(prisms as u8));
+                let distances = deployment.rig.map_or(0, |rig| {
+                    assert_eq!(rig.prisms_m.map(|prisms_m| prisms_m.len()), Some(prisms));
+                    rig.inter_prism_m.len()
+                });
+                assert_eq!(distances, Pair::count(prisms));
+                for point in deployment.control_points.iter().flat_map(|set| &set.points) {
+                    assert_eq!(point.readings.iter().flatten().count(), stations);
+                }
+                let truth = truth_of(&simulated);
+                assert_eq!(truth["transforms"].as_array().map(Vec::len), Some(stations - 1));
+            }
+        }
+    }
+
+    #[test]
     fn the_truth_lists_what_is_wrong_and_nothing_else() {
         let right = truth_of(&drive(SystematicErrors::default()));
         assert!(!right.contains_key("errors") && !right.contains_key("pauses_s"), "{right}");
         let errors = SystematicErrors {
-            latency_s: [0.0, 0.010, 0.0],
+            latency_s: [0.0, 0.010, 0.0].into(),
             clock_steps: vec![ClockStep { station: 0, at_s: 7.0, by_s: 0.02 }],
             ..SystematicErrors::default()
         };

@@ -8,22 +8,23 @@ use serde_json::Value;
 use crate::error::OpenError;
 use crate::format::text_encoding::decode_text;
 use resect_core::geometry::Geodetic;
-use resect_core::planning::Plan;
-use resect_core::planning::way::{Piece, waypoints_along};
-use resect_core::simulation::Waypoint;
+use resect_core::network::{MOST_STATIONS, PerStation, Station};
+use resect_tools::planning::Plan;
+use resect_tools::planning::way::{Piece, waypoints_along};
+use resect_tools::simulation::Waypoint;
 
 /// Distance of the waypoints made from points with times (m).
 const APART_M: f64 = 2.0;
 /// Largest size of a file with a path.
 const MOST_BYTES: u64 = 64 << 20;
-const FORMATS: &str = "give CSV with the columns x and y (m), an ASCII PLY, or GeoJSON with a line and three points, the stations";
+const FORMATS: &str = "give CSV with the columns x and y (m), an ASCII PLY, or GeoJSON with a line, and the stations as points";
 
 /// Contents of a file: a path, and possibly the stations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WayFile {
     pub waypoints: Vec<Waypoint>,
-    /// East and north of stations 1, 2, 3, and their heights (m); without a height, the plan's is kept.
-    pub stations_m: Option<[(Vector2<f64>, Option<f64>); 3]>,
+    /// East and north of the stations, and their heights (m); without a height, the plan's is kept. Empty without stations.
+    pub stations_m: PerStation<(Vector2<f64>, Option<f64>)>,
 }
 
 impl WayFile {
@@ -31,11 +32,14 @@ impl WayFile {
     pub fn lay(self, plan: &mut Plan) {
         plan.is_driven = false;
         plan.way = vec![Piece::Waypoints(self.waypoints)];
-        for (own, (place_m, height_m)) in
-            plan.stations_m.iter_mut().zip(self.stations_m.into_iter().flatten())
-        {
-            *own = Vector3::new(place_m.x, place_m.y, height_m.unwrap_or(own.z));
+        if self.stations_m.is_empty() {
+            return;
         }
+        let first_m = plan.stations_m[Station::FIRST];
+        plan.stations_m = self.stations_m.map_each(|station, (place_m, height_m)| {
+            let before_m = plan.stations_m.get(station).unwrap_or(&first_m);
+            Vector3::new(place_m.x, place_m.y, height_m.unwrap_or(before_m.z))
+        });
     }
 }
 
@@ -90,7 +94,7 @@ fn along(file: &str, points: Points) -> Result<WayFile, OpenError> {
     } else {
         places_m.into_iter().map(Waypoint::at).collect()
     };
-    Ok(WayFile { waypoints, stations_m: None })
+    Ok(WayFile { waypoints, stations_m: PerStation::default() })
 }
 
 /// Indices of the columns.
@@ -213,7 +217,7 @@ fn ply(file: &str, text: &str) -> Result<Points, OpenError> {
     Ok(points)
 }
 
-/// Returns the first line and, if there are three points, the stations. Coordinates are degrees (RFC 7946), or metres if any is
+/// Returns the first line and, if there are several points, the stations. Coordinates are degrees (RFC 7946), or metres if any is
 /// too large for degrees.
 fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
@@ -225,32 +229,34 @@ fn geojson(file: &str, text: &str) -> Result<WayFile, OpenError> {
         return Err(OpenError::file(file, "no LineString in this file", FORMATS));
     }
     let is_degrees = |at: &[f64; 3]| at[0].abs() <= 180.0 && at[1].abs() <= 90.0;
-    let stations: Option<[[f64; 3]; 3]> = points.clone().try_into().ok();
+    // More points are landmarks.
+    let are_stations = (2..=MOST_STATIONS).contains(&points.len());
+    let stations: PerStation<[f64; 3]> = points.iter().copied().filter(|_| are_stations).collect();
     if !line.iter().chain(&points).all(is_degrees) {
         let level = |at: &[f64; 3]| Vector2::new(at[0], at[1]);
         let places_m = line.iter().map(level).collect();
         let found = along(file, Points { places_m, ..Points::default() })?;
         let height = |at: &[f64; 3]| Some(at[2]).filter(|height| height.is_finite());
-        let stations_m = stations.map(|all| all.map(|at| (level(&at), height(&at))));
+        let stations_m = stations.map(|at| (level(at), height(at)));
         return Ok(WayFile { stations_m, ..found });
     }
-    let Some(stations) = stations else {
+    if stations.is_empty() {
         let what = format!(
-            "the stations are missing: coordinates are in degrees, and the file has {} Points instead of 3",
+            "the stations are missing: coordinates are in degrees, and the file has {} Points instead of 2 to {MOST_STATIONS}",
             points.len()
         );
-        let remedy = "add stations 1, 2, 3 as three Points, or give metres in the plan's frame";
+        let remedy = "add stations 1, 2, … as Points, or give metres in the plan's frame";
         return Err(OpenError::file(file, what, remedy));
-    };
-    let local = |at: &[f64; 3]| local_m(&stations[0], at);
+    }
+    let local = |at: &[f64; 3]| local_m(&stations[Station::FIRST], at);
     let places_m = line.iter().map(|at| local(at).xy()).collect();
     let found = along(file, Points { places_m, ..Points::default() })?;
     let heights = stations.iter().all(|at| at[2].is_finite());
     let stations_m = stations.map(|at| {
-        let place_m = local(&at);
+        let place_m = local(at);
         (place_m.xy(), heights.then_some(place_m.z))
     });
-    Ok(WayFile { stations_m: Some(stations_m), ..found })
+    Ok(WayFile { stations_m, ..found })
 }
 
 /// Returns the position of a place relative to an origin, east, north, up (m). Places are (longitude, latitude, height); degrees, m.
@@ -342,11 +348,11 @@ mod tests {
         // At this latitude, 0.001 degrees of latitude are 111.17 m.
         let north = found.waypoints[1].place_m();
         assert!((north - Vector2::new(0.0, 111.17)).norm() < 0.05, "{north}");
-        let [first, second, _] = found.stations_m.expect("three points");
+        let [first, second, _] = *found.stations_m.as_array().expect("three points");
         assert_eq!(first, (Vector2::zeros(), None));
         assert!((second.0 - Vector2::new(7.632, 0.0)).norm() < 0.02, "{second:?}");
         let error = parse("site.geojson", &text("")).expect_err("no stations");
-        assert!(error.to_string().contains("add stations 1, 2, 3"), "{error}");
+        assert!(error.to_string().contains("add stations 1, 2, …"), "{error}");
         let metres = r#"{"type":"LineString","coordinates":[[310.0,20.0],[340.0,95.0]]}"#;
         assert_eq!(places(&parse("way.json", metres).expect("a way"))[1], [340.0, 95.0]);
     }

@@ -7,6 +7,7 @@
 //! since it was switched on, or already converted to the computer's clock). Angles are in radians; the range contains the
 //! prism constant that is set on the instrument. This module follows that source code; it was not tested with a real stream.
 
+use resect_core::network::PerStation;
 use std::collections::{BTreeMap, VecDeque};
 
 use serde::Deserialize;
@@ -44,9 +45,9 @@ struct Reading {
 #[derive(Debug)]
 pub struct BonnProtocol {
     /// Instruments of stations 1, 2, 3.
-    stations: Option<[String; 3]>,
+    stations: Option<PerStation<String>>,
     /// Corrections that the reader of a message adds to the ranges of each station (m).
-    added_m: [f64; 3],
+    added_m: PerStation<f64>,
     instruments: BTreeMap<String, Instrument>,
     /// Number of repeats that were not reported yet.
     repeats: u64,
@@ -60,7 +61,7 @@ struct Instrument {
 }
 
 impl BonnProtocol {
-    pub fn new(stations: Option<[String; 3]>, added_m: [f64; 3]) -> Self {
+    pub fn new(stations: Option<PerStation<String>>, added_m: PerStation<f64>) -> Self {
         Self { stations, added_m, instruments: BTreeMap::new(), repeats: 0 }
     }
 
@@ -117,7 +118,7 @@ impl BonnProtocol {
         let Some(station) = stations.and_then(|all| all.iter().position(|own| own == id)) else {
             let ids: Vec<&str> = self.instruments.keys().map(String::as_str).collect();
             let first = format!(
-                "instrument {id} is not assigned to a station; give the instruments of stations 1, 2, 3 (seen so far: \
+                "instrument {id} is not assigned to a station; give the instruments of stations 1, 2, … (seen so far: \
                  {})",
                 ids.join(",")
             );
@@ -170,8 +171,8 @@ mod tests {
         )
     }
 
-    fn stations() -> Option<[String; 3]> {
-        Some(["a", "b", "c"].map(str::to_owned))
+    fn stations() -> Option<PerStation<String>> {
+        Some(["a", "b", "c"].map(str::to_owned).into())
     }
 
     fn coords(event: &Event) -> Coords {
@@ -184,7 +185,7 @@ mod tests {
 
     #[test]
     fn what_is_repeated_is_taken_once_and_counted() {
-        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0]);
+        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0].into());
         let first = protocol.text(&json("b", 1.7e9, 1.7e9 - 0.01, 0), 1.0);
         let told = coords(&first[0]);
         assert_eq!((told.station, told.status, told.range_m), (2, 0, 20.0));
@@ -200,7 +201,7 @@ mod tests {
 
     #[test]
     fn answers_that_are_late_by_turns_do_not_shake_the_stamps() {
-        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0]);
+        let mut protocol = BonnProtocol::new(stations(), [0.0, 0.25, 0.0].into());
         let mut off_s = Vec::new();
         for k in 0..400 {
             let time_s = 1.7e9 + f64::from(k) * 0.1;
@@ -216,7 +217,7 @@ mod tests {
 
     #[test]
     fn an_instrument_that_is_no_station_is_named() {
-        let mut protocol = BonnProtocol::new(None, [0.0; 3]);
+        let mut protocol = BonnProtocol::new(None, [0.0; 3].into());
         let said = protocol.text(&json("x", 1.7e9, 1.7e9, 0), 1.0);
         let Event::LeftOut { what: LeftOut::NoStation, first, .. } = &said[0] else {
             panic!("{said:?}")

@@ -6,7 +6,7 @@
 use super::judged::{Judged, NoAnswer, Outcome};
 use super::next;
 use resect_core::calibration::Verdict;
-use resect_core::planning::NextMove;
+use resect_tools::planning::NextMove;
 
 /// Number of consecutive answers that must meet the target, and the span of the drive that they must cover (s).
 const IN_A_ROW: usize = 3;
@@ -143,7 +143,7 @@ impl Coach {
     ) -> (String, Option<String>) {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
-                let state = "no answer yet: drive where all three stations see their prisms";
+                let state = "no answer yet: drive where all stations see their prisms";
                 return (state.to_owned(), None);
             }
             Some(Err(NoAnswer { why, drive })) => {

@@ -1,5 +1,6 @@
 //! Connection to a source over the network: by its address, with the protocol that answers there; reconnects after a break.
 
+use resect_core::network::PerStation;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::SyncSender;
@@ -72,10 +73,10 @@ enum Protocol {
 /// Properties of a source that are known before the connection.
 pub struct Expected {
     pub address: Uri,
-    /// Instruments of stations 1, 2, 3, if messages name instruments.
-    pub stations: Option<[String; 3]>,
+    /// Instruments of stations 1, 2, …, if messages name instruments.
+    pub stations: Option<PerStation<String>>,
     /// Corrections that the reader of a message adds to the ranges of each station (m).
-    pub added_m: [f64; 3],
+    pub added_m: PerStation<f64>,
 }
 
 /// Connects, and reconnects after each break, until it is stopped.
@@ -224,7 +225,7 @@ fn recognise(expected: &Expected, text: &str, events: &mut Vec<Event>) -> Result
         events.push(Event::Connected(format!("total station network at {host}")));
         events.push(Event::Channel(bonn::BonnProtocol::channel()));
         let stations = expected.stations.clone();
-        return Ok(Protocol::Bonn(bonn::BonnProtocol::new(stations, expected.added_m)));
+        return Ok(Protocol::Bonn(bonn::BonnProtocol::new(stations, expected.added_m.clone())));
     }
     if text.contains("\"serverInfo\"") {
         return Ok(Protocol::Foxglove(foxglove::FoxgloveProtocol::default()));

@@ -1,5 +1,7 @@
 //! State of a live deployment, without threads and without a clock: takes events and outcomes, returns snapshots and views.
 
+use crate::kinds;
+use resect_core::network::PerStation;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
@@ -13,12 +15,12 @@ use super::status::{StationStatus, Watch};
 use super::view::{Left, Link, View};
 use super::warnings::{Seen, Told, Warning, amiss, speaks_against_readings};
 use resect_core::deployment::printable::printable;
-use resect_core::deployment::{Deployment, FindingKind, Track};
-use resect_core::planning::NextMove;
+use resect_core::deployment::{Deployment, Track};
 use resect_io::error::OpenError;
 use resect_io::format::bag::stream::{Heard, Subscription};
 use resect_io::format::bag::wire::Encoding;
 use resect_io::growing::Growing;
+use resect_tools::planning::NextMove;
 
 /// Longest time for which an answer remains the reference of later readings (s).
 const LONGEST_KNOWN_S: f64 = 60.0;
@@ -44,7 +46,7 @@ pub struct Engine {
     link: Link,
     connections: u64,
     messages: u64,
-    watches: [Watch; 3],
+    watches: PerStation<Watch>,
     left_out: BTreeMap<LeftOut, (u64, String)>,
     /// Time at which the newest message was sent (s, the source's clock), and of its arrival (s, our clock).
     newest_sent_s: Option<(f64, f64)>,
@@ -75,6 +77,7 @@ impl Engine {
         recorder: Option<Recorder>,
         target_m: f64,
     ) -> Self {
+        let stations = growing.late_and_repeated().len();
         Self {
             growing,
             speed: replay_speed.unwrap_or(1.0),
@@ -85,7 +88,7 @@ impl Engine {
             link: Link::default(),
             connections: 0,
             messages: 0,
-            watches: Default::default(),
+            watches: PerStation::repeat(stations, Watch::default()),
             left_out: BTreeMap::new(),
             newest_sent_s: None,
             coach: Coach::new(target_m),
@@ -159,15 +162,28 @@ impl Engine {
         match self.growing.message(subscription, sent_s, &sent.payload) {
             Ok(Heard::Record(record)) => {
                 if let Some(station) = self.growing.station_of(record.station) {
-                    self.watches[station].take(&record, sent);
+                    self.watch(station).take(&record, sent);
                 }
             }
             Ok(Heard::Correction { station: Some(station), correction }) => {
-                self.watches[station].correct(correction.offset_s);
+                self.watch(station).correct(correction.offset_s);
             }
-            Ok(_) => {}
+            Ok(
+                Heard::Correction { station: None, .. }
+                | Heard::Pose { .. }
+                | Heard::Transforms(_)
+                | Heard::NotTaken,
+            ) => {}
             Err(why) => self.leave_out(LeftOut::Malformed, 1, &why),
         }
+    }
+
+    /// Returns the watch of a station, which may be new.
+    fn watch(&mut self, station: usize) -> &mut Watch {
+        if self.watches.len() <= station {
+            self.watches.resize_with(station + 1, Watch::default);
+        }
+        &mut self.watches[station]
     }
 
     /// Adds the outcome of an analysis of a snapshot, at an instant of our own clock (s).
@@ -180,7 +196,7 @@ impl Engine {
             *kept = Some(Arc::clone(judged));
             // An answer from readings of a wrong prism does not become the reference. If that lasts long, the earlier
             // reference may be the wrong one.
-            let is_right = !outcome.wrong_pairs().contains(&true);
+            let is_right = !outcome.wrong_pairs().iter().any(|is_off| *is_off);
             let is_old = |known: &Arc<Judged>| judged.up_to_s - known.up_to_s > LONGEST_KNOWN_S;
             if judged.is_sure() && (is_right || self.known.as_ref().is_none_or(is_old)) {
                 self.known = Some(Arc::clone(judged));
@@ -218,8 +234,10 @@ impl Engine {
     pub fn read_with(&mut self, around: Growing) {
         let from = self.growing.read_with(around);
         let mut before = std::mem::take(&mut self.watches);
-        self.watches =
-            from.map(|from| from.map_or_else(Watch::default, |k| std::mem::take(&mut before[k])));
+        self.watches = from.map(|from| {
+            let watch = from.and_then(|own| before.as_mut_slice().get_mut(own));
+            watch.map(std::mem::take).unwrap_or_default()
+        });
         self.coach.doubt();
         (self.first, self.answer, self.known) = (None, None, None);
         (self.latest, self.moves) = ([None, None], Vec::new());
@@ -282,9 +300,11 @@ impl Engine {
             _ => sent_s + (clock_s - at_s).max(0.0) * self.speed,
         });
         let at_s = now_s.unwrap_or(0.0);
-        let mut stations = self.watches.each_ref().map(|watch| watch.status(at_s, self.is_live));
-        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s) {
-            (stations[1].late_s, stations[2].late_s) = (Some(late_s[0]), Some(late_s[1]));
+        let mut stations = self.watches.map(|watch| watch.status(at_s, self.is_live));
+        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s.as_ref()) {
+            for (station, late_s) in stations.iter_mut().zip(late_s).skip(1) {
+                station.late_s = Some(*late_s);
+            }
         }
         self.warn(at_s, &stations);
         let tracks: Vec<&Track> = self.growing.tracks().collect();
@@ -335,7 +355,7 @@ impl Engine {
         }
     }
 
-    fn warn(&mut self, now_s: f64, stations: &[StationStatus; 3]) {
+    fn warn(&mut self, now_s: f64, stations: &PerStation<StationStatus>) {
         let lost = match &self.link {
             Link::Lost { why, .. } => Some(why.as_str()),
             _ => None,
@@ -345,14 +365,14 @@ impl Engine {
             Some((_, first)) => Some(first.clone()),
             None if topics.is_empty() => None,
             None => Some(format!(
-                "positions of {} are not read: their stations are unknown; give the topics of stations 1, 2, 3",
+                "positions of {} are not read: their stations are unknown; give the topics of stations 1, 2, …",
                 topics.join(", ")
             )),
         };
         let seen = Seen {
             lost,
             stations,
-            clock_jumps: self.watches.each_ref().map(Watch::clock_jump),
+            clock_jumps: self.watches.map(Watch::clock_jump),
             deciding: self.answer.as_deref(),
             latest: self.latest[0].as_ref().or(self.latest[1].as_ref()),
             has_rig: self.growing.known_beforehand().rig.is_some()
@@ -363,7 +383,7 @@ impl Engine {
         let mut amiss = amiss(&seen);
         if self.link == Link::Ended {
             // A lost lock cannot be corrected after the end.
-            amiss.retain(|finding| finding.kind != FindingKind::LiveLostLock);
+            amiss.retain(|finding| finding.kind != kinds::LIVE_LOST_LOCK);
         }
         self.warnings = self.told.update(now_s, amiss);
         if self.warnings.iter().any(|one| speaks_against_readings(one.finding.kind)) {

@@ -7,7 +7,7 @@ pub struct Channel {
     pub id: u64,
     pub topic: String,
     pub message_type: String,
-    /// `"cdr"` or `"ros1"`.
+    /// `"cdr"`, `"ros1"` or `"json"`.
     pub encoding: String,
     /// Definition of its messages, and the language of that definition.
     pub schema: Vec<u8>,

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use super::findings::{clock_stepped, station_stepped};
 use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::inter_prism::PrismNetwork;
 use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability};
 use resect_core::calibration::joint::StepSize;
-use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distance_errors_m};
-use resect_core::deployment::{Deployment, Finding, PAIRS, doubts};
+use resect_core::calibration::{Method, TransformSigma, Verdict};
+use resect_core::deployment::{Deployment, Finding, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
-use resect_core::planning::OPENING;
+use resect_core::network::{Number, PerStation, PerStationPair, Prism, Station};
 use resect_core::statistics::median;
+use resect_tools::planning::OPENING;
 
 /// Duration of a drive (s) below which a missing answer only needs more readings; a longer drive needs another remedy.
 const BEGINNING_S: f64 = 30.0;
@@ -50,12 +51,12 @@ pub struct Judged {
     /// Manoeuvre that constrains the weakest direction.
     pub advice: Option<&'static str>,
     pub plan: Option<PlanView>,
-    /// Clock offsets of stations 2 and 3 with σ (s), positive if their stamps are late.
-    pub late_s: Option<[[f64; 2]; 2]>,
+    /// Clock offsets with σ (s), positive if a station's stamps are late; zeros for station 1.
+    pub late_s: Option<PerStation<[f64; 2]>>,
     /// Detected steps of stations and clocks.
     pub stepped: Vec<Finding>,
     pub station1_from_station: PerStation<RigidTransform>,
-    pub sigma: Option<[TransformSigma; 2]>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Median distance error of the answer (mm).
     pub inter_prism_mm: Option<f64>,
 }
@@ -89,14 +90,16 @@ pub struct Outcome {
     /// True for the answer by the paper's method, which comes first; false for that with the chosen settings.
     pub is_first: bool,
     pub judged: Result<Arc<Judged>, NoAnswer>,
-    /// Median absolute distance errors of the last triplets, by pair (m).
-    pub lately_off_m: Option<[f64; 3]>,
+    /// Median absolute errors of the distances between the prisms of two stations in the last triplets (m).
+    pub lately_off_m: Option<PerStationPair<f64>>,
 }
 
 impl Outcome {
-    /// Returns true for each pair of prisms whose last distance errors exceed any noise.
-    pub fn wrong_pairs(&self) -> [bool; 3] {
-        self.lately_off_m.map_or([false; 3], |off_m| off_m.map(|off_m| off_m > WRONG_PRISM_M))
+    /// Returns true for each pair of stations whose last distance errors exceed any noise.
+    pub fn wrong_pairs(&self) -> PerStationPair<bool> {
+        let off_m = self.lately_off_m.as_ref();
+        off_m
+            .map_or_else(PerStationPair::default, |off_m| off_m.map(|off_m| *off_m > WRONG_PRISM_M))
     }
 }
 
@@ -123,7 +126,7 @@ pub fn judge(
 /// Returns the first manoeuvre; `None` late in the drive, or if all stations follow one prism, for which rotations are useless.
 fn opening(deployment: &Deployment, analysis: &Analysis) -> Option<&'static str> {
     let read_s = deployment.end_s()? - deployment.start_s()?;
-    (read_s < BEGINNING_S && analysis.offer.targets != Targets::OnePrism).then_some(OPENING)
+    (read_s < BEGINNING_S && !Prism::is_one(&analysis.offer.followed)).then_some(OPENING)
 }
 
 fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Judged {
@@ -133,14 +136,14 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         let not_held = observability.directions.iter().filter(|d| d.hold != Hold::Held);
         not_held.map(|d| format!("{} ({})", d.short(), d.hold.name())).collect()
     };
-    let far_end = calibration.covariance.and_then(|covariance| {
+    let far_end = calibration.covariance.as_ref().and_then(|covariance| {
         let points_m = &answer.triplets.points_m;
-        far_end(&calibration.station1_from_station, &covariance, points_m)
+        far_end(&calibration.station1_from_station, covariance, points_m)
     });
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
         let told = joint.steps.iter().filter_map(|step| {
-            let (station, when) = (step.station, joint.describe_time(step));
+            let (station, when) = (step.station.index(), joint.describe_time(step));
             match &step.size {
                 StepSize::Station { turned_rad, .. } => {
                     let moved_m = step.moved_m()?;
@@ -169,18 +172,18 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
             .map(|clocks| clocks.map(|(offset_s, _)| [offset_s.value, offset_s.sigma])),
         stepped,
         station1_from_station: calibration.station1_from_station.clone(),
-        sigma: calibration.sigma,
+        sigma: calibration.sigma.clone(),
         inter_prism_mm: answer.evaluation.inter_prism_mm.map(|spread| spread.median),
     }
 }
 
-/// Returns the median absolute distance errors of the last triplets against the rig, by pair (m).
+/// Returns the median absolute distance errors of the last triplets against the rig, by pair of stations (m).
 fn lately_off_m(
     deployment: &Deployment,
     analysis: &Analysis,
     transforms: &PerStation<RigidTransform>,
-) -> Option<[f64; 3]> {
-    let rig_m = deployment.rig.as_ref()?.inter_prism_m;
+) -> Option<PerStationPair<f64>> {
+    let rig_m = &deployment.rig.as_ref()?.inter_prism_m;
     let triplets = &analysis.pipeline.triplets;
     let last_s = triplets.time_s.last()?;
     let from = triplets.time_s.partition_point(|time_s| *time_s < last_s - LATEST_S);
@@ -190,23 +193,35 @@ fn lately_off_m(
     if latest.len() < FEWEST || !is_now {
         return None;
     }
-    let errors_m = distance_errors_m(&triplets.select(&latest), transforms, &rig_m);
-    let off_m = errors_m.map(|errors| median(errors.into_iter().map(f64::abs)).unwrap_or(0.0));
-    Some(off_m)
+    let network = PrismNetwork::new(analysis.offer.followed.clone(), rig_m);
+    let mut errors_m = vec![Vec::with_capacity(latest.len()); network.pairs.len()];
+    for index in latest {
+        let placed_m: Vec<_> = transforms
+            .zip(&triplets.points_m, |transform, points_m| transform.apply(&points_m[index]))
+            .into_iter()
+            .collect();
+        errors_m.iter_mut().zip(network.errors_m(&placed_m)).for_each(|(all, own)| all.push(own));
+    }
+    let median_m = |errors_m: Vec<f64>| median(errors_m.into_iter().map(f64::abs));
+    Some(errors_m.into_iter().map(|errors_m| median_m(errors_m).unwrap_or(0.0)).collect())
 }
 
-/// Returns the station, 0 to 2, that the deviating pairs have in common; `None` if all pairs deviate, or none.
-pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
-    (0..3).find(|station| {
-        (0..3).all(|pair| is_off[pair] == (PAIRS[pair].0 == *station || PAIRS[pair].1 == *station))
-    })
+/// Returns the station that the deviating pairs have in common; `None` if all pairs deviate, none, or the only one.
+pub fn station_in_common(is_off: &PerStationPair<bool>) -> Option<Station> {
+    if is_off.len() < 2 {
+        return None;
+    }
+    let last = is_off.numbers().last()?.second;
+    (0..=last.index())
+        .map(Station::at)
+        .find(|station| is_off.each().all(|(pair, is_off)| *is_off == pair.contains(station)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use resect_core::analysis::{Analyst, Settings};
-    use resect_core::simulation::{EPOCH_S, Preset, simulate_scenario};
+    use resect_tools::simulation::{EPOCH_S, Preset, simulate_scenario};
 
     /// Returns the advised manoeuvre after the first `until_s` seconds of a drive that has no answer yet.
     fn to_drive(
@@ -236,10 +251,14 @@ mod tests {
 
     #[test]
     fn the_station_of_two_bad_pairs_is_named() {
-        assert_eq!(station_in_common([true, true, false]), Some(0));
-        assert_eq!(station_in_common([true, false, true]), Some(1));
-        assert_eq!(station_in_common([false, true, true]), Some(2));
-        assert_eq!(station_in_common([true, true, true]), None);
-        assert_eq!(station_in_common([false; 3]), None);
+        assert_eq!(station_in_common(&[true, true, false].into()), Some(Station::at(0)));
+        assert_eq!(station_in_common(&[true, false, true].into()), Some(Station::at(1)));
+        assert_eq!(station_in_common(&[false, true, true].into()), Some(Station::at(2)));
+        assert_eq!(station_in_common(&[true, true, true].into()), None);
+        assert_eq!(station_in_common(&[false; 3].into()), None);
+        // Two stations do not tell which of them is wrong; four do.
+        assert_eq!(station_in_common(&[true].into()), None);
+        let with_fourth = [false, false, false, true, true, true];
+        assert_eq!(station_in_common(&with_fourth.into()), Some(Station::at(3)));
     }
 }

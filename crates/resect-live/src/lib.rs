@@ -6,15 +6,15 @@
 //! | module | content | next change |
 //! |---|---|---|
 //! | [`event`] | events of any source: channels and messages of ROS | |
-//! | [`foxglove`], [`bonn`], [`replay`] | the sources | another stream: a file that makes [`event::Event`]s, and its choice in `connect.rs` |
+//! | [`foxglove`], [`bonn`], [`replay`] | the sources | another stream: a file that makes [`event::Event`]s, and its choice in `connect.rs`; another message of a stream: `crates/resect-io/src/format/bag/messages.rs`, then its arm in `engine.rs` |
 //! | [`connect`] | the connection to a source over the network, with reconnection | |
 //! | [`recorder`] | the recording of all events as MCAP | |
-//! | [`findings`] | the warnings of a live drive, one constructor for each kind | |
+//! | [`kinds`], [`findings`] | the warnings of a live drive, one constructor for each kind | |
 //! | [`status`] | the state of each station | |
 //! | [`judged`] | the verdict of an answer in the field | |
 //! | [`next`] | the advised next manoeuvre | |
 //! | [`coach`] | the decision if the drive is long enough, and the advice | |
-//! | [`warnings`] | warnings in the field | a warning: its kind in `finding_kind.rs` of resect-core, its constructor in `findings.rs`, its condition here |
+//! | [`warnings`] | warnings in the field | a warning: its kind in `kinds.rs`, its constructor in `findings.rs`, its condition here |
 //! | [`pace`] | the rate of answers | |
 //! | [`view`] | the state of a live deployment at an instant, as plain data | |
 //! | [`closing`] | the answer to all readings, at the end | |
@@ -33,6 +33,7 @@ pub mod event;
 pub mod findings;
 pub mod foxglove;
 pub mod judged;
+pub mod kinds;
 mod next;
 pub mod pace;
 pub mod recorder;

@@ -7,13 +7,14 @@ use nalgebra::Vector3;
 
 use super::judged::Judged;
 use resect_core::analysis::Analysis;
+use resect_core::calibration::ErrorSizes;
 use resect_core::calibration::joint::ExpectedNoise;
-use resect_core::calibration::{ErrorSizes, Targets};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::vehicle::prisms_in_vehicle;
 use resect_core::geometry::LevelTransform;
-use resect_core::planning::{NextMove, SoFar, what_next};
+use resect_core::network::Prism;
 use resect_core::progress::Progress;
+use resect_tools::planning::{NextMove, SoFar, what_next};
 
 /// Default speed and turning radius of a vehicle.
 const SPEED_M_PER_S: f64 = 0.8;
@@ -70,13 +71,12 @@ fn moves(
 ) -> Vec<NextMove> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let calibration = &answer.calibration;
-    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle).map(|(prisms_m, _)| prisms_m);
-    let prisms_m = match analysis.offer.targets {
-        Targets::OnePrism => [Vector3::zeros(); 3],
-        _ => match given {
-            Some(prisms_m) => prisms_m,
-            None => return Vec::new(),
-        },
+    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle);
+    let followed = &analysis.offer.followed;
+    let prisms_m = match (Prism::count(followed), given) {
+        (1, _) => [Vector3::zeros()].into(),
+        (_, Some((prisms_m, _))) => prisms_m,
+        (_, None) => return Vec::new(),
     };
     let transforms = calibration
         .station1_from_station
@@ -92,6 +92,7 @@ fn moves(
     let so_far = SoFar {
         triplets: analysis.triplets(),
         station1_from_station: &transforms,
+        followed,
         prisms_m: &prisms_m,
         sizes: &ErrorSizes {
             inter_prism_m: settings.calibration.inter_prism_sigma_m,

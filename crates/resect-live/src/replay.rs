@@ -1,5 +1,6 @@
 //! Replays a deployment as a live source, at the speed of the drive or faster: for training, and for tests.
 
+use resect_core::network::PerStation;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
@@ -31,7 +32,7 @@ fn readings(station: usize, track: &Track) -> impl Iterator<Item = Queued<'_>> {
 }
 
 /// Returns the messages of a deployment in the order of their stamps; readers add `added_m` to the ranges of each station (m).
-pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Item = Sent> {
+pub fn messages(deployment: &Deployment, added_m: &PerStation<f64>) -> impl Iterator<Item = Sent> {
     let later_s =
         if deployment.start_s().is_some_and(|start_s| start_s < 1.0) { LATER_S } else { 0.0 };
     let mut queued: Vec<Queued<'_>> = Vec::new();
@@ -59,7 +60,7 @@ pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Ite
 /// Sends all messages at `speed` times the speed of the drive, until the end or until it is stopped.
 pub fn run(
     deployment: &Deployment,
-    added_m: [f64; 3],
+    added_m: &PerStation<f64>,
     speed: f64,
     stop: &AtomicBool,
     into: &SyncSender<Event>,

@@ -10,6 +10,7 @@
 //! Queues are short: a fast producer waits for its consumer. A snapshot is made only when a calculator is free, so
 //! every answer uses the newest readings.
 
+use resect_core::network::{PerStation, Station};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
@@ -28,7 +29,7 @@ use super::replay;
 use super::view::View;
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::Method;
-use resect_core::deployment::{AS_NUMBERED, Deployment};
+use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::growing::Growing;
@@ -59,8 +60,8 @@ pub struct Wanted {
     /// Folder with the rig, control points and `deployment.toml`.
     pub deployment: Option<PathBuf>,
     pub extras: Extras,
-    /// Instruments of stations 1, 2, 3, if messages name instruments.
-    pub instruments: Option<[String; 3]>,
+    /// Instruments of stations 1, 2, …, if messages name instruments.
+    pub instruments: Option<PerStation<String>>,
     pub settings: Settings,
     pub record: Option<PathBuf>,
     /// True if the session calculates answers itself; otherwise its owner hands them in ([`Session::answered`]).
@@ -239,8 +240,9 @@ fn prepare(
     match &wanted.feed {
         Feed::Url(url) => {
             let address = connect::address(url)?;
-            let growing = around(wanted, &wanted.extras)?;
+            let mut growing = around(wanted, &wanted.extras)?;
             let stations = wanted.instruments.clone();
+            growing.expect_stations(stations.as_ref().map_or(0, PerStation::len));
             let expected = Expected { address, stations, added_m: growing.added_to_ranges_m() };
             Ok((growing, None, Box::new(move || connect::run(&expected, &stop, &send))))
         }
@@ -252,7 +254,7 @@ fn prepare(
             let deployment = source.open(&Progress::default())?;
             let growing = around(wanted, &wanted.extras)?;
             let added_m = growing.added_to_ranges_m();
-            let work = move || replay::run(&deployment, added_m, speed, &stop, &send);
+            let work = move || replay::run(&deployment, &added_m, speed, &stop, &send);
             Ok((growing, Some(speed), Box::new(work)))
         }
     }
@@ -277,11 +279,12 @@ pub fn around(wanted: &Wanted, extras: &Extras) -> Result<Growing, LiveError> {
 fn beside_readings(source: &Source, extras: &Extras) -> Result<Deployment, OpenError> {
     let progress = Progress::default();
     let mut corrections = extras.corrections.beside_readings();
-    if let Some(numbers) = extras.corrections.stations {
+    if let Some(numbers) = &extras.corrections.stations {
         // Stations of a replay have the numbers with which they were read; control points have those of their files.
-        let own = source.open(&progress)?.overrides.stations.unwrap_or(AS_NUMBERED);
-        let number = |read: i64| usize::try_from(read - 1).ok().and_then(|at| own.get(at)).copied();
-        corrections.stations = Some(numbers.map(|read| number(read).unwrap_or(read)));
+        let own = source.open(&progress)?.station_numbers();
+        let number = |read: i64| Station::numbered(usize::try_from(read).ok()?);
+        let number = |read: i64| number(read).and_then(|station| own.get(station)).copied();
+        corrections.stations = Some(numbers.map(|read| number(*read).unwrap_or(*read)));
     }
     let mut all = source.extras.clone();
     all.add(Extras { corrections, ..extras.clone() });

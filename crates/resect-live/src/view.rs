@@ -1,5 +1,6 @@
 //! State of a live deployment at an instant, as plain data for the window and the command.
 
+use resect_core::network::PerStation;
 use std::sync::Arc;
 
 use super::coach::Curve;
@@ -7,7 +8,7 @@ use super::judged::Judged;
 use super::recorder::Recorded;
 use super::status::StationStatus;
 use super::warnings::Warning;
-use resect_core::planning::NextMove;
+use resect_tools::planning::NextMove;
 
 /// State of the connection.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,7 +43,7 @@ pub struct View {
     pub link: Link,
     pub connections: u64,
     pub messages: u64,
-    pub stations: [StationStatus; 3],
+    pub stations: PerStation<StationStatus>,
     /// Readings with the stamp of an earlier one, and late readings, which were sorted in by their stamps.
     pub repeated: usize,
     pub late: usize,

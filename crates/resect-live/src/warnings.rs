@@ -6,9 +6,11 @@ use super::findings::{
 };
 use super::judged::{Judged, Outcome, station_in_common};
 use super::status::StationStatus;
+use crate::kinds;
 use resect_core::calibration::inter_prism::drive_shape::PlanView;
 use resect_core::deployment::station_clocks::ClockJump;
 use resect_core::deployment::{Finding, FindingKind};
+use resect_core::network::PerStation;
 
 /// Time without a reading after which a station gets a warning (s).
 const LOST_S: f64 = 10.0;
@@ -17,15 +19,12 @@ const TOLD_S: f64 = 60.0;
 
 /// Returns true if a warning contradicts the readings, so that no answer is enough meanwhile.
 pub fn speaks_against_readings(kind: FindingKind) -> bool {
-    matches!(
-        kind,
-        FindingKind::LiveClockJumped | FindingKind::LiveStepped | FindingKind::LiveWrongPrism
-    )
+    matches!(kind, kinds::LIVE_CLOCK_JUMPED | kinds::LIVE_STEPPED | kinds::LIVE_WRONG_PRISM)
 }
 
 /// Returns true if a warning is shown for a while after it has happened.
 fn is_event(kind: FindingKind) -> bool {
-    matches!(kind, FindingKind::LiveClockJumped | FindingKind::LiveWrongPrism)
+    matches!(kind, kinds::LIVE_CLOCK_JUMPED | kinds::LIVE_WRONG_PRISM)
 }
 
 /// A finding of the live drive, with its onset (s, the source's clock).
@@ -39,8 +38,8 @@ pub struct Warning {
 pub struct Seen<'a> {
     /// Reason for a lost connection.
     pub lost: Option<&'a str>,
-    pub stations: &'a [StationStatus; 3],
-    pub clock_jumps: [Option<ClockJump>; 3],
+    pub stations: &'a PerStation<StationStatus>,
+    pub clock_jumps: PerStation<Option<ClockJump>>,
     pub deciding: Option<&'a Judged>,
     pub latest: Option<&'a Outcome>,
     pub has_rig: bool,
@@ -70,11 +69,13 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
             all.push(stepped.clone());
         }
     }
-    if let Some((outcome, off_m)) = seen.latest.and_then(|one| Some((one, one.lately_off_m?))) {
+    if let Some((outcome, off_m)) =
+        seen.latest.and_then(|one| Some((one, one.lately_off_m.as_ref()?)))
+    {
         let is_off = outcome.wrong_pairs();
-        if is_off.contains(&true) {
-            let worst = (0..3).max_by(|a, b| off_m[*a].total_cmp(&off_m[*b])).unwrap_or(0);
-            all.push(wrong_prism(station_in_common(is_off), worst, off_m[worst]));
+        if is_off.iter().any(|is_off| *is_off) {
+            let worst = off_m.each().max_by(|(_, a), (_, b)| a.total_cmp(b));
+            all.extend(worst.map(|(pair, m)| wrong_prism(station_in_common(&is_off), pair, *m)));
         }
     }
     let judged = seen.deciding.or_else(|| seen.latest?.judged.as_ref().ok().map(AsRef::as_ref));
@@ -118,11 +119,11 @@ mod tests {
     use super::*;
     use crate::judged::NoAnswer;
 
-    fn seen<'a>(stations: &'a [StationStatus; 3]) -> Seen<'a> {
+    fn seen<'a>(stations: &'a PerStation<StationStatus>) -> Seen<'a> {
         Seen {
             lost: None,
             stations,
-            clock_jumps: [None; 3],
+            clock_jumps: PerStation::repeat(3, None),
             deciding: None,
             latest: None,
             has_rig: true,
@@ -131,14 +132,15 @@ mod tests {
         }
     }
 
-    fn locked() -> [StationStatus; 3] {
-        [0, 1, 2].map(|_| StationStatus { locked: true, age_s: Some(0.3), ..Default::default() })
+    fn locked() -> PerStation<StationStatus> {
+        let locked = StationStatus { locked: true, age_s: Some(0.3), ..Default::default() };
+        PerStation::repeat(3, locked)
     }
 
     fn names(seen: &Seen<'_>) -> Vec<(&'static str, Option<usize>)> {
         let all = amiss(seen);
         let station = |finding: &Finding| (0..3).find(|k| finding.is_about_station(*k));
-        all.iter().map(|finding| (finding.kind.code(), station(finding))).collect()
+        all.iter().map(|finding| (finding.kind.code, station(finding))).collect()
     }
 
     #[test]
@@ -162,7 +164,7 @@ mod tests {
     fn a_clock_that_jumped_is_told_for_a_while() {
         let stations = locked();
         let jump = Some(ClockJump { time_s: 5.0, by_s: -0.2 });
-        let jumped = Seen { clock_jumps: [None, None, jump], ..seen(&stations) };
+        let jumped = Seen { clock_jumps: [None, None, jump].into(), ..seen(&stations) };
         assert_eq!(names(&jumped), [("clock-jumped", Some(2))]);
         let mut told = Told::default();
         assert_eq!(told.update(100.0, amiss(&jumped)).len(), 1);
@@ -174,10 +176,10 @@ mod tests {
     #[test]
     fn a_wrong_prism_is_told_with_its_station() {
         let stations = locked();
-        let off = |off_m| Outcome {
+        let off = |off_m: [f64; 3]| Outcome {
             is_first: true,
             judged: Err(NoAnswer { why: "no answer".to_owned(), drive: None }),
-            lately_off_m: Some(off_m),
+            lately_off_m: Some(off_m.into()),
         };
         let right = off([0.002, 0.04, 0.001]);
         assert_eq!(names(&Seen { latest: Some(&right), ..seen(&stations) }), []);

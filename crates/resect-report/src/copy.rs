@@ -59,31 +59,39 @@ impl CopyFormat {
     }
 }
 
-/// Transforms to copy: one of the two, or both.
+/// Transforms to copy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Part {
-    T12,
-    T13,
+pub enum CopiedTransforms {
     #[default]
-    Both,
+    All,
+    /// That of one station, from 2 on.
+    Station(usize),
 }
 
-impl Part {
-    pub const ALL: [Self; 3] = [Self::Both, Self::T12, Self::T13];
+impl CopiedTransforms {
+    /// Returns the choices for a result: all, then each.
+    pub fn choices(summary: &ResultSummary) -> impl Iterator<Item = Self> {
+        let each = summary.stations.iter().map(|one| Self::Station(one.station));
+        std::iter::once(Self::All).chain(each)
+    }
 
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::T12 => "T12",
-            Self::T13 => "T13",
-            Self::Both => "T12 and T13",
+    /// Returns the name in a menu.
+    pub fn title(self, summary: &ResultSummary) -> String {
+        match (self, &summary.stations[..]) {
+            (Self::Station(station), _) => format!("T1{station}"),
+            (Self::All, [first, second]) => format!("{} and {}", first.name(), second.name()),
+            (Self::All, _) => "all".to_owned(),
         }
     }
 
     fn of(self, summary: &ResultSummary) -> &[StationSummary] {
+        let stations = &summary.stations;
         match self {
-            Self::T12 => &summary.stations[..1],
-            Self::T13 => &summary.stations[1..],
-            Self::Both => &summary.stations,
+            Self::All => stations,
+            Self::Station(number) => {
+                let own = stations.iter().position(|one| one.station == number);
+                own.map_or(&[], |own| &stations[own..=own])
+            }
         }
     }
 }
@@ -92,8 +100,8 @@ impl Part {
 const PARENT: &str = "Parent station1, lengths in m";
 
 /// Returns the text for the clipboard.
-pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
-    let stations = part.of(summary);
+pub fn text(format: CopyFormat, summary: &ResultSummary, copied: CopiedTransforms) -> String {
+    let stations = copied.of(summary);
     match format {
         CopyFormat::Toml => toml(summary, stations),
         CopyFormat::Json => json(summary, stations),

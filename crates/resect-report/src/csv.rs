@@ -10,6 +10,7 @@ use super::summary::StationSummary;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::answer_rows::AnswerRow;
+use resect_core::network::Pair;
 use resect_core::pipeline::SampleFate;
 use resect_io::atomic;
 use resect_io::atomic::{Ready, WriteError};
@@ -103,11 +104,13 @@ fn readings(
     Ok(())
 }
 
-/// Writes time, interval, and the three positions, each in its station's frame (m).
+/// Writes time, interval, and the positions by station, each in its station's frame (m).
 fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> {
     let triplets = analysis.triplets();
-    let mut header = vec!["time_s", "interval", "x1_m", "y1_m", "z1_m", "x2_m", "y2_m", "z2_m"];
-    header.extend(["x3_m", "y3_m", "z3_m"]);
+    let mut header = vec!["time_s".to_owned(), "interval".to_owned()];
+    for station in triplets.points_m.numbers() {
+        header.extend(["x", "y", "z"].map(|axis| format!("{axis}{station}_m")));
+    }
     table.write_record(header)?;
     for index in 0..triplets.len() {
         let mut row = at(analysis, index);
@@ -119,10 +122,13 @@ fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> 
     Ok(())
 }
 
-/// Writes the three distance errors of every triplet (mm): apparent minus known.
+/// Writes the distance errors of every triplet, one for each pair (mm): apparent minus known.
 fn residuals(analysis: &Analysis, answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let errors = &answer.evaluation.distance_errors_mm;
-    table.write_record(["time_s", "interval", "error_12_mm", "error_13_mm", "error_23_mm"])?;
+    let mut header = vec!["time_s".to_owned(), "interval".to_owned()];
+    let name = |Pair { first, second }| format!("error_{first}{second}_mm");
+    header.extend(errors.numbers().map(name));
+    table.write_record(header)?;
     for index in 0..analysis.triplets().len() {
         let mut row = at(analysis, index);
         row.extend(errors.iter().map(|pair| optional(pair.get(index).copied())));
@@ -137,18 +143,13 @@ fn at(analysis: &Analysis, index: usize) -> Vec<String> {
     vec![triplets.time_s[index].to_string(), triplets.interval[index].to_string()]
 }
 
-/// Writes the transforms from stations 2 and 3 to station 1, with σ of each number if known.
+/// Writes the transforms from the other stations to station 1, with σ of each number if known.
 fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["from", "to", "x_m", "y_m", "z_m", "yaw_rad", "qx", "qy", "qz", "qw"];
     header.extend(["sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_yaw_rad", "verdict"]);
     table.write_record(header)?;
     let calibration = &answer.calibration;
-    for station in 1..3 {
-        let one = StationSummary::new(
-            station + 1,
-            &calibration.station1_from_station[station],
-            calibration.sigma.map(|sigma| sigma[station - 1]),
-        );
+    for one in StationSummary::of(calibration) {
         let mut row = vec![one.station.to_string(), "1".to_owned()];
         row.extend(one.translation_m.map(|value| value.to_string()));
         row.push(one.yaw_rad().to_string());
@@ -160,13 +161,13 @@ fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     Ok(())
 }
 
-/// Writes clock offsets and drifts of stations 2 and 3 against station 1, if the calibration estimated them.
+/// Writes clock offsets and drifts of the other stations against station 1, if the calibration estimated them.
 fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     let mut header = vec!["station", "offset_s", "sigma_offset_s"];
     header.extend(["drift_s_per_s", "sigma_drift_s_per_s"]);
     table.write_record(header)?;
-    let Some([two, three]) = answer.calibration.clock_estimates() else { return Ok(()) };
-    for (station, (offset_s, drift)) in [(2, two), (3, three)] {
+    let Some(clocks) = answer.calibration.clock_estimates() else { return Ok(()) };
+    for (station, (offset_s, drift)) in clocks.each().skip(1) {
         let mut row = vec![station.to_string()];
         let numbers = [offset_s.value, offset_s.sigma, drift.value, drift.sigma];
         row.extend(numbers.map(|value| value.to_string()));

@@ -6,7 +6,7 @@
 //! Below 1 the choice does not matter. Above 2 or 3 one of the settings admits errors, or σ is too small. Two answers
 //! from *different readings* are independent, and the difference is given in the root of the sum of their variances.
 
-use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
 
 use super::summary::{ResultSummary, StationSummary};
 use resect_core::analysis::{SettingChange, setting_changes};
@@ -33,7 +33,7 @@ pub struct Deviation {
 /// Difference of `station1_from_station` of one station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationDifference {
-    /// The station, 2 or 3.
+    /// The station, from 2 on.
     pub station: usize,
     /// Difference of the translations along the axes of station 1 (m).
     pub translation_m: [Deviation; 3],
@@ -68,7 +68,8 @@ impl StationDifference {
 pub struct ResultDifference {
     /// True if both use the same readings; otherwise the stations may even have other set-ups.
     pub same_data: bool,
-    pub stations: [StationDifference; 2],
+    /// Differences of stations 2, 3, …, as far as both answers have them.
+    pub stations: Vec<StationDifference>,
     pub verdict: Compared<Verdict>,
     pub method: Compared<Method>,
     pub triplets: Compared<usize>,
@@ -93,7 +94,9 @@ impl ResultDifference {
         let same_data = pinned.has_same_data(now);
         Self {
             same_data,
-            stations: std::array::from_fn(|k| station_difference(pinned, now, k, same_data)),
+            stations: (0..pinned.stations.len().min(now.stations.len()))
+                .map(|k| station_difference(pinned, now, k, same_data))
+                .collect(),
             verdict: Compared { pinned: pinned.verdict, now: now.verdict },
             method: Compared { pinned: pinned.answered_by(), now: now.answered_by() },
             triplets: Compared { pinned: pinned.triplets, now: now.triplets },
@@ -171,28 +174,27 @@ fn station_difference(
     moved(before, after, sigma, covariance)
 }
 
-/// Returns the joint estimate minus the paper's answer for stations 2 and 3, in σ of both combined: a difference from an uncertain
+/// Returns the joint estimate minus the paper's answer for stations 2, 3, …, in σ of both combined: a difference from an uncertain
 /// answer is no evidence against the joint estimate. `None` for an answer without another beside it, if the joint estimate failed,
 /// and if the readings do not determine the paper's answer.
-pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
+pub fn moved_from_published(joint: &Calibration) -> Option<Vec<StationDifference>> {
     let published = joint.published.as_deref().filter(|_| joint.joint_failure().is_none())?;
     if published.verdict == Verdict::Degenerate {
         return None;
     }
-    Some(std::array::from_fn(|k| {
-        let [before, after] = [published, joint].map(|answer| {
-            let sigma = answer.sigma.map(|sigma| sigma[k]);
-            StationSummary::new(k + 2, &answer.station1_from_station[k + 1], sigma)
-        });
+    let covariance = joint.covariance.as_ref().zip(published.covariance.as_ref());
+    let covariance = covariance.map(|(a, b)| a + b);
+    let [before, after] = [published, joint].map(StationSummary::of);
+    let both = before.iter().zip(&after).enumerate().map(|(k, (before, after))| {
         let sigma = after.sigma.zip(before.sigma);
         let sigma = sigma.map(|(a, b)| std::array::from_fn(|i| a[i].hypot(b[i])));
-        let covariance = joint.covariance.zip(published.covariance);
-        let covariance = covariance.map(|(a, b)| of_translation(&(a + b), k));
-        moved(&before, &after, sigma, covariance)
-    }))
+        let covariance = covariance.as_ref().map(|covariance| of_translation(covariance, k));
+        moved(before, after, sigma, covariance)
+    });
+    Some(both.collect())
 }
 
-fn of_translation(covariance: &SMatrix<f64, 8, 8>, k: usize) -> Matrix3<f64> {
+fn of_translation(covariance: &DMatrix<f64>, k: usize) -> Matrix3<f64> {
     covariance.fixed_view::<3, 3>(4 * k, 4 * k).into_owned()
 }
 
@@ -256,9 +258,8 @@ mod tests {
             StationSummary::new(station, &transform, Some(SIGMA))
         };
         let sigma = [0.001, 0.002, 0.004, 1e-5];
-        let covariance = std::array::from_fn(|i| {
-            std::array::from_fn(|j| if i == j { f64::powi(sigma[i % 4], 2) } else { 0.0 })
-        });
+        let entry = |i: usize, j: usize| if i == j { f64::powi(sigma[i % 4], 2) } else { 0.0 };
+        let covariance = (0..8).map(|i| (0..8).map(|j| entry(i, j)).collect()).collect();
         ResultSummary {
             deployment: "field".to_owned(),
             readings: [100; 3].into(),
@@ -269,7 +270,7 @@ mod tests {
             doubts: Vec::new(),
             triplets: 50,
             one_prism: false,
-            stations: [station(2), station(3)],
+            stations: vec![station(2), station(3)],
             covariance: Some(covariance),
             inter_prism_mm: None,
             control_points_mm: Vec::new(),
@@ -283,7 +284,8 @@ mod tests {
         for station in &mut summary.stations {
             station.sigma = station.sigma.map(|sigma| sigma.map(|s| 2.0 * s));
         }
-        summary.covariance = summary.covariance.map(|rows| rows.map(|row| row.map(|c| 4.0 * c)));
+        let entries = summary.covariance.iter_mut().flatten().flatten();
+        entries.for_each(|entry| *entry *= 4.0);
         summary
     }
 

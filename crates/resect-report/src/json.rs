@@ -12,25 +12,25 @@ pub use finding::{finding, findings};
 pub use recommendation::recommendation;
 pub use schema::SCHEMA;
 
-use nalgebra::SMatrix;
 use serde_json::{Value, json};
 
 use crate::difference::moved_from_published;
 use crate::of_run;
+use crate::rows;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
 use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
 use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch};
+use resect_core::calibration::joint::unknown::Unknown;
 use resect_core::calibration::joint::{
     DriveClocks, JointEstimate, SetUpChange, StepSize, SurveyPoses,
 };
 use resect_core::calibration::two_point::PairResection;
-use resect_core::calibration::{
-    Basin, Calibration, Details, JointTargets, TransformSigma, recommend,
-};
+use resect_core::calibration::{Basin, Calibration, Details, TransformSigma, recommend};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::Station;
 use resect_core::pipeline::SampleFate;
 
 /// Returns one object for one method. `load_ms` is the duration of opening.
@@ -52,7 +52,7 @@ pub fn calibration(
         // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
         // Distances of prisms 12, 13, 23 as measured on the vehicle.
-        "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
             "raw": deployment.tracks.map(|track| track.measurements.len()),
@@ -60,10 +60,10 @@ pub fn calibration(
             "intervals": analysis.pipeline.kept_intervals.len(),
             "triplets": analysis.pipeline.triplets.len(),
         },
-        "transforms": [transform(calibration, 1), transform(calibration, 2)],
-        // Order: x, y, z, yaw of station 2, then of station 3 (m, rad).
-        "covariance": calibration.covariance.map(|covariance| rows(&covariance)),
-        "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
+        "transforms": transforms(calibration),
+        // Order: x, y, z, yaw of station 2, then of station 3, … (m, rad).
+        "covariance": calibration.covariance.as_ref().map(rows::of_matrix),
+        "correlation": calibration.correlation().map(|correlation| rows::of_matrix(&correlation)),
         "metrics": {
             "inter_prism_mm": evaluation.inter_prism_mm,
             "inter_prism_against_measured_mm": evaluation.against_measured_mm,
@@ -82,7 +82,7 @@ pub fn calibration(
             "mirror": calibration.inter_prism().map(|details| json!({
                 "cost_ratio": details.mirror.cost_ratio,
                 "resolved_by": details.mirror.resolved_by.name(),
-                "twin": details.mirror.twin.map(|twin| level_transforms(&twin)),
+                "twin": details.mirror.twin.as_ref().map(level_transforms),
             })),
             "basins": calibration.inter_prism().map(|details| {
                 details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()
@@ -90,7 +90,7 @@ pub fn calibration(
         },
         // All numbers of the answer with their descriptions, in SI units.
         "rows": analysis.rows(deployment).iter().map(row).collect::<Vec<_>>(),
-        "details": details(deployment, calibration),
+        "details": method_details(deployment, &calibration.details),
         // The paper's answer to the same data, beside a joint estimate.
         "published": published(calibration),
         // Null if outputs are compared.
@@ -103,6 +103,10 @@ pub fn calibration(
         })),
     });
     object["recommendation"] = recommendation(&recommend(calibration, deployment));
+    if deployment.tracks.iter().any(|track| track.name.is_some()) {
+        let names = deployment.tracks.iter().map(|track| track.name.clone());
+        object["station_names"] = names.collect();
+    }
     if let Some(survey) = calibration.survey() {
         object["survey_transforms"] = survey_transforms(survey);
         if let Some(change) = &survey.change {
@@ -115,13 +119,14 @@ pub fn calibration(
 /// Returns the transforms when the control points were measured, in the form of `transforms`.
 fn survey_transforms(survey: &SurveyPoses) -> Value {
     let (transforms, sigma) = (survey.transforms(), survey.sigma());
-    [1, 2].map(|k| transform_of(k + 1, &transforms[k], Some(sigma[k - 1]))).to_vec().into()
+    let others = transforms.each().skip(1);
+    others.map(|(k, transform)| transform_of(k.number(), transform, Some(sigma[k]))).collect()
 }
 
 /// Returns the change of a set-up from the survey to the drive; its station is null if the data does not decide which one changed.
 fn set_up_change(change: &SetUpChange) -> Value {
     json!({
-        "station": change.station.map(|station| station + 1),
+        "station": change.station.map(Station::number),
         "turned_rad": estimate(&change.turned_rad),
         "moved_m": estimates(&change.moved_m),
     })
@@ -150,7 +155,7 @@ fn row(row: &AnswerRow) -> Value {
 fn published(joint: &Calibration) -> Option<Value> {
     let published = joint.published.as_deref()?;
     let moved = moved_from_published(joint).map(|stations| {
-        stations.map(|station| {
+        let each = stations.into_iter().map(|station| {
             json!({
                 "station": station.station,
                 "translation_m": station.translation_m.map(|along| along.value),
@@ -160,15 +165,16 @@ fn published(joint: &Calibration) -> Option<Value> {
                 "yaw_rad": station.yaw_rad.value,
                 "yaw_sigmas": station.yaw_rad.sigmas,
             })
-        })
+        });
+        each.collect::<Vec<_>>()
     });
     Some(json!({
         "method": published.method.name(),
         "verdict": published.verdict,
         "independently_checked": published.is_independently_checked(),
         "findings": findings(&published.findings),
-        "transforms": [transform(published, 1), transform(published, 2)],
-        "covariance": published.covariance.map(|covariance| rows(&covariance)),
+        "transforms": transforms(published),
+        "covariance": published.covariance.as_ref().map(rows::of_matrix),
         // Joint estimate minus the paper's answer, in m, rad and σ of both combined; null if one of them failed.
         "moved": moved,
     }))
@@ -186,7 +192,7 @@ fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
 
 /// Returns the transforms of a minimum, without σ.
 fn level_transforms(basin: &Basin) -> Vec<Value> {
-    (1..3)
+    (1..basin.station1_from_station.len())
         .map(|station| {
             let transform = &basin.station1_from_station[station];
             json!({
@@ -199,13 +205,14 @@ fn level_transforms(basin: &Basin) -> Vec<Value> {
         .collect()
 }
 
-/// Returns `station1_from_station` of station 2 or 3, given as index 1 or 2.
-pub fn transform(calibration: &Calibration, station: usize) -> Value {
-    transform_of(
-        station + 1,
-        &calibration.station1_from_station[station],
-        calibration.sigma.map(|sigma| sigma[station - 1]),
-    )
+/// Returns `station1_from_station` of stations 2, 3, …
+pub fn transforms(calibration: &Calibration) -> Vec<Value> {
+    let others = calibration.station1_from_station.each().skip(1);
+    let transform = |(station, transform): (Station, &RigidTransform)| {
+        let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
+        transform_of(station.number(), transform, sigma)
+    };
+    others.map(transform).collect()
 }
 
 /// Returns the transform from the station with this number to station 1, with its σ if known.
@@ -220,7 +227,7 @@ pub fn transform_of(
         "translation_m": station1_from_station.translation_m.as_slice(),
         "yaw_rad": station1_from_station.yaw_rad(),
         "tilt_rad": station1_from_station.tilt_rad(),
-        "matrix": rows(&station1_from_station.matrix()),
+        "matrix": rows::of_matrix(&station1_from_station.matrix()),
         "sigma": sigma.map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
@@ -228,22 +235,17 @@ pub fn transform_of(
     })
 }
 
-/// Returns the rows of a matrix.
-pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
-    (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
-}
-
-/// Returns the details of the answer's method.
-fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
+/// Returns the details of a method.
+fn method_details(deployment: &Deployment, details: &Details) -> Value {
     let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
-    match &calibration.details {
+    match details {
         Details::TwoPoint(details) => {
             let pair = |pair: &PairResection| {
                 json!({
                     "file": pair.file,
                     "markers": pair.markers,
                     "baseline_m": pair.baseline_m,
-                    "baseline_errors_mm": mm(&pair.baseline_errors_m),
+                    "baseline_errors_mm": mm(pair.baseline_errors_m.as_slice()),
                     "left_out_mm": mm(&pair.left_out_m),
                     "left_out_from_known_mm": pair
                         .left_out
@@ -258,7 +260,7 @@ fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
             })
         }
         Details::StaticGcp(details) => json!({
-            "points": details.points,
+            "points": &details.shared_points.as_slice()[1..],
             "rms_mm": details.rms_m * 1e3,
             "world_from_station1": details.world_from_station1.map(|world| json!({
                 "translation_m": world.translation_m.as_slice(),
@@ -269,10 +271,7 @@ fn details(deployment: &Deployment, calibration: &Calibration) -> Value {
         Details::DynamicGcp(details) => dynamic_gcp(details),
         Details::InterPrism(details) => inter_prism(details),
         Details::Joint(details) => {
-            let mut value = match &details.targets {
-                JointTargets::ThreePrisms(details) => inter_prism(details),
-                JointTargets::OnePrism(details) => dynamic_gcp(details),
-            };
+            let mut value = method_details(deployment, &details.published);
             let joint = |found: &JointEstimate| joint(deployment, found);
             value["joint"] = json!(details.estimate.as_ref().ok().map(joint));
             value
@@ -296,7 +295,7 @@ fn estimates(all: &[Estimate]) -> Vec<Value> {
     all.iter().map(estimate).collect()
 }
 
-/// Returns the details of a joint estimate: instruments of stations 1 to 3, clocks of stations 2 and 3.
+/// Returns the details of a joint estimate: instruments of all stations, clocks of all but the first.
 fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
     let sigma_by_source: serde_json::Map<String, Value> = found
         .budget
@@ -310,10 +309,10 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         .iter()
         .map(|step| match &step.size {
             StepSize::Clock(by_s) => json!({
-                "station": step.station + 1, "after_s": step.after_s, "clock_s": estimate(by_s),
+                "station": step.station.number(), "after_s": step.after_s, "clock_s": estimate(by_s),
             }),
             StepSize::Station { turned_rad, moved_m } => json!({
-                "station": step.station + 1,
+                "station": step.station.number(),
                 "after_s": step.after_s,
                 "slowly": step.slowly,
                 "turned_rad": estimate(turned_rad),
@@ -325,20 +324,12 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         json!({
             "from_s": drive.span_s[0],
             "to_s": drive.span_s[1],
-            "clock_offsets_s": estimates(&drive.offsets_s),
+            "clock_offsets_s": estimates(&drive.offsets_s.as_slice()[1..]),
         })
     };
-    json!({
-        "clock_offsets_s": estimates(&found.clock_offsets_s),
-        "clock_drifts": estimates(&found.clock_drifts),
+    let mut value = json!({
+        "clock_offsets_s": estimates(&found.clock_offsets_s.as_slice()[1..]),
         "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
-        "inter_prism_m": found.distances_m.map(|distances| estimates(&distances)),
-        "latencies_s": estimates(&found.latencies_s),
-        "range_offsets_m": estimates(&found.range_offsets_m),
-        "range_scales": estimates(&found.range_scales),
-        "indices_rad": estimates(&found.indices_rad),
-        "collimations_rad": estimates(&found.collimations_rad),
-        "leans_rad": found.leans_rad.each_ref().map(|leans| estimates(leans)),
         "noise": {
             "range_m": found.levels.range_m(),
             "angle_rad": found.levels.angle_rad,
@@ -357,7 +348,38 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         "reliability": reliability::reliability(deployment, found),
         // Without convergence there is no joint estimate.
         "converged": true,
-    })
+    });
+    for (key, list) in lists_of_unknowns(found) {
+        value[key] = list;
+    }
+    value
+}
+
+/// Returns the estimates of the unknowns by their names in files, each a list by owner; null without an owner.
+fn lists_of_unknowns(found: &JointEstimate) -> Vec<(&'static str, Value)> {
+    let unknowns: Vec<&Unknown> = found.layout().unknowns().collect();
+    let named = unknowns.chunk_by(|a, b| a.key == b.key).filter_map(|all| Some((all[0].key?, all)));
+    named
+        .map(|(key, all)| {
+            let own: Vec<Vec<Value>> = all
+                .iter()
+                .map(|unknown| found.estimates(unknown).map(|one| estimate(&one)).collect())
+                .collect();
+            let list = match &own[..] {
+                [only] if only.is_empty() => Value::Null,
+                [only] => json!(only),
+                several => {
+                    let owners = 0..several[0].len();
+                    owners
+                        .map(|owner| {
+                            several.iter().map(|all| all[owner].clone()).collect::<Value>()
+                        })
+                        .collect()
+                }
+            };
+            (key, list)
+        })
+        .collect()
 }
 
 fn prior_search(search: &PriorSearch) -> Value {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value, json};
 
 use crate::json::{SCHEMA, finding};
+use resect_core::network::Station;
 use resect_live::judged::Judged;
 use resect_live::status::StationStatus;
 use resect_live::{Link, View};
@@ -51,7 +52,12 @@ pub fn json(view: &View) -> Value {
         })
         .collect();
     let shown = view.shown();
-    let stations = [0, 1, 2].map(|station| of_station(station, &view.stations[station]));
+    let stations: Vec<Value> = view
+        .stations
+        .iter()
+        .enumerate()
+        .map(|(station, status)| of_station(station, status))
+        .collect();
     json!({
         "schema": SCHEMA,
         "time_s": view.now_s,
@@ -65,7 +71,10 @@ pub fn json(view: &View) -> Value {
         "verdict_in_words": shown.map(|judged| &judged.verdict_in_words),
         "method": shown.map(|judged| judged.method.name()),
         "far_end_mm": shown.and_then(|judged| judged.far_end).map(|far| far.sigma_m * 1e3),
-        "transforms": shown.map(|judged| [transform(judged, 1), transform(judged, 2)]),
+        "transforms": shown.map(|judged| {
+            let others = judged.station1_from_station.numbers().skip(1);
+            others.map(|station| transform(judged, station)).collect::<Vec<_>>()
+        }),
         "inter_prism_mm": shown.and_then(|judged| judged.inter_prism_mm),
         "answer_age_s": view.answer_age_s,
         "target_mm": view.target_m * 1e3,
@@ -108,11 +117,11 @@ fn of_station(station: usize, status: &StationStatus) -> Value {
     })
 }
 
-fn transform(judged: &Judged, station: usize) -> Value {
+fn transform(judged: &Judged, station: Station) -> Value {
     let transform = &judged.station1_from_station[station];
-    let sigma = judged.sigma.map(|sigma| sigma[station - 1]);
+    let sigma = judged.sigma.as_ref().map(|sigma| sigma[station]);
     json!({
-        "from": station + 1,
+        "from": station.number(),
         "to": 1,
         "translation_m": transform.translation_m.as_slice(),
         "yaw_rad": transform.yaw_rad(),

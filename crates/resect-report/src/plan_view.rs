@@ -9,9 +9,9 @@ use super::drawing::{Anchor, Drawing, Ink, Mark, text_width};
 use super::frame::{Frame, NUMBER};
 use resect_core::deployment::ControlPointSet;
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
-use resect_core::palette;
+use resect_core::network::{PerStation, USUAL_STATIONS};
 use resect_core::pipeline::Triplets;
+use resect_tools::palette;
 
 const LABEL: f32 = 11.0;
 /// Smallest and largest height of the plot, for drives along and across the view.
@@ -62,7 +62,7 @@ pub fn draw(
     let mut marks = Vec::new();
     frame.draw_rows(true, &mut marks);
     frame.draw_columns(true, &mut marks);
-    for (track, rgb) in tracks.iter().zip(palette::STATIONS) {
+    for (track, rgb) in tracks.iter().zip((0..).map(palette::station)) {
         for interval in track {
             let points = thinned(interval.iter().map(place));
             marks.push(Mark::Line { points, ink: Ink::Rgb(rgb), width: 1.3, dashed: false });
@@ -74,7 +74,7 @@ pub fn draw(
     for (station, unused_m) in unused_m.iter().enumerate() {
         let unused_m = unused_m.iter().map(|point| station1_from_station[station].apply(point));
         let seen: Vec<Vector3<f64>> = unused_m.filter(|point| inside(&point)).collect();
-        draw_unused(seen.iter().map(place), palette::STATIONS[station], &mut marks);
+        draw_unused(seen.iter().map(place), palette::station(station), &mut marks);
     }
     for point in control_points.iter().filter(inside) {
         draw_cross(place(point), &mut marks);
@@ -83,7 +83,7 @@ pub fn draw(
     draw_scale_bar(plot_width, per_metre, [LEFT + 10.0, TOP + plot_height - 12.0], &mut marks);
     let unused = unused_m.iter().any(|unused_m| !unused_m.is_empty());
     let seen = control_points.iter().filter(inside).count();
-    draw_legend(unused, [seen, control_points.len()], &mut marks);
+    draw_legend(stations.len(), unused, [seen, control_points.len()], &mut marks);
     let at = [LEFT + 0.5 * plot_width, height - 9.0];
     let text = "x of station 1 (m), along its azimuth 0";
     marks.push(Mark::text(at, text, LABEL, Ink::Text, Anchor::Middle));
@@ -170,7 +170,7 @@ fn draw_stations(places: &PerStation<[f32; 2]>, plot: &Area, marks: &mut Vec<Mar
         marks.push(Mark::Line {
             // Drawing the first side twice closes the corner.
             points: vec![top, right, [x - half, y + foot], top, right],
-            ink: Ink::Rgb(palette::STATIONS[station]),
+            ink: Ink::Rgb(palette::station(station)),
             width: 2.2,
             dashed: false,
         });
@@ -229,12 +229,17 @@ fn draw_scale_bar(plot_width: f32, per_metre: f64, [x, y]: [f32; 2], marks: &mut
 }
 
 /// Draws the legend; `seen` of `all` control points are within the plot.
-fn draw_legend(unused: bool, [seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
+fn draw_legend(stations: usize, unused: bool, [seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
     let (mut x, y) = (LEFT, 11.0);
-    for (station, rgb) in palette::STATIONS.into_iter().enumerate() {
-        marks.push(Mark::line([x, y], [x + 16.0, y], Ink::Rgb(rgb), 2.5));
+    for station in 0..stations {
+        let ink = Ink::Rgb(palette::station(station));
+        marks.push(Mark::line([x, y], [x + 16.0, y], ink, 2.5));
         x += 21.0;
-        let text = format!("track of station {}", station + 1);
+        // Four of the long names do not fit.
+        let text = match station {
+            1.. if stations > USUAL_STATIONS => format!("{}", station + 1),
+            _ => format!("track of station {}", station + 1),
+        };
         marks.push(Mark::text([x, y], &*text, LABEL, Ink::Text, Anchor::Left));
         x += text_width(&text, LABEL) + 18.0;
     }
@@ -351,7 +356,7 @@ mod tests {
                 draw(&[], &tracks, &PerStation::repeat(3, RigidTransform::IDENTITY), 700.0);
             let of_station_2 = |mark: &&Mark| {
                 matches!(mark, Mark::Line { ink, width, .. }
-                if *ink == Ink::Rgb(palette::STATIONS[1]) && *width == 0.9)
+                if *ink == Ink::Rgb(palette::station(1)) && *width == 0.9)
             };
             (drawing.size, drawing.marks.iter().filter(of_station_2).count())
         };

@@ -5,31 +5,33 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, findings, rows};
-use super::text::sigma_text;
+use super::json::{SCHEMA, findings};
+use super::rows;
+use super::text::{all_stations, sigma_text};
 use resect_core::calibration::inter_prism::observability::{Direction, Observability};
-use resect_core::planning::locks::{Lock, WhyNotRead};
-use resect_core::planning::{Held, Improvement, Plan, Prediction};
+use resect_core::network::{Number, Station};
 use resect_core::statistics::median;
+use resect_tools::planning::locks::{Lock, WhyNotRead};
+use resect_tools::planning::{Held, Improvement, Plan, Prediction};
 
 /// Formats verdict and reasons, the route, each σ with its largest source, and the best improvements.
 pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     let name = if plan.name.is_empty() { "plan" } else { &plan.name };
     let mut text = format!("{name} · plan · verdict: {}\n\n", found.verdict.name().to_uppercase());
-    let of_station = |s: usize| format!("{}/{}", found.kept[s], found.readings[s]);
+    let of_stations: Vec<String> =
+        found.kept.iter().zip(&found.readings).map(|(kept, all)| format!("{kept}/{all}")).collect();
     _ = writeln!(
         text,
-        "route         {:.0} m in {:.0} s; usable readings (stations 1–3): {}, {}, {}",
+        "route         {:.0} m in {:.0} s; usable readings ({}): {}",
         found.length_m,
         found.duration_s,
-        of_station(0),
-        of_station(1),
-        of_station(2),
+        all_stations(of_stations.len()),
+        of_stations.join(", "),
     );
     if let Some(held) = &found.held {
         text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     main sources\n";
-        for slot in 0..2 {
-            text += &sigma_row(held, slot);
+        for station in held.sigma.numbers().skip(1) {
+            text += &sigma_row(held, station);
         }
         let (far, at) = (&held.far_end, &held.far_end.position_m);
         _ = writeln!(
@@ -60,17 +62,17 @@ pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
     text
 }
 
-fn sigma_row(held: &Held, slot: usize) -> String {
-    let sigma = &held.sigma[slot];
-    let mut row = format!("T1{}        ", slot + 2);
+fn sigma_row(held: &Held, station: Station) -> String {
+    let sigma = &held.sigma[station];
+    let mut row = format!("T1{station}        ");
     for axis in 0..3 {
         _ = write!(row, "{:>9}      ", sigma_text(Some(sigma.translation_m[axis]), 1));
     }
     _ = write!(row, "{:>9}         ", sigma_text(Some(sigma.yaw_rad), 3));
     let mut parts: Vec<&str> = Vec::new();
-    for place in 4 * slot..4 * slot + 4 {
-        if !parts.contains(&held.dominant[place].name) {
-            parts.push(held.dominant[place].name);
+    for source in held.dominant.chunks(4).nth(station.index() - 1).unwrap_or_default() {
+        if !parts.contains(&source.name) {
+            parts.push(source.name);
         }
     }
     row + &parts.join(", ") + "\n"
@@ -94,8 +96,8 @@ fn vehicle(found: &Prediction) -> String {
 /// Returns one object for one plan. Lengths in m, angles in rad, times in s of the drive; undetermined values are null.
 ///
 /// `plan` is the input, with the fields of its file. `verdict` and `findings` are for people. `held` has the predicted
-/// `covariance` of (x, y, z, yaw) of stations 2 and 3 along the axes of the plan, and `sigma` by station. In it,
-/// `dominant` is the largest source of each of the eight σ, with that source's σ. `far_end` has the `station` whose prism
+/// `covariance` of (x, y, z, yaw) of stations 2, 3, … along the axes of the plan, and `sigma` by station. In it,
+/// `dominant` is the largest source of each of these σ, with that source's σ. `far_end` has the `station` whose prism
 /// has the largest σ, with that position and σ. `observability` has the eight directions with `hold` free, weak or held,
 /// and the motion of each station along them. `mirror_cost_ratio` is the cost of the mirror twin over that of the answer.
 /// `way` has length and duration of the route, and `vehicle`: its position about once a second, with σ of position and
@@ -142,12 +144,16 @@ fn place(at: &Vector3<f64>) -> &[f64] {
 
 fn held(held: &Held) -> Value {
     json!({
-        "covariance": rows(&held.covariance),
-        "sigma": held.sigma.map(|sigma| json!({
+        "covariance": rows::of_matrix(&held.covariance),
+        "sigma": held.sigma.iter().skip(1).map(|sigma| json!({
             "translation_m": sigma.translation_m.as_slice(),
             "yaw_rad": sigma.yaw_rad,
-        })),
-        "dominant": held.dominant.map(|one| json!({ "what": one.name, "sigma": one.sigma })),
+        })).collect::<Vec<_>>(),
+        "dominant": held
+            .dominant
+            .iter()
+            .map(|one| json!({ "what": one.name, "sigma": one.sigma }))
+            .collect::<Vec<_>>(),
         "far_end": {
             "station": held.far_end.station + 1,
             "position_m": place(&held.far_end.position_m),
@@ -163,17 +169,17 @@ fn observability(found: &Observability) -> Value {
             "words": one.words,
             "relative": one.relative,
             "sigma_m": one.sigma_m,
-            // Motion of stations 2 and 3 along the direction, for one metre.
-            "motion": one.motion.map(|moved| json!({
+            // Motion of the stations after the first along the direction, for one metre.
+            "motion": one.motion.iter().skip(1).map(|moved| json!({
                 "translation_m": moved.translation_m.as_slice(),
                 "yaw_rad": moved.yaw_rad,
-            })),
+            })).collect::<Vec<_>>(),
         })
     };
     json!({
         "drive": found.drive.name(),
         "advice": found.advice,
-        "directions": found.directions.each_ref().map(direction),
+        "directions": found.directions.iter().map(direction).collect::<Vec<_>>(),
     })
 }
 
@@ -191,7 +197,7 @@ fn lock(lock: &Lock) -> Value {
                 WhyNotRead::TooFast(_) => "too-fast",
             },
             "by_prism": match failure.why {
-                WhyNotRead::Hidden(prism) => Some(prism + 1),
+                WhyNotRead::Hidden(prism) => Some(prism.number()),
                 _ => None,
             },
             "span_s": failure.span_s,

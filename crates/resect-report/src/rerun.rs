@@ -30,14 +30,14 @@ use self::chunks::Chunks;
 use super::rerun_error::RerunError;
 use super::text;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::deployment::{Deployment, PAIRS, Track};
+use resect_core::deployment::{ControlPoint, Deployment, Track};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::network::{Number, Pair, PerStation, Station};
 use resect_core::pipeline::SampleFate;
 use resect_core::pipeline::outlier_filter::{Rates, rates};
 use resect_io::atomic;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// Version of the SDK, and of the viewer that reads its recordings.
 const SDK_VERSION: &str = "0.36.3";
@@ -117,7 +117,7 @@ fn log_deployment(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks
     let places_points =
         answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
     recording.log_static("world", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    for station in 0..3 {
+    for station in 0..deployment.tracks.len() {
         log_station(
             &mut recording,
             (deployment, analysis),
@@ -159,7 +159,7 @@ fn log_station(
         [p.x as f32, p.y as f32, p.z as f32]
     };
     let root = format!("world/station_{}", station + 1);
-    let colour = palette::STATIONS[station];
+    let colour = palette::station(station);
     let here = to_world(nalgebra::Vector3::zeros());
     recording.log_static(
         root.as_str(),
@@ -203,9 +203,10 @@ fn log_control_points(
     transforms: &PerStation<RigidTransform>,
 ) -> Result<()> {
     for set in &deployment.control_points {
-        for station in 0..3 {
-            let seen: Vec<_> =
-                set.points.iter().filter_map(|p| Some((p.marker, p.readings[station]?))).collect();
+        for station in 0..transforms.len() {
+            let read =
+                |p: &ControlPoint| Some((p.marker, (*p.readings.get(Station::at(station))?)?));
+            let seen: Vec<_> = set.points.iter().filter_map(read).collect();
             let positions = seen.iter().map(|(_, polar)| {
                 let p = transforms[station].apply(&polar.to_cartesian());
                 [p.x as f32, p.y as f32, p.z as f32]
@@ -214,7 +215,7 @@ fn log_control_points(
             let path = format!("{kind}/{}/station_{}", set.file.replace('.', "_"), station + 1);
             recording.log_static(
                 path,
-                &points(positions, palette::STATIONS[station], 3.0)
+                &points(positions, palette::station(station), 3.0)
                     .with_labels(seen.iter().map(|(marker, _)| marker.to_string())),
             )?;
         }
@@ -224,18 +225,18 @@ fn log_control_points(
 
 /// Logs the errors of the inter-prism distances over time.
 fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) -> Result<()> {
-    for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-        let name = format!("{}{}", a + 1, b + 1);
+    for (pair, errors_mm) in answer.evaluation.distance_errors_mm.each() {
+        let Pair { first, second } = pair;
+        let name = format!("{first}{second}");
         let path = format!("{DISTANCE_ERRORS}/{name}");
         recording.log_static(
             path.as_str(),
-            &SeriesPoints::new().with_colors([palette::PAIRS[pair]]).with_names([name]),
+            &SeriesPoints::new().with_colors([palette::pair(pair.index())]).with_names([name]),
         )?;
         recording.send_columns(
             path,
             time_column(time_s),
-            Scalars::new(answer.evaluation.distance_errors_mm[pair].iter().copied())
-                .columns_of_unit_batches()?,
+            Scalars::new(errors_mm.iter().copied()).columns_of_unit_batches()?,
         )?;
     }
     Ok(())
@@ -252,7 +253,7 @@ fn log_rates(recording: &mut Chunks, station: usize, track: &Track) -> Result<()
         let name = format!("station {}", station + 1);
         let path = format!("{}/station_{}", rate.entity, station + 1);
         let series =
-            SeriesPoints::new().with_colors([palette::STATIONS[station]]).with_names([name]);
+            SeriesPoints::new().with_colors([palette::station(station)]).with_names([name]);
         recording.log_static(path.as_str(), &series)?;
         recording.send_columns(
             path,

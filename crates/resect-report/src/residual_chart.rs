@@ -2,8 +2,9 @@
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use super::frame::Frame;
-use resect_core::palette;
+use resect_core::network::{Number, Pair};
 use resect_core::statistics::{quantile_of_sorted, quantiles};
+use resect_tools::palette;
 
 const LABEL: f32 = 11.0;
 const LEFT: f32 = 58.0;
@@ -20,28 +21,30 @@ const STROKE: f32 = 2.5;
 const SHOWN: f64 = 0.985;
 const BINS: usize = 40;
 
-/// Draws the errors (mm) of pairs 12, 13, 23 over time (s since the first measurement). `each` names the members of
+/// Draws the errors (mm) of each pair over time (s since the first measurement). `each` names the members of
 /// pairs: prisms or stations.
-pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -> Drawing {
+pub fn draw(errors_mm: &[Vec<f64>], time_s: &[f64], each: &str, width: f32) -> Drawing {
     let range = range_mm(errors_mm);
-    let counts = errors_mm.each_ref().map(|errors| histogram(errors, range, BINS));
+    let pairs = errors_mm.len();
+    let counts: Vec<Vec<usize>> =
+        errors_mm.iter().map(|errors| histogram(errors, range, BINS)).collect();
     let most = counts.iter().flatten().copied().max().unwrap_or(0).max(1);
-    let height = TOP + 3.0 * (ROW_GAP + ROW) + BOTTOM;
+    let height = TOP + pairs as f32 * (ROW_GAP + ROW) + BOTTOM;
     let (right, plot_right) = (width - 12.0, width - 12.0 - HISTOGRAM - COLUMN_GAP);
     let times = [
         time_s.first().map_or(0.0, |first| first.min(0.0)),
         time_s.last().map_or(1.0, |last| last.max(1.0)),
     ];
     let mut marks = Vec::new();
-    for pair in 0..3 {
+    for pair in 0..pairs {
         let bottom = TOP + (pair + 1) as f32 * (ROW_GAP + ROW);
         let top = bottom - ROW;
-        let ink = Ink::Rgb(palette::PAIRS[pair]);
+        let ink = Ink::Rgb(palette::pair(pair));
         let at = [LEFT, top - 10.0];
-        let name = format!("{each} {}", resect_core::deployment::pair_label(pair));
+        let name = format!("{each} {}", Pair::at(pair));
         marks.push(Mark::text(at, name, LABEL, Ink::Text, Anchor::Left));
         let plot = Frame::new(times, range, [LEFT, top], [plot_right, bottom]);
-        let last = pair == 2;
+        let last = pair + 1 == pairs;
         plot.draw_rows(true, &mut marks);
         plot.draw_columns(last, &mut marks);
         draw_strokes(&errors_mm[pair], time_s, &plot, ink, &mut marks);
@@ -116,7 +119,7 @@ fn draw_bars(counts: &[usize], range: [f64; 2], frame: &Frame, ink: Ink, marks: 
 }
 
 /// Returns the range of nearly all errors (mm): about zero, or from zero up if no error is negative.
-pub fn range_mm(errors_mm: &[Vec<f64>; 3]) -> [f64; 2] {
+pub fn range_mm(errors_mm: &[Vec<f64>]) -> [f64; 2] {
     let sizes = errors_mm.iter().flatten().map(|error| error.abs());
     let Some([shown]) = quantiles(sizes, [SHOWN]) else { return [-1.0, 1.0] };
     let high = (shown * 1.15).max(0.5);
@@ -136,7 +139,7 @@ pub fn histogram(errors_mm: &[f64], [low, high]: [f64; 2], bins: usize) -> Vec<u
 }
 
 /// Returns the number of errors outside the range.
-pub fn beyond(errors_mm: &[Vec<f64>; 3], [low, high]: [f64; 2]) -> usize {
+pub fn beyond(errors_mm: &[Vec<f64>], [low, high]: [f64; 2]) -> usize {
     errors_mm.iter().flatten().filter(|error| **error < low || **error > high).count()
 }
 
@@ -164,7 +167,7 @@ mod tests {
     #[test]
     fn strokes_stay_inside_however_many_errors_there_are() {
         for n in [0, 1, 2, 5000] {
-            let errors = std::array::from_fn(|pair| {
+            let errors: [Vec<f64>; 3] = std::array::from_fn(|pair| {
                 (0..n).map(|i| 30.0 * (f64::from(i) + pair as f64).tan()).collect()
             });
             let time_s: Vec<f64> = (0..n).map(|i| 0.1 * f64::from(i)).collect();

@@ -1,5 +1,6 @@
 //! Rows of an answer as the cells of a table.
 
+use nalgebra::{Dim, Matrix, RawStorage};
 use resect_core::calibration::Quantity;
 use resect_core::calibration::joint::reliability::GroupReliability;
 use resect_core::deployment::ControlPointSet;
@@ -74,4 +75,9 @@ pub fn largest_residual(sets: &[ControlPointSet], group: &GroupReliability) -> O
 pub fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:+.decimals$}");
     if text.bytes().all(|byte| !matches!(byte, b'1'..=b'9')) { text[1..].to_owned() } else { text }
+}
+
+/// Returns the rows of a matrix.
+pub fn of_matrix<D: Dim>(matrix: &Matrix<f64, D, D, impl RawStorage<f64, D, D>>) -> Vec<Vec<f64>> {
+    (0..matrix.nrows()).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }

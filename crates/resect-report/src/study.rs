@@ -10,9 +10,9 @@ use super::json::{SCHEMA, findings, recommendation};
 use super::svg::{Colours, PictureError, to_png, to_svg};
 use super::text::{FindingLine, sigma_text};
 use resect_core::deployment::Severity;
-use resect_core::experiment::{Comparison, Quantiles, Study};
 use resect_io::atomic;
 use resect_io::atomic::WriteError;
+use resect_tools::experiment::{Comparison, Quantiles, Study};
 
 /// Size of the pictures in units of SVG; the PNG has twice as many pixels along each side.
 const PICTURE_SIZE: [f32; 2] = [1000.0, 600.0];
@@ -96,17 +96,19 @@ pub fn transforms_table(comparison: &Comparison, finding_line: FindingLine) -> S
                 }
             };
             let calibration = &answer.calibration;
-            for station in 1..3 {
-                let transform = &calibration.station1_from_station[station];
-                let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-                _ = write!(text, "{:<5}  T1{}    ", method.short_name(), station + 1);
+            for (station, transform) in calibration.station1_from_station.each().skip(1) {
+                let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
+                _ = write!(text, "{:<5}  T1{}    ", method.short_name(), station);
                 for axis in 0..3 {
                     let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
                     _ = write!(text, "{:>10.4} ± {sigma:<6}", transform.translation_m[axis]);
                 }
                 let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
-                let verdict =
-                    if station == 1 { calibration.verdict_in_words() } else { String::new() };
+                let verdict = if station.slot() == Some(0) {
+                    calibration.verdict_in_words()
+                } else {
+                    String::new()
+                };
                 _ = writeln!(text, "{:>11.5} ± {sigma:<8} {verdict}", transform.yaw_rad());
             }
             let doubts = calibration.findings.iter().filter(|f| f.severity > Severity::Note);
@@ -169,10 +171,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                         "answered_by": answer.calibration.answered_by().name(),
                         "verdict": answer.calibration.verdict,
                         "independently_checked": answer.calibration.is_independently_checked(),
-                        "transforms": [
-                            super::json::transform(&answer.calibration, 1),
-                            super::json::transform(&answer.calibration, 2),
-                        ],
+                        "transforms": super::json::transforms(&answer.calibration),
                         "inter_prism_mm": answer.evaluation.inter_prism_mm,
                         "gcp_mm": answer.evaluation.control_points_mm,
                         "why_none": null,

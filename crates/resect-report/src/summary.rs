@@ -1,21 +1,22 @@
 //! One answer as plain data, for pins, the history of runs and session files.
 
-use nalgebra::{Quaternion, Rotation3, SMatrix, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::rows;
 use resect_core::analysis::{Analysis, Answer, Settings};
-use resect_core::calibration::{Method, Targets, TransformSigma, Verdict};
+use resect_core::calibration::{Calibration, Method, TransformSigma, Verdict};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::answer_rows::{AnswerRow, estimate_rows};
 use resect_core::evaluation::{ControlPointMetric, Spread};
 use resect_core::geometry::RigidTransform;
-use resect_core::network::PerStation;
+use resect_core::network::{PerStation, Prism, Station};
 
 /// An answer without its triplets and residuals: small, and unchanged by a round trip through TOML.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResultSummary {
     pub deployment: String,
-    /// Numbers of raw readings of stations 1, 2, 3; with the name they identify the data.
+    /// Numbers of raw readings of the stations; with the name they identify the data.
     pub readings: PerStation<usize>,
     /// The requested method.
     pub method: Method,
@@ -31,10 +32,10 @@ pub struct ResultSummary {
     pub triplets: usize,
     /// True if all stations followed one prism: the inter-prism metric then compares the stations' positions of it.
     pub one_prism: bool,
-    /// Transforms of stations 2 and 3.
-    pub stations: [StationSummary; 2],
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
-    pub covariance: Option<[[f64; 8]; 8]>,
+    /// Transforms of stations 2, 3, …
+    pub stations: Vec<StationSummary>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad), by rows.
+    pub covariance: Option<Vec<Vec<f64>>>,
     /// Absolute distance errors pooled over the pairs (mm).
     pub inter_prism_mm: Option<Spread>,
     /// Control-point metric by file (mm).
@@ -48,7 +49,7 @@ pub struct ResultSummary {
 /// `station1_from_station` of one station, with its σ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StationSummary {
-    /// The station, 2 or 3.
+    /// The station, from 2 on.
     pub station: usize,
     pub translation_m: [f64; 3],
     /// Complete rotation (x, y, z, w); its yaw is [`StationSummary::yaw_rad`].
@@ -70,15 +71,9 @@ impl ResultSummary {
             independently_checked: calibration.is_independently_checked(),
             doubts: doubts.map(ToString::to_string).collect(),
             triplets: analysis.pipeline.triplets.len(),
-            one_prism: analysis.offer.targets == Targets::OnePrism,
-            stations: std::array::from_fn(|k| {
-                let transform = &calibration.station1_from_station[k + 1];
-                let sigma = calibration.sigma.map(|sigma| sigma[k]);
-                StationSummary::new(k + 2, transform, sigma)
-            }),
-            covariance: calibration.covariance.map(|covariance| {
-                std::array::from_fn(|row| std::array::from_fn(|column| covariance[(row, column)]))
-            }),
+            one_prism: Prism::is_one(&analysis.offer.followed),
+            stations: StationSummary::of(calibration),
+            covariance: calibration.covariance.as_ref().map(rows::of_matrix),
             inter_prism_mm: evaluation.inter_prism_mm,
             control_points_mm: evaluation.control_points_mm.clone(),
             estimates: estimate_rows(deployment, calibration),
@@ -113,14 +108,24 @@ impl ResultSummary {
     }
 
     /// Returns [`ResultSummary::covariance`] as a matrix.
-    pub fn covariance_matrix(&self) -> Option<SMatrix<f64, 8, 8>> {
-        let rows = self.covariance?;
-        Some(SMatrix::from_fn(|row, column| rows[row][column]))
+    pub fn covariance_matrix(&self) -> Option<DMatrix<f64>> {
+        let rows = self.covariance.as_ref()?;
+        Some(DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column]))
     }
 }
 
 impl StationSummary {
-    /// Summarises the transform of station 2 or 3, by its number.
+    /// Summarises the transforms of stations 2, 3, …
+    pub fn of(calibration: &Calibration) -> Vec<Self> {
+        let transforms = calibration.station1_from_station.each().skip(1);
+        let summary = |(station, transform): (Station, &RigidTransform)| {
+            let sigma = calibration.sigma.as_ref().map(|sigma| sigma[station]);
+            Self::new(station.number(), transform, sigma)
+        };
+        transforms.map(summary).collect()
+    }
+
+    /// Summarises the transform of a station, by its number (from 1).
     pub fn new(
         station: usize,
         station1_from_station: &RigidTransform,
@@ -161,7 +166,7 @@ impl StationSummary {
         Some(TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad })
     }
 
-    /// The transform's name: "T12" or "T13".
+    /// The transform's name: "T12", "T13" …
     pub fn name(&self) -> String {
         format!("T1{}", self.station)
     }

@@ -6,7 +6,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use crate::font::INTER;
-use resect_core::palette::Rgb;
+use resect_tools::palette::Rgb;
 
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {

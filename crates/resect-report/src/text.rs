@@ -7,10 +7,11 @@ use crate::of_run;
 use crate::rows::{Pivot, deviation, pivot, prior};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::PriorSearch;
-use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, Targets, recommend};
+use resect_core::calibration::{Calibration, Details, SUPPORTED_SIGMAS, recommend};
 use resect_core::deployment::{Deployment, Finding, MessageAngle};
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
+use resect_core::network::Prism;
 use resect_core::pipeline::{PipelineOutput, SampleFate};
 
 /// Formats a finding as one line: its message, on the command line with the flags of its remedies.
@@ -40,10 +41,10 @@ pub fn calibration(
     let kept = out.counts(SampleFate::Kept);
     _ = writeln!(
         text,
-        "pipeline    {} of {} readings kept (stations 1–{}: {}), {} intervals, {} triplets",
+        "pipeline    {} of {} readings kept ({}: {}), {} intervals, {} triplets",
         kept.iter().sum::<usize>(),
         raw.iter().sum::<usize>(),
-        kept.len(),
+        all_stations(kept.len()),
         kept.zip(&raw, |kept, raw| format!("{kept}/{raw}")).as_slice().join(", "),
         out.kept_intervals.len(),
         out.triplets.len(),
@@ -51,10 +52,15 @@ pub fn calibration(
     if let Some(unused) = unused_readings(out) {
         _ = writeln!(text, "            not used: {unused}");
     }
+    let named = deployment.tracks.each().filter(|(_, track)| track.name.is_some());
+    let named: Vec<String> = named.map(|(at, _)| deployment.station_in_words(at)).collect();
+    if !named.is_empty() {
+        _ = writeln!(text, "names       {}", named.join(", "));
+    }
     text.push('\n');
     text += &transforms(calibration);
-    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
-        for station in 1..3 {
+    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin.as_ref()) {
+        for station in 1..twin.station1_from_station.len() {
             let transform = &twin.station1_from_station[station];
             _ = write!(text, "mirror T1{}", station + 1);
             for axis in 0..3 {
@@ -69,9 +75,9 @@ pub fn calibration(
     text += &estimates(&analysis.rows(deployment));
     text += &details(calibration);
     if let Some(spread) = &evaluation.inter_prism_mm {
-        let name = match analysis.offer.targets {
-            Targets::OnePrism => "same prism ",
-            _ => "inter-prism",
+        let name = match Prism::is_one(&analysis.offer.followed) {
+            true => "same prism ",
+            false => "inter-prism",
         };
         _ = writeln!(text, "{name}   {}", spread_text(spread));
     }
@@ -132,19 +138,24 @@ fn details(calibration: &Calibration) -> String {
     let mut text = String::new();
     match &calibration.details {
         Details::TwoPoint(details) => {
-            text += "pairs of known points    length (m)   baseline errors of stations 1–3 (mm)   other points, max (mm)   from known (mm)\n";
+            let stations = calibration.station1_from_station.len();
+            _ = writeln!(
+                text,
+                "pairs of known points    length (m)   baseline errors of stations 1–{stations} (mm)   other points, max (mm)   from known (mm)"
+            );
             for (index, pair) in details.pairs.iter().enumerate() {
                 let [first, second] = pair.markers;
                 let chosen = if index == details.chosen { "*" } else { " " };
-                let [e1, e2, e3] = pair.baseline_errors_m.map(|error| error * 1e3);
+                let errors = pair.baseline_errors_m.map(|error| format!("{:>+10.1}", error * 1e3));
                 let largest = |sorted: &[f64]| {
                     sorted.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3))
                 };
                 _ = writeln!(
                     text,
-                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {e1:>+10.1} {e2:>+10.1} {e3:>+10.1}   {:>22}   {:>15}",
+                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {}   {:>22}   {:>15}",
                     pair.file,
                     pair.baseline_m,
+                    errors.as_slice().join(" "),
                     largest(&pair.left_out_m),
                     pair.largest_from_known_m()
                         .map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3)),
@@ -208,7 +219,7 @@ fn search_table(search: &PriorSearch) -> String {
 /// are used.
 pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
     let unused = SampleFate::ALL.into_iter().filter(|fate| *fate != SampleFate::Kept);
-    let counts = unused.map(|fate| (fate, (0..3).map(|station| out.count(station, fate)).sum()));
+    let counts = unused.map(|fate| (fate, out.counts(fate).iter().sum()));
     let words: Vec<String> = counts
         .filter(|(_, count): &(SampleFate, usize)| *count > 0)
         .map(|(fate, count)| format!("{count} {}", fate.label()))
@@ -216,7 +227,7 @@ pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
     (!words.is_empty()).then(|| words.join(", "))
 }
 
-/// Formats the two transforms as a table; a missing σ is a dash.
+/// Formats the transforms as a table; a missing σ is a dash.
 pub fn transforms(calibration: &Calibration) -> String {
     let mut text = String::from(
         "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
@@ -270,12 +281,23 @@ fn estimates(rows: &[AnswerRow]) -> String {
         text.push('\n');
     }
     if !text.is_empty() {
+        let mut notes = Vec::new();
         if rows.iter().any(|row| row.group.is_beside_transforms() && row.is_significant) {
-            _ = write!(text, "* significant: more than {SUPPORTED_SIGMAS} σ; ");
+            notes.push(format!("* significant: more than {SUPPORTED_SIGMAS} σ"));
         }
-        text += "distances: difference from the measured distances\n\n";
+        if rows.iter().any(|row| row.group == RowGroup::Distances) {
+            notes.push("distances: difference from the measured distances".to_owned());
+        }
+        if !notes.is_empty() {
+            _ = writeln!(text, "{}\n", notes.join("; "));
+        }
     }
     text
+}
+
+/// Returns "stations 1–3", or "station 1" if it is the only one.
+pub fn all_stations(count: usize) -> String {
+    if count > 1 { format!("stations 1–{count}") } else { "station 1".to_owned() }
 }
 
 /// Formats σ in thousandths (mm or mrad) with `digits` decimals, one more if those would all be zero.

@@ -4,11 +4,13 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, findings, rows};
+use super::json::{SCHEMA, findings};
+use super::rows;
 use super::text::spread_text;
 use resect_core::calibration::Estimate;
-use resect_core::validation::in_words::chance;
-use resect_core::validation::{Cause, LEVEL, Outcome, StationMove, Validation};
+use resect_core::network::USUAL_STATIONS;
+use resect_tools::validation::in_words::chance;
+use resect_tools::validation::{Cause, Outcome, StationMove, Validation, level};
 
 /// Formats verdict and reason, the difference, a test for each station, and the metric.
 pub fn text(found: &Validation) -> String {
@@ -21,7 +23,7 @@ pub fn text(found: &Validation) -> String {
     );
     if let Some(difference) = &found.difference {
         text += "\nown − earlier        x (mm)            y (mm)            z (mm)          yaw (mrad)\n";
-        for slot in 0..2 {
+        for slot in 0..difference.values.len() / 4 {
             let parts = [0, 1, 2, 3].map(|part| {
                 let k = 4 * slot + part;
                 let sigma = difference.covariance[(k, k)].max(0.0).sqrt();
@@ -29,7 +31,7 @@ pub fn text(found: &Validation) -> String {
             });
             _ = writeln!(text, "T1{}        {}", slot + 2, four(&parts).trim_end());
         }
-        _ = writeln!(text, "all eight: {}", chance(difference.p_value));
+        _ = writeln!(text, "all {}: {}", difference.values.len(), chance(difference.p_value));
         text += "\nif it alone moved    x (mm)            y (mm)            z (mm)          yaw (mrad)         not moved     moved alone\n";
         for (station, moved) in difference.stations.iter().enumerate() {
             let parts = [0, 1, 2, 3].map(|part| moved.part(part));
@@ -88,11 +90,11 @@ pub fn json(found: &Validation) -> Value {
         },
         "own_verdict": found.own_verdict,
         // Overall probability that a valid calibration is rejected.
-        "level": LEVEL,
-        // Own minus earlier: x, y, z, yaw of station 2, then of station 3, with the covariance.
+        "level": level(found.difference.as_ref().map_or(USUAL_STATIONS, |found| found.stations.len())),
+        // Own minus earlier: x, y, z, yaw of station 2, then of station 3, …, with the covariance.
         "difference": found.difference.as_ref().map(|difference| json!({
             "values": difference.values.as_slice(),
-            "covariance": rows(&difference.covariance),
+            "covariance": rows::of_matrix(&difference.covariance),
             "chi_square": difference.chi_square,
             "p_value": difference.p_value,
         })),

@@ -10,7 +10,7 @@ use crate::app::model::{
 use crate::app::state::State;
 use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
-use resect_report::copy::{CopyFormat, Part};
+use resect_report::copy::{CopiedTransforms, CopyFormat};
 
 fn file(section: &'static str, name: &str, command: impl Into<Command>) -> Action {
     Action::new(Menu::File, section, name, command)
@@ -149,8 +149,8 @@ pub fn exports(state: &State) -> Vec<Action> {
     let answered = last && state.active().is_some_and(|open| open.summary.is_some());
     let copies = CopyFormat::ALL.into_iter().map(|format| {
         let name = format!("Copy as {}", format.title());
-        let command = ResultsCommand::CopyTransforms(format, Part::Both);
-        Action::new(Menu::Export, "Copy both transforms", name, command).possible(answered)
+        let command = ResultsCommand::CopyTransforms(format, CopiedTransforms::All);
+        Action::new(Menu::Export, "Copy all transforms", name, command).possible(answered)
     });
     let export = |section, name: &str, command: Command| {
         let possible = there && (last || section == "Picture");

@@ -7,7 +7,7 @@ use crate::app::model::{
 use crate::app::state::{State, corrections};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, PriorMethod};
-use resect_core::deployment::{AS_NUMBERED, Finding, Overrides, Remedy};
+use resect_core::deployment::{Finding, Overrides, Remedy, as_numbered};
 use resect_io::override_changes::extras_changes;
 use resect_io::source::Extras;
 
@@ -96,10 +96,11 @@ fn read_with(state: &State, overrides: &Overrides) -> Offer {
     let mut changed: Extras = extras.clone();
     let now = corrections::effective(extras, &open.deployment);
     changed.corrections = overrides.clone().over(changed.corrections);
-    if let Some(stations) = overrides.stations {
+    if let Some(stations) = overrides.stations.clone() {
         // Masks still exclude the same readings.
         changed.corrections.masked = now.masked;
-        changed.corrections.renumber(now.stations.unwrap_or(AS_NUMBERED), stations);
+        let usual = || as_numbered(open.deployment.tracks.len());
+        changed.corrections.renumber(&now.stations.unwrap_or_else(usual), stations);
     }
     let changes = extras_changes(extras, &changed, &open.deployment.as_read);
     let words: Vec<String> = changes.iter().map(ToString::to_string).collect();

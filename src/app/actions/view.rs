@@ -70,11 +70,15 @@ fn camera(state: &State) -> Vec<Action> {
             .key(Key::M)
             .on(measuring),
     ];
-    for station in 0..3 {
+    for station in 0..state.stations() {
         let name = format!("From station {}", station + 1);
-        let keys = [Key::Num1, Key::Num2, Key::Num3];
+        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
         let look = SceneCommand::Look(ViewPreset::Station(station));
-        actions.push(view("Scene", &name, look).key(keys[station]));
+        let action = view("Scene", &name, look);
+        actions.push(match keys.get(station) {
+            Some(key) => action.key(*key),
+            None => action,
+        });
     }
     actions
 }
@@ -192,14 +196,14 @@ fn hiding(state: &State) -> Vec<Action> {
             .hint("Shows everything that the legend or a switch has hidden")
             .possible(*now != now.with_the_whole_scene()),
     ];
-    for one in 0..3 {
+    for one in 0..state.stations() {
         let name = format!("Station {} in the scene", one + 1);
         actions.push(shown(&name, now.stations[one], now.with_station_toggled(one)));
     }
-    for one in 0..3 {
+    for one in 0..state.prisms() {
         let name = format!("Track of prism {}", one + 1);
         let on = now.tracks && now.prisms[one];
-        actions.push(shown(&name, on, now.with_prism_toggled(one)));
+        actions.push(shown(&name, on, now.with_prism_toggled(one, state.prisms())));
     }
     for (place, fate) in SampleFate::ALL.into_iter().enumerate() {
         let name = format!("Readings: {}", fate.label());

@@ -82,8 +82,8 @@ impl Layout {
         if !self.holds(pane) {
             let mut layouts: Vec<Node> = self.preset.map(LayoutPreset::root).into_iter().collect();
             layouts.push(layout_presets::first());
-            // Panes of planning and live deployments are not in the first layout.
-            layouts.extend([LayoutPreset::Plan, LayoutPreset::Live].map(LayoutPreset::root));
+            // Panes of tuning, planning and live deployments are not in the first layout.
+            layouts.extend(LayoutPreset::ALL.map(LayoutPreset::root));
             reopen::reopen(&mut self.tree, &mut self.shares, pane, &layouts);
         }
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));

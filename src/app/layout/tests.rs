@@ -1,10 +1,10 @@
+use crate::app::model::kinds;
 use egui::Vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use resect_core::deployment::FindingKind;
 
 use super::super::behaviour::SIMPLIFICATION;
 use super::*;
@@ -54,10 +54,9 @@ fn read(text: &str) -> (Layout, Vec<Finding>) {
 }
 
 #[test]
-fn every_pane_has_a_place_in_the_first_layout_or_in_those_of_plan_and_live_and_none_has_one_twice()
-{
-    let of = [Layout::default(), LayoutPreset::Plan.into(), LayoutPreset::Live.into()];
-    let placed: Vec<Pane> = of.iter().flat_map(panes).collect();
+fn every_pane_has_a_place_in_the_first_layout_or_in_a_preset_and_none_has_one_twice() {
+    let presets = LayoutPreset::ALL.map(Layout::from);
+    let placed: Vec<Pane> = presets.iter().chain([&Layout::default()]).flat_map(panes).collect();
     assert!(Pane::ALL.iter().all(|pane| placed.contains(pane)), "{placed:?}");
     for (name, layout) in layouts() {
         let (again, findings) = reread(&layout);
@@ -200,7 +199,7 @@ fn an_error_in_a_file_is_corrected_and_reported() {
     }
     let (layout, findings) = read("version = 1\n[root.tabs]\nchildren = []");
     assert_eq!(panes(&layout), panes(&Layout::default()));
-    assert_eq!(findings[0].kind, FindingKind::LayoutInvalid, "{findings:?}");
+    assert_eq!(findings[0].kind, kinds::LAYOUT_INVALID, "{findings:?}");
 }
 
 fn any_node() -> impl Strategy<Value = Node<String>> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use resect_core::deployment::{AzimuthSense, ColumnMapping};
+use resect_core::network::USUAL_STATIONS;
 use resect_io::format::mapped_csv;
 use resect_io::format::mapped_csv::Preview;
 use resect_io::source::Extras;
@@ -43,8 +44,8 @@ pub struct AskedStations {
     pub are: StationsAre,
     /// Names of the topics or files, with further information.
     pub choices: Vec<(String, String)>,
-    /// Index of the choice for each of stations 1, 2, 3.
-    pub stations: [usize; 3],
+    /// Index of the choice for each station.
+    pub stations: Vec<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +68,8 @@ pub struct AskedColumns {
     pub mapping: ColumnMapping,
     pub azimuth: AzimuthSense,
     pub ranges_include_prism_constant: bool,
-    /// Files of stations 1, 2, 3 if each has its own: indices in [`TableHead::alike`].
-    pub files: Option<[usize; 3]>,
+    /// Files of the stations if each has its own: indices in [`TableHead::alike`].
+    pub files: Option<Vec<usize>>,
     /// The first rows, read with the mapping.
     pub preview: Preview,
 }
@@ -114,8 +115,8 @@ impl Asked {
         match self {
             Self::Tracks(asked) => asked.chosen.contains(&true),
             Self::Stations(asked) => {
-                let [a, b, c] = asked.stations;
-                a != b && a != c && b != c && a.max(b).max(c) < asked.choices.len()
+                are_different(&asked.stations)
+                    && asked.stations.iter().all(|choice| *choice < asked.choices.len())
             }
             Self::Columns(asked) => asked.complaint().is_none(),
             Self::Files(asked) => !asked.targets.is_empty(),
@@ -125,7 +126,7 @@ impl Asked {
 }
 
 impl AskedStations {
-    /// Creates the question and proposes stations 1, 2, 3 in the natural order of the names.
+    /// Creates the question and proposes stations 1, 2, … in the natural order of the names.
     pub fn new(place: String, are: StationsAre, choices: Vec<(String, String)>) -> Self {
         Self { place, are, stations: in_natural_order(&choices), choices }
     }
@@ -136,10 +137,11 @@ impl AskedColumns {
         if self.mapping == ColumnMapping::default() {
             self.mapping = mapped_csv::suggest(&head.text);
         }
-        if self.mapping.station.is_none() && head.alike.len() >= 3 {
+        let stations = head.alike.len().min(USUAL_STATIONS);
+        if self.mapping.station.is_none() && stations >= LEAST_FILES {
             let own = head.alike.iter().position(|name| self.path.ends_with(name));
-            let first = own.unwrap_or(0).min(head.alike.len() - 3);
-            self.files = Some([first, first + 1, first + 2]);
+            let first = own.unwrap_or(0).min(head.alike.len() - stations);
+            self.files = Some((first..first + stations).collect());
         }
         self.preview = mapped_csv::preview(&head.text, &self.mapping);
         self.head = Some(head);
@@ -154,11 +156,11 @@ impl AskedColumns {
             return Some("The file is being read…".to_owned());
         }
         if self.mapping.station.is_none() {
-            match self.files {
+            match &self.files {
                 None => {
                     return Some("Choose the station column, or one file per station.".to_owned());
                 }
-                Some([a, b, c]) if a == b || a == c || b == c => {
+                Some(files) if !are_different(files) => {
                     return Some("Each station needs its own file.".to_owned());
                 }
                 Some(_) => {}
@@ -172,8 +174,15 @@ impl AskedColumns {
     }
 }
 
-/// Returns the first three choices in natural order: by the text and the numbers in their names.
-fn in_natural_order(choices: &[(String, String)]) -> [usize; 3] {
+/// Fewest files with one header that are proposed as those of the stations.
+pub const LEAST_FILES: usize = 2;
+
+fn are_different(chosen: &[usize]) -> bool {
+    chosen.iter().enumerate().all(|(place, own)| !chosen[..place].contains(own))
+}
+
+/// Returns the first choices in natural order, as many as there are usually stations: by the text and the numbers in their names.
+fn in_natural_order(choices: &[(String, String)]) -> Vec<usize> {
     let key = |index: &usize| {
         let name = &choices[*index].0;
         let digits = |text: &str| text.chars().all(|c| c.is_ascii_digit());
@@ -191,7 +200,8 @@ fn in_natural_order(choices: &[(String, String)]) -> [usize; 3] {
     };
     let mut order: Vec<usize> = (0..choices.len()).collect();
     order.sort_by_cached_key(key);
-    std::array::from_fn(|station| order.get(station).copied().unwrap_or(0))
+    order.truncate(USUAL_STATIONS);
+    order
 }
 
 #[cfg(test)]
@@ -203,6 +213,6 @@ mod tests {
         let topic = |name: &str| (name.to_owned(), String::new());
         let topics = ["/rts10/point", "/rts2/point", "/rts1/point"].map(topic);
         assert_eq!(in_natural_order(&topics), [2, 1, 0]);
-        assert_eq!(in_natural_order(&topics[..1]), [0, 0, 0]);
+        assert_eq!(in_natural_order(&topics[..1]), [0]);
     }
 }

@@ -1,11 +1,11 @@
 //! The channels that are plotted over time or against another channel, and their visible series.
 
+use resect_core::network::{Number, Pair};
 use serde::{Deserialize, Serialize};
 
 use super::Visibility;
 use crate::app::prepared::channels::{Channel, Sources, Subject};
 use crate::app::prepared::series::Series;
-use resect_core::deployment::pair_label;
 
 /// Plots of the channels pane.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -152,7 +152,7 @@ impl Horizontal {
         match (self.index, self.channel.subject()) {
             (Some(index), Subject::Station) => format!("{column}_station_{}", index + 1),
             (Some(index), Subject::Pair) => {
-                format!("{column}_prisms_{}", pair_label(index).replace('–', "_"))
+                format!("{column}_prisms_{}", Pair::at(index).to_string().replace('–', "_"))
             }
             _ => column.to_owned(),
         }
@@ -315,7 +315,12 @@ impl ChannelPlots {
             let name = subject_name(subject, index);
             Some(SeenSeries { name, subject: (subject, index), series, against })
         };
-        (0..3).filter(is_seen).filter_map(seen).collect()
+        let most = match subject {
+            Subject::Station => visible.stations.len(),
+            Subject::Pair => visible.pairs.len(),
+            Subject::Prism1 | Subject::Vehicle => 1,
+        };
+        (0..most).filter(is_seen).filter_map(seen).collect()
     }
 }
 
@@ -323,7 +328,7 @@ impl ChannelPlots {
 pub fn subject_name(subject: Subject, index: usize) -> String {
     match subject {
         Subject::Station => format!("station {}", index + 1),
-        Subject::Pair => format!("prisms {}", pair_label(index)),
+        Subject::Pair => format!("prisms {}", Pair::at(index)),
         Subject::Prism1 => "prism 1".to_owned(),
         Subject::Vehicle => "vehicle".to_owned(),
     }

@@ -13,7 +13,7 @@ use crate::app::file_dialog::PromptCommand;
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
-use resect_report::copy::{CopyFormat, Part};
+use resect_report::copy::{CopiedTransforms, CopyFormat};
 
 /// A command of a pane, by the component of the state that it changes.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ pub enum ResultsCommand {
     SaveStudyDialog,
 
     /// Copies transforms of the active deployment's result.
-    CopyTransforms(CopyFormat, Part),
+    CopyTransforms(CopyFormat, CopiedTransforms),
     OpenInRerun,
     SaveRecordingDialog,
     SaveTrajectoryDialog,

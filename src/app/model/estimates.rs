@@ -144,7 +144,8 @@ impl Units {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::{FindingKind, Message};
+    use resect_core::deployment::Message;
+    use resect_core::deployment::kinds;
 
     #[test]
     fn sigma_has_two_significant_digits_and_the_value_as_many_decimals() {
@@ -182,7 +183,7 @@ mod tests {
             .angle(corner)
             .text(", ")
             .angle(lean);
-        let finding = Finding::new(FindingKind::StationMoved, message);
+        let finding = Finding::new(kinds::STATION_MOVED, message);
         let told = |angle| Units { angle, ..Units::default() }.message(&finding);
         assert_eq!(finding.to_string(), "turned by +0.500 ± 0.011 mrad at a corner of 90°, -1.0″");
         assert_eq!(

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::background_value::BackgroundValue;
-use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, Judged, Options, names};
+use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, Judged, Options, names};
 
 /// An added trajectory with its options.
 #[derive(Clone, Debug)]

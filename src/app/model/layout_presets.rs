@@ -4,7 +4,7 @@ use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
     Live, Pipeline, PlanMap, PlanNumbers, Prediction, PriorSearch, Rates, Reading, Residuals,
-    Result, Runs, Scene, SideBySide, Studies,
+    Result, Runs, Scene, SideBySide, Solver, Studies,
 };
 
 /// A layout preset for one kind of work.
@@ -73,7 +73,7 @@ impl LayoutPreset {
                     0.4,
                     column([
                         (0.58, tabs(&[Result, Runs, Findings])),
-                        (0.42, tabs(&[Residuals, Histogram, PriorSearch])),
+                        (0.42, tabs(&[Residuals, Histogram, PriorSearch, Solver])),
                     ]),
                 ),
             ]),
@@ -109,7 +109,7 @@ impl LayoutPreset {
     }
 }
 
-/// Layout of the first window, with every pane for a deployment that was driven. Planning and live deployments have presets.
+/// Layout of the first window, with the panes for a deployment that was driven. Tuning, planning and live deployments have presets.
 pub fn first() -> Node {
     row([
         (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),

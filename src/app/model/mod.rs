@@ -14,6 +14,7 @@ pub mod findings;
 pub mod flight;
 pub mod follow;
 pub mod judging;
+pub mod kinds;
 pub mod layout_description;
 pub mod layout_presets;
 pub mod live;
@@ -38,7 +39,7 @@ mod visibility;
 
 pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
-    StationsAre, TableHead,
+    LEAST_FILES, StationsAre, TableHead,
 };
 pub use background_value::BackgroundValue;
 pub use camera::{Camera, Frame, ViewPreset};

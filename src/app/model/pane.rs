@@ -29,6 +29,8 @@ pub enum Pane {
     Guide,
     /// Residuals at the control points.
     ControlPoints,
+    /// Steps of the joint estimate's solver, with its status.
+    Solver,
     /// Ranking of estimated trajectories: which is better, by how much, and at which times they are wrong.
     Evaluation,
     /// The plan in numbers.
@@ -43,7 +45,7 @@ pub enum Pane {
 
 impl Pane {
     /// All panes in menu order.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -61,6 +63,7 @@ impl Pane {
         Self::Findings,
         Self::Reading,
         Self::PriorSearch,
+        Self::Solver,
         Self::Guide,
         Self::ControlPoints,
         Self::PlanMap,
@@ -89,6 +92,7 @@ impl Pane {
             Self::Runs => "Runs",
             Self::Guide => "Guide",
             Self::ControlPoints => "Control points",
+            Self::Solver => "Solver",
             Self::Evaluation => "Evaluation",
             Self::PlanNumbers => "Plan in numbers",
             Self::PlanMap => "Plan",
@@ -118,6 +122,7 @@ impl Pane {
             Self::Runs => "runs",
             Self::Guide => "guide",
             Self::ControlPoints => "control-points",
+            Self::Solver => "solver",
             Self::Evaluation => "evaluation",
             Self::PlanNumbers => "plan-numbers",
             Self::PlanMap => "plan",

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use nalgebra::{Rotation2, Vector2};
 
 use super::background_value::BackgroundValue;
-use resect_core::planning::{FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction};
-use resect_core::simulation::{Preset, Ramp, Waypoint};
+use resect_core::network::{Number, Station};
+use resect_tools::planning::{FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction};
+use resect_tools::simulation::{Preset, Ramp, Waypoint};
 
 /// A plan, with its prediction and proposed improvements.
 pub struct Planning {
@@ -105,7 +106,7 @@ pub fn manoeuvre_name(plan: &Plan, piece: usize) -> String {
 impl Handle {
     /// Returns all handles of a plan.
     pub fn all(plan: &Plan) -> Vec<Self> {
-        let stations = (0..3).map(Self::Station);
+        let stations = (0..plan.stations_m.len()).map(Self::Station);
         let ramps = (0..plan.ground.ramps.len()).map(Self::Ramp);
         let of_way = plan.way.iter().enumerate().flat_map(|(piece, one)| match one {
             Piece::Waypoints(waypoints) => {
@@ -137,7 +138,10 @@ impl Handle {
     /// Returns the position (m, the plan's frame); `None` if the plan has no such handle.
     pub fn place_m(self, plan: &Plan) -> Option<[f64; 2]> {
         Some(match self {
-            Self::Station(station) => [plan.stations_m[station].x, plan.stations_m[station].y],
+            Self::Station(station) => {
+                let station_m = plan.stations_m.get(Station::at(station))?;
+                [station_m.x, station_m.y]
+            }
             Self::Waypoint { piece, index } => match plan.way.get(piece)? {
                 Piece::Waypoints(waypoints) => {
                     let at = waypoints.get(index)?;

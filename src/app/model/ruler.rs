@@ -1,9 +1,9 @@
 //! A distance measured between two points in the scene.
 
 use nalgebra::Vector3;
+use resect_core::network::{Pair, PerPair, PerPrism, Prism};
 
 use super::units::Units;
-use resect_core::deployment::{PAIRS, pair_label};
 
 /// A ruler in the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,8 +19,8 @@ pub struct RulerEnd {
     pub position_m: Vector3<f64>,
     /// Name of the object that the end snapped to.
     pub what: String,
-    /// Prism of the triangle at the cursor, 0 to 2, with which the end moves.
-    pub prism: Option<usize>,
+    /// Prism at the cursor with which the end moves.
+    pub prism: Option<Prism>,
 }
 
 impl Ruler {
@@ -37,9 +37,9 @@ impl Ruler {
     }
 
     /// Returns the present positions of the ends (m, station 1's frame).
-    pub fn ends_m(&self, prisms_m: Option<&[Vector3<f64>; 3]>) -> Vec<Vector3<f64>> {
+    pub fn ends_m(&self, prisms_m: Option<&PerPrism<Vector3<f64>>>) -> Vec<Vector3<f64>> {
         let now = |end: &RulerEnd| match (end.prism, prisms_m) {
-            (Some(prism), Some(prisms_m)) => prisms_m[prism],
+            (Some(prism), Some(prisms_m)) => *prisms_m.get(prism).unwrap_or(&end.position_m),
             _ => end.position_m,
         };
         self.ends.iter().map(now).collect()
@@ -48,23 +48,21 @@ impl Ruler {
     /// Returns the lines of the label; empty until both ends are set.
     pub fn lines(
         &self,
-        prisms_m: Option<&[Vector3<f64>; 3]>,
-        inter_prism_m: Option<&[f64; 3]>,
+        prisms_m: Option<&PerPrism<Vector3<f64>>>,
+        inter_prism_m: Option<&PerPair<f64>>,
         units: Units,
     ) -> Vec<String> {
         let [from_m, to_m] = self.ends_m(prisms_m)[..] else { return Vec::new() };
         let apart_m = to_m - from_m;
         let distance_m = apart_m.norm();
         let mut first = units.length_with_unit(distance_m);
-        let pair = match (self.ends[0].prism, self.ends[1].prism) {
-            (Some(a), Some(b)) => PAIRS.iter().position(|pair| *pair == (a.min(b), a.max(b))),
-            _ => None,
-        };
+        let ends = (self.ends[0].prism, self.ends[1].prism);
+        let pair = if let (Some(a), Some(b)) = ends { Pair::between(a, b) } else { None };
         if let Some(pair) = pair {
-            first = format!("prisms {}: {first}", pair_label(pair));
-            if let Some(known_m) = inter_prism_m.map(|all| all[pair]) {
+            first = format!("prisms {pair}: {first}");
+            if let Some(known_m) = inter_prism_m.and_then(|all_m| all_m.get(pair)) {
                 let off_mm = 1e3 * (distance_m - known_m);
-                first += &format!(", rig {}, {off_mm:+.1} mm", units.length_with_unit(known_m));
+                first += &format!(", rig {}, {off_mm:+.1} mm", units.length_with_unit(*known_m));
             }
         }
         let second = format!(
@@ -79,8 +77,10 @@ impl Ruler {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_core::network::Number;
 
     fn end(position_m: [f64; 3], prism: Option<usize>) -> RulerEnd {
+        let prism = prism.map(Prism::at);
         RulerEnd { position_m: position_m.into(), what: String::new(), prism }
     }
 
@@ -96,15 +96,15 @@ mod tests {
             ["5.3852 m", "horizontal 5.0000 m, height -2.0000 m"]
         );
         // The ends move with the prisms after they are set.
-        let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from);
+        let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from).into();
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(0)));
         assert_eq!(
-            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]), units)[0],
+            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0].into()), units)[0],
             "prisms 1–2: 0.9031 m, rig 0.9021 m, +1.0 mm"
         );
         // A prism with itself is no pair.
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(1)));
-        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]), units)[0], "0.0000 m");
+        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3].into()), units)[0], "0.0000 m");
     }
 
     #[test]

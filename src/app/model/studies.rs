@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
-use resect_core::experiment::{
+use resect_core::progress::Progress;
+use resect_tools::experiment::{
     Comparison, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare, sweep,
 };
-use resect_core::progress::Progress;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

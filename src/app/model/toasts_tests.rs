@@ -1,6 +1,8 @@
 use super::*;
 use crate::app::model::new_findings::forget_past;
-use resect_core::deployment::{FindingKind, Subject};
+use resect_core::deployment::Subject;
+use resect_core::deployment::kinds;
+use resect_io::findings::kinds as file_kinds;
 
 fn texts(toasts: &Toasts) -> Vec<&str> {
     toasts.shown().iter().map(|toast| toast.text.as_str()).collect()
@@ -27,10 +29,9 @@ fn what_is_done_goes_and_errors_stay() {
 #[test]
 fn what_no_longer_holds_is_taken_away() {
     let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
-    let late = |ms: f64| {
-        Finding::new(FindingKind::ClockOffsetSuspected, format!("station 3 is {ms} ms late"))
-    };
-    let jump = Finding::new(FindingKind::ClockStepped, "the clocks jump");
+    let late =
+        |ms: f64| Finding::new(kinds::CLOCK_OFFSET_SUSPECTED, format!("station 3 is {ms} ms late"));
+    let jump = Finding::new(kinds::CLOCK_STEPPED, "the clocks jump");
     toasts.findings((1, "drive"), &[late(2.7)], &mut told);
     toasts.findings((2, "other"), &[late(1.0)], &mut BTreeSet::new());
     toasts.update((1, "drive"), &[late(3.1)].iter());
@@ -53,7 +54,7 @@ fn angles_are_told_in_the_unit_that_is_chosen_while_they_are_shown() {
     use resect_core::deployment::{AngleFormat, Message, MessageAngle};
     let turned = MessageAngle::signed(1e-3, AngleFormat::Milliradians, 2);
     let message = Message::from("station 2 turned by ").angle(turned);
-    let finding = Finding::new(FindingKind::StationMoved, message);
+    let finding = Finding::new(kinds::STATION_MOVED, message);
     let mut toasts = Toasts::default();
     toasts.findings((1, "drive"), &[finding], &mut BTreeSet::new());
     let told = |angle| {
@@ -89,14 +90,14 @@ fn each_finding_is_told_once_and_several_in_one_toast() {
     let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
     let repeated = |station: usize, count: usize| {
         let message = format!("station {}: {count} duplicate stamps", station + 1);
-        Finding::new(FindingKind::StampsRepeated, message).about(Subject::Station(station))
+        Finding::new(file_kinds::STAMPS_REPEATED, message).about(Subject::Station(station))
     };
     let findings = [
-        Finding::new(FindingKind::BagsJoined, "all is well"),
+        Finding::new(file_kinds::BAGS_JOINED, "all is well"),
         repeated(1, 14),
-        Finding::new(FindingKind::StationWithoutReadings, "station 3 has no measurement"),
+        Finding::new(file_kinds::STATION_WITHOUT_READINGS, "station 3 has no measurement"),
     ];
-    let short = Finding::new(FindingKind::FewTimeBlocks, "the drive is short");
+    let short = Finding::new(kinds::FEW_TIME_BLOCKS, "the drive is short");
     toasts.findings((1, "day 1"), &findings, &mut told);
     assert_eq!(texts(&toasts), ["2 warnings about day 1"]);
     assert_eq!(toasts.shown()[0].detail, "station 3 has no measurement");

@@ -6,8 +6,8 @@
 use super::Units;
 use super::judging::Added;
 use resect_core::analysis::{Settings, setting_changes};
-use resect_core::planning::Plan;
 use resect_io::source::Extras;
+use resect_tools::planning::Plan;
 
 /// Longest pause between changes of the same setting in one step (s), as while a key repeats.
 const SAME_STEP_S: f64 = 0.5;
@@ -316,7 +316,7 @@ mod tests {
         let mut stack = UndoStack::default();
         stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
         let mut extras = Extras::default();
-        extras.corrections.stations = Some([1, 3, 2]);
+        extras.corrections.stations = Some([1, 3, 2].into());
         let words = "station numbers 1 2 3 → 1 3 2".to_owned();
         let what = Changed::Extras { both: Box::new([Extras::default(), extras]), words };
         stack.record(vec![Change { id: 1, what }], at(1.1, None));

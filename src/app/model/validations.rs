@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use resect_core::progress::Progress;
-use resect_core::validation::Validation;
+use resect_tools::validation::Validation;
 
 /// Identifies the result of an open deployment: the deployment's id, and the count of its result.
 pub type AnswerOf = (u64, u64);

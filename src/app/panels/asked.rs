@@ -1,10 +1,12 @@
 //! Questions to the user in a dialog: files, topics, columns, and the purpose of files.
 
 mod columns;
+mod station_count;
 mod trouble;
 
 use egui::RichText;
 
+use self::station_count::choose_number;
 use self::trouble::trouble;
 use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Commands, DialogCommand,
@@ -125,6 +127,7 @@ fn ask_stations(ui: &mut egui::Ui, asked: &AskedStations, commands: &mut Command
             ui.end_row();
         }
     });
+    choose_number(ui, &mut edited.stations, asked.choices.len());
     if !Asked::Stations(edited.clone()).is_answered() {
         trouble(ui, &format!("Each station needs a {what} of its own."));
     }

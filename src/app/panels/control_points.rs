@@ -7,7 +7,7 @@ use crate::app::model::{Commands, SceneCommand};
 use crate::app::prepared::control_points::{PointResidual, residuals};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Width of a column for a name or a number (points).
 const COLUMN: f32 = 50.0;
@@ -73,7 +73,7 @@ fn grid(name: &str) -> egui::Grid {
 /// Shows a row for each station that measured the point.
 fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
-    let stations = (0..3).filter_map(|station| Some((station, point.residuals_m[station]?)));
+    let stations = (point.residuals_m.iter().enumerate()).filter_map(|(k, own)| Some((k, (*own)?)));
     for (row, (station, residual_m)) in stations.enumerate() {
         if row == 0 {
             let button = ui.add(egui::Button::new(RichText::new(&point.name).strong()).small());
@@ -86,7 +86,7 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
         } else {
             ui.weak(&point.name);
         }
-        let colour = theme::readable(palette::STATIONS[station], dark);
+        let colour = theme::readable(palette::station(station), dark);
         ui.label(RichText::new((station + 1).to_string()).color(colour));
         for axis_m in residual_m.iter() {
             number_cell(ui, format!("{:+.2}", 1e3 * axis_m), FIGURES);

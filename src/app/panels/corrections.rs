@@ -5,6 +5,7 @@ mod files;
 mod times;
 
 use egui::RichText;
+use resect_core::network::{Number, Pair, PerPair, PerStation};
 
 use crate::app::model::{Commands, DeploymentCommand, OpenDeployment};
 use crate::app::state::State;
@@ -12,7 +13,7 @@ use crate::app::state::corrections::{effective, exchanged, take_unfold};
 use crate::app::theme;
 use crate::app::words;
 use resect_core::deployment::{
-    AS_NUMBERED, AzimuthSense, Deployment, Overrides, PrismConstants, Severity, pair_label,
+    AzimuthSense, Deployment, Overrides, PrismConstants, Severity, as_numbered,
 };
 use resect_io::override_changes::extras_changes;
 use resect_io::source::Extras;
@@ -116,18 +117,18 @@ impl ShownCorrections<'_> {
     }
 
     fn constants(&self, ui: &mut egui::Ui, changed: &mut Extras) {
-        let own = self.extras.corrections.prism_constant_m;
-        let read = self.deployment().as_read.prism_constant_m.unwrap_or_default();
+        let own = self.extras.corrections.prism_constant_m.as_ref();
+        let read = self.deployment().as_read.prism_constant_m.clone().unwrap_or_default();
         if name(ui, "Prism constant", own.map(|_| read.in_words())) {
             changed.corrections.prism_constant_m = None;
         }
-        let now = self.now.prism_constant_m.unwrap_or_default();
-        let each = now.each_m();
+        let now = self.now.prism_constant_m.clone().unwrap_or_default();
+        let each = now.each_m(self.deployment().tracks.len());
         let each_id = ui.scope_id().with(("a constant each", self.open.id));
         let mut apart = matches!(now, PrismConstants::Each(_))
             || ui.data(|data| data.get_temp::<bool>(each_id)).unwrap_or(false);
         ui.horizontal_wrapped(|ui| {
-            let shown = if apart { &each[..] } else { &each[..1] };
+            let shown = if apart { each.as_slice() } else { &each.as_slice()[..1] };
             for (station, constant_m) in shown.iter().enumerate() {
                 let mut mm = constant_m * 1e3;
                 let label = match apart {
@@ -135,7 +136,7 @@ impl ShownCorrections<'_> {
                     false => "Prism constant of all stations".to_owned(),
                 };
                 if number(ui, &label, &mut mm, 1, " mm") {
-                    let mut each = each;
+                    let mut each = each.clone();
                     each[station] = mm / 1e3;
                     changed.corrections.prism_constant_m = Some(match apart {
                         true => PrismConstants::Each(each),
@@ -162,32 +163,34 @@ impl ShownCorrections<'_> {
     }
 
     fn distances(&self, ui: &mut egui::Ui, changed: &mut Extras) {
-        let own = self.extras.corrections.inter_prism_m;
-        let read = self.deployment().as_read.inter_prism_m;
+        let own = self.extras.corrections.inter_prism_m.as_ref();
+        let read = self.deployment().as_read.inter_prism_m.as_ref();
         let as_read = own.map(|_| match read {
-            Some(all) => all.map(|m| format!("{m:.4}")).join(", ") + " m",
+            Some(all) => all.map(|m| format!("{m:.4}")).as_slice().join(", ") + " m",
             None => "not known".to_owned(),
         });
         if name(ui, "Inter-prism distances", as_read) {
             changed.corrections.inter_prism_m = None;
         }
-        distance_fields(ui, self.open, self.now.inter_prism_m, changed);
+        distance_fields(ui, self.open, self.now.inter_prism_m.clone(), changed);
     }
 
     fn stations(&self, ui: &mut egui::Ui, changed: &mut Extras) {
-        let own = self.extras.corrections.stations;
-        let in_words = |numbers: [i64; 3]| numbers.map(|n| n.to_string()).join(", ");
-        let read = self.deployment().as_read.stations.unwrap_or(AS_NUMBERED);
+        let own = self.extras.corrections.stations.as_ref();
+        let in_words =
+            |numbers: &PerStation<i64>| numbers.map(ToString::to_string).as_slice().join(", ");
+        let stations = self.deployment().tracks.len();
+        let usual = as_numbered(stations);
+        let read = self.deployment().as_read.stations.as_ref().unwrap_or(&usual);
+        let now = self.now.stations.as_ref().unwrap_or(&usual);
         if name(ui, "Station numbers", own.map(|_| in_words(read))) {
-            let now = self.now.stations.unwrap_or(AS_NUMBERED);
             changed.corrections.masked.clone_from(&self.now.masked);
-            changed.corrections.renumber(now, read);
+            changed.corrections.renumber(now, read.clone());
         }
-        let now = self.now.stations.unwrap_or(AS_NUMBERED);
-        ui.label(format!("Stations 1, 2, 3 are {} of the files", in_words(now)));
+        ui.label(format!("Stations {} are {} of the files", in_words(&usual), in_words(now)));
         ui.horizontal_wrapped(|ui| {
             ui.label("Exchange");
-            for [a, b] in [[0, 1], [0, 2], [1, 2]] {
+            for [a, b] in Pair::among(stations).map(Pair::indices) {
                 let button = ui.button(format!("{} and {}", a + 1, b + 1));
                 let label = format!("Exchange stations {} and {}", a + 1, b + 1);
                 button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
@@ -238,24 +241,25 @@ impl ShownCorrections<'_> {
     }
 }
 
-/// Fields for the three distances, also if none is known; they take effect once all three are entered.
+/// Fields for the distances, also if none is known; they take effect once all are entered.
 pub fn distance_fields(
     ui: &mut egui::Ui,
     open: &OpenDeployment,
-    known_m: Option<[f64; 3]>,
+    known_m: Option<PerPair<f64>>,
     changed: &mut Extras,
 ) {
     // The distances entered so far, if none are known.
     let typed_id = egui::Id::unique("distances typed").with(open.id);
-    let so_far: Option<[f64; 3]> = ui.data(|data| data.get_temp(typed_id)).unwrap_or_default();
-    let mut all_m = known_m.or(so_far).unwrap_or_default();
+    let so_far: Option<PerPair<f64>> = ui.data(|data| data.get_temp(typed_id)).unwrap_or_default();
+    let of_own_prisms = || PerPair::repeat(Pair::count(open.deployment.tracks.len()), 0.0);
+    let mut all_m = known_m.or(so_far).unwrap_or_else(of_own_prisms);
     let mut entered = false;
     ui.horizontal_wrapped(|ui| {
         for (pair, distance_m) in all_m.iter_mut().enumerate() {
-            let label = format!("Distance of prisms {}", pair_label(pair));
+            let label = format!("Distance of prisms {}", Pair::at(pair));
             // The name is inside the field, so that a line break cannot separate it from the number.
             entered |= typed(ui, (&label, " m"), distance_m, |field| {
-                field.prefix(format!("{}:  ", pair_label(pair))).fixed_decimals(4)
+                field.prefix(format!("{}:  ", Pair::at(pair))).fixed_decimals(4)
             });
         }
     });

@@ -11,9 +11,10 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Calibration;
 use resect_core::calibration::inter_prism::observability::Hold;
-use resect_core::deployment::{Deployment, Severity, pair_label};
-use resect_core::palette;
+use resect_core::deployment::{Deployment, Severity};
+use resect_core::network::{Number, Pair};
 use resect_report::glossary;
+use resect_tools::palette;
 
 /// Indentation of a line below a deployment's name (points).
 const BELOW_A_NAME: f32 = 18.0;
@@ -145,7 +146,7 @@ fn rig(ui: &mut egui::Ui, deployment: &Deployment) {
         Some(rig) => {
             egui::Grid::new("rig").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
                 for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
-                    let name = ui.label(format!("Prisms {}", pair_label(pair)));
+                    let name = ui.label(format!("Prisms {}", Pair::at(pair)));
                     words::explain(name, &glossary::INTER_PRISM_DISTANCES);
                     ui.monospace(format!("{distance:.4} m"));
                     ui.end_row();
@@ -167,14 +168,21 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
     }
     let dark = ui.visuals().dark_mode;
     let mut visibility = state.scene.visibility;
-    egui::Grid::new("stations").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {
+    let is_named = open.deployment.tracks.iter().any(|track| track.name.is_some());
+    egui::Grid::new("stations").num_columns(4).spacing([10.0, 3.0]).show(ui, |ui| {
         for (station, track) in open.deployment.tracks.iter().enumerate() {
             let name = format!("Station {}", station + 1);
             let text =
-                egui::RichText::new(name).color(theme::readable(palette::STATIONS[station], dark));
-            ui.checkbox(&mut visibility.stations[station], text);
+                egui::RichText::new(name).color(theme::readable(palette::station(station), dark));
+            let shown = ui.checkbox(&mut visibility.stations[station], text);
+            if let Some(name) = &track.name {
+                shown.on_hover_text(name);
+            }
             ui.label(format!("{} readings", track.measurements.len()));
             ui.label(format!("to {:.0} m", open.longest_range_m[station]));
+            if is_named {
+                ui.weak(track.name.as_deref().unwrap_or_default());
+            }
             ui.end_row();
         }
     });
@@ -197,27 +205,28 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
     }
 }
 
-/// Shows switches for the uncertainty of stations 2 and 3.
+/// Shows switches for the uncertainty of the stations.
 fn what_is_known(ui: &mut egui::Ui, open: &OpenDeployment, visibility: &mut Visibility) {
     let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.as_deref().ok());
     let calibration = answer.map(|answer| &answer.calibration);
     let stated = calibration.is_some_and(|calibration| calibration.covariance.is_some());
-    let weak = calibration
-        .and_then(Calibration::inter_prism)
-        .is_some_and(|details| details.observability.count(Hold::Held) < 8);
+    let weak = calibration.and_then(Calibration::inter_prism).is_some_and(|details| {
+        let observed = &details.observability;
+        observed.count(Hold::Held) < observed.directions.len()
+    });
     ui.horizontal(|ui| {
         ui.label("Stations");
         let ellipsoids = egui::Checkbox::new(&mut visibility.station_ellipsoids, "σ");
         let ellipsoids = ui.add_enabled(stated, ellipsoids);
         words::mark(&ellipsoids, &[&glossary::ELLIPSOID, &glossary::SIGMA]);
         ellipsoids
-            .on_hover_text("95 % confidence ellipsoids of stations 2 and 3")
+            .on_hover_text("95 % confidence ellipsoids of the other stations")
             .on_disabled_hover_text("No σ: a direction is unobservable");
         let arrows = egui::Checkbox::new(&mut visibility.weak_directions, "weak directions");
         let arrows = ui.add_enabled(weak, arrows);
         words::mark(&arrows, &[&glossary::WEAK_DIRECTION]);
         arrows
-            .on_hover_text("Motions of stations 2 and 3 that the distances hardly constrain")
+            .on_hover_text("Motions of the stations that the distances hardly constrain")
             .on_disabled_hover_text("Every direction is observable");
     });
 }

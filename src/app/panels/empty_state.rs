@@ -48,7 +48,7 @@ pub fn ui(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
 fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
     ui.heading("resect");
     ui.label(
-        "Estimates the relative poses of three robotic total stations, and how reliable the result is.",
+        "Estimates the relative poses of robotic total stations, and how reliable the result is.",
     );
     ui.add_space(10.0);
     for (number, (what, how)) in STEPS.iter().enumerate() {

@@ -12,12 +12,12 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Verdict;
-use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
-use resect_core::palette;
 use resect_report::estimates::{
     Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows, verdicts,
 };
+use resect_tools::estimates::odd::{OddOne, OddSpan};
+use resect_tools::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
+use resect_tools::palette;
 
 /// Width of a digit in the table, and least width of a column's heading (points).
 const LETTER: f32 = 7.2;

@@ -15,7 +15,8 @@ use crate::app::model::{Commands, WorkspaceCommand};
 use crate::app::state::State;
 use crate::app::{theme, words};
 use resect_core::calibration::Verdict;
-use resect_core::deployment::{ADVICE, Advice, Finding, Severity, doubts};
+use resect_core::deployment::advice::{ADVICE, Advice};
+use resect_core::deployment::{Finding, Severity, doubts};
 use resect_report::glossary;
 
 /// Greatest number of terms shown below the steps in a search.
@@ -204,8 +205,9 @@ impl<'a> Guide<'a> {
     /// Shows all advice; advice about the present result comes first and is open.
     fn doubts(&self, ui: &mut egui::Ui) {
         let present = self.present_doubts();
-        let is_present =
-            |advice: &Advice| present.iter().any(|finding| advice.kinds.contains(&finding.kind));
+        let is_present = |advice: &Advice| {
+            present.iter().any(|finding| finding.kind.advice.as_ref() == Some(advice))
+        };
         let (now, others): (Vec<&Advice>, Vec<&Advice>) =
             ADVICE.iter().partition(|advice| is_present(advice));
         ui.strong("Causes and remedies");

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::number;
 use crate::app::model::{Added, Commands, JudgingCommand};
 use crate::app::short;
-use resect_core::estimates::{Body, Options, TrajectoryAlignment};
+use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
 
 /// Greatest lever arm (m), and greatest time offset (s), which allows clocks that start in 1970.
 const LONGEST_LEVER_M: f64 = 100.0;

@@ -15,9 +15,9 @@ use crate::app::theme;
 use resect_core::calibration::Verdict;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::deployment::Severity;
-use resect_core::palette;
 use resect_live::status::StationStatus;
 use resect_live::{Link, View};
+use resect_tools::palette;
 
 const LARGE: f32 = 34.0;
 const MIDDLE: f32 = 18.0;
@@ -144,7 +144,7 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus, has_end
         let (place, _) = ui.allocate_exact_size(Vec2::splat(LAMP), egui::Sense::hover());
         ui.painter().circle_filled(place.center(), LAMP / 2.0, lamp);
         let name = RichText::new(format!("{}", station + 1)).size(MIDDLE).strong();
-        ui.label(name.color(theme::readable(palette::STATIONS[station], dark)));
+        ui.label(name.color(theme::readable(palette::station(station), dark)));
         ui.label(RichText::new(words).size(MIDDLE));
     });
     let mut line = |name: &str, value: Option<String>| {

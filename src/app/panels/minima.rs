@@ -18,12 +18,13 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
                 }
                 ui.end_row();
                 for basin in &details.basins {
-                    let [_, t12, t13] = &basin.station1_from_station;
-                    let lines = [("T12", t12), ("T13", t13)].map(|(name, t)| {
+                    let transforms = basin.station1_from_station.each().skip(1);
+                    let lines = transforms.map(|(station, t)| {
                         let [x, y, z] = <[f64; 3]>::from(t.translation_m).map(|m| units.length(m));
                         let (length, yaw) = (units.length.name(), units.angle_with_unit(t.yaw_rad));
-                        format!("{name}  {x}  {y}  {z} {length}, yaw {yaw}")
+                        format!("T1{station}  {x}  {y}  {z} {length}, yaw {yaw}")
                     });
+                    let lines: Vec<String> = lines.collect();
                     ui.label(details.role(basin)).on_hover_text(lines.join("\n"));
                     let rms_mm = basin.mean_square_m2.sqrt() * 1e3;
                     number_cell(ui, format!("{rms_mm:.2}"), 8);

@@ -29,6 +29,7 @@ pub mod result;
 pub mod runs;
 pub mod shortcuts;
 pub mod side_by_side;
+pub mod solver;
 pub mod studies;
 pub mod time_bar;
 pub mod toasts;
@@ -37,6 +38,6 @@ pub mod validation;
 mod widgets;
 
 use widgets::{
-    MARGIN, SHORTEST_WAIT, finding, heading, number_cell, number_head, remedies_of, right_aligned,
-    scrolled, use_pinned,
+    MARGIN, SHORTEST_WAIT, fewer_or_more, finding, heading, number_cell, number_head, remedies_of,
+    right_aligned, scrolled, use_pinned,
 };

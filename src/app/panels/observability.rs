@@ -6,9 +6,9 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::inter_prism::drive_shape::{DriveShape, PlanView};
 use resect_core::calibration::inter_prism::observability::{Direction, Hold, Observability};
-use resect_core::palette;
 use resect_report::glossary;
 use resect_report::text::sigma_text;
+use resect_tools::palette;
 
 const BAR: Vec2 = Vec2::new(84.0, 12.0);
 /// Left end of a bar: the information that noise alone gives to an unobservable direction.
@@ -25,7 +25,7 @@ pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
             row(ui, direction);
         }
         ui.small(
-            "Bars: information of the distances about each motion of stations 2 and 3, relative to the largest, on a log \
+            "Bars: information of the distances about each motion of the stations, relative to the largest, on a log \
              scale from 1e-7 to 1. Beside them: σ along each at the track. The least certain motion is a combination of them.",
         );
         let lead = if doubtful { "Drive next" } else { "To improve the first direction" };

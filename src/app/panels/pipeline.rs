@@ -11,9 +11,10 @@ use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::{
-    Alignment, CalibrationSettings, Evidence, Method, Offer, PriorMethod, SIGMA_DISTANCES, Targets,
+    Alignment, CalibrationSettings, Evidence, Method, Offer, PriorMethod, SIGMA_DISTANCES,
 };
 use resect_core::deployment::Deployment;
+use resect_core::network::Prism;
 use resect_core::number_setting::NumberSetting;
 use resect_core::pipeline::{
     Interpolation, Interval, PipelineSettings, RATE, SampleFate, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S,
@@ -74,13 +75,14 @@ struct Counts {
 impl Counts {
     fn of(deployment: &Deployment, analysis: &Analysis) -> Self {
         let out = &analysis.pipeline;
+        let stations = out.fates.len();
         let rejected: usize = SampleFate::ALL
             .into_iter()
             .filter(|fate| matches!(fate, SampleFate::Rejected(_)))
-            .map(|fate| (0..3).map(|station| out.count(station, fate)).sum::<usize>())
+            .map(|fate| (0..stations).map(|station| out.count(station, fate)).sum::<usize>())
             .sum();
         let all: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
-        let left_out = (0..3).map(|station| out.count(station, SampleFate::LeftOut)).sum();
+        let left_out = (0..stations).map(|station| out.count(station, SampleFate::LeftOut)).sum();
         let raw = all - left_out;
         Self {
             raw,
@@ -202,7 +204,7 @@ fn calibration(
         match method {
             Method::TwoPoint => {}
             // With one prism there are no distances.
-            Method::Joint if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) => {}
+            Method::Joint if offer.is_some_and(|offer| Prism::is_one(&offer.followed)) => {}
             Method::StaticGcp | Method::DynamicGcp => {
                 ui.horizontal(|ui| {
                     words::explain(ui.label("alignment"), &glossary::LEVEL);
@@ -240,7 +242,7 @@ fn missing_evidence(deployment: Option<&Deployment>, offer: Option<&Offer>) -> M
     let Some(deployment) = deployment else { return MissingEvidence::default() };
     let control_points =
         deployment.control_points.is_empty().then_some("The deployment has no control points");
-    let rig = if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) {
+    let rig = if offer.is_some_and(|offer| Prism::is_one(&offer.followed)) {
         Some("One prism has no inter-prism distances")
     } else {
         deployment.rig.is_none().then_some("The inter-prism distances are unknown")

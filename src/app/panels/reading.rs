@@ -1,6 +1,7 @@
 //! A raw reading, picked in the scene or in a plot: numbers, fate, and reason.
 
 use egui::RichText;
+use resect_core::network::{Number, Pair};
 
 use super::{heading, number_cell, scrolled};
 use crate::app::model::units::without_negative_zero;
@@ -9,11 +10,11 @@ use crate::app::state::{State, corrections};
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::{Severity, pair_label};
-use resect_core::palette;
+use resect_core::deployment::Severity;
 use resect_core::pipeline::SampleFate;
 use resect_core::pipeline::explanation::{Explanation, Rate, Step, explain};
 use resect_report::glossary;
+use resect_tools::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -39,8 +40,8 @@ fn how_to_pick(ui: &mut egui::Ui, analysis: &Analysis, commands: &mut Commands) 
     ui.label(
         "Click a reading in the scene, or a point in a plot of rates, to see if it is used and why.",
     );
-    let first = (0..3).find_map(|station| {
-        let index = analysis.pipeline.fates[station].each.iter().position(is_rejected)?;
+    let first = analysis.pipeline.fates.iter().enumerate().find_map(|(station, fates)| {
+        let index = fates.each.iter().position(is_rejected)?;
         Some(Picked { station, index })
     });
     let button = egui::Button::new("First rejected reading");
@@ -63,7 +64,7 @@ fn show(
     let Explanation { station, index, fate, .. } = *explained;
     let count = open.deployment.tracks[station].measurements.len();
     ui.horizontal_wrapped(|ui| {
-        let colour = theme::readable(palette::STATIONS[station], dark);
+        let colour = theme::readable(palette::station(station), dark);
         ui.label(RichText::new(format!("Station {}", station + 1)).strong().color(colour));
         ui.label(format!("reading {} of {count}", index + 1));
     });
@@ -218,18 +219,18 @@ fn rates(ui: &mut egui::Ui, step: &Step, units: Units) {
 fn distance_errors(ui: &mut egui::Ui, analysis: &Analysis, time_s: f64) {
     let answer = analysis.answer.as_ref().ok();
     let errors_mm = answer.zip(analysis.triplets().nearest(time_s)).and_then(|(answer, index)| {
-        let of = |pair: usize| answer.evaluation.distance_errors_mm[pair].get(index).copied();
-        Some([of(0)?, of(1)?, of(2)?])
+        let errors_mm = answer.evaluation.distance_errors_mm.iter();
+        errors_mm.map(|own| own.get(index).copied()).collect::<Option<Vec<f64>>>()
     });
-    let Some(errors_mm) = errors_mm else {
+    let Some(errors_mm) = errors_mm.filter(|errors_mm| !errors_mm.is_empty()) else {
         ui.weak("No triplet near it, or no result.");
         return;
     };
     let dark = ui.visuals().dark_mode;
     egui::Grid::new("errors").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         for (pair, error_mm) in errors_mm.into_iter().enumerate() {
-            let colour = theme::readable(palette::PAIRS[pair], dark);
-            ui.label(RichText::new(format!("prisms {} (mm)", pair_label(pair))).color(colour));
+            let colour = theme::readable(palette::pair(pair), dark);
+            ui.label(RichText::new(format!("prisms {} (mm)", Pair::at(pair))).color(colour));
             number_cell(ui, format!("{error_mm:+.2}"), 8);
             ui.end_row();
         }

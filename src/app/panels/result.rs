@@ -26,11 +26,11 @@ use crate::app::words;
 use resect_core::analysis::{Analysis, Answer, Settings};
 use resect_core::calibration::{Calibration, Verdict, recommend};
 use resect_core::deployment::{Deployment, Finding, Severity, doubts};
-use resect_core::palette;
 use resect_core::pipeline::SampleFate;
 use resect_report::glossary;
 use resect_report::summary::ResultSummary;
 use resect_report::text;
+use resect_tools::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some((open, analysis)) = state.analysed()
@@ -80,14 +80,9 @@ fn not_calibrated(deployment: &Deployment) -> Option<String> {
     }
     match deployment.stations_with_readings()[..] {
         [only] => Some(format!(
-            "A calibration needs three stations, and only station {} has measurements. Its prism's positions are the ground \
+            "A calibration needs several stations, and only station {} has measurements. Its prism's positions are the ground \
              truth. {USE}",
             only + 1
-        )),
-        [first, second] => Some(format!(
-            "A calibration needs three stations, and only stations {} and {} have measurements. Each is shown in its own frame.",
-            first + 1,
-            second + 1
         )),
         _ => None,
     }
@@ -97,9 +92,9 @@ fn not_calibrated(deployment: &Deployment) -> Option<String> {
 fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let Some(extras) = state.extras().filter(|_| open.deployment.rig.is_none()) else { return };
     ui.add_space(6.0);
-    ui.label("The inter-prism distances are unknown. Enter all three, or choose a rig file:");
+    ui.label("The inter-prism distances are unknown. Enter them, or choose a rig file:");
     let mut changed = extras.clone();
-    distance_fields(ui, open, extras.corrections.inter_prism_m, &mut changed);
+    distance_fields(ui, open, extras.corrections.inter_prism_m.clone(), &mut changed);
     if changed != *extras {
         commands.push(DeploymentCommand::Correct(changed).into());
     }
@@ -120,8 +115,10 @@ fn show(
     let recommendation = recommend(calibration, &open.deployment);
     let stated = recommendation::stated(&recommendation).filter(|_| !open.joint_follows());
     reasons(ui, state, (&calibration.findings, stated), commands);
-    heading(ui, "Transforms into station 1");
-    transforms::table(ui, &rows, units);
+    if calibration.station1_from_station.len() > 1 {
+        heading(ui, "Transforms into station 1");
+        transforms::table(ui, &rows, units);
+    }
     if !state.workspace.picturing {
         copies(ui, state, open, (analysis, answer), commands);
     }
@@ -137,7 +134,7 @@ fn show(
         correlations::ui(ui, &correlation);
     }
     let points = &open.deployment.control_points;
-    metrics::ui(ui, &answer.evaluation, analysis.offer.targets, points);
+    metrics::ui(ui, &answer.evaluation, &analysis.offer.followed, points);
 }
 
 /// Offers the transforms for other programs, and the result as text and as a pin.
@@ -198,7 +195,7 @@ fn head(
     }
     verdict(ui, calibration);
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
-        let what = metrics::name(analysis.offer.targets);
+        let what = metrics::name(&analysis.offer.followed);
         let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
         words::explain(ui.label(text), &glossary::INTER_PRISM_METRIC);
     }

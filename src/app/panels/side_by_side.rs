@@ -105,10 +105,10 @@ impl ComparisonTable<'_> {
             ui.label(method.short_name()).on_hover_text(method.title());
         });
         let transforms = columns::transforms(&self.columns, self.reference, state.workspace.units);
-        for (index, transform) in ["T12", "T13"].into_iter().enumerate() {
+        for (index, number) in (2..=columns::stations(&self.columns)).enumerate() {
             for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
                 let cell = |column: usize| &transforms[column][4 * index + axis];
-                self.numbers(ui, &format!("{name} of {transform}"), cell);
+                self.numbers(ui, &format!("{name} of T1{number}"), cell);
             }
         }
         for row in columns::estimates(&self.columns, self.reference, state.workspace.units) {

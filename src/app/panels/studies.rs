@@ -7,8 +7,8 @@ use crate::app::plots::{chart, in_the_middle};
 use crate::app::state::State;
 use crate::app::words;
 use resect_core::calibration::Method;
-use resect_core::experiment::{Parameter, Sweep};
 use resect_report::box_chart;
+use resect_tools::experiment::{Parameter, Sweep};
 
 const OPTIONS_WIDTH: f32 = 256.0;
 const NARROW_WIDTH: f32 = 600.0;

@@ -6,7 +6,7 @@ use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
 use crate::app::model::{Command, Commands, Units, WorkspaceCommand};
 use crate::app::theme;
 use resect_core::deployment::Severity;
-use resect_core::palette;
+use resect_tools::palette;
 
 /// More lines than this scroll.
 const MOST_LINES: f32 = 5.0;

@@ -7,10 +7,10 @@ use crate::app::model::{Commands, ResultsCommand, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use resect_core::palette;
-use resect_core::validation::in_words::chance;
-use resect_core::validation::{Difference, Validation};
 use resect_report::glossary;
+use resect_tools::palette;
+use resect_tools::validation::in_words::chance;
+use resect_tools::validation::{Difference, Validation};
 
 /// Shows the validations if another deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {

@@ -1,5 +1,7 @@
 //! Widgets that several panes share.
 
+use std::ops::RangeInclusive;
+
 use crate::app::actions::remedies;
 use crate::app::model::units::unbroken;
 use crate::app::model::{Commands, ResultsCommand};
@@ -86,6 +88,28 @@ pub fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Comm
 /// Heading of a column of numbers, right-aligned at this width (figures).
 pub fn number_head(ui: &mut egui::Ui, text: &str, width: usize) -> egui::Response {
     right_aligned(ui, egui::RichText::new(text).strong(), width)
+}
+
+/// Shows the buttons for one fewer and one more of some things; returns the number that is chosen.
+pub fn fewer_or_more(
+    ui: &mut egui::Ui,
+    what: &str,
+    count: usize,
+    range: RangeInclusive<usize>,
+) -> Option<usize> {
+    let button = |ui: &mut egui::Ui, text: String, enabled: bool| {
+        ui.add_enabled(enabled, egui::Button::new(text)).clicked()
+    };
+    let buttons = ui.horizontal(|ui| {
+        let fewer = button(ui, format!("− {what}"), count > *range.start());
+        let more = button(ui, format!("+ {what}"), count < *range.end());
+        (fewer, more)
+    });
+    match buttons.inner {
+        (true, _) => Some(count - 1),
+        (_, true) => Some(count + 1),
+        _ => None,
+    }
 }
 
 /// A number of a column, right-aligned at this width (figures).

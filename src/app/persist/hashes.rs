@@ -70,6 +70,7 @@ impl HashCache {
 
 #[cfg(test)]
 mod tests {
+    use crate::app::model::kinds;
     use std::fs::File;
 
     use super::*;
@@ -101,13 +102,13 @@ mod tests {
             assert_eq!((finding.kind, &finding.subject), (kind, &Some(Subject::File(path))));
         };
         assert_eq!(findings.len(), 3, "{findings:?}");
-        is(0, FindingKind::SessionFileChanged, "longer");
+        is(0, kinds::SESSION_FILE_CHANGED, "longer");
         assert_eq!(
             [3.0, 4.0].map(Some),
             ["bytes_before", "bytes_now"].map(|n| findings[0].value(n))
         );
-        is(1, FindingKind::SessionFileChanged, "other");
-        is(2, FindingKind::SessionFileMissing, "gone");
+        is(1, kinds::SESSION_FILE_CHANGED, "other");
+        is(2, kinds::SESSION_FILE_MISSING, "gone");
     }
 
     #[test]

@@ -12,13 +12,13 @@ use crate::app::model::{
 };
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
-use resect_core::planning::Plan;
 use resect_core::progress::Progress;
 use resect_io::atomic::WriteError;
 use resect_io::error::OpenError;
 use resect_io::source::Source;
 use resect_io::windows::reading_remedy;
 use resect_report::summary::ResultSummary;
+use resect_tools::planning::Plan;
 
 /// Extension of a session file.
 pub const EXTENSION: &str = "resect.toml";

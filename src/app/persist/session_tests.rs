@@ -1,5 +1,5 @@
+use crate::app::model::kinds;
 use proptest::prelude::*;
-use resect_core::deployment::FindingKind;
 
 use std::sync::{Arc, OnceLock};
 
@@ -18,12 +18,12 @@ use crate::app::prepared::channels::Channel;
 use resect_core::analysis::Analyst;
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
-use resect_core::estimates::{Body, Options, TrajectoryAlignment};
 use resect_core::progress::Progress;
 use resect_io::sample::Sample;
 use resect_io::source::Extras;
 use resect_io::source::Source;
 use resect_report::summary::ResultSummary;
+use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
 
 fn session(folder: &Path) -> Session {
     let deployment = Sample::Hd2Tunnel.open().expect("built in");
@@ -135,7 +135,7 @@ fn files_that_changed_since_are_named() {
     std::fs::write(folder.path().join("data/tracks.csv"), "abcd").expect("written");
     let findings = cache.changed(files.marks(&cache));
     assert_eq!(findings.len(), 1);
-    assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
+    assert_eq!(findings[0].kind, kinds::SESSION_FILE_CHANGED, "{findings:?}");
     // Saving again keeps the marks of the original files.
     back.save(&path, &cache).expect("saved");
     assert!(std::fs::read_to_string(&path).expect("there").contains("bytes = 3"));

@@ -10,10 +10,10 @@ use crate::app::model::findings::{session_part_unknown, session_plan_invalid};
 use crate::app::model::{LayoutDescription, SavedEstimate};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Finding;
-use resect_core::estimates::Options;
-use resect_core::planning::Plan;
 use resect_io::source::{Extras, Place, Source, TrajectoryFile};
 use resect_io::windows;
+use resect_tools::estimates::Options;
+use resect_tools::planning::Plan;
 
 /// Format version that this program writes.
 pub const VERSION: u32 = 1;

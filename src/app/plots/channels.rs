@@ -17,9 +17,9 @@ use crate::app::model::{ChannelPlots, Commands, OpenDeployment, TimeCommand};
 use crate::app::prepared::channels::{Channel, Subject};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::estimates::Judged;
-use resect_core::palette;
 use resect_core::pipeline::SampleFate;
+use resect_tools::estimates::Judged;
+use resect_tools::palette;
 
 /// Narrower panes show the choice of channels and the switches of their series on separate lines (points).
 const NARROW: f32 = 640.0;
@@ -145,8 +145,10 @@ fn nothing<'a>(open: &'a OpenDeployment, plots: &ChannelPlots, shared: &SharedPl
 fn fates(ui: &mut egui::Ui, open: &OpenDeployment) {
     let Some(analysis) = open.analysis.as_deref() else { return };
     let dark = ui.visuals().dark_mode;
-    let occurs =
-        |fate: &SampleFate| (0..3).any(|station| analysis.pipeline.count(station, *fate) > 0);
+    let occurs = |fate: &SampleFate| {
+        (0..analysis.pipeline.fates.len())
+            .any(|station| analysis.pipeline.count(station, *fate) > 0)
+    };
     for fate in SampleFate::ALL.into_iter().filter(occurs).filter(|it| *it != SampleFate::Kept) {
         let text = format!("× {}", fate.label());
         ui.label(RichText::new(text).small().color(theme::readable(palette::fate(fate), dark)));

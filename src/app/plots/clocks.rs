@@ -1,4 +1,4 @@
-//! Clocks over time: each station's clock against the synchronised time, and the estimated offsets of stations 2 and 3 from station 1.
+//! Clocks over time: each station's clock against the synchronised time, and the estimated offsets from station 1.
 
 use std::fmt::Write;
 
@@ -14,7 +14,8 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::Estimate;
-use resect_core::palette;
+use resect_core::network::PerStation;
+use resect_tools::palette;
 
 /// Least range of the plot (ms), above the noise of drawing.
 const LEAST_MS: f64 = 1.0;
@@ -27,7 +28,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let times = Times::of(open, state);
     let estimated = Estimated::of(analysis);
     let told = |station: usize| open.plots.readings.clocks[station].median_s.is_some();
-    if !(0..3).any(told) && estimated.is_none() {
+    if !(0..state.stations()).any(told) && estimated.is_none() {
         nothing(ui);
         return;
     }
@@ -56,9 +57,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         TimePlot { strip: &strip, name: "clocks over time", times: &times, y_bounds: bounds_ms };
     let axis = strip.value_axis("clock", "ms");
     let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
-        for station in (0..3).filter(|station| stations[*station]) {
+        for station in (0..readings.clocks.len()).filter(|station| stations[*station]) {
             let clock = &readings.clocks[station];
-            let colour = theme::rgb(palette::STATIONS[station]);
+            let colour = theme::rgb(palette::station(station));
             let name = |what: &str| format!("station {}, {what}", station + 1);
             let dots = clock.readings.visible(times.window_s, columns);
             let own = Points::new(name("own clock"), PlotPoints::Owned(dots));
@@ -67,9 +68,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let told = Points::new(name("recorded correction"), PlotPoints::Owned(dots));
             plot_ui
                 .points(told.color(colour).shape(MarkerShape::Diamond).filled(false).radius(3.0));
-            let slot = station.checked_sub(1);
-            if let Some((estimated, slot)) = estimated.as_ref().zip(slot) {
-                let line = PlotPoints::Owned(estimated.ends(slot, readings.start_s).to_vec());
+            if let Some(estimated) = estimated.as_ref().filter(|_| station > 0) {
+                let line = PlotPoints::Owned(estimated.ends(station, readings.start_s).to_vec());
                 let line = Line::new(name("estimated, relative to station 1"), line);
                 plot_ui.line(line.color(colour).width(2.0).style(LineStyle::dashed_loose()));
             }
@@ -87,7 +87,7 @@ fn nothing(ui: &mut egui::Ui) {
             "Bags contain them (theodolite_time, and time corrections). A CSV contains only the synchronised time.",
         );
         ui.label(
-            "The time offsets of stations 2 and 3 from the drive itself are in the joint estimate: Pipeline, \
+            "The time offsets of the stations from the drive itself are in the joint estimate: Pipeline, \
              Calibration.",
         );
     });
@@ -95,10 +95,10 @@ fn nothing(ui: &mut egui::Ui) {
 
 /// Clock estimates of the calibration.
 struct Estimated {
-    /// Delays of stations 2 and 3 relative to station 1, in the middle of the drive (s).
-    offsets_s: [Estimate; 2],
+    /// Delays relative to station 1 in the middle of the drive (s), zero for station 1.
+    offsets_s: PerStation<Estimate>,
     /// Drifts of these delays (s per s).
-    drifts: [f64; 2],
+    drifts: PerStation<f64>,
     /// Times of the first and of the last triplet (s).
     span_s: [f64; 2],
 }
@@ -108,17 +108,17 @@ impl Estimated {
         let estimates = analysis.answer.as_deref().ok()?.calibration.clock_estimates()?;
         let time_s = &analysis.triplets().time_s;
         Some(Self {
-            offsets_s: estimates.map(|(offset_s, _)| offset_s),
+            offsets_s: estimates.map(|(offset_s, _)| *offset_s),
             drifts: estimates.map(|(_, drift)| drift.value),
             span_s: [*time_s.first()?, *time_s.last()?],
         })
     }
 
-    /// Delay of station 2 (slot 0) or 3 at both ends of the drive: s since `start_s`, ms.
-    fn ends(&self, slot: usize, start_s: f64) -> [PlotPoint; 2] {
+    /// Delay of a station at both ends of the drive: s since `start_s`, ms.
+    fn ends(&self, station: usize, start_s: f64) -> [PlotPoint; 2] {
         let middle_s = 0.5 * (self.span_s[0] + self.span_s[1]);
         self.span_s.map(|time_s| {
-            let late_s = self.offsets_s[slot].value + self.drifts[slot] * (time_s - middle_s);
+            let late_s = self.offsets_s[station].value + self.drifts[station] * (time_s - middle_s);
             PlotPoint::new(time_s - start_s, late_s * 1e3)
         })
     }
@@ -126,15 +126,15 @@ impl Estimated {
 
 /// Range of all values shown, with a margin (ms).
 fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> [f64; 2] {
-    let stations = (0..3).filter(|station| state.scene.visibility.stations[*station]);
+    let stations = state.visible_stations();
     let [mut low, mut high] = [-0.5 * LEAST_MS, 0.5 * LEAST_MS];
     let mut widen = |ms: f64| (low, high) = (low.min(ms), high.max(ms));
     for station in stations {
         let clock = &open.plots.readings.clocks[station];
         let ranges = [clock.readings.range_ms, clock.corrections.range_ms];
         ranges.into_iter().flatten().flatten().for_each(&mut widen);
-        if let Some((estimated, slot)) = estimated.zip(station.checked_sub(1)) {
-            estimated.ends(slot, 0.0).iter().for_each(|end| widen(end.y));
+        if let Some(estimated) = estimated.filter(|_| station > 0) {
+            estimated.ends(station, 0.0).iter().for_each(|end| widen(end.y));
         }
     }
     let margin = 0.06 * (high - low);
@@ -150,9 +150,9 @@ fn caption(
 ) -> Vec<RichText> {
     let mut lines = Vec::new();
     let in_colour = |station: usize, text: String| {
-        RichText::new(text).color(theme::readable(palette::STATIONS[station], dark))
+        RichText::new(text).color(theme::readable(palette::station(station), dark))
     };
-    let stations = || (0..3).filter(|station| state.scene.visibility.stations[*station]);
+    let stations = || state.visible_stations();
     for station in stations() {
         let clock = &open.plots.readings.clocks[station];
         let Some(median_s) = clock.median_s else { continue };
@@ -171,11 +171,11 @@ fn caption(
         lines.push(RichText::new("no station clocks in these files"));
     }
     for station in stations() {
-        let Some((estimated, slot)) = estimated.zip(station.checked_sub(1)) else { continue };
-        let Estimate { value, sigma } = estimated.offsets_s[slot];
+        let Some(estimated) = estimated.filter(|_| station > 0) else { continue };
+        let Estimate { value, sigma } = estimated.offsets_s[station];
         let (late, sigma) = (value * 1e3, sigma * 1e3);
         let text =
-            format!("{}: estimated {late:+.1} ± {sigma:.1} ms relative to 1 (dashed)", slot + 2);
+            format!("{}: estimated {late:+.1} ± {sigma:.1} ms relative to 1 (dashed)", station + 1);
         lines.push(in_colour(station, text));
     }
     lines

@@ -13,12 +13,12 @@ use super::{close_marks, round_marks};
 use crate::app::model::{Commands, OpenDeployment, TimeCommand};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::estimates::Judged;
-use resect_core::estimates::errors::{EpochError, driven_m};
-use resect_core::estimates::odd::OddOne;
-use resect_core::palette;
 use resect_core::pipeline::Interval;
 use resect_core::statistics::tables::NORMAL_95;
+use resect_tools::estimates::Judged;
+use resect_tools::estimates::errors::{EpochError, driven_m};
+use resect_tools::estimates::odd::OddOne;
+use resect_tools::palette;
 
 /// Least range of the error axis, for errors that are all zero (mm).
 const LEAST_ERROR_MM: f64 = 1e-3;

@@ -1,5 +1,6 @@
 //! Distributions of the distance errors, one strip per pair: all errors, overlaid with those of the selected times.
 
+use resect_core::network::{Number, Pair};
 use std::sync::Arc;
 
 use egui::{Color32, FontId, RichText};
@@ -12,9 +13,8 @@ use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::deployment::pair_label;
 use resect_core::evaluation::Spread;
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Height of the axis at the bottom, with its name and with its numbers alone (points).
 const AXIS: f32 = 34.0;
@@ -53,7 +53,8 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let two_lines = selected.is_some() && ui.available_width() < NARROW;
     let of_selected = |of: fn(&Distributions) -> Option<Spread>| selected.as_deref().map(of);
-    let pairs: Vec<usize> = (0..3).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
+    let pairs: Vec<usize> =
+        (0..all.outlines.len()).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
     let lines = if two_lines { 2.0 } else { 1.0 } * LINE + 3.0;
     let rows = pairs.len().max(1) as f32;
     let height_over = |others: f32| (ui.available_height() - others - rows * lines) / rows;
@@ -122,8 +123,8 @@ impl PairHistogram<'_> {
         });
         let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
         let zero = theme::faint(ui.visuals().dark_mode);
-        let colour = theme::rgb(palette::PAIRS[pair]);
-        let name = format!("distribution of the errors {}", pair_label(pair));
+        let colour = theme::rgb(palette::pair(pair));
+        let name = format!("distribution of the errors {}", Pair::at(pair));
         let shown = still(Plot::new(("histogram", open.id, pair)))
             .height(height + axis.unwrap_or(0.0))
             .custom_x_axes(x_axis.into_iter().collect())

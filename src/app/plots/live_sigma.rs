@@ -6,9 +6,9 @@ use egui_plot::{AxisHints, HLine, Line, Plot, PlotPoints};
 use super::{GRID, log_axis};
 use crate::app::theme;
 use resect_core::calibration::Verdict;
-use resect_core::palette;
 use resect_live::View;
 use resect_live::coach::Curve;
+use resect_tools::palette;
 
 const MM: f64 = 1e3;
 /// Limit of the curve as a multiple of the target. The first results may be wrong by metres; without the limit, the target would be hard to

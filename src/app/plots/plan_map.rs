@@ -12,8 +12,8 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::deployment::Severity;
-use resect_core::palette;
-use resect_core::planning::{OnTheWay, Plan, Prediction};
+use resect_tools::palette;
+use resect_tools::planning::{OnTheWay, Plan, Prediction};
 
 /// Half the side of the square in which a handle reacts to the pointer (points).
 const REACH: f32 = 9.0;
@@ -225,7 +225,7 @@ fn sigma_colour(sigma_m: f64, [least, most]: [f64; 2]) -> Color32 {
 /// Draws crosses where readings will be missing or rejected.
 fn paint_failures(painter: &egui::Painter, transform: &PlotTransform, foreseen: &Prediction) {
     for (station, lock) in foreseen.locks.iter().enumerate() {
-        let stroke = Stroke::new(1.6, theme::rgb(palette::STATIONS[station]));
+        let stroke = Stroke::new(1.6, theme::rgb(palette::station(station)));
         for failure in &lock.failures {
             let middle = at(transform, [failure.position_m.x, failure.position_m.y]);
             for turn in [Vec2::splat(4.0), Vec2::new(4.0, -4.0)] {
@@ -235,7 +235,7 @@ fn paint_failures(painter: &egui::Painter, transform: &PlotTransform, foreseen: 
     }
 }
 
-/// Draws magnified 95 % ellipses of the predicted positions of stations 2 and 3.
+/// Draws magnified 95 % ellipses of the predicted positions of the other stations.
 fn paint_stations_sigma(
     painter: &egui::Painter,
     transform: &PlotTransform,
@@ -245,8 +245,11 @@ fn paint_stations_sigma(
     const SIGMAS_95: f64 = 2.4477;
     const CORNERS: usize = 48;
     let Some(held) = &foreseen.held else { return };
-    for slot in 0..2 {
-        let middle = plan.stations_m[slot + 1];
+    // The prediction may be of an earlier plan, with other stations.
+    for (slot, middle) in plan.stations_m.iter().skip(1).enumerate() {
+        if held.covariance.nrows() < 4 * (slot + 1) {
+            break;
+        }
         let of_station = held.covariance.fixed_view::<2, 2>(4 * slot, 4 * slot).into_owned();
         let Some(root) = of_station.cholesky() else { continue };
         let corner = |k: usize| {
@@ -254,13 +257,13 @@ fn paint_stations_sigma(
             let out = root.l() * nalgebra::Vector2::new(cos, sin) * SIGMAS_95 * SIGMA_SCALE;
             at(transform, [middle.x + out.x, middle.y + out.y])
         };
-        let colour = theme::rgb(palette::STATIONS[slot + 1]);
+        let colour = theme::rgb(palette::station(slot + 1));
         let outline = Stroke::new(1.2, colour.gamma_multiply(0.8));
         painter.add(Shape::closed_line((0..CORNERS).map(corner).collect(), outline));
     }
 }
 
-/// Draws arrows at stations 2 and 3 along unobservable or weakly observable directions.
+/// Draws arrows at the stations along unobservable or weakly observable directions.
 fn paint_weak(
     painter: &egui::Painter,
     transform: &PlotTransform,
@@ -270,9 +273,9 @@ fn paint_weak(
     let directions = foreseen.observability.iter().flat_map(|observed| &observed.directions);
     for direction in directions.filter(|direction| direction.hold != Hold::Held) {
         let stroke = Stroke::new(2.0, theme::rgb(palette::hold(direction.hold)));
-        for (slot, motion) in direction.motion.iter().enumerate() {
+        for (station, motion) in direction.motion.each().skip(1) {
             let level = motion.translation_m.xy();
-            let station_m = plan.stations_m[slot + 1];
+            let Some(station_m) = plan.stations_m.get(station) else { continue };
             let start = at(transform, [station_m.x, station_m.y]);
             if level.norm() > 1e-3 {
                 let along = Vec2::new(level.x as f32, -level.y as f32).normalized();
@@ -382,9 +385,7 @@ fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands
 
 fn words(handle: Handle) -> &'static str {
     match handle {
-        Handle::Station(0) => "station 1 of the plan moved",
-        Handle::Station(1) => "station 2 of the plan moved",
-        Handle::Station(_) => "station 3 of the plan moved",
+        Handle::Station(_) => "a station of the plan moved",
         Handle::Waypoint { .. } => "a waypoint of the plan moved",
         Handle::Middle(_) | Handle::Tip(_) => "a manoeuvre of the plan moved",
         Handle::Ramp(_) => "a ramp of the plan moved",
@@ -397,7 +398,7 @@ fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: b
     let ring = Stroke::new(if lit { 2.5 } else { 1.2 }, if lit { ink } else { theme::faint(dark) });
     match handle {
         Handle::Station(station) => {
-            let colour = theme::rgb(palette::STATIONS[station]);
+            let colour = theme::rgb(palette::station(station));
             let corners = [0, 1, 2].map(|k| {
                 let angle = std::f32::consts::TAU * k as f32 / 3.0;
                 middle + 1.6 * RADIUS * Vec2::new(angle.sin(), -angle.cos())
@@ -407,7 +408,7 @@ fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: b
             // Stations are close to each other, so only the number is drawn; hovering shows the rest.
             let font = egui::FontId::proportional(13.0);
             let above = middle - Vec2::new(0.0, 11.0);
-            let ink = theme::readable(palette::STATIONS[station], dark);
+            let ink = theme::readable(palette::station(station), dark);
             let number = (station + 1).to_string();
             painter.text(above, egui::Align2::CENTER_BOTTOM, number, font, ink);
         }

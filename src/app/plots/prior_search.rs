@@ -9,7 +9,7 @@ use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::PriorMethod;
 use resect_core::calibration::inter_prism::{PriorSearch, SearchRun};
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Names of the two steps of the search.
 const STEPS: [&str; 2] = ["step 1", "step 2"];
@@ -73,7 +73,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 );
                 for (counts, shape) in [(true, MarkerShape::Circle), (false, MarkerShape::Cross)] {
                     let some: Vec<SearchRun> =
-                        runs.iter().filter(|run| run.counts() == counts).copied().collect();
+                        runs.iter().filter(|run| run.counts() == counts).cloned().collect();
                     plot_ui.points(
                         Points::new("", series(&some, median))
                             .color(colour)

@@ -15,9 +15,10 @@ use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, Tim
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
+use resect_core::network::{Number, PerStation, Station};
 use resect_core::pipeline::outlier_filter::too_fast;
 use resect_core::pipeline::{OutlierReason, PipelineSettings, SampleFate, Thresholds};
+use resect_tools::palette;
 
 /// Greatest distance from a dot at which a click selects it (points).
 const NEAR: f32 = 8.0;
@@ -97,12 +98,14 @@ impl RatePlot<'_> {
                 HoverPosition::Elsewhere { .. } => None,
             });
         let name = format!("{} over time", self.quantity.name());
-        let kept_or_rejected = kept(&dots).into_iter().chain(rejected(&dots, self.quantity));
-        let left_out = left_out(&dots);
+        let stations = self.readings().stations.len();
+        let kept_or_rejected =
+            kept(&dots, stations).chain(rejected(&dots, self.quantity, stations));
+        let left_out = left_out(&dots, stations);
         let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds: bounds };
         let shown = time_plot.show(ui, plot, axis, commands, move |plot_ui| {
             kept_or_rejected.for_each(|marks| plot_ui.add(marks));
-            left_out.into_iter().for_each(|points| plot_ui.points(points));
+            left_out.for_each(|points| plot_ui.points(points));
         });
         self.ring(ui, &shown, &pipeline);
         shown.paint_times(ui, &self.times);
@@ -178,7 +181,7 @@ impl RatePlot<'_> {
     /// Draws a ring about the selected reading.
     fn ring(&self, ui: &egui::Ui, shown: &ShownPlot, pipeline: &PipelineSettings) {
         let Some(Picked { station, index }) = self.open.timeline.picked else { return };
-        let Some(own) = self.readings().stations.get(station) else { return };
+        let Some(own) = self.readings().stations.as_slice().get(station) else { return };
         if index == 0 || index >= own.time_s.len() {
             return;
         }
@@ -200,7 +203,7 @@ impl RatePlot<'_> {
         if let Some([what, count, all]) = self.counts(pipeline) {
             lines.push(RichText::new(format!("{what} {count} of {all}")));
             hint += &format!(
-                "\nStations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
+                "\nStations 1 / 2 / …: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
                  beyond several thresholds counts for the first: range, azimuth, zenith."
             );
         }
@@ -214,14 +217,14 @@ impl RatePlot<'_> {
         let (what, counts) = if self.state.is_stale() {
             let threshold = self.threshold_value(&pipeline.thresholds);
             let above = |own: &StationReadings| own.rates[self.quantity as usize].above(threshold);
-            ("above the line", stations.each_ref().map(above))
+            ("above the line", stations.map(above))
         } else {
             let fate = SampleFate::Rejected(self.quantity.reason());
-            ("rejects", std::array::from_fn(|station| analysis.pipeline.count(station, fate)))
+            let count = |station: Station| analysis.pipeline.count(station.index(), fate);
+            ("rejects", stations.map_each(|station, _| count(station)))
         };
-        let all = stations.each_ref().map(|own| own.time_s.len());
-        let in_a_row = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
-        Some([what.to_owned(), in_a_row(counts), in_a_row(all)])
+        let all = stations.map(|own| own.time_s.len());
+        Some([what.to_owned(), in_a_row(&counts), in_a_row(&all)])
     }
 
     fn threshold(&self, pipeline: &PipelineSettings) -> Threshold<'static> {
@@ -251,6 +254,11 @@ impl RatePlot<'_> {
     }
 }
 
+/// Returns "12 / 30 / 9".
+pub fn in_a_row<T: ToString>(counts: &PerStation<T>) -> String {
+    counts.map(T::to_string).as_slice().join(" / ")
+}
+
 /// Returns the reading's fate by the present thresholds, because the result may not be computed yet.
 fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
     if own.is_left_out(index) {
@@ -261,16 +269,16 @@ fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Opt
 }
 
 /// Dots of the accepted readings, in the stations' colours.
-fn kept(dots: &[Dot]) -> [Marks; 3] {
-    std::array::from_fn(|station| {
+fn kept(dots: &[Dot], stations: usize) -> impl Iterator<Item = Marks> {
+    (0..stations).map(|station| {
         let own = |dot: &&Dot| dot.picked.station == station && dot.fate.is_none();
         let at = dots.iter().filter(own).map(|dot| dot.at).collect();
-        Marks::dots(format!("station {}", station + 1), at, theme::rgb(palette::STATIONS[station]))
+        Marks::dots(format!("station {}", station + 1), at, theme::rgb(palette::station(station)))
     })
 }
 
 /// Crosses of the rejected readings, in the colours of the fates; small if another rate caused the rejection.
-fn rejected(dots: &[Dot], quantity: Quantity) -> Vec<Marks> {
+fn rejected(dots: &[Dot], quantity: Quantity, stations: usize) -> Vec<Marks> {
     let rejected: Vec<(&Dot, SampleFate)> =
         dots.iter().filter_map(|dot| Some((dot, dot.fate?))).collect();
     let series = |reason: OutlierReason, station: usize| {
@@ -287,14 +295,14 @@ fn rejected(dots: &[Dot], quantity: Quantity) -> Vec<Marks> {
     };
     let mut all = Vec::new();
     for other in Quantity::ALL {
-        all.extend((0..3).map(|station| series(other.reason(), station)));
+        all.extend((0..stations).map(|station| series(other.reason(), station)));
     }
     all
 }
 
 /// Squares at the bottom for the readings excluded by hand, which have no rate.
-fn left_out(dots: &[Dot]) -> [Points<'static>; 3] {
-    std::array::from_fn(|station| {
+fn left_out(dots: &[Dot], stations: usize) -> impl Iterator<Item = Points<'static>> {
+    (0..stations).map(|station| {
         let own =
             |dot: &&Dot| dot.picked.station == station && dot.fate == Some(SampleFate::LeftOut);
         let at: Vec<PlotPoint> = dots.iter().filter(own).map(|dot| dot.at).collect();

@@ -5,6 +5,7 @@ use egui::RichText;
 use egui_plot::{
     FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points,
 };
+use resect_core::network::{Number, Pair};
 
 use super::marks::Marks;
 use super::navigation::Moved;
@@ -21,9 +22,8 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::deployment::pair_label;
-use resect_core::palette;
 use resect_report::glossary;
+use resect_tools::palette;
 
 /// Width that one corner of the running median summarises (points).
 const CORNER: f32 = 7.0;
@@ -50,7 +50,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         words::explain(ui.add(label), &glossary::INTER_PRISM_METRIC);
         time_plot::hint(ui, state, " · ctrl+scroll: zoom in mm");
     });
-    let pairs: Vec<usize> = (0..3).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
+    let pairs = 0..open.plots.residuals.len();
+    let pairs: Vec<usize> = pairs.filter(|pair| state.scene.visibility.pairs[*pair]).collect();
     let selected = histogram::selected(ui, open);
     let mut moved = None;
     for (strip, pair) in strips(ui, pairs.len(), 1).iter().zip(pairs) {
@@ -91,8 +92,8 @@ impl PairPlot<'_> {
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
-        let name = format!("distance errors {} over time", pair_label(self.pair));
-        let axis = strip.value_axis(&pair_label(self.pair), "mm");
+        let name = format!("distance errors {} over time", Pair::at(self.pair));
+        let axis = strip.value_axis(&Pair::at(self.pair).to_string(), "mm");
         let columns = strip.plot.width() as usize;
         let dark = ui.visuals().dark_mode;
         let zero = theme::faint(dark).gamma_multiply(0.8);
@@ -111,7 +112,7 @@ impl PairPlot<'_> {
                 self.add_pinned(plot_ui, pin, shape, columns);
             }
             let dots = plots.residuals[self.pair].cloud(times.window_s, columns);
-            let name = format!("prisms {}", pair_label(self.pair));
+            let name = format!("prisms {}", Pair::at(self.pair));
             plot_ui.add(Marks::dots(name, dots, self.colour().gamma_multiply(0.34)));
             let most = (strip.plot.width() / CORNER) as usize;
             for piece in plots.residuals[self.pair].running.visible(times.window_s, most) {
@@ -124,7 +125,7 @@ impl PairPlot<'_> {
     }
 
     fn colour(&self) -> egui::Color32 {
-        theme::rgb(palette::PAIRS[self.pair])
+        theme::rgb(palette::pair(self.pair))
     }
 
     /// Draws the running median over a band between the quartiles.
@@ -135,7 +136,7 @@ impl PairPlot<'_> {
         plot_ui.add(band.fill_color(fill).allow_hover(false));
         let line = times_s.iter().zip(median).map(|(time_s, mm)| PlotPoint::new(*time_s, *mm));
         let line = Line::new("", PlotPoints::Owned(line.collect())).allow_hover(false);
-        let strong = theme::rgb(palette::PAIRS[self.pair])
+        let strong = theme::rgb(palette::pair(self.pair))
             .lerp_to_gamma(if dark { egui::Color32::WHITE } else { egui::Color32::BLACK }, 0.45);
         plot_ui.line(line.color(strong).width(1.8));
     }
@@ -144,7 +145,7 @@ impl PairPlot<'_> {
     fn add_pinned(&self, plot_ui: &mut PlotUi<'_>, pin: &Pin, shape: MarkerShape, columns: usize) {
         let Some(plots) = &pin.plots else { return };
         let dots = plots.residuals[self.pair].visible(self.times.window_s, columns);
-        let name = format!("prisms {}, {} (pinned)", pair_label(self.pair), pin.name);
+        let name = format!("prisms {}, {} (pinned)", Pair::at(self.pair), pin.name);
         plot_ui.points(
             Points::new(name, PlotPoints::Owned(dots))
                 .color(self.colour().gamma_multiply(0.5))

@@ -3,14 +3,14 @@
 use crate::app::model::{Commands, SceneCommand};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::deployment::pair_label;
-use resect_core::palette;
+use resect_core::network::{Number, Pair};
+use resect_tools::palette;
 
 /// Shows the pairs as a line of switches above a plot; this legend covers no data.
 pub fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.scene.visibility;
     let dark = ui.visuals().dark_mode;
-    for (pair, on) in visibility.pairs.iter_mut().enumerate() {
+    for (pair, on) in visibility.pairs.iter_mut().enumerate().take(state.pairs()) {
         if state.workspace.picturing {
             if *on {
                 ui.label(pair_name(pair, dark));
@@ -32,10 +32,10 @@ pub const NARROW: f32 = 520.0;
 pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.scene.visibility;
     let (dark, narrow) = (ui.visuals().dark_mode, ui.available_width() < NARROW);
-    for (station, on) in visibility.stations.iter_mut().enumerate() {
+    for (station, on) in visibility.stations.iter_mut().enumerate().take(state.stations()) {
         let name = format!("station {}", station + 1);
         let text = if narrow { (station + 1).to_string() } else { name.clone() };
-        let colour = theme::readable(palette::STATIONS[station], dark);
+        let colour = theme::readable(palette::station(station), dark);
         let text = egui::RichText::new(text).color(colour).strong();
         if state.workspace.picturing {
             if *on {
@@ -55,7 +55,7 @@ pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Command
 
 /// "1–2" in the pair's colour.
 pub fn pair_name(pair: usize, dark: bool) -> egui::RichText {
-    egui::RichText::new(pair_label(pair))
-        .color(theme::readable(palette::PAIRS[pair], dark))
+    egui::RichText::new(Pair::at(pair).to_string())
+        .color(theme::readable(palette::pair(pair), dark))
         .strong()
 }

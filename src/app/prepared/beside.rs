@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::way::Way;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::Deployment;
-use resect_core::validation::in_words::Tell;
-use resect_core::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
+use resect_tools::validation::in_words::Tell;
+use resect_tools::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
 
 /// Another open run: its name and its path.
 #[derive(Clone, Debug)]

@@ -196,7 +196,7 @@ impl Channel {
         if let Some(value) = self.of_instant() {
             return Series::of_vehicle(way?, start_s, value, self.dimension() == Dimension::Angle);
         }
-        let readings = plots.readings.stations.get(index)?;
+        let readings = plots.readings.stations.as_slice().get(index)?;
         let place = |first: Self| self as usize - first as usize;
         let track = &plots.track;
         match self {
@@ -208,16 +208,18 @@ impl Channel {
                 let rates = &readings.rates[place(Self::RangeRate)].values;
                 Series::of(&readings.time_s, rates, false)
             }
-            Self::X | Self::Y | Self::Height => {
-                Series::of(&track.since_s, &track.places_m[index][place(Self::X)], false)
-            }
+            Self::X | Self::Y | Self::Height => Series::of(
+                &track.since_s,
+                &track.places_m.as_slice().get(index)?[place(Self::X)],
+                false,
+            ),
             Self::Speed => Series::of(&track.since_s, &track.speed_m_per_s, false),
             Self::OwnClock => {
-                let dots = &plots.readings.clocks[index].readings;
+                let dots = &plots.readings.clocks.as_slice().get(index)?.readings;
                 Series::of_dots(&dots.all, dots.pyramid())
             }
             Self::DistanceError => {
-                let residuals = &plots.residuals[index];
+                let residuals = plots.residuals.as_slice().get(index)?;
                 Series::of_dots(&residuals.dots, &residuals.pyramid)
             }
             _ => None,

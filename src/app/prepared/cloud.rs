@@ -16,14 +16,14 @@ pub fn time_origin_s(deployment: &Deployment) -> f64 {
     deployment.tracks.iter().find_map(middle).map_or(0.0, |reading| reading.time_s)
 }
 
-/// Points of the three stations, one station after the other, each in order of time.
+/// Points of the stations, one station after the other, each in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Cloud {
     pub points: Vec<TimedPoint>,
     /// Range of each station's points.
-    pub ranges: [Range<usize>; 3],
+    pub ranges: PerStation<Range<usize>>,
     /// Trees of each station's points, for picking.
-    pub trees: [PointTree; 3],
+    pub trees: PerStation<PointTree>,
 }
 
 impl Cloud {
@@ -56,13 +56,13 @@ impl Cloud {
         stations: &PerStation<Vec<TimedPoint>>,
         tree: impl Fn(&[TimedPoint]) -> PointTree,
     ) -> Self {
-        let mut ranges = [const { 0..0 }; 3];
-        let mut from = 0;
-        for (range, points) in ranges.iter_mut().zip(stations) {
-            *range = from..from + points.len();
-            from = range.end;
-        }
-        let trees = stations.map(|points| tree(points)).into_array().expect("three stations");
+        let mut end = 0;
+        let ranges = stations.map(|points| {
+            let start = end;
+            end += points.len();
+            start..end
+        });
+        let trees = stations.map(|points| tree(points));
         Self { points: stations.as_slice().concat(), ranges, trees }
     }
 

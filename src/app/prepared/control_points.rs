@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::{Calibration, Details, Method};
 use resect_core::deployment::{ControlPoint, ControlPointSet, Deployment};
+use resect_core::network::PerStation;
 
 /// A control point by a calibration: its position by each station, relative to their mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub struct PointResidual {
     /// Mean of its positions by the stations (m, station 1's frame).
     pub mean_m: Vector3<f64>,
     /// The point's position by each station, relative to the mean (m); `None` if the station did not measure it.
-    pub residuals_m: [Option<Vector3<f64>>; 3],
+    pub residuals_m: PerStation<Option<Vector3<f64>>>,
     /// True if the calibration is estimated from it; otherwise it is an independent check.
     pub used: bool,
 }
@@ -47,9 +48,8 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResid
     let mut all = Vec::new();
     for (number, set) in deployment.control_points.iter().enumerate() {
         for point in &set.points {
-            let placed_m: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
-                let polar = point.readings[station]?;
-                Some(transforms[station].apply(&polar.to_cartesian()))
+            let placed_m = point.readings.zip(&transforms, |polar, transform| {
+                Some(transform.apply(&polar.as_ref()?.to_cartesian()))
             });
             let count = placed_m.iter().flatten().count();
             if count < 2 {
@@ -62,7 +62,7 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResid
                 marker: point.marker,
                 pillar: set.pillars,
                 mean_m,
-                residuals_m: placed_m.map(|placed_m| Some(placed_m? - mean_m)),
+                residuals_m: placed_m.map(|placed_m| Some(placed_m.as_ref()? - mean_m)),
                 used: rests_on(calibration, set, point),
             });
         }
@@ -87,7 +87,7 @@ fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoi
 mod tests {
     use super::*;
     use resect_core::analysis::{Analyst, Settings};
-    use resect_core::deployment::PAIRS;
+    use resect_core::network::Pair;
     use resect_core::statistics::median;
     use resect_io::sample::Sample;
 
@@ -107,7 +107,7 @@ mod tests {
         for metric in &answer.evaluation.control_points_mm {
             let of_file = found.iter().filter(|point| point.file == metric.file);
             let apart_mm = of_file.flat_map(|point| {
-                PAIRS.into_iter().filter_map(|(a, b)| {
+                Pair::among(3).map(Pair::indices).filter_map(|[a, b]| {
                     let apart_m = point.residuals_m[a]? - point.residuals_m[b]?;
                     Some(1e3 * apart_m.norm())
                 })

@@ -2,22 +2,23 @@
 
 use super::raw_readings::RawReadings;
 use resect_core::analysis::Analysis;
+use resect_core::network::PerStation;
 use resect_core::pipeline::{FilteredTrack, Interval};
 
 /// Gaps and intervals of a drive. Times are seconds since the first measurement of any station.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     /// Intervals of each station longer than τ_s without a reading that the outlier filter kept, also before its first and after its last.
-    pub outages: [Vec<Interval>; 3],
+    pub outages: PerStation<Vec<Interval>>,
     /// Times of each station's readings that the outlier filter rejected (s).
-    pub rejected_s: [Vec<f64>; 3],
+    pub rejected_s: PerStation<Vec<f64>>,
     /// Times of each station's readings that the user excluded (s).
-    pub left_out_s: [Vec<f64>; 3],
-    /// Spans in which all three stations measured, in order: longer than τ_l, and shorter ones.
+    pub left_out_s: PerStation<Vec<f64>>,
+    /// Spans in which all stations measured, in order: longer than τ_l, and shorter ones.
     pub kept: Vec<Interval>,
     pub short: Vec<Interval>,
     /// Lengths of each station's gaps between two readings that the filter kept.
-    pub lengths: [LogHistogram; 3],
+    pub lengths: PerStation<LogHistogram>,
     /// Lengths of the spans, kept and short.
     pub interval_lengths: LogHistogram,
 }
@@ -35,18 +36,17 @@ impl Gaps {
         let (kept, short): (Vec<Interval>, Vec<Interval>) =
             pipeline.intervals.iter().map(since).partition(|span| span.length_s() > shortest_s);
         let whole_s = [readings.start_s, readings.start_s + readings.length_s()];
-        let filtered = pipeline.filtered.as_array::<3>().expect("three stations").each_ref();
+        let filtered = &pipeline.filtered;
         Self {
             outages: filtered.map(|track| {
                 let long = silences(track, whole_s).filter(|gap| gap.length_s() > tau_s_seconds);
                 long.map(|gap| since(&gap)).collect()
             }),
-            rejected_s: std::array::from_fn(|station| {
-                let times_s = &readings.stations[station].time_s;
-                let each = times_s.iter().zip(&filtered[station].rejected);
+            rejected_s: readings.stations.zip(filtered, |own, track| {
+                let each = own.time_s.iter().zip(&track.rejected);
                 each.filter(|(_, reason)| reason.is_some()).map(|(time_s, _)| *time_s).collect()
             }),
-            left_out_s: readings.stations.each_ref().map(|own| {
+            left_out_s: readings.stations.map(|own| {
                 let each = own.time_s.iter().zip(&own.left_out);
                 each.filter(|(_, left_out)| **left_out).map(|(time_s, _)| *time_s).collect()
             }),

@@ -3,23 +3,23 @@
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::{Number, PerStation};
 
 /// Returns the transforms from the stations' frames to station 1's. Without a calibration only station 1 has one, since its frame
 /// is the world. If a station has no measurement, no calibration is possible, and each of the others is shown in its own frame.
-pub fn placed(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
+pub fn placed(deployment: &Deployment, analysis: &Analysis) -> PerStation<Option<RigidTransform>> {
     match &analysis.answer {
-        Ok(answer) => {
-            let transforms = answer.calibration.station1_from_station.as_slice();
-            [0, 1, 2].map(|station: usize| transforms.get(station).copied())
-        }
-        Err(_) if deployment.ground_truth.is_some() => [None; 3],
+        Ok(answer) => answer.calibration.station1_from_station.map(|transform| Some(*transform)),
+        Err(_) if deployment.ground_truth.is_some() => deployment.tracks.map(|_| None),
         Err(_) => {
             let present = deployment.stations_with_readings();
             let in_own_frame = |station: usize| match present.len() {
                 1 | 2 => present.contains(&station),
                 _ => station == 0,
             };
-            [0, 1, 2].map(|station| in_own_frame(station).then_some(RigidTransform::IDENTITY))
+            deployment.tracks.map_each(|station, _| {
+                in_own_frame(station.index()).then_some(RigidTransform::IDENTITY)
+            })
         }
     }
 }
@@ -38,9 +38,14 @@ pub fn frame_in_words(deployment: &Deployment, analysis: &Analysis) -> String {
 
 /// Returns the transforms from the frames of the stations' tracks to station
 /// 1's; `None` if a calibration from control points does not determine them.
-pub fn placed_tracks(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
+pub fn placed_tracks(
+    deployment: &Deployment,
+    analysis: &Analysis,
+) -> PerStation<Option<RigidTransform>> {
     match &analysis.answer {
-        Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => [None; 3],
+        Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => {
+            deployment.tracks.map(|_| None)
+        }
         _ => placed(deployment, analysis),
     }
 }

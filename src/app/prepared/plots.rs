@@ -11,9 +11,11 @@ use super::raw_readings::RawReadings;
 use super::running::Running;
 use super::track_series::TrackSeries;
 use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::misfits::compared_stations;
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::vehicle::distance_sigma_m;
+use resect_core::network::PerPair;
 use resect_report::residual_chart::{histogram, range_mm};
 
 const BINS: usize = 40;
@@ -25,11 +27,11 @@ pub struct PreparedPlots {
     /// It is symmetric about zero, or begins at zero if no error is negative.
     pub range_mm: [f64; 2],
     /// Distance errors of each pair.
-    pub residuals: [Residuals; 3],
+    pub residuals: PerPair<Residuals>,
     /// Sorted errors of all pairs.
     sorted_mm: Vec<f64>,
     /// Band of two standard deviations of each pair's distance by the interpolation, one band for each interval; empty without a σ.
-    pub bands: [Vec<Band>; 3],
+    pub bands: PerPair<Vec<Band>>,
     /// Distribution of the errors over the range.
     pub distributions: Distributions,
     pub gaps: Gaps,
@@ -53,12 +55,12 @@ pub struct Residuals {
 #[derive(Clone, Debug, Default)]
 pub struct Distributions {
     /// Outline of each pair's histogram: errors (mm), and the share of the pair's errors in each bin (%).
-    pub outlines: [Vec<PlotPoint>; 3],
+    pub outlines: PerPair<Vec<PlotPoint>>,
     /// Height of the highest bin of all (%).
     pub highest_percent: f64,
     pub bin_width_mm: f64,
     /// Spread of |error| of each pair (mm), and of all together.
-    pub by_pair_mm: [Option<Spread>; 3],
+    pub by_pair_mm: PerPair<Option<Spread>>,
     pub all_mm: Option<Spread>,
 }
 
@@ -89,12 +91,12 @@ impl PreparedPlots {
         let errors = &answer.evaluation.distance_errors_mm;
         let triplets = analysis.triplets();
         let since_s: Vec<f64> = triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
-        let range_mm = range_mm(errors);
+        let range_mm = range_mm(errors.as_slice());
         let mut sorted_mm: Vec<f64> = errors.iter().flatten().copied().collect();
         sorted_mm.sort_unstable_by(f64::total_cmp);
         Self {
             range_mm,
-            residuals: errors.each_ref().map(|errors| Residuals {
+            residuals: errors.map(|errors| Residuals {
                 dots: (since_s.iter().zip(errors))
                     .map(|(since_s, error_mm)| PlotPoint::new(*since_s, *error_mm))
                     .collect(),
@@ -112,7 +114,7 @@ impl PreparedPlots {
 
     /// Returns the distribution of the errors of a span of time (s since the first measurement).
     pub fn distributions_within(&self, span_s: [f64; 2]) -> Distributions {
-        let errors = self.residuals.each_ref().map(|residuals| {
+        let errors = self.residuals.map(|residuals| -> Vec<f64> {
             residuals.dots[residuals.within(span_s)].iter().map(|dot| dot.y).collect()
         });
         Distributions::of(&errors, self.range_mm)
@@ -155,9 +157,9 @@ impl Residuals {
 }
 
 impl Distributions {
-    fn of(errors_mm: &[Vec<f64>; 3], range_mm: [f64; 2]) -> Self {
+    fn of(errors_mm: &PerPair<Vec<f64>>, range_mm: [f64; 2]) -> Self {
         let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
-        let outlines = errors_mm.each_ref().map(|errors| {
+        let outlines = errors_mm.map(|errors| {
             let counts = histogram(errors, range_mm, BINS);
             outline(&counts, 100.0 / errors.len().max(1) as f64, range_mm[0], bin_width_mm)
         });
@@ -165,31 +167,32 @@ impl Distributions {
             highest_percent: outlines.iter().flatten().map(|corner| corner.y).fold(0.0, f64::max),
             outlines,
             bin_width_mm,
-            by_pair_mm: errors_mm.each_ref().map(|errors| Spread::of(errors.iter().copied())),
+            by_pair_mm: errors_mm.map(|errors| Spread::of(errors.iter().copied())),
             all_mm: Spread::of(errors_mm.iter().flatten().copied()),
         }
     }
 }
 
 /// Returns the greatest half-width of each segment of some triplets: between readings σ rises and falls many times a second.
-fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
+fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> PerPair<Vec<Band>> {
     let triplets = analysis.triplets();
     let transforms = &answer.calibration.station1_from_station;
-    let mut bands: [Vec<Band>; 3] = Default::default();
+    let mut bands = answer.evaluation.distance_errors_mm.map(|_| Vec::new());
     if triplets.sigma_m.is_none() {
         return bands;
     }
+    let by_station = compared_stations(&analysis.offer.followed);
     let length = triplets.len().div_ceil(MOST_BAND_CORNERS).max(LEAST_STRETCH);
     let indices: Vec<usize> = (0..triplets.len()).collect();
     for interval in indices.chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b]) {
-        bands.iter_mut().for_each(|bands| bands.push(Band::default()));
+        bands.iter_mut().for_each(|bands: &mut Vec<Band>| bands.push(Band::default()));
         for stretch in interval.chunks(length) {
-            let widest = stretch
+            let widest_m = stretch
                 .iter()
-                .filter_map(|index| distance_sigma_m(triplets, *index, transforms))
-                .fold([0.0; 3], |a, b| std::array::from_fn(|pair| f64::max(a[pair], b[pair])));
+                .filter_map(|index| distance_sigma_m(triplets, *index, transforms, &by_station))
+                .reduce(|a, b| a.zip(&b, |a, b| f64::max(*a, *b)));
             let ends = [stretch[0], stretch[stretch.len() - 1]];
-            for (bands, sigma_m) in bands.iter_mut().zip(widest) {
+            for (bands, sigma_m) in bands.iter_mut().zip(widest_m.into_iter().flatten()) {
                 if let Some(band) = bands.last_mut() {
                     band.times_s.extend(ends.map(|index| triplets.time_s[index] - start_s));
                     band.half_widths_mm.extend([2e3 * sigma_m; 2]);

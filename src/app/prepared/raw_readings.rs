@@ -3,6 +3,7 @@
 use super::clock_series::ClockSeries;
 use super::pyramid::Values;
 use resect_core::deployment::{Deployment, Measurement, Track};
+use resect_core::network::PerStation;
 use resect_core::pipeline::outlier_filter::{Rates, rates};
 use resect_core::pipeline::{OutlierReason, Thresholds};
 use resect_core::statistics::quantile_of_sorted;
@@ -62,14 +63,14 @@ impl Quantity {
     }
 }
 
-/// Raw readings of all three stations, for the plots.
+/// Raw readings of all stations, for the plots.
 #[derive(Clone, Debug, Default)]
 pub struct RawReadings {
     /// Time of the first measurement of any station (s, in the stations' clock).
     pub start_s: f64,
-    pub stations: [StationReadings; 3],
+    pub stations: PerStation<StationReadings>,
     /// Differences of the stations' own clocks.
-    pub clocks: [ClockSeries; 3],
+    pub clocks: PerStation<ClockSeries>,
     /// Default range of each quantity's rates in a plot; no rate exceeds the upper end.
     pub shown: [[f64; 2]; 3],
 }
@@ -99,10 +100,8 @@ impl RawReadings {
     pub fn of(deployment: &Deployment) -> Self {
         let start_s = deployment.start_s().unwrap_or(0.0);
         let stations = deployment.tracks.map(|track| StationReadings::of(track, start_s));
-        let stations = stations.into_array().expect("three stations");
-        let clocks = std::array::from_fn(|station| {
-            let corrections = &deployment.time_corrections[station];
-            ClockSeries::of(&deployment.tracks[station], corrections, start_s)
+        let clocks = (deployment.tracks).zip(&deployment.time_corrections, |track, corrections| {
+            ClockSeries::of(track, corrections, start_s)
         });
         let mut paper = Thresholds::default();
         let shown = Quantity::ALL.map(|quantity| {

@@ -4,18 +4,19 @@ use nalgebra::Vector3;
 
 use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, Track};
+use resect_core::network::PerStation;
 use resect_core::pipeline::{SampleFate, Triplets};
 
 /// Age up to which a reading represents its prism (s): after a few seconds the vehicle is elsewhere.
 pub const LAST_READ_S: f64 = 3.0;
 
-/// The three prisms at a time, each in its own station's frame.
+/// The stations' prisms at a time, each in its station's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigAt {
     /// At one instant, of a triplet or between two.
     Together(Triplets),
     /// Without a triplet: the last reading of each prism; `None` if it is too old.
-    LastRead([Option<LastRead>; 3]),
+    LastRead(PerStation<Option<LastRead>>),
 }
 
 /// The newest reading of a prism that is not later than the time.
@@ -34,10 +35,11 @@ pub struct LastRead {
 pub fn rig_at(deployment: &Deployment, analysis: &Analysis, time_s: f64) -> RigAt {
     match analysis.triplets().at(time_s, longest_s(analysis)) {
         Some(triplet) => RigAt::Together(triplet),
-        None => RigAt::LastRead(std::array::from_fn(|station| {
-            let fates = &analysis.pipeline.fates[station].each;
-            last_read(&deployment.tracks[station], fates, time_s)
-        })),
+        None => {
+            RigAt::LastRead((deployment.tracks).zip(&analysis.pipeline.fates, |track, fates| {
+                last_read(track, &fates.each, time_s)
+            }))
+        }
     }
 }
 
@@ -129,10 +131,10 @@ mod tests {
         let (deployment, analysis) = analysed();
         let start_s = deployment.start_s().expect("readings");
         let at = rig_at(&deployment, &analysis, start_s - 0.1);
-        assert_eq!(at, RigAt::LastRead([None; 3]));
+        assert_eq!(at, RigAt::LastRead([None; 3].into()));
         let end_s = deployment.end_s().expect("readings");
         let at = rig_at(&deployment, &analysis, end_s + LAST_READ_S + 0.1);
-        assert_eq!(at, RigAt::LastRead([None; 3]));
+        assert_eq!(at, RigAt::LastRead([None; 3].into()));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::placing::placed_tracks;
 use super::pyramid::Values;
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
+use resect_core::network::PerStation;
 
 /// Positions of the prisms at each triplet, and speed; lists are empty without a calibration.
 #[derive(Clone, Debug, Default)]
@@ -11,7 +12,7 @@ pub struct TrackSeries {
     /// Times since the first measurement (s).
     pub since_s: Vec<f64>,
     /// x, y and z of each prism (m, station 1's frame).
-    pub places_m: [[Values; 3]; 3],
+    pub places_m: PerStation<[Values; 3]>,
     /// Speed of prism 1.
     pub speed_m_per_s: Values,
 }
@@ -22,8 +23,8 @@ impl TrackSeries {
         let placed = placed_tracks(deployment, analysis);
         Self {
             since_s: triplets.time_s.iter().map(|time_s| time_s - start_s).collect(),
-            places_m: std::array::from_fn(|station| {
-                let Some(placed) = &placed[station] else { return Default::default() };
+            places_m: placed.map_each(|station, placed| {
+                let Some(placed) = placed else { return Default::default() };
                 let mut places_m: [Vec<f64>; 3] = Default::default();
                 for point_m in &triplets.points_m[station] {
                     let place_m = placed.apply(point_m);

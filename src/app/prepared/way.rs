@@ -3,11 +3,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use resect_core::analysis::Analysis;
-use resect_core::calibration::{Estimate, Targets};
+use resect_core::calibration::Estimate;
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::trajectory::{Attitude, Pose, speed_of};
 use resect_core::evaluation::vehicle::{Instants, prism_by, trajectory_by};
 use resect_core::geometry::wrap_to_pi;
+use resect_core::network::Prism;
 
 /// Rate of the instants (1/s), and their greatest number.
 const RATE_HZ: f64 = 10.0;
@@ -61,8 +62,8 @@ impl Way {
             few = triplets.select(&some);
             (&few, Instants::Triplets, stride / analysis.settings.pipeline.rate_hz)
         };
-        let targets = analysis.offer.targets;
-        let found = if targets == Targets::OnePrism {
+        let followed = &analysis.offer.followed;
+        let found = if Prism::is_one(followed) {
             prism_by(deployment, triplets, calibration, wanted).map(|found| {
                 let instants = found.iter().map(|at| Instant {
                     time_s: at.time_s,
@@ -77,7 +78,7 @@ impl Way {
         } else {
             // Poses whose readings contradict the rig stay visible.
             let limit_m = f64::INFINITY;
-            trajectory_by(deployment, triplets, targets, calibration, wanted, limit_m)
+            trajectory_by(deployment, triplets, followed, calibration, wanted, limit_m)
                 .map(|(trajectory, _)| trajectory.poses.iter().map(Instant::of).collect())
         };
         match found {

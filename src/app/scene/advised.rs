@@ -4,7 +4,7 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s, opaque};
-use resect_core::palette;
+use resect_tools::palette;
 
 const WIDTH_POINTS: f32 = 4.0;
 /// Length of the arrow's head (m), and half its opening angle (rad).

@@ -3,7 +3,7 @@
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s, opaque};
 use crate::app::prepared::beside::RunBeside;
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Greatest number of line segments of one run.
 const MOST_LINES: usize = 20_000;

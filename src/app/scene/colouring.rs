@@ -1,14 +1,15 @@
 //! Colours of readings and tracks, and their meaning.
 
 use rayon::prelude::*;
+use resect_core::network::{Number, PerStation, Prism};
 
 use crate::app::model::Colouring;
 use crate::app::prepared::nearest_triplets;
 use resect_core::analysis::Analysis;
-use resect_core::deployment::{Deployment, Measurement, PAIRS};
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::deployment::{Deployment, Measurement};
 use resect_core::pipeline::SampleFate;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// The colours of a continuous scale, from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,12 +25,12 @@ pub struct Scale {
 /// Red, green, blue, and flags of the point for the shader.
 pub type PointColour = [u8; 4];
 
-/// Bit of a large point. The lowest two bits of a colour's last byte are the station's index.
-const LARGE: u8 = 4;
+/// Bit of a large point. The lowest three bits of a colour's last byte are the station's index.
+const LARGE: u8 = 8;
 /// Bit of a point that is joined to the one before.
-const JOINED: u8 = 8;
+const JOINED: u8 = 16;
 /// Bits above this one are the number of a reading's fate.
-const FATE_SHIFT: u8 = 4;
+const FATE_SHIFT: u8 = 5;
 
 /// Returns the fate of a reading of this colour, as its index in [`SampleFate::ALL`].
 pub fn fate_of(colour: PointColour) -> usize {
@@ -54,15 +55,16 @@ impl Colours {
             Colouring::Fate => Self::by_group(
                 analysis,
                 |_, _, fate| (palette::fate(fate), fate != SampleFate::Kept),
-                |station, _| palette::STATIONS[station],
+                |station, _| palette::station(station),
             ),
             Colouring::Station => Self::by_group(
                 analysis,
-                |station, _, _| (palette::STATIONS[station], false),
-                |station, _| palette::STATIONS[station],
+                |station, _, _| (palette::station(station), false),
+                |station, _| palette::station(station),
             ),
             Colouring::Interval => {
-                let owners = [0, 1, 2].map(|station| intervals(deployment, analysis, station));
+                let owners = (deployment.tracks)
+                    .map_each(|station, _| intervals(deployment, analysis, station.index()));
                 let of =
                     |interval: Option<u32>| interval.map_or(palette::NO_VALUE, palette::interval);
                 let mut colours = Self::by_group(
@@ -74,12 +76,13 @@ impl Colours {
                 colours
             }
             Colouring::Speed => {
-                let speeds = [&analysis.triplets().speed_m_per_s; 3];
-                Self::by_triplet(deployment, analysis, "speed (m/s)", speeds)
+                let speeds = deployment.tracks.map(|_| &analysis.triplets().speed_m_per_s);
+                Self::by_triplet(deployment, analysis, "speed (m/s)", &speeds)
             }
             Colouring::Residual => {
                 let residuals = residuals_mm(analysis);
-                Self::by_triplet(deployment, analysis, "residual (mm)", residuals.each_ref())
+                let residuals = residuals.iter().collect();
+                Self::by_triplet(deployment, analysis, "residual (mm)", &residuals)
             }
             Colouring::Time => Self::by_time(deployment, analysis),
         }
@@ -107,8 +110,9 @@ impl Colours {
             }
             colours
         };
+        let stations = analysis.pipeline.fates.len();
         let of_each: Vec<_> =
-            (0..3).into_par_iter().map(|station| (raw(station), tracks(station))).collect();
+            (0..stations).into_par_iter().map(|station| (raw(station), tracks(station))).collect();
         let (raw, tracks): (Vec<_>, Vec<_>) = of_each.into_iter().unzip();
         Self { raw: raw.concat(), tracks: tracks.concat(), ..Self::default() }
     }
@@ -133,9 +137,9 @@ impl Colours {
         deployment: &Deployment,
         analysis: &Analysis,
         title: &'static str,
-        values: [&Vec<f64>; 3],
+        values: &PerStation<&Vec<f64>>,
     ) -> Self {
-        let scale = scale_of(title, &values);
+        let scale = scale_of(title, values);
         let ramp = Ramp::new(&scale);
         let of = |station: usize, index: usize| {
             values[station].get(index).map_or(palette::NO_VALUE, |value| ramp.colour(*value))
@@ -215,18 +219,17 @@ fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Ve
         .collect()
 }
 
-/// Larger |distance error| of the two pairs that contain a prism, at every triplet
+/// Largest |distance error| of the pairs that contain a station's prism, at every triplet
 /// (mm); empty without a calibration, or without a distance to compare with.
-fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
-    let Ok(answer) = &analysis.answer else { return Default::default() };
-    let errors = &answer.evaluation.distance_errors_mm;
-    std::array::from_fn(|prism| {
-        let mut own = PAIRS.iter().zip(errors).filter(|((a, b), _)| *a == prism || *b == prism);
-        let (Some((_, first)), Some((_, second))) = (own.next(), own.next()) else {
-            return Vec::new();
-        };
-        first.iter().zip(second).map(|(a, b)| a.abs().max(b.abs())).collect()
-    })
+fn residuals_mm(analysis: &Analysis) -> PerStation<Vec<f64>> {
+    let of_prism = |prism: Prism| {
+        let answer = analysis.answer.as_ref().ok()?;
+        let errors_mm = answer.evaluation.distance_errors_mm.each();
+        let own = errors_mm.filter(|(pair, _)| pair.contains(&prism));
+        let own = own.map(|(_, errors_mm)| errors_mm.iter().map(|error| error.abs()).collect());
+        own.reduce(|a: Vec<f64>, b| a.iter().zip(b).map(|(a, b)| a.max(b)).collect())
+    };
+    analysis.offer.followed.map(|prism| of_prism(*prism).unwrap_or_default())
 }
 
 /// Greatest number of values to sample, and the share of them that the scale spans.
@@ -234,7 +237,7 @@ const MOST_LOOKED_AT: usize = 20_000;
 const SPANNED: f64 = 0.98;
 
 /// Returns a scale from zero to a bound of nearly all values: a few outliers must not give the rest one colour.
-fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
+fn scale_of(title: &'static str, values: &PerStation<&Vec<f64>>) -> Scale {
     let count: usize = values.iter().map(|values| values.len()).sum();
     let step = count.div_ceil(MOST_LOOKED_AT).max(1);
     let mut some: Vec<f64> = values.iter().flat_map(|v| v.iter().step_by(step)).copied().collect();
@@ -274,7 +277,7 @@ mod tests {
             assert_eq!(colours.tracks.len(), tracks.points.len(), "{colouring:?}");
             for (cloud, colours) in [(&raw, &colours.raw), (&tracks, &colours.tracks)] {
                 for (station, range) in cloud.ranges.iter().enumerate() {
-                    assert!(colours[range.clone()].iter().all(|c| c[3] & 3 == station as u8));
+                    assert!(colours[range.clone()].iter().all(|c| c[3] & 7 == station as u8));
                 }
             }
             let fates = analysis.pipeline.fates.iter().flat_map(|fates| &fates.each);
@@ -291,7 +294,7 @@ mod tests {
         for index in [0, 700, 3000] {
             let [e12, e13, e23] = [0, 1, 2].map(|pair| errors[pair][index].abs());
             assert_eq!(
-                of.each_ref().map(|own| own[index]),
+                of.map(|own| own[index]).as_slice(),
                 [e12.max(e13), e12.max(e23), e13.max(e23)]
             );
         }

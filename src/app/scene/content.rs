@@ -15,6 +15,7 @@ use crate::app::prepared::Clouds;
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::{PerPrism, PerStation};
 
 /// Everything in the scene.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +27,8 @@ pub struct SceneContent {
     pub colours: Colours,
     pub colours_version: u64,
     /// The stations whose readings, and whose tracks, are drawn.
-    pub raw_shown: [bool; 3],
-    pub tracks_shown: [bool; 3],
+    pub raw_shown: PerStation<bool>,
+    pub tracks_shown: PerStation<bool>,
     /// Bit mask of the fates whose readings are drawn.
     pub shown_fates: u32,
     /// Highlighted span of time (s since the first measurement).
@@ -60,15 +61,15 @@ pub struct SceneContent {
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
     /// The prisms at the cursor where there is no triplet.
-    pub ghosts: [Option<Ghost>; 3],
+    pub ghosts: PerStation<Option<Ghost>>,
     pub trail: Trail,
     /// The prism triangle at the time under the pointer.
     pub hover: Layer,
     pub ruler: Layer,
-    /// Transforms from the frames of stations 1–3 to the world, which is station 1's frame; `None` if unknown.
-    pub station1_from_station: [Option<RigidTransform>; 3],
+    /// Transforms from the stations' frames to the world, which is station 1's frame; `None` if unknown.
+    pub station1_from_station: PerStation<Option<RigidTransform>>,
     /// Transforms from the frames of their tracks to the world: `None` if the calibration is of another frame than theirs.
-    pub station1_from_tracks: [Option<RigidTransform>; 3],
+    pub station1_from_tracks: PerStation<Option<RigidTransform>>,
     pub labels: Vec<Label>,
     pub landmarks: Vec<Landmark>,
     /// Corners of the bounding box of stations and readings, shown or not (m); `None` if there are none.
@@ -76,8 +77,8 @@ pub struct SceneContent {
     /// A sample of the visible points, for fitting the camera.
     pub outline_m: Vec<Vector3<f32>>,
     pub grid: Option<Grid>,
-    /// The three prisms at the cursor (m, station 1's frame); `None` unless all have a position.
-    pub prisms_m: Option<[Vector3<f64>; 3]>,
+    /// The prisms at the cursor (m, station 1's frame); `None` unless all have a position.
+    pub prisms_m: Option<PerPrism<Vector3<f64>>>,
     /// Mean of the prisms at the cursor, ghosts included (m, station 1's frame), which the camera follows.
     pub middle_m: Option<Vector3<f64>>,
     /// Pose of the vehicle at the cursor, if the rig is known.
@@ -112,9 +113,16 @@ impl SceneContent {
     /// Returns true if a reading is drawn.
     pub fn shows_reading(&self, picked: Picked) -> bool {
         let (cloud, Picked { station, index }) = (&self.clouds.raw, picked);
-        let shown = self.raw_shown.get(station).copied().unwrap_or(false);
+        let shown = self.raw_shown.as_slice().get(station).copied().unwrap_or(false);
         let colour = (self.colours.raw).get(cloud.ranges[station].start + index).filter(|_| shown);
         colour.is_some_and(|colour| self.shown_fates >> fate_of(*colour) & 1 == 1)
+    }
+
+    /// Returns the mean of the prisms at the cursor; `None` unless all have a position.
+    pub fn middle_of_prisms_m(&self) -> Option<Vector3<f32>> {
+        let prisms_m = self.prisms_m.as_ref()?;
+        let sum_m = prisms_m.iter().sum::<Vector3<f64>>();
+        Some((sum_m / prisms_m.len() as f64).cast())
     }
 
     /// Recomputes the colours of all points; to be called when the analysis or the colouring has changed.

@@ -8,10 +8,11 @@ use crate::app::prepared::control_points::{PointResidual, point_name, residuals}
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::network::{Number, PerStation};
 use resect_core::pipeline::SampleFate;
 use resect_core::statistics::quantile_of_sorted;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// Half the length of a cross (m); constant, so that the stations' observations of a point can be distinguished.
 const ARM_M: f32 = 0.35;
@@ -39,7 +40,7 @@ impl SceneContent {
                 for axis in 0..3 {
                     let mut arm = Vector3::zeros();
                     arm[axis] = ARM_M;
-                    self.add_arrow_line([place - arm, place + arm], palette::STATIONS[station]);
+                    self.add_arrow_line([place - arm, place + arm], palette::station(station));
                 }
                 let kind = if set.pillars { "pillar" } else { "control point" };
                 let (marker, file) = (point.marker, &set.file);
@@ -66,7 +67,7 @@ impl SceneContent {
         &mut self,
         deployment: &Deployment,
         analysis: &Analysis,
-        shown: &[bool; 3],
+        shown: &PerStation<bool>,
         scale: Option<u32>,
     ) -> Option<DrawnArrows> {
         let points = residuals(deployment, analysis);
@@ -76,10 +77,10 @@ impl SceneContent {
         let scale = scale.unwrap_or_else(|| suitable_scale(&points, LONG * extent_m));
         let mut cut = 0;
         for PointResidual { mean_m, residuals_m, .. } in &points {
-            for station in (0..3).filter(|station| shown[*station]) {
-                let Some(residual_m) = residuals_m[station] else { continue };
-                let (from, colour) = (mean_m.cast::<f32>(), palette::STATIONS[station]);
-                let arrow_m = f64::from(scale) * residual_m;
+            for (station, residual_m) in residuals_m.each().filter(|(station, _)| shown[*station]) {
+                let Some(residual_m) = residual_m else { continue };
+                let (from, colour) = (mean_m.cast::<f32>(), palette::station(station.index()));
+                let arrow_m = f64::from(scale) * *residual_m;
                 if arrow_m.norm() > longest_m {
                     let end_m = mean_m + arrow_m.normalize() * longest_m;
                     self.add_arrow_line([from, end_m.cast()], colour);
@@ -89,7 +90,7 @@ impl SceneContent {
                 }
             }
         }
-        shown.contains(&true).then_some(DrawnArrows { scale, cut })
+        shown.as_slice().contains(&true).then_some(DrawnArrows { scale, cut })
     }
 
     fn add_arrow(&mut self, [from, tip]: [Vector3<f32>; 2], colour: Rgb) {
@@ -137,7 +138,7 @@ mod tests {
             marker: 1,
             pillar: false,
             mean_m: Vector3::zeros(),
-            residuals_m: [Some(Vector3::x() * residual_m), None, None],
+            residuals_m: [Some(Vector3::x() * residual_m), None, None].into(),
             used: true,
         };
         let scale = |residuals_m: &[f64]| {

@@ -5,7 +5,7 @@ use egui::{Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 use crate::app::model::{Colouring, Commands, Ruler, SceneCommand, SceneOptions, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Least width for all controls in one row beside the legend, and in two rows (points); narrower pictures have a menu.
 const ONE_ROW_POINTS: f32 = 860.0;
@@ -28,7 +28,7 @@ pub fn ui(
         if rect.width() >= ONE_ROW_POINTS {
             ui.horizontal(|ui| {
                 presets(ui, &PRESETS, commands);
-                stations(ui, commands);
+                stations(ui, state, commands);
                 ruler(ui, state, commands);
                 heights(ui, state, commands);
                 colouring(ui, state, true, commands);
@@ -36,7 +36,7 @@ pub fn ui(
         } else if rect.width() < TWO_ROWS_POINTS {
             ui.menu_button("Views", |ui| {
                 presets(ui, &PRESETS, commands);
-                stations(ui, commands);
+                stations(ui, state, commands);
                 ruler(ui, state, commands);
                 heights(ui, state, commands);
                 colouring(ui, state, true, commands);
@@ -48,7 +48,7 @@ pub fn ui(
                 ruler(ui, state, commands);
             });
             ui.horizontal(|ui| {
-                stations(ui, commands);
+                stations(ui, state, commands);
                 heights(ui, state, commands);
                 colouring(ui, state, false, commands);
             });
@@ -81,12 +81,12 @@ fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {
     }
 }
 
-fn stations(ui: &mut egui::Ui, commands: &mut Commands) {
+fn stations(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
-    for station in 0..3 {
+    for station in 0..state.stations() {
         let name = format!("From station {}", station + 1);
         let text = RichText::new(format!("S{}", station + 1))
-            .color(theme::readable(palette::STATIONS[station], dark));
+            .color(theme::readable(palette::station(station), dark));
         let button = ui.button(text);
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         if button.on_hover_text(format!("{name}, towards the prisms at the cursor")).clicked() {

@@ -1,15 +1,16 @@
 //! The rig at the time cursor: the prism triangle and the vehicle, or the ghosts of its prisms.
 
 use nalgebra::Vector3;
+use resect_core::network::{Number, PerPrism, PerStation, Prism, StationPair};
 
 use super::content::SceneContent;
 use super::vertices::{LineVertex, PointVertex, f32s};
 use super::{ghosts, overlays, vehicle};
 use crate::app::prepared::rig_at::{RigAt, rig_at};
 use resect_core::analysis::Analysis;
-use resect_core::deployment::{Deployment, PAIRS};
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::deployment::Deployment;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 impl SceneContent {
     /// Draws the rig at a time (s, in the stations' clock), or removes it.
@@ -21,15 +22,19 @@ impl SceneContent {
         colour: Rgb,
     ) {
         self.cursor.clear();
-        (self.prisms_m, self.pose, self.ghosts, self.middle_m) = (None, None, [None; 3], None);
+        (self.prisms_m, self.pose, self.middle_m) = (None, None, None);
+        self.ghosts = PerStation::default();
         let Some(time_s) = time_s else { return };
-        let transforms = self.station1_from_tracks;
-        let placed_m: [Option<Vector3<f64>>; 3] = match rig_at(deployment, analysis, time_s) {
+        let transforms = &self.station1_from_tracks;
+        let placed_m: PerStation<Option<Vector3<f64>>> = match rig_at(deployment, analysis, time_s)
+        {
             RigAt::Together(triplet) => {
                 let corners_m = triplet.triplet_m(0);
-                let placed_m = [0, 1, 2].map(|k| Some(transforms[k]?.apply(&corners_m[k])));
-                if let [Some(a), Some(b), Some(c)] = placed_m {
-                    self.prisms_m = Some([a, b, c]);
+                let placed_m = transforms.zip(&corners_m, |transform, corner_m| {
+                    Some(transform.as_ref()?.apply(corner_m))
+                });
+                self.prisms_m = prisms_at(&analysis.offer.followed, &placed_m);
+                if self.prisms_m.is_some() {
                     self.pose = vehicle::pose_of(deployment, analysis, &triplet);
                 }
                 if let Some(pose) = &self.pose {
@@ -41,7 +46,7 @@ impl SceneContent {
                 placed_m
             }
             RigAt::LastRead(prisms) => {
-                self.ghosts = ghosts::placed(&prisms, &transforms);
+                self.ghosts = ghosts::placed(&prisms, transforms);
                 // A rejected reading may be at any position.
                 self.ghosts.map(|ghost| Some(ghost.filter(|it| !it.rejected)?.position_m))
             }
@@ -65,20 +70,20 @@ impl SceneContent {
         self.hover.lines.extend(lines);
     }
 
-    /// Returns the prisms whose stations have a pose, joined if all three have one.
+    /// Returns the prisms whose stations have a pose, joined if all have one.
     fn triangle(
         &self,
-        corners_m: &[Vector3<f64>; 3],
+        corners_m: &PerStation<Vector3<f64>>,
         [r, g, b]: Rgb,
         [diameter_points, width_points]: [f32; 2],
         alpha: u8,
     ) -> (Vec<PointVertex>, Vec<LineVertex>) {
-        let corners = corners_m.each_ref().map(f32s);
+        let corners = corners_m.map(f32s);
         let placed = |station: &usize| self.station1_from_tracks[*station].is_some();
-        let points: Vec<_> = (0..3)
+        let points: Vec<_> = (0..corners.len())
             .filter(placed)
             .map(|station| {
-                let [r, g, b] = palette::STATIONS[station];
+                let [r, g, b] = palette::station(station);
                 PointVertex {
                     position_m: corners[station],
                     frame: station as u32,
@@ -87,17 +92,31 @@ impl SceneContent {
                 }
             })
             .collect();
-        let sides = if points.len() == 3 { &PAIRS[..] } else { &[] };
-        let lines = sides.iter().map(|&(from, to)| LineVertex {
-            from_m: corners[from],
-            from_frame: from as u32,
-            to_m: corners[to],
-            to_frame: to as u32,
-            colour: [r, g, b, alpha],
-            width_points,
-        });
+        let joined = if points.len() == corners.len() { points.len() } else { 0 };
+        let lines =
+            StationPair::among(joined).map(StationPair::indices).map(|[from, to]| LineVertex {
+                from_m: corners[from],
+                from_frame: from as u32,
+                to_m: corners[to],
+                to_frame: to as u32,
+                colour: [r, g, b, alpha],
+                width_points,
+            });
         (points, lines.collect())
     }
+}
+
+/// Returns the position of each prism by the first station that follows it; `None` unless all stations have a position.
+fn prisms_at(
+    followed: &PerStation<Prism>,
+    placed_m: &PerStation<Option<Vector3<f64>>>,
+) -> Option<PerPrism<Vector3<f64>>> {
+    let placed_m: PerStation<Vector3<f64>> = placed_m.iter().copied().collect::<Option<_>>()?;
+    let by_first = |prism: Prism| {
+        let first = followed.each().find(|(_, own)| **own == prism)?.0;
+        placed_m.get(first).copied()
+    };
+    (0..Prism::count(followed)).map(Prism::at).map(by_first).collect()
 }
 
 #[cfg(test)]
@@ -147,7 +166,7 @@ mod tests {
         let time_s = &drawn.analysis.triplets().time_s;
         let between_s = 0.5 * (time_s[100] + time_s[101]);
         assert_eq!(drawn.at(between_s), [3, 6, 0]);
-        let prisms_m = drawn.content.prisms_m.expect("placed");
+        let prisms_m = drawn.content.prisms_m.clone().expect("placed");
         let middle_m = drawn.content.middle_m.expect("placed");
         assert!((middle_m - (prisms_m[0] + prisms_m[1] + prisms_m[2]) / 3.0).norm() < 1e-12);
         let pose = drawn.content.pose.as_ref().expect("placed");
@@ -165,7 +184,7 @@ mod tests {
             let [discs, lines, ghosts] = drawn.at(time_s);
             assert_eq!([discs, lines], [0, 0], "nothing is invented at {time_s}");
             assert!(drawn.content.prisms_m.is_none() && drawn.content.pose.is_none());
-            let transforms = drawn.content.station1_from_tracks;
+            let transforms = drawn.content.station1_from_tracks.clone();
             for station in 0..3 {
                 let track = &drawn.deployment.tracks[station];
                 let newest = track.measurements.iter().rfind(|m| m.time_s <= time_s);
@@ -196,7 +215,7 @@ mod tests {
     #[test]
     fn stations_without_a_place_have_neither_disc_nor_ghost() {
         let mut drawn = Drawn::new();
-        drawn.content.station1_from_tracks = [Some(RigidTransform::IDENTITY), None, None];
+        drawn.content.station1_from_tracks = [Some(RigidTransform::IDENTITY), None, None].into();
         let time_s = drawn.analysis.triplets().time_s[100];
         assert_eq!(drawn.at(time_s), [1, 0, 0]);
         assert!(drawn.content.prisms_m.is_none() && drawn.content.middle_m.is_some());

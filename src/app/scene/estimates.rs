@@ -4,10 +4,10 @@ use super::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, f32s, opaque};
 use nalgebra::Vector3;
 use resect_core::deployment::{Deployment, EstimatedPose};
-use resect_core::estimates::Judged;
-use resect_core::estimates::errors::EpochError;
-use resect_core::palette;
 use resect_core::statistics::quantiles;
+use resect_tools::estimates::Judged;
+use resect_tools::estimates::errors::EpochError;
+use resect_tools::palette;
 
 /// Share of all errors that the colours span: one outlier must not give the rest one colour.
 const SHOWN: f64 = 0.98;

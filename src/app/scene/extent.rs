@@ -18,7 +18,7 @@ impl SceneContent {
         let stations = self.station1_from_station.iter().flatten();
         let mut all: Vec<Vector3<f32>> = stations.map(|t| t.translation_m.cast::<f32>()).collect();
         let none_kept = analysis.triplets().is_empty();
-        for station in 0..3 {
+        for station in 0..self.station1_from_tracks.len() {
             let sane = |index: usize| none_kept || !self.is_wild(analysis, station, index);
             all.extend(self.readings_m(station, sane));
         }
@@ -31,13 +31,14 @@ impl SceneContent {
     pub fn find_outline(&mut self, analysis: &Analysis, visibility: &Visibility) {
         // Control points are far from some drives, and would make the rest small.
         let shown = |station: &usize| visibility.stations[*station];
-        let placed = (0..3).filter(shown).filter_map(|k| self.station1_from_station[k]);
+        let stations = 0..self.station1_from_station.len();
+        let placed = stations.filter(shown).filter_map(|k| self.station1_from_station[k]);
         let mut seen: Vec<Vector3<f32>> =
             placed.map(|transform| transform.translation_m.cast::<f32>()).collect();
         let stations = seen.len();
         seen.extend(&self.truth_m);
         let mut wild = Vec::new();
-        for station in 0..3 {
+        for station in 0..self.tracks_shown.len() {
             if self.tracks_shown[station] {
                 seen.extend(self.track_m(station));
             }

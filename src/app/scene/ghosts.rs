@@ -7,7 +7,8 @@ use super::projection::Projection;
 use crate::app::prepared::rig_at::{LAST_READ_S, LastRead};
 use crate::app::theme;
 use resect_core::geometry::RigidTransform;
-use resect_core::palette;
+use resect_core::network::PerStation;
+use resect_tools::palette;
 
 /// A prism at its last reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +23,12 @@ pub struct Ghost {
 
 /// Returns the ghosts of the last readings, for tracks with a pose.
 pub fn placed(
-    last_read: &[Option<LastRead>; 3],
-    station1_from_tracks: &[Option<RigidTransform>; 3],
-) -> [Option<Ghost>; 3] {
-    std::array::from_fn(|station| {
-        let LastRead { position_m, age_s, rejected } = last_read[station]?;
-        let position_m = station1_from_tracks[station]?.apply(&position_m);
+    last_read: &PerStation<Option<LastRead>>,
+    station1_from_tracks: &PerStation<Option<RigidTransform>>,
+) -> PerStation<Option<Ghost>> {
+    last_read.zip(station1_from_tracks, |last_read, transform| {
+        let LastRead { position_m, age_s, rejected } = (*last_read)?;
+        let position_m = transform.as_ref()?.apply(&position_m);
         Some(Ghost { position_m, age_s, rejected })
     })
 }
@@ -43,13 +44,18 @@ const DASHES: usize = 6;
 const CORNERS: usize = 4;
 
 /// Paints dashed rings in the colours of the stations, paler the older their readings are.
-pub fn paint(painter: &Painter, projection: &Projection, ghosts: &[Option<Ghost>; 3], dark: bool) {
+pub fn paint(
+    painter: &Painter,
+    projection: &Projection,
+    ghosts: &PerStation<Option<Ghost>>,
+    dark: bool,
+) {
     for (station, ghost) in ghosts.iter().enumerate() {
         let Some(ghost) = ghost else { continue };
         let Some(at) = projection.visible(&ghost.position_m) else { continue };
         let age = (ghost.age_s / LAST_READ_S) as f32;
         let left = 1.0 - (1.0 - LEFT_AT_LAST) * age;
-        let colour = theme::readable(palette::STATIONS[station], dark).gamma_multiply(left);
+        let colour = theme::readable(palette::station(station), dark).gamma_multiply(left);
         // The background must not show through between the dashes.
         let ground = theme::scene_background(dark).gamma_multiply(0.8 * left);
         painter.circle_stroke(at, RADIUS, Stroke::new(WIDTH + 2.0, ground));

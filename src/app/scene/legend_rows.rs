@@ -12,8 +12,9 @@ use crate::app::theme;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::deployment::ControlPointSet;
-use resect_core::palette;
+use resect_core::network::Prism;
 use resect_core::pipeline::SampleFate;
+use resect_tools::palette;
 
 /// A row of the legend, or one of several in a line.
 pub struct LegendRow {
@@ -52,23 +53,25 @@ pub fn groups(
 ) -> Vec<Group> {
     let visibility = &state.scene.visibility;
     let by_station = matches!(state.scene.colouring, Colouring::Fate | Colouring::Station);
-    let stations = (0..3).map(|station| LegendRow {
-        swatch: Swatch::Colour(theme::rgb(palette::STATIONS[station])),
+    let followed = &analysis.offer.followed;
+    let stations = (0..followed.len()).map(|station| LegendRow {
+        swatch: Swatch::Colour(theme::rgb(palette::station(station))),
         text: (station + 1).to_string(),
         name: format!("Show station {}", station + 1),
         shown: visibility.stations[station],
         click: shows(visibility.with_station_toggled(station)),
     });
-    let tracks = (0..3).map(|prism| LegendRow {
+    let prisms = Prism::count(followed);
+    let tracks = (0..prisms).map(|prism| LegendRow {
         swatch: Swatch::Colour(if by_station {
-            theme::rgb(palette::STATIONS[prism])
+            theme::rgb(palette::station(prism))
         } else {
             faint
         }),
         text: (prism + 1).to_string(),
         name: format!("Show the track of prism {}", prism + 1),
         shown: visibility.tracks && visibility.prisms[prism],
-        click: shows(visibility.with_prism_toggled(prism)),
+        click: shows(visibility.with_prism_toggled(prism, prisms)),
     });
     let mut groups = vec![
         Group { title: "stations", chips: true, rows: stations.collect() },
@@ -133,7 +136,8 @@ fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<LegendRow
 }
 
 fn count(analysis: &Analysis, visibility: &Visibility, fate: SampleFate) -> usize {
-    let shown = (0..3).filter(|station| visibility.stations[*station]);
+    let stations = 0..analysis.pipeline.fates.len();
+    let shown = stations.filter(|station| visibility.stations[*station]);
     shown.map(|station| analysis.pipeline.count(station, fate)).sum()
 }
 
@@ -290,7 +294,7 @@ pub fn states_errors(analysis: &Analysis) -> bool {
         || answer.is_some_and(|answer| answer.calibration.covariance.is_some())
 }
 
-/// Returns the rows for the drawn uncertainties of stations 2 and 3 and of the tracks.
+/// Returns the rows for the drawn uncertainties of the stations and of the tracks.
 fn of_what_is_known(
     analysis: &Analysis,
     visibility: &Visibility,
@@ -340,12 +344,16 @@ fn of_what_is_known(
 /// Describes the hidden parts of the scene; absent data is not hidden.
 pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibility) -> Vec<String> {
     let mut hidden = Vec::new();
-    let numbers = |shown: &[bool; 3]| {
-        let numbers = (0..3).filter(|one| !shown[*one]).map(|one| (one + 1).to_string());
-        numbers.collect::<Vec<_>>()
+    let numbers = |shown: &[bool], count: usize| {
+        let numbers = (1..=count).zip(shown).filter(|(_, shown)| !**shown);
+        numbers.map(|(number, _)| format!("{number}")).collect::<Vec<_>>()
     };
-    for (what, shown) in [("station", &visibility.stations), ("track", &visibility.prisms)] {
-        let numbers = numbers(shown);
+    let followed = &analysis.offer.followed;
+    for (what, shown, count) in [
+        ("station", &visibility.stations, followed.len()),
+        ("track", &visibility.prisms, Prism::count(followed)),
+    ] {
+        let numbers = numbers(shown, count);
         if !numbers.is_empty() {
             let plural = if numbers.len() > 1 { "s" } else { "" };
             hidden.push(format!("{what}{plural} {}", numbers.join(", ")));

@@ -6,8 +6,8 @@ use super::content::SceneContent;
 use super::vehicle::VehicleAt;
 use super::vertices::{LineVertex, WORLD, f32s};
 use resect_core::analysis::Analysis;
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// Length of the axes of the vehicle's frame along the path (m).
 const POSE_AXIS_M: f64 = 0.8;
@@ -82,7 +82,7 @@ fn add_ellipsoid(
     centre_m: &Vector3<f64>,
     radii_m: &Vector3<f64>,
 ) {
-    let [r, g, b] = palette::STATIONS[station];
+    let [r, g, b] = palette::station(station);
     for flat in 0..3 {
         let (first, second) = ((flat + 1) % 3, (flat + 2) % 3);
         let place = |at: usize| {

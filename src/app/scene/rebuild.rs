@@ -11,9 +11,10 @@ use crate::app::prepared::placing::{placed, placed_tracks};
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 use resect_core::geometry::RigidTransform;
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::network::Number;
 use resect_core::pipeline::SampleFate;
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// Length of the axes at a station (m).
 const AXIS_M: f32 = 1.5;
@@ -46,13 +47,15 @@ impl SceneContent {
         self.find_bounds(analysis);
         (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
         self.arrows = None;
-        let transforms = self.station1_from_station;
+        let transforms = self.station1_from_station.clone();
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
-        let tracks = self.station1_from_tracks;
+        let tracks = self.station1_from_tracks.clone();
         let track_shown = |station: usize| tracks[station].is_some() && shown(station);
-        self.raw_shown = [0, 1, 2].map(|station| visibility.raw && track_shown(station));
-        self.tracks_shown =
-            [0, 1, 2].map(|station| visibility.shows_track(station) && track_shown(station));
+        let followed = &analysis.offer.followed;
+        self.raw_shown = transforms.map_each(|k, _| visibility.raw && track_shown(k.index()));
+        self.tracks_shown = transforms.map_each(|k, _| {
+            visibility.shows_track(k.index(), followed[k].index()) && track_shown(k.index())
+        });
         let fates = (0..SampleFate::ALL.len()).filter(|fate| visibility.fates[*fate]);
         self.shown_fates = fates.map(|fate| 1 << fate).sum();
         let points_placed = match &analysis.answer {
@@ -61,8 +64,10 @@ impl SceneContent {
         };
         if visibility.uncertainty {
             // A hidden track has no ellipsoids.
-            let drawn = |station: &usize| track_shown(*station) && visibility.prisms[*station];
-            let stations: Vec<usize> = (0..3).filter(drawn).collect();
+            let drawn = |station: &usize| {
+                track_shown(*station) && visibility.prisms[followed[*station].index()]
+            };
+            let stations: Vec<usize> = (0..transforms.len()).filter(drawn).collect();
             let scale = f64::from(options.ellipsoid_scale);
             self.track_ellipsoids = overlays::add_uncertainty(self, analysis, &stations, scale);
         }
@@ -74,7 +79,7 @@ impl SceneContent {
             self.add_station(station, &transform);
         }
         if visibility.control_points && visibility.residuals {
-            let shown = [0, 1, 2].map(shown);
+            let shown = transforms.map_each(|station, _| shown(station.index()));
             self.arrows = self.add_residuals(deployment, analysis, &shown, options.residual_scale);
         }
         self.poses =
@@ -133,18 +138,18 @@ impl SceneContent {
         for leg in 0..3 {
             let angle = f64::from(leg) * std::f64::consts::TAU / 3.0;
             let foot = turn(Vector3::new(0.55 * angle.cos(), 0.55 * angle.sin(), -1.5));
-            self.world_line(origin, origin + foot, palette::STATIONS[station], 1.5);
+            self.world_line(origin, origin + foot, palette::station(station), 1.5);
         }
         self.data.points.push(PointVertex {
             position_m: origin.into(),
             frame: WORLD,
-            colour: opaque(palette::STATIONS[station]),
+            colour: opaque(palette::station(station)),
             diameter_points: 9.0,
         });
         self.labels.push(Label {
             position_m: origin + Vector3::new(0.0, 0.0, 0.4),
             text: format!("Station {}", station + 1),
-            colour: palette::STATIONS[station],
+            colour: palette::station(station),
             rank: Rank::Station,
         });
         self.landmarks.push(Landmark {

@@ -11,7 +11,8 @@ use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
-use resect_core::estimates::EstimatesJudgement;
+use resect_core::network::Number;
+use resect_tools::estimates::EstimatesJudgement;
 
 impl SceneView {
     /// Rebuilds the content whose state has changed.
@@ -129,14 +130,13 @@ impl SceneView {
         self.content.set_selection(open.timeline.selection_s, origin_s);
         let cursor_s = open.timeline.cursor_s;
         // The trail is independent of the visibility of the tracks themselves.
-        let trailing = [0, 1, 2].map(|station| {
-            state.scene.visibility.stations[station]
-                && self.content.station1_from_tracks[station].is_some()
+        let trailing = self.content.station1_from_tracks.map_each(|station, transform| {
+            state.scene.visibility.stations[station.index()] && transform.is_some()
         });
         let length_s = state.scene.options.trail_s;
         let trail_end_s = cursor_s.filter(|_| length_s > 0).map(|time_s| time_s - origin_s);
         self.content.trail = trail_end_s.map_or_else(Trail::default, |time_s| {
-            Trail::behind(time_s, length_s, &self.content.clouds.tracks, trailing)
+            Trail::behind(time_s, length_s, &self.content.clouds.tracks, &trailing)
         });
         let colour = theme::cursor(dark);
         let wanted = cursor_s.map(|time_s| (run, time_s));

@@ -4,6 +4,7 @@
 //! texture with its own depth buffer and four samples looks the same everywhere. Vertex buffers
 //! are written when their layer's version changes, and the picture is drawn only after a change.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use eframe::egui_wgpu::{self, RenderState};
@@ -15,13 +16,15 @@ use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
 use super::trail::Trail;
 use super::vertices::Layer;
 use crate::app::model::Camera;
+use crate::app::prepared::Cloud;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::{MOST_STATIONS, Number, PerStation, Station};
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct Uniforms {
     clip_from_world: [[f32; 4]; 4],
-    world_from_frame: [[[f32; 4]; 4]; 4],
+    world_from_frame: [[[f32; 4]; 4]; MOST_STATIONS + 1],
     background: [f32; 4],
     viewport_pixels: [f32; 2],
     /// Selected span (s); readings and tracks at other times are dimmed.
@@ -58,7 +61,7 @@ struct RenderedPicture {
     uniforms: Uniforms,
     /// Version numbers of clouds and colours, then of each layer.
     versions: [u64; 2 + LAYERS],
-    shown: [[bool; 3]; 2],
+    shown: [PerStation<bool>; 2],
     trail: Trail,
 }
 
@@ -137,7 +140,7 @@ impl SceneRenderer {
         let wanted = RenderedPicture {
             uniforms: uniforms(content, camera, size, pixels_per_point, background),
             versions,
-            shown: [content.raw_shown, content.tracks_shown],
+            shown: [content.raw_shown.clone(), content.tracks_shown.clone()],
             trail: content.trail.clone(),
         };
         let target = self.target.as_ref().expect("just ensured");
@@ -198,14 +201,14 @@ impl SceneRenderer {
         pass.set_bind_group(0, &self.bind_group, &[]);
         // Lines first: points cover them.
         pass.set_pipeline(&self.pipelines.track);
-        for station in (0..3).filter(|station| content.tracks_shown[*station]) {
-            self.tracks.draw_lines(&mut pass, &content.clouds.tracks.ranges[station]);
+        for (range, _) in shown(&content.clouds.tracks, &content.tracks_shown) {
+            self.tracks.draw_lines(&mut pass, range);
         }
         pass.set_pipeline(&self.pipelines.line);
         self.layers.iter().for_each(|layer| layer.lines.draw(&mut pass));
         pass.set_pipeline(&self.pipelines.reading);
-        for station in (0..3).filter(|station| content.raw_shown[*station]) {
-            self.raw.draw_points(&mut pass, &content.clouds.raw.ranges[station]);
+        for (range, _) in shown(&content.clouds.raw, &content.raw_shown) {
+            self.raw.draw_points(&mut pass, range);
         }
         pass.set_pipeline(&self.pipelines.trail);
         for range in &content.trail.ranges {
@@ -252,6 +255,14 @@ impl SceneRenderer {
     }
 }
 
+/// Returns the ranges of the shown stations' points.
+fn shown<'a>(
+    cloud: &'a Cloud,
+    shown: &'a PerStation<bool>,
+) -> impl Iterator<Item = (&'a Range<usize>, &'a bool)> {
+    cloud.ranges.iter().zip(shown).filter(|(_, shown)| **shown)
+}
+
 /// Returns the layers in drawing order.
 fn layers(content: &SceneContent) -> [&Layer; LAYERS] {
     [
@@ -276,13 +287,13 @@ fn uniforms(
     background: egui::Color32,
 ) -> Uniforms {
     let frame = |station: usize| {
-        let transform = content.station1_from_station[station].unwrap_or(RigidTransform::IDENTITY);
-        columns(&transform.matrix().cast::<f32>())
+        let transform = content.station1_from_station.get(Station::at(station)).copied().flatten();
+        columns(&transform.unwrap_or(RigidTransform::IDENTITY).matrix().cast::<f32>())
     };
     let viewport_pixels = size.map(|side| side as f32);
     Uniforms {
         clip_from_world: columns(&camera.clip_from_world(viewport_pixels[0] / viewport_pixels[1])),
-        world_from_frame: [frame(0), frame(1), frame(2), columns(&Matrix4::identity())],
+        world_from_frame: std::array::from_fn(frame),
         background: background.to_array().map(|c| f32::from(c) / 255.0),
         viewport_pixels,
         selection_s: content.selection_s.unwrap_or([f32::MIN, f32::MAX]),

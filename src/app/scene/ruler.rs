@@ -5,7 +5,8 @@ use super::projection::Projection;
 use super::vertices::{LineVertex, PointVertex, WORLD, f32s, opaque};
 use crate::app::model::{Ruler, RulerEnd};
 use egui::Pos2;
-use resect_core::palette::Rgb;
+use resect_core::network::PerPrism;
+use resect_tools::palette::Rgb;
 
 /// Distance from a prism, a station or a control point within which a click selects it, even if readings are nearer (points).
 const SNAP_POINTS: f32 = 11.0;
@@ -40,8 +41,8 @@ impl SceneContent {
 
     /// Returns the prism, station or control point at a position on the screen.
     pub fn snap(&self, projection: &Projection, at: Pos2) -> Option<RulerEnd> {
-        let prisms = self.prisms_m.iter().flatten().enumerate().map(|(prism, position_m)| {
-            let what = format!("prism {}", prism + 1);
+        let prisms = self.prisms_m.iter().flat_map(PerPrism::each).map(|(prism, position_m)| {
+            let what = format!("prism {prism}");
             RulerEnd { position_m: *position_m, what, prism: Some(prism) }
         });
         let landmarks = self.landmarks.iter().map(|landmark| RulerEnd {

@@ -1,4 +1,4 @@
-//! Uncertainties of stations 2 and 3: ellipsoids of their covariance, and double arrows along the unconstrained or weak directions.
+//! Uncertainties of stations 2, 3, …: ellipsoids of their covariance, and double arrows along the unconstrained or weak directions.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -6,8 +6,9 @@ use super::content::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, opaque};
 use resect_core::calibration::Calibration;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
-use resect_core::palette;
-use resect_core::palette::Rgb;
+use resect_core::network::{MOST_STATIONS, Number as _};
+use resect_tools::palette;
+use resect_tools::palette::Rgb;
 
 /// Semi-axes of the 95 % confidence ellipsoid of a three-dimensional normal distribution, in
 /// standard deviations: the square root of the quantile of χ² with three degrees of freedom.
@@ -26,13 +27,17 @@ const ARC_RAD: f32 = 0.9;
 pub fn add_ellipsoids(
     content: &mut SceneContent,
     calibration: &Calibration,
-    shown: &[bool; 3],
+    shown: &[bool; MOST_STATIONS],
     scale: f64,
 ) -> bool {
-    let Some(covariance) = calibration.covariance else { return false };
-    let axes = [0, 4].map(|at| semi_axes_m(&covariance.fixed_view::<3, 3>(at, at).into_owned()));
-    for (slot, axes) in axes.iter().enumerate().filter(|(slot, _)| shown[slot + 1]) {
-        let origin = calibration.station1_from_station[slot + 1].translation_m;
+    let Some(covariance) = &calibration.covariance else { return false };
+    for (station, transform) in calibration.station1_from_station.iter().enumerate().skip(1) {
+        if !shown[station] {
+            continue;
+        }
+        let row = 4 * (station - 1);
+        let axes = semi_axes_m(&covariance.fixed_view::<3, 3>(row, row).into_owned());
+        let origin = transform.translation_m;
         for flat in 0..3 {
             let (first, second) = (axes[(flat + 1) % 3], axes[(flat + 2) % 3]);
             let corner = |at: usize| {
@@ -40,10 +45,10 @@ pub fn add_ellipsoids(
                 (origin + scale * (first * cos + second * sin)).cast::<f32>()
             };
             let corners: Vec<_> = (0..=CORNERS).map(corner).collect();
-            add_path(&mut content.data.lines, &corners, palette::STATIONS[slot + 1], 1.4);
+            add_path(&mut content.data.lines, &corners, palette::station(station), 1.4);
         }
     }
-    shown[1] || shown[2]
+    shown[1..calibration.station1_from_station.len()].contains(&true)
 }
 
 /// Returns the semi-axes of the 95 % confidence ellipsoid, the shortest first.
@@ -62,20 +67,23 @@ pub fn add_weak_directions(
     content: &mut SceneContent,
     calibration: &Calibration,
     observed: &Observability,
-    shown: &[bool; 3],
+    shown: &[bool; MOST_STATIONS],
 ) {
     let Some(extent_m) = extent_m(content) else { return };
     // Labels are placed from the last to the first: the least constrained direction, which the findings name, must find room.
     for direction in observed.directions.iter().rev().filter(|d| d.hold != Hold::Held) {
         let colour = palette::hold(direction.hold);
-        let moves = direction.motion.map(|motion| motion.translation_m.norm());
-        let most = moves[0].max(moves[1]);
-        let mover = if moves[0] >= moves[1] { 0 } else { 1 };
-        for slot in (0..2).filter(|slot| shown[slot + 1]) {
-            let StationMotion { translation_m, yaw_rad } = direction.motion[slot];
-            let origin = calibration.station1_from_station[slot + 1].translation_m.cast::<f32>();
+        let move_m = |motion: &StationMotion| motion.translation_m.norm();
+        let most = direction.motion.iter().map(move_m).fold(0.0, f64::max);
+        let mover = direction.motion.each().find(|(_, motion)| move_m(motion) >= most);
+        for (station, motion) in direction.motion.each().skip(1) {
+            if !shown[station.index()] {
+                continue;
+            }
+            let StationMotion { translation_m, yaw_rad } = *motion;
+            let origin = calibration.station1_from_station[station].translation_m.cast::<f32>();
             let mut tip = origin;
-            if moves[slot] > SHORTEST_ARROW * most {
+            if move_m(motion) > SHORTEST_ARROW * most {
                 let half = (translation_m / most).cast::<f32>() * (ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &[origin - half, origin + half], colour);
                 tip = origin + half;
@@ -86,7 +94,7 @@ pub fn add_weak_directions(
                 let arc = arc_towards(content, origin, 0.5 * ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &arc, colour);
             }
-            if slot == mover {
+            if mover.is_some_and(|(mover, _)| mover == station) {
                 let text = direction.short().to_owned();
                 let label = Label { position_m: tip, text, colour, rank: Rank::Direction };
                 content.labels.push(label);

@@ -13,7 +13,7 @@ use super::projection::Projection;
 use super::strip_text;
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
+use resect_tools::palette;
 
 const ROW: f32 = 17.0;
 const MARGIN: Vec2 = Vec2::new(8.0, 3.0);
@@ -86,7 +86,9 @@ pub fn ui(
         let colour = if text.faint { faint } else { colour };
         items.push((text.text.clone(), Item::Text(layout(&text.text, colour))));
     }
-    let coloured = content.raw_shown.contains(&true) || content.tracks_shown.contains(&true);
+    let coloured = [&content.raw_shown, &content.tracks_shown]
+        .into_iter()
+        .any(|shown| shown.as_slice().contains(&true));
     let scale = content.colours.scale.as_ref().filter(|_| coloured);
     if let Some(scale) = scale {
         let [low, high] = ends_of(scale);

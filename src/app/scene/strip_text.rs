@@ -13,9 +13,9 @@ use crate::app::prepared::placing::frame_in_words;
 use crate::app::prepared::rig_at::LAST_READ_S;
 use crate::app::state::State;
 use resect_core::analysis::Analysis;
-use resect_core::calibration::Targets;
 use resect_core::evaluation::trajectory::PoseSigma;
 use resect_core::geometry::RigidTransform;
+use resect_core::network::{Number, PerStation, Prism};
 use resect_core::statistics::estimate::decimals_of;
 
 pub struct Text {
@@ -93,8 +93,12 @@ fn cursor(
     };
     let Some(pose) = &content.pose else {
         let joint = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
-        let is_rig = analysis.offer.targets != Targets::OnePrism;
-        let why = if joint && is_rig { ", segment too short for a pose" } else { "" };
+        let why = match Prism::count(&analysis.offer.followed) {
+            1 => "",
+            2 => ", two prisms have no orientation",
+            _ if joint => ", segment too short for a pose",
+            _ => "",
+        };
         return vec![format!("{time}  prism 1 {}{why}", position(&prisms_m[0], units))];
     };
     let (sigma, by) = match &pose.by {
@@ -128,7 +132,7 @@ fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
 }
 
 /// Describes the age of the last readings, where there is no triplet.
-fn last_read(ghosts: &[Option<Ghost>; 3]) -> String {
+fn last_read(ghosts: &PerStation<Option<Ghost>>) -> String {
     let read = ghosts.iter().enumerate().filter_map(|(prism, ghost)| Some((prism, (*ghost)?)));
     let (prisms, ages): (Vec<String>, Vec<String>) = read
         .map(|(prism, Ghost { age_s, rejected, .. })| {
@@ -184,12 +188,16 @@ fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
 /// Describes the numbers of drawn readings and tracks.
 fn counts(analysis: &Analysis, content: &SceneContent) -> String {
     use resect_core::pipeline::SampleFate;
-    let stations = |shown: &[bool; 3]| (0..3).filter(|station| shown[*station]).collect::<Vec<_>>();
+    let stations = |shown: &PerStation<bool>| {
+        shown.each().filter(|(_, shown)| **shown).map(|(station, _)| station).collect::<Vec<_>>()
+    };
     let fates = SampleFate::ALL.into_iter().enumerate();
     let fates = fates.filter(|(place, _)| content.shown_fates >> place & 1 == 1);
     let fates: Vec<SampleFate> = fates.map(|(_, fate)| fate).collect();
     let readings: usize = (stations(&content.raw_shown).into_iter())
-        .map(|at| fates.iter().map(|fate| analysis.pipeline.count(at, *fate)).sum::<usize>())
+        .map(|at| {
+            fates.iter().map(|fate| analysis.pipeline.count(at.index(), *fate)).sum::<usize>()
+        })
         .sum();
     let track_points = stations(&content.tracks_shown).len() * analysis.triplets().len();
     format!("{readings} readings and {track_points} track points shown")
@@ -203,11 +211,11 @@ mod tests {
     fn ghosts_are_told_with_the_age_of_their_readings() {
         let ghost = |age_s, rejected| Some(Ghost { position_m: Vector3::zeros(), age_s, rejected });
         assert_eq!(
-            last_read(&[ghost(0.42, false), None, ghost(1.16, true)]),
+            last_read(&[ghost(0.42, false), None, ghost(1.16, true)].into()),
             "no triplet; prisms 1, 3 read 0.4, 1.2 (rejected) s ago"
         );
-        let one = last_read(&[None, ghost(2.0, false), None]);
+        let one = last_read(&[None, ghost(2.0, false), None].into());
         assert_eq!(one, "no triplet; prism 2 read 2.0 s ago");
-        assert_eq!(last_read(&[None; 3]), "no triplet, and no reading in the last 3 s");
+        assert_eq!(last_read(&[None; 3].into()), "no triplet, and no reading in the last 3 s");
     }
 }

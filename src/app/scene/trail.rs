@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::app::prepared::Cloud;
+use resect_core::network::{Number, PerStation};
 
 /// Segment of the tracks that is drawn a second time, wider and fading into the past.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,16 +11,18 @@ pub struct Trail {
     /// Start and end (s, in the time of the points).
     pub span_s: [f32; 2],
     /// Range of the trail's points in each station's track; empty if it is not drawn.
-    pub ranges: [Range<usize>; 3],
+    pub ranges: PerStation<Range<usize>>,
 }
 
 impl Trail {
     /// Returns the trail up to a time (s, in the time of the points), by binary search in the tracks.
-    pub fn behind(time_s: f64, length_s: u32, tracks: &Cloud, drawn: [bool; 3]) -> Self {
+    pub fn behind(time_s: f64, length_s: u32, tracks: &Cloud, drawn: &PerStation<bool>) -> Self {
         let span_s = [time_s - f64::from(length_s), time_s].map(|t| t as f32);
-        let range =
-            |station: usize| if drawn[station] { tracks.along(station, span_s) } else { 0..0 };
-        Self { span_s, ranges: [0, 1, 2].map(range) }
+        let ranges = drawn.map_each(|station, drawn| match drawn {
+            true => tracks.along(station.index(), span_s),
+            false => 0..0,
+        });
+        Self { span_s, ranges }
     }
 }
 
@@ -38,16 +41,16 @@ mod tests {
     }
 
     /// Returns the times of each trail's points (s).
-    fn times_s(trail: &Trail) -> [Vec<f32>; 3] {
+    fn times_s(trail: &Trail) -> PerStation<Vec<f32>> {
         let points = tracks().points;
-        trail.ranges.clone().map(|range| points[range].iter().map(|p| p.time_s).collect())
+        trail.ranges.map(|range| points[range.clone()].iter().map(|p| p.time_s).collect())
     }
 
     #[test]
     fn it_reaches_back_so_many_seconds_and_not_beyond_the_cursor() {
         // At triplets, and between two: the line is cut at the end of the span.
         for (cursor_s, from_s, to_s) in [(30.0, 20.0, 30.0), (30.2, 20.0, 30.5), (4.0, 0.0, 4.0)] {
-            let trail = Trail::behind(cursor_s, 10, &tracks(), [true; 3]);
+            let trail = Trail::behind(cursor_s, 10, &tracks(), &[true; 3].into());
             assert_eq!(trail.span_s, [cursor_s - 10.0, cursor_s].map(|t| t as f32));
             for of_prism in times_s(&trail) {
                 assert_eq!((of_prism[0], of_prism[of_prism.len() - 1]), (from_s, to_s));
@@ -59,7 +62,7 @@ mod tests {
     #[test]
     fn in_a_gap_it_runs_out_and_before_the_start_there_is_none() {
         let left = |cursor_s: f64| {
-            let trail = Trail::behind(cursor_s, 10, &tracks(), [true; 3]);
+            let trail = Trail::behind(cursor_s, 10, &tracks(), &[true; 3].into());
             let [from_s, to_s] = trail.span_s;
             times_s(&trail)[0].iter().filter(|t| (from_s..=to_s).contains(*t)).count()
         };
@@ -68,9 +71,9 @@ mod tests {
 
     #[test]
     fn what_is_not_drawn_leaves_none() {
-        let trail = Trail::behind(30.2, 10, &tracks(), [true, false, true]);
-        assert_eq!(times_s(&trail).map(|times_s| times_s.len()), [22, 0, 22]);
-        let empty = Trail::behind(30.2, 10, &Cloud::default(), [true; 3]);
-        assert_eq!(empty.ranges, [const { 0..0 }; 3]);
+        let trail = Trail::behind(30.2, 10, &tracks(), &[true, false, true].into());
+        assert_eq!(times_s(&trail).map(Vec::len).as_slice(), [22, 0, 22]);
+        let empty = Trail::behind(30.2, 10, &Cloud::default(), &PerStation::default());
+        assert!(empty.ranges.is_empty());
     }
 }

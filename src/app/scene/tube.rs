@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s};
 use crate::app::prepared::way::{Instant, Way};
-use resect_core::palette;
+use resect_tools::palette;
 
 /// Radius of the 95 % confidence circle of a normal distribution in a plane,
 /// in σ: the square root of the quantile of χ² with two degrees of freedom.

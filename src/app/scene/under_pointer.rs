@@ -11,6 +11,7 @@ use crate::app::prepared::Cloud;
 use crate::app::prepared::pick::Hit;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
+use resect_core::network::PerStation;
 
 /// Distance on the screen within which the pointer is on a reading, and on a track (points).
 const READING_REACH: f32 = 7.0;
@@ -105,13 +106,13 @@ fn nearest_on_tracks(
 fn nearest(
     content: &SceneContent,
     cloud: &Cloud,
-    stations: &[bool; 3],
+    stations: &PerStation<bool>,
     projection: &Projection,
     (at, reach): (Pos2, f32),
     shown: impl Fn(usize, usize) -> bool,
 ) -> Option<(usize, usize)> {
     let mut best: Option<(usize, Hit)> = None;
-    for station in (0..3).filter(|station| stations[*station]) {
+    for station in (0..stations.len()).filter(|station| stations[*station]) {
         let Some(transform) = &content.station1_from_tracks[station] else { continue };
         let view = projection.pick_view(transform, at, reach);
         let points = cloud.station(station);

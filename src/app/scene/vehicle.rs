@@ -38,8 +38,8 @@ fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Ve
         };
         return some.time_s.iter().filter_map(at).collect();
     }
-    let (targets, transforms) = (analysis.offer.targets, calibration.placing_tracks(deployment));
-    let found = vehicle_trajectory(deployment, some, targets, transforms, LARGEST_POSE_ERROR_M);
+    let (followed, transforms) = (&analysis.offer.followed, calibration.placing_tracks(deployment));
+    let found = vehicle_trajectory(deployment, some, followed, transforms, LARGEST_POSE_ERROR_M);
     let at = |pose: &Pose| VehicleAt {
         time_s: pose.time_s,
         station1_from_vehicle: RigidTransform {

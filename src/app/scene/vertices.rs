@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
-use resect_core::palette::Rgb;
+use resect_core::network::MOST_STATIONS;
+use resect_tools::palette::Rgb;
 
-/// Index of a vertex's frame: stations 1–3 are 0–2, the world (station 1) is 3.
-pub const WORLD: u32 = 3;
+/// Index of a vertex's frame: those of the stations are before it, the world is station 1's frame.
+pub const WORLD: u32 = MOST_STATIONS as u32;
 
 /// A disc of constant size on the screen.
 #[repr(C)]

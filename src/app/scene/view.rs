@@ -24,7 +24,8 @@ use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
-use resect_core::estimates::EstimatesJudgement;
+use resect_core::network::{Number, Station};
+use resect_tools::estimates::EstimatesJudgement;
 
 /// Width of the folded legend with the margins of both sides (points).
 const LEGEND_FOLDED: f32 = 116.0;
@@ -179,10 +180,11 @@ impl SceneView {
             view.wanted = None;
             match (preset, self.content.bounds_m, state.analysed()) {
                 (ViewPreset::Station(station), Some((low, high)), Some(_)) => {
-                    let prisms = self.content.prisms_m;
-                    let middle = prisms.map(|p| ((p[0] + p[1] + p[2]) / 3.0).cast::<f32>());
+                    let middle = self.content.middle_of_prisms_m();
                     let target = middle.unwrap_or((low + high) / 2.0);
-                    if let Some(transform) = self.content.station1_from_station[station] {
+                    let station = Station::at(station);
+                    let transforms = &self.content.station1_from_station;
+                    if let Some(Some(transform)) = transforms.get(station) {
                         view.camera.stand(&transform.translation_m.cast::<f32>(), &target);
                     }
                 }

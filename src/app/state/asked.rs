@@ -170,10 +170,10 @@ impl State {
                 corrections.tracks = Some(one_or_many(files.map(|(file, _)| file).collect()));
             }
             Asked::Stations(AskedStations { are, choices, stations, .. }) => {
-                let names = stations.map(|index| choices[index].0.clone());
+                let names = stations.iter().map(|index| choices[*index].0.clone());
                 match are {
-                    StationsAre::Topics => corrections.topics = Some(names),
-                    StationsAre::Files => corrections.tracks = Some(one_or_many(names.to_vec())),
+                    StationsAre::Topics => corrections.topics = Some(names.collect()),
+                    StationsAre::Files => corrections.tracks = Some(one_or_many(names.collect())),
                 }
             }
             Asked::Columns(columns) => {
@@ -184,9 +184,9 @@ impl State {
                     Some(*azimuth).filter(|sense| *sense != AzimuthSense::default());
                 corrections.ranges_include_prism_constant =
                     Some(*ranges_include_prism_constant).filter(|include| *include);
-                if let (Some(head), Some(files)) = (&columns.head, columns.files) {
-                    let names = files.map(|index| head.alike[index].clone());
-                    corrections.tracks = Some(one_or_many(names.to_vec()));
+                if let (Some(head), Some(files)) = (&columns.head, &columns.files) {
+                    let names = files.iter().map(|index| head.alike[*index].clone());
+                    corrections.tracks = Some(one_or_many(names.collect()));
                 }
             }
         }

@@ -7,7 +7,7 @@ use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{OpenDeployment, Picked};
-use resect_core::deployment::{AS_NUMBERED, Deployment, MaskedReading, OneOrMany, Overrides};
+use resect_core::deployment::{Deployment, MaskedReading, OneOrMany, Overrides, as_numbered};
 use resect_io::override_changes::extras_changes;
 use resect_io::source::{Extras, Source};
 
@@ -132,15 +132,15 @@ pub fn effective(extras: &Extras, deployment: &Deployment) -> Overrides {
     extras.corrections.clone().over(deployment.as_read.clone())
 }
 
-/// Returns the extras with the numbers of two stations (0 to 2) exchanged.
+/// Returns the extras with the numbers of two stations (from 0) exchanged.
 pub fn exchanged(extras: &Extras, deployment: &Deployment, [a, b]: [usize; 2]) -> Extras {
     let mut extras = extras.clone();
     let now = effective(&extras, deployment);
-    let before = now.stations.unwrap_or(AS_NUMBERED);
-    let mut after = before;
-    after.swap(a, b);
+    let before = now.stations.unwrap_or_else(|| as_numbered(deployment.tracks.len()));
+    let mut after = before.clone();
+    after.as_mut_slice().swap(a, b);
     extras.corrections.masked = now.masked;
-    extras.corrections.renumber(before, after);
+    extras.corrections.renumber(&before, after);
     extras
 }
 

@@ -13,9 +13,9 @@ use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstima
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use resect_core::deployment::Deployment;
-use resect_core::estimates::{EstimatedTrajectory, EstimatesJudgement, GroundTruth, judge};
 use resect_io::estimate_file;
 use resect_io::source::Source;
+use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, GroundTruth, judge};
 
 impl State {
     pub(super) fn handle_judging(&mut self, command: JudgingCommand, moment: Moment) {

@@ -1,5 +1,6 @@
 //! The live deployment: it is started and stopped in the background, and its data extends the open deployment.
 
+use resect_core::network::{MOST_STATIONS, PerStation};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -280,7 +281,9 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
     };
     let mut extras = Extras { rig, ..Extras::default() };
     let names: Vec<String> = form.stations.split(',').map(|name| name.trim().to_owned()).collect();
-    let mut instruments = <[String; 3]>::try_from(names).ok();
+    let are_names = names.len() <= MOST_STATIONS && names.iter().all(|name| !name.is_empty());
+    let mut instruments: Option<PerStation<String>> =
+        are_names.then(|| names.into_iter().collect());
     if instruments.as_ref().is_some_and(|names| names.iter().all(|name| name.starts_with('/'))) {
         extras.corrections.topics = instruments.take();
     }

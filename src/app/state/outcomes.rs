@@ -102,7 +102,8 @@ impl State {
                 Err(_) => {}
             }
         }
-        let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);
+        let stations =
+            |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations.clone());
         if stations(&before) != stations(&open.summary) && Some(id) == shown {
             // The frame has changed; only ends on prisms are still valid.
             self.scene.ruler.ends.retain(|end| end.prism.is_some());

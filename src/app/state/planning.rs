@@ -7,10 +7,10 @@ use crate::app::file_dialog::{Question, Wanted};
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{LayoutPreset, Pane, PlanCommand};
-use resect_core::planning::{Plan, improvements, predict};
 use resect_core::progress::Progress;
 use resect_io::atomic;
 use resect_io::plan_file;
+use resect_tools::planning::{Plan, improvements, predict};
 
 /// Id for the plan in the undo stack; no deployment has it.
 const NO_DEPLOYMENT: u64 = 0;

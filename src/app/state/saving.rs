@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::State;
 use crate::app::file_dialog::{Answer, Question, Wanted};
 use resect_core::analysis::Analysis;
-use resect_core::calibration::Targets;
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
+use resect_core::network::Prism;
 use resect_io::atomic;
 use resect_io::file_mark::marks_of;
-use resect_report::copy::{CopyFormat, Part};
+use resect_report::copy::{CopiedTransforms, CopyFormat};
 use resect_report::of_run;
 use resect_report::report;
 use resect_report::report::Chapter;
@@ -51,9 +51,14 @@ impl State {
         self.ask(Question::new_file(title, name, extension))
     }
 
-    pub(super) fn copy_transforms(&mut self, format: CopyFormat, part: Part, ctx: &egui::Context) {
+    pub(super) fn copy_transforms(
+        &mut self,
+        format: CopyFormat,
+        copied: CopiedTransforms,
+        ctx: &egui::Context,
+    ) {
         if let Some(summary) = self.active().and_then(|open| open.summary.as_ref()) {
-            ctx.copy_text(resect_report::copy::text(format, summary, part));
+            ctx.copy_text(resect_report::copy::text(format, summary, copied));
             self.toasts.done(format!("copied as {}", format.title()));
         }
     }
@@ -149,16 +154,16 @@ fn trajectory_file(
         calibration.method_in_words(),
         calibration.verdict_in_words()
     );
-    let (triplets, targets, wanted) =
-        (analysis.triplets(), analysis.offer.targets, Instants::Triplets);
-    if targets == Targets::OnePrism {
+    let (triplets, followed, wanted) =
+        (analysis.triplets(), &analysis.offer.followed, Instants::Triplets);
+    if Prism::is_one(followed) {
         let positions = prism_by(deployment, triplets, calibration, wanted);
         let positions = positions.map_err(|why| why.to_string())?;
         return resect_report::trajectory::prism_file(kind, &positions, &header)
             .map_err(|why| why.to_string());
     }
     let (trajectory, _) =
-        trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
+        trajectory_by(deployment, triplets, followed, calibration, wanted, LARGEST_POSE_ERROR_M)
             .map_err(|why| why.to_string())?;
     resect_report::trajectory::file(kind, &trajectory, &header, STATION1)
         .map_err(|why| why.to_string())

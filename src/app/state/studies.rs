@@ -6,8 +6,8 @@ use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::{StudyResult, studies};
 use resect_core::deployment::Deployment;
-use resect_core::experiment::StudyError;
 use resect_core::progress::Progress;
+use resect_tools::experiment::StudyError;
 
 impl State {
     pub(super) fn run_study(&mut self) {

@@ -8,7 +8,7 @@ use resect_core::analysis::{Analyst, Settings};
 use resect_core::calibration::Method;
 use resect_core::deployment::Deployment;
 use resect_core::progress::{Cancelled, Progress};
-use resect_core::validation::{Earlier, Validation, drive_alone, validate};
+use resect_tools::validation::{Earlier, Validation, drive_alone, validate};
 
 impl State {
     /// Returns the validations of the active deployment's calibration whose two results are still the newest.

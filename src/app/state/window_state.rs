@@ -20,6 +20,7 @@ use crate::app::model::undo::Moment;
 use crate::app::model::{Asked, Command, OpenDeployment, Planning, Results};
 use crate::app::prepared::analyser::Analyser;
 use resect_core::analysis::{Analysis, Settings};
+use resect_core::network::{Pair, Prism, USUAL_STATIONS};
 use resect_core::progress::Progress;
 use resect_report::of_run;
 
@@ -97,6 +98,28 @@ impl State {
     pub fn analysed(&self) -> Option<(&OpenDeployment, &Arc<Analysis>)> {
         let active = self.active()?;
         Some((active, active.analysis.as_ref()?))
+    }
+
+    /// Returns the number of stations of the active deployment.
+    pub fn stations(&self) -> usize {
+        self.active().map_or(USUAL_STATIONS, |open| open.deployment.tracks.len())
+    }
+
+    /// Returns the number of prisms that the stations of the active deployment follow.
+    pub fn prisms(&self) -> usize {
+        let followed = self.analysed().map(|(_, analysis)| &analysis.offer.followed);
+        followed.map_or(USUAL_STATIONS, Prism::count)
+    }
+
+    /// Returns the number of pairs whose distances are compared: of prisms, or of stations that follow one.
+    pub fn pairs(&self) -> usize {
+        Pair::count(if self.prisms() == 1 { self.stations() } else { self.prisms() })
+    }
+
+    /// Returns the stations of the active deployment that the scene and the plots show.
+    pub fn visible_stations(&self) -> impl Iterator<Item = usize> {
+        let visible = self.scene.visibility.stations;
+        (0..self.stations()).filter(move |station| visible[*station])
     }
 
     /// Returns the settings of the active deployment, or those of the next one.

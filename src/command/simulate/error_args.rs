@@ -1,5 +1,6 @@
 //! Options for systematic errors of the instruments, and their application to a scenario.
 
+use resect_core::network::MOST_STATIONS;
 use std::slice::from_mut;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use nalgebra::Vector3;
 use super::super::Failure;
 use super::limits::{Limits, List, replace, replace_row, station};
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::simulation::{
+use resect_tools::simulation::{
     Centring, ChangedSetUp, ClockStep, Curvature, ErrorKind, Scenario, Settling, Wander,
     draw_facets,
 };
@@ -27,13 +28,13 @@ pub struct ErrorArguments {
         allow_hyphen_values = true
     )]
     settle: Vec<List>,
-    /// Offset added to the ranges of stations 1, 2, 3 (mm)
+    /// Offset added to the ranges of each station (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     range_offset: Vec<f64>,
     /// Relative excess of their ranges (parts per million)
     #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_hyphen_values = true)]
     range_scale: Vec<f64>,
-    /// Offset added to the ranges to prisms 1, 2, 3 (mm)
+    /// Offset added to the ranges to each prism (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     prism_offset: Vec<f64>,
     /// Error of the prism constant (mm)
@@ -42,13 +43,13 @@ pub struct ErrorArguments {
     /// Time-correlated errors of ranges: 1 σ (mm), and the time after which the correlation falls to 37 % (s)
     #[arg(long, value_name = "MM,S", value_delimiter = ',', allow_hyphen_values = true)]
     range_wander: Vec<f64>,
-    /// Latency of the angles relative to the range for stations 1, 2, 3 (ms): the angles are earlier
+    /// Latency of the angles relative to the range for each station (ms): the angles are earlier
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
     latency: Vec<f64>,
     /// Independent error of every stamp, 1 σ (ms)
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     stamp_jitter: Option<f64>,
-    /// Delay of the stamps of stations 1, 2, 3 (ms)
+    /// Delay of the stamps of each station (ms)
     #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
     clock_offset: Vec<f64>,
     /// Rate at which they fall behind (parts per million)
@@ -60,19 +61,19 @@ pub struct ErrorArguments {
     /// Start and end of a pause without readings (s); may be repeated
     #[arg(long, value_name = "FROM_S,TO_S", allow_hyphen_values = true)]
     pause: Vec<List>,
-    /// Vertical index error, added to the zenith angles of stations 1, 2, 3 (arcseconds)
+    /// Vertical index error, added to the zenith angles of each station (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     index: Vec<f64>,
     /// Collimation error of their lines of sight (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     collimation: Vec<f64>,
-    /// Tilt of stations 1, 2, 3 about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
+    /// Tilt of each station about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     tilt: Vec<f64>,
     /// Earth curvature with diverging plumb lines, and refraction with this coefficient (0.13 if omitted)
     #[arg(long, value_name = "K", num_args = 0..=1, allow_negative_numbers = true)]
     curvature: Option<Option<f64>>,
-    /// Errors of the written inter-prism distances 12, 13, 23 (mm)
+    /// Errors of the written inter-prism distances 12, 13, 23, 14, … (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     distance_error: Vec<f64>,
     /// Error of the prism constant in these distances (mm)
@@ -104,7 +105,8 @@ const NO_NEGATIVE_MILLIMETRES: Limits = Limits::up_to(1000.0, MILLI);
 const PARTS_PER_MILLION: Limits = Limits::either_way(1000.0, 1e-6);
 const MILLIRADIANS: Limits = Limits::either_way(100.0, MILLI);
 const ARCSECONDS: Limits = Limits::either_way(3600.0, ARCSECOND_RAD);
-const STATION: Limits = Limits { low: 1.0, high: 3.0, unit: 1.0 };
+/// [`station`] checks the number.
+const STATION: Limits = Limits { low: 1.0, high: MOST_STATIONS as f64, unit: 1.0 };
 
 impl ErrorArguments {
     /// Draws the random errors if asked for, then replaces those that are given.
@@ -127,28 +129,53 @@ impl ErrorArguments {
         let prism_constant = self.prism_constant_error.as_slice();
         let jitter = Limits { low: 0.0, ..MILLISECONDS };
         for (name, given, limits, to) in [
-            ("range-offset", &self.range_offset[..], MILLIMETRES, &mut errors.range_offset_m[..]),
-            ("range-scale", &self.range_scale, PARTS_PER_MILLION, &mut errors.range_scale),
-            ("prism-offset", &self.prism_offset, MILLIMETRES, &mut errors.prism_offset_m),
+            (
+                "range-offset",
+                &self.range_offset[..],
+                MILLIMETRES,
+                errors.range_offset_m.as_mut_slice(),
+            ),
+            (
+                "range-scale",
+                &self.range_scale,
+                PARTS_PER_MILLION,
+                errors.range_scale.as_mut_slice(),
+            ),
+            ("prism-offset", &self.prism_offset, MILLIMETRES, errors.prism_offset_m.as_mut_slice()),
             (
                 "prism-constant-error",
                 prism_constant,
                 Limits::either_way(100.0, MILLI),
                 from_mut(&mut errors.prism_constant_m),
             ),
-            ("latency", &self.latency, MILLISECONDS, &mut errors.latency_s),
+            ("latency", &self.latency, MILLISECONDS, errors.latency_s.as_mut_slice()),
             (
                 "stamp-jitter",
                 self.stamp_jitter.as_slice(),
                 jitter,
                 from_mut(&mut errors.stamp_jitter_s),
             ),
-            ("clock-offset", &self.clock_offset, CLOCK_MILLISECONDS, &mut errors.clock_offset_s),
-            ("clock-drift", &self.clock_drift, PARTS_PER_MILLION, &mut errors.clock_drift),
-            ("index", &self.index, ARCSECONDS, &mut errors.index_rad),
-            ("collimation", &self.collimation, ARCSECONDS, &mut errors.collimation_rad),
-            ("tilt", &self.tilt, ARCSECONDS, errors.tilt_rad.as_flattened_mut()),
-            ("distance-error", &self.distance_error, MILLIMETRES, &mut errors.inter_prism_m),
+            (
+                "clock-offset",
+                &self.clock_offset,
+                CLOCK_MILLISECONDS,
+                errors.clock_offset_s.as_mut_slice(),
+            ),
+            (
+                "clock-drift",
+                &self.clock_drift,
+                PARTS_PER_MILLION,
+                errors.clock_drift.as_mut_slice(),
+            ),
+            ("index", &self.index, ARCSECONDS, errors.index_rad.as_mut_slice()),
+            ("collimation", &self.collimation, ARCSECONDS, errors.collimation_rad.as_mut_slice()),
+            ("tilt", &self.tilt, ARCSECONDS, errors.tilt_rad.as_mut_slice().as_flattened_mut()),
+            (
+                "distance-error",
+                &self.distance_error,
+                MILLIMETRES,
+                errors.inter_prism_m.as_mut_slice(),
+            ),
             (
                 "rig-constant-error",
                 self.rig_constant_error.as_slice(),
@@ -186,6 +213,7 @@ impl ErrorArguments {
 
     /// Replaces errors of the survey of the control points.
     fn replace_survey(&self, scenario: &mut Scenario) -> Result<(), Failure> {
+        let stations = scenario.stations();
         let errors = &mut scenario.errors;
         if !self.centring.is_empty() {
             let mut sigmas_m = [0.0; 2];
@@ -194,7 +222,7 @@ impl ErrorArguments {
             errors.centring = Some(Centring { marker_m, turned_m });
         }
         let changes = self.set_up_change.iter().map(|given| {
-            let station = station("set-up-change", given)?;
+            let station = station("set-up-change", given, stations)?;
             let limits = [
                 STATION,
                 MILLIRADIANS,
@@ -219,11 +247,11 @@ impl ErrorArguments {
 
     /// Replaces errors that begin at some time, any number of them.
     fn replace_at_times(&self, scenario: &mut Scenario) -> Result<(), Failure> {
-        let duration_s = scenario.duration_s;
+        let (duration_s, stations) = (scenario.duration_s, scenario.stations());
         // An error outside the drive would have no effect.
         let moment = Limits::up_to(duration_s, 1.0);
         let settling = self.settle.iter().map(|given| {
-            let station = station("settle", given)?;
+            let station = station("settle", given, stations)?;
             let limits = [
                 STATION,
                 moment,
@@ -248,7 +276,7 @@ impl ErrorArguments {
             })
         });
         let clock_steps = self.clock_step.iter().map(|given| {
-            let station = station("clock-step", given)?;
+            let station = station("clock-step", given, stations)?;
             let mut row = [0.0, 0.0, 0.5 * duration_s];
             let limits = [STATION, CLOCK_MILLISECONDS, moment];
             replace_row("clock-step", &given.0, 2, &limits, &mut row)?;
@@ -288,7 +316,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use resect_core::simulation::{Preset, SystematicErrors};
+    use resect_tools::simulation::{Preset, SystematicErrors};
 
     #[derive(Parser)]
     struct Line {
@@ -336,21 +364,21 @@ mod tests {
                 assert_eq!(rounded(*found), rounded(*expected));
             }
         };
-        close(&errors.range_offset_m, &[-0.001, 0.002, 0.003]);
-        close(&errors.range_scale, &[40e-6, -5e-6, 0.0]);
-        close(&errors.prism_offset_m, &[0.0005, 0.0, -0.0005]);
+        close(errors.range_offset_m.as_slice(), &[-0.001, 0.002, 0.003]);
+        close(errors.range_scale.as_slice(), &[40e-6, -5e-6, 0.0]);
+        close(errors.prism_offset_m.as_slice(), &[0.0005, 0.0, -0.0005]);
         close(&[errors.prism_constant_m], &[-0.002]);
         let wander = errors.range_wander.expect("given");
         close(&[wander.sigma_m, wander.correlation_s], &[0.0015, 20.0]);
-        close(&errors.latency_s, &[0.0, 0.010, 0.015]);
+        close(errors.latency_s.as_slice(), &[0.0, 0.010, 0.015]);
         close(&[errors.stamp_jitter_s], &[0.004]);
-        close(&errors.clock_offset_s, &[-0.004, 0.0, 0.008]);
-        close(&errors.clock_drift, &[0.0, -5e-6, 5e-6]);
-        close(&errors.index_rad, &[degree, 0.0, 0.0]);
-        close(&errors.collimation_rad, &[0.0, -degree, 0.0]);
-        close(errors.tilt_rad.as_flattened(), &[degree, 0.0, 0.0, 0.0, 0.0, -degree]);
+        close(errors.clock_offset_s.as_slice(), &[-0.004, 0.0, 0.008]);
+        close(errors.clock_drift.as_slice(), &[0.0, -5e-6, 5e-6]);
+        close(errors.index_rad.as_slice(), &[degree, 0.0, 0.0]);
+        close(errors.collimation_rad.as_slice(), &[0.0, -degree, 0.0]);
+        close(errors.tilt_rad.as_slice().as_flattened(), &[degree, 0.0, 0.0, 0.0, 0.0, -degree]);
         close(&[errors.curvature.expect("given").refraction], &[0.2]);
-        close(&errors.inter_prism_m, &[0.001, -0.002, 0.003]);
+        close(errors.inter_prism_m.as_slice(), &[0.001, -0.002, 0.003]);
         let [first, second] = errors.settling[..] else { panic!("{:?}", errors.settling) };
         assert_eq!((first.station, second.station), (0, 2));
         close(&[first.from_s, first.over_s, first.turn_rad], &[100.0, 0.0, 0.0002]);
@@ -386,7 +414,7 @@ mod tests {
         let drawn = Preset::Warthog.scenario().with_field_errors(1);
         let given = scenario_of("--field-errors --latency 0,0,9 --settle 2,0,0,0.2,0,0,0");
         let mut expected = drawn.clone();
-        expected.errors.latency_s = [0.0, 0.0, 9.0 * MILLI];
+        expected.errors.latency_s = [0.0, 0.0, 9.0 * MILLI].into();
         let given = given.expect("fine");
         assert_eq!(given.errors.settling.len(), 1);
         expected.errors.settling.clone_from(&given.errors.settling);

@@ -70,9 +70,11 @@ pub fn replace_row(
 }
 
 /// Returns the index of the station that is the first number of an option's list.
-pub fn station(name: &str, given: &List) -> Result<usize, Failure> {
+pub fn station(name: &str, given: &List, stations: usize) -> Result<usize, Failure> {
     let number = given.0.first().copied().unwrap_or_default();
-    (0..3).find(|index| number == (index + 1) as f64).ok_or_else(|| {
-        Failure::Usage(format!("--{name} names station {number}; stations are 1, 2, 3"))
+    (0..stations).find(|index| number == (index + 1) as f64).ok_or_else(|| {
+        let all: Vec<String> = (1..=stations).map(|station| station.to_string()).collect();
+        let all = all.join(", ");
+        Failure::Usage(format!("--{name} names station {number}; stations are {all}"))
     })
 }

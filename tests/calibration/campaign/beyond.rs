@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
+use resect_tools::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
 
 type Spoil = fn(&mut Scenario, &mut ChaCha8Rng);
 
@@ -52,7 +52,7 @@ pub const KINDS: [(&str, Spoil); 22] = [
         scenario.errors.range_scale[any(rng)] = sign(rng) * size(10e-6, 300e-6, rng);
     }),
     ("range scale of all", |scenario, rng| {
-        scenario.errors.range_scale = [sign(rng) * size(10e-6, 300e-6, rng); 3];
+        scenario.errors.range_scale = [sign(rng) * size(10e-6, 300e-6, rng); 3].into();
     }),
     ("range offset", |scenario, rng| {
         scenario.errors.range_offset_m[any(rng)] = sign(rng) * size(0.002, 0.05, rng);

@@ -6,9 +6,9 @@
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use resect_core::analysis::Analysis;
-use resect_core::deployment::PAIRS;
 use resect_core::geometry::Polar;
-use resect_core::simulation::{EPOCH_S, Simulated};
+use resect_core::network::Pair;
+use resect_tools::simulation::{EPOCH_S, Simulated};
 
 /// Parameters: (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant, drifts.
 const UNKNOWNS: usize = 22;
@@ -62,8 +62,8 @@ pub fn bound(
 
 /// Returns the covariance of the written distances, which share the error of the prism constant.
 fn written_distances_covariance_m2(simulated: &Simulated, drawn: &Drawn) -> Matrix3<f64> {
-    let sights_m = simulated.rig_reading.map(Polar::to_cartesian);
-    let by_constant = Vector3::from(PAIRS.map(|(a, b)| {
+    let sights_m = simulated.rig_reading.map(|own| own.to_cartesian());
+    let by_constant = Vector3::from_iterator(Pair::among(3).map(Pair::indices).map(|[a, b]| {
         let along = (sights_m[a] - sights_m[b]).normalize();
         (sights_m[a].normalize() - sights_m[b].normalize()).dot(&along)
     }));
@@ -110,9 +110,13 @@ fn at(simulated: &Simulated, time_s: f64) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     };
     let errors = |unknowns: &Unknowns, moved: Option<(usize, Vector3<f64>)>| {
         let placed = placed(unknowns, moved);
-        Vector3::from_iterator(PAIRS.into_iter().enumerate().map(|(pair, (a, b))| {
-            (placed[a] - placed[b]).norm() - truth.inter_prism_m[pair] - unknowns[DISTANCES + pair]
-        }))
+        Vector3::from_iterator(Pair::among(3).map(Pair::indices).enumerate().map(
+            |(pair, [a, b])| {
+                (placed[a] - placed[b]).norm()
+                    - truth.inter_prism_m[pair]
+                    - unknowns[DISTANCES + pair]
+            },
+        ))
     };
     const STEP: f64 = 1e-5;
     let mut slopes = SMatrix::<f64, 3, UNKNOWNS>::zeros();

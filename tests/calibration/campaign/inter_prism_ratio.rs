@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::Evidence;
-use resect_core::simulation::{ErrorKind, Simulated, simulate_scenario};
 use resect_core::statistics::quantile_of_sorted;
+use resect_tools::simulation::{ErrorKind, Simulated, simulate_scenario};
 
 use super::{PRESETS, WELL_POSED, pose_errors, scenario_with, set_ups_in_the_middle};
 use crate::common::analyse;

@@ -10,8 +10,8 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
 use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
-use resect_core::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
+use resect_tools::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 
 use super::{PRESETS, WELL_POSED};
 use crate::common::{analyse, by};
@@ -61,17 +61,17 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
     if answer.calibration.verdict == Verdict::Ambiguous {
         return Vec::new();
     }
-    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let found = trajectory_by(
         &deployment,
         triplets,
-        targets,
+        followed,
         &answer.calibration,
         Instants::Triplets,
         f64::INFINITY,
     );
     let placing = answer.calibration.placing_tracks(&deployment);
-    let lines = vehicle_trajectory(&deployment, triplets, targets, placing, f64::INFINITY);
+    let lines = vehicle_trajectory(&deployment, triplets, followed, placing, f64::INFINITY);
     let (Ok((found, _)), Ok((lines, _))) = (found, lines) else { return Vec::new() };
     let mut lines = lines.poses.iter();
     let each = found.poses.iter().filter_map(|pose| {
@@ -111,9 +111,10 @@ fn covers(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
 
 fn true_pose(simulated: &Simulated, time_s: f64) -> Pose {
     let truth = &simulated.truth;
-    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
-    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
-    align_rig(&truth.prisms_m, &observed).expect("a triangle")
+    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(p, time_s - EPOCH_S));
+    let sigma_m = points_m.map(|_| Vector3::repeat(1e-3));
+    let observed = ObservedRig { time_s, points_m, sigma_m };
+    align_rig(truth.prisms_m.as_slice(), &observed).expect("a triangle")
 }
 
 fn is_near_gap(analysis: &Analysis, time_s: f64) -> bool {

@@ -1,13 +1,14 @@
 //! Surveys of control points before a drive, with one set-up that changes in between: silent failures, coverage of the drive's and of
 //! the survey's transforms, and detection of the change by the joint estimate of all evidence.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::geometry::RigidTransform;
-use resect_core::simulation::{ChangedSetUp, ErrorKind, simulate_scenario};
+use resect_core::network::Number;
+use resect_tools::simulation::{ChangedSetUp, ErrorKind, simulate_scenario};
 
 use super::beyond::{direction, sign};
 use super::{Outcome, PRESETS, WELL_POSED, pose_errors, scenario_with};
@@ -80,7 +81,7 @@ fn surveyed(seed: u64) -> Surveyed {
             verdict: drive.verdict,
             error,
             error_in_the_middle: error,
-            covariance: Some(poses.covariance),
+            covariance: Some(DMatrix::from_column_slice(8, 8, poses.covariance.as_slice())),
             unchecked: Vec::new(),
             jumps: false,
         }
@@ -89,7 +90,7 @@ fn surveyed(seed: u64) -> Surveyed {
         None => Report::None,
         Some(found) => match found.station {
             None => Report::Undecided,
-            Some(named) if named == station => Report::RightStation,
+            Some(named) if named.index() == station => Report::RightStation,
             Some(_) => Report::OtherStation,
         },
     };

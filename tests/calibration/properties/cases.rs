@@ -2,7 +2,7 @@
 
 use resect_core::calibration::Method;
 use resect_core::deployment::Deployment;
-use resect_core::simulation::{Preset, Scenario, simulate_scenario};
+use resect_tools::simulation::{Preset, Scenario, simulate_scenario};
 
 use super::told::{Answered, tell};
 use Method::{DynamicGcp, InterPrism, Joint, StaticGcp, TwoPoint};

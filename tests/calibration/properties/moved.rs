@@ -1,10 +1,10 @@
 //! Stations rotated about their verticals, and clocks with other origins.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::{LevelTransform, RigidTransform};
 use resect_core::network::Number;
-use resect_core::simulation::EPOCH_S;
+use resect_tools::simulation::EPOCH_S;
 
 use super::cases::complaints;
 use super::told::{OF_STAMPS, in_another_frame};
@@ -22,12 +22,12 @@ fn turn_station(deployment: &mut Deployment, station: usize, by_rad: f64) {
 }
 
 /// Returns the covariance of a calibration in a rotated frame.
-fn turned(covariance: &SMatrix<f64, 8, 8>, new_from_old: &RigidTransform) -> SMatrix<f64, 8, 8> {
-    let mut turn = SMatrix::<f64, 8, 8>::identity();
-    for from in [0, 4] {
+fn turned(covariance: &DMatrix<f64>, new_from_old: &RigidTransform) -> DMatrix<f64> {
+    let mut turn = DMatrix::identity(covariance.nrows(), covariance.ncols());
+    for from in (0..covariance.nrows()).step_by(4) {
         turn.fixed_view_mut::<3, 3>(from, from).copy_from(new_from_old.rotation.matrix());
     }
-    turn * covariance * turn.transpose()
+    &turn * covariance * turn.transpose()
 }
 
 /// Returns the violations after rotations of the stations by these angles.
@@ -42,7 +42,7 @@ fn complaints_of_turning(by_rad: [f64; 3]) -> Vec<String> {
             let expected = before.transforms.map_each(|station, transform| {
                 new_from_old.then_from(transform).then_from(&back(station.index()))
             });
-            let covariance = before.covariance.map(|c| turned(&c, &new_from_old));
+            let covariance = before.covariance.as_ref().map(|c| turned(c, &new_from_old));
             let within = in_another_frame(method);
             let mut wrong = after.says_else(before, within);
             wrong.extend(after.stands_elsewhere(&expected, covariance.as_ref(), within));

@@ -1,8 +1,9 @@
 //! Stations with other numbers, and their prisms.
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 use resect_core::calibration::Method;
-use resect_core::deployment::{Deployment, PAIRS};
+use resect_core::deployment::Deployment;
+use resect_core::network::{Number, Pair, Prism};
 
 use super::cases::complaints;
 use super::told::{OF_PROBES, ROUNDING, Within, in_another_frame};
@@ -16,13 +17,13 @@ fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
         point.readings = from.map(|station| point.readings[station]).into();
     }
     let Some(rig) = &mut deployment.rig else { return };
-    let old = rig.inter_prism_m;
-    rig.inter_prism_m = PAIRS.map(|(a, b)| {
-        let (a, b) = (from[a].min(from[b]), from[a].max(from[b]));
-        PAIRS.iter().zip(old).find(|(pair, _)| **pair == (a, b)).expect("a pair").1
+    let old = &rig.inter_prism_m;
+    rig.inter_prism_m = old.map_each(|pair: Pair, _| {
+        let [a, b] = pair.indices().map(|prism| Prism::at(from[prism]));
+        old[Pair { first: a.min(b), second: a.max(b) }]
     });
     for prisms_m in [&mut rig.prisms_m, &mut rig.in_vehicle_m].into_iter().flatten() {
-        *prisms_m = from.map(|prism| prisms_m[prism]);
+        *prisms_m = from.map(|prism| prisms_m[prism]).into();
     }
 }
 
@@ -37,8 +38,9 @@ fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> 
             // With another station 1, σ refer to another frame.
             let swapped = before
                 .covariance
-                .map(|covariance| SMatrix::from_fn(|i, j| covariance[((i + 4) % 8, (j + 4) % 8)]));
-            let covariance = if from[0] == 0 { swapped } else { after.covariance };
+                .as_ref()
+                .map(|own| DMatrix::from_fn(8, 8, |i, j| own[((i + 4) % 8, (j + 4) % 8)]));
+            let covariance = if from[0] == 0 { swapped } else { after.covariance.clone() };
             let within = within(method);
             let mut wrong = after.says_else(before, within);
             wrong.extend(after.stands_elsewhere(&expected, covariance.as_ref(), within));

@@ -1,6 +1,6 @@
 //! Results of each method for a deployment, and their comparison.
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 use resect_core::analysis::Analyst;
 use resect_core::calibration::{Calibration, Method, Verdict, Witness};
 use resect_core::deployment::{Deployment, Severity};
@@ -13,7 +13,7 @@ use crate::common::by;
 #[derive(Clone, Debug)]
 pub struct Answered {
     pub transforms: PerStation<RigidTransform>,
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    pub covariance: Option<DMatrix<f64>>,
     pub verdict: Verdict,
     pub checked_by: Vec<Witness>,
     pub findings: Vec<Said>,
@@ -69,7 +69,7 @@ fn answered(calibration: &Calibration) -> Answered {
     });
     Answered {
         transforms: calibration.station1_from_station.clone(),
-        covariance: calibration.covariance,
+        covariance: calibration.covariance.clone(),
         verdict: calibration.verdict,
         checked_by: calibration.checked_by.clone(),
         findings: said.collect(),
@@ -183,20 +183,20 @@ impl Answered {
     pub fn stands_elsewhere(
         &self,
         transforms: &PerStation<RigidTransform>,
-        covariance: Option<&SMatrix<f64, 8, 8>>,
+        covariance: Option<&DMatrix<f64>>,
         within: Within,
     ) -> Vec<String> {
         let mut all = Vec::new();
         if self.verdict == Verdict::Degenerate {
             return all;
         }
-        let sigma = self.covariance.map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
+        let sigma = self.covariance.as_ref().map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
         for station in 1..3 {
             let (found, expected) = (&self.transforms[station], &transforms[station]);
             let metres = found.translation_m - expected.translation_m;
             let turned = wrap_to_pi(found.yaw_rad() - expected.yaw_rad());
             for (k, off) in [metres.x, metres.y, metres.z, turned].into_iter().enumerate() {
-                let sigma = sigma.map_or(0.0, |sigma| sigma[4 * (station - 1) + k]);
+                let sigma = sigma.as_ref().map_or(0.0, |sigma| sigma[4 * (station - 1) + k]);
                 if off.abs() > (within.sigmas * sigma).max(within.metres) {
                     let (which, number) = (["x", "y", "z", "yaw"][k], station + 1);
                     let sigmas = off / sigma;
@@ -207,7 +207,7 @@ impl Answered {
             }
         }
         if let (Some(found), Some(expected)) = (&self.covariance, covariance) {
-            let off = SMatrix::<f64, 8, 8>::from_fn(|i, j| {
+            let off = DMatrix::from_fn(expected.nrows(), expected.ncols(), |i, j| {
                 let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
                 (found[(i, j)] - expected[(i, j)]) / scale
             });

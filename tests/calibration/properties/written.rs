@@ -1,12 +1,13 @@
 //! The same readings in other units, formats and orders of rows and files.
 
+use resect_io::findings::kinds;
 use std::fmt::Write;
 
 use resect_core::calibration::Method;
-use resect_core::deployment::{Deployment, FindingKind};
-use resect_core::simulation::{Preset, Scenario, Simulated, simulate_scenario};
+use resect_core::deployment::Deployment;
 use resect_io::open::open_files;
 use resect_io::simulation_files::write_folder;
+use resect_tools::simulation::{Preset, Scenario, Simulated, simulate_scenario};
 
 use super::told::{Answered, OF_STAMPS, ROUNDING, Within, tell};
 
@@ -94,7 +95,7 @@ fn rows_in_any_order_are_the_same_readings_and_are_told() {
     reorder(text_of(&mut changed, "inter_prism.csv"), |lines| lines.reverse());
     let (before, after) = (read(&files()), read(&changed));
     assert_eq!(before.tracks, after.tracks);
-    assert!(after.findings.iter().any(|f| f.kind == FindingKind::StampsOutOfOrder), "{after:?}");
+    assert!(after.findings.iter().any(|f| f.kind == kinds::STAMPS_OUT_OF_ORDER), "{after:?}");
 }
 
 /// Returns the readings in another program's layout, with its description in `deployment.toml`.

@@ -1,6 +1,6 @@
 //! The answers to one drive: of the paper's methods, and of the joint estimate by the drive alone and by everything.
 
-use nalgebra::SVector;
+use nalgebra::DVector;
 use resect_core::analysis::{Analysis, Answer, Settings};
 use resect_core::calibration::joint::SetUpChange;
 use resect_core::calibration::{Calibration, Evidence, Method};
@@ -107,15 +107,15 @@ impl JudgedAnswer {
 
 impl AnswerDifference {
     fn new(a: &Calibration, b: &Calibration) -> Option<Self> {
-        let covariance = a.covariance? + b.covariance?;
-        let difference = SVector::<f64, 8>::from_fn(|k, _| {
+        let covariance = a.covariance.as_ref()? + b.covariance.as_ref()?;
+        let difference = DVector::from_fn(covariance.nrows(), |k, _| {
             let [a, b] = [a, b].map(|answer| &answer.station1_from_station[k / 4 + 1]);
             match k % 4 {
                 3 => wrap_to_pi(b.yaw_rad() - a.yaw_rad()),
                 axis => b.translation_m[axis] - a.translation_m[axis],
             }
         });
-        let chi_square = difference.dot(&covariance.cholesky()?.solve(&difference));
+        let chi_square = difference.dot(&covariance.clone().cholesky()?.solve(&difference));
         let sigmas = std::array::from_fn(|k| difference[k] / covariance[(k, k)].sqrt());
         Some(Self { chi_square, sigmas })
     }

@@ -44,11 +44,12 @@ pub fn print_differences(all: &[DriveAnswers]) {
 fn published_cells(answers: &DriveAnswers) -> Option<Vec<String>> {
     let published = answers.drive.published.as_ref()?;
     let (deployment, analysis) = (&answers.drive.deployment, &answers.by_everything.analysis);
-    let distances_m = known_distances_m(deployment, analysis.offer.targets);
+    let followed = &analysis.offer.followed;
+    let distances_m = known_distances_m(deployment, followed);
     let evaluation = evaluate(
         deployment,
         &analysis.pipeline.triplets,
-        distances_m,
+        (followed, distances_m.as_ref()),
         &published.station1_from_station,
     );
     let measured_mm = evaluation.inter_prism_mm.map(|spread| spread.median);
@@ -100,10 +101,9 @@ fn format_mm(value_mm: Option<f64>) -> String {
 }
 
 fn change_in_words(change: &SetUpChange) -> String {
-    let station = change.station.map_or_else(
-        || "an undecided station".to_owned(),
-        |station| format!("station {}", station + 1),
-    );
+    let station = change
+        .station
+        .map_or_else(|| "an undecided station".to_owned(), |station| format!("station {station}"));
     let (turned, sigma) = (1e3 * change.turned_rad.value, 1e3 * change.turned_rad.sigma);
     format!("{station} turned by {turned:+.2} ± {sigma:.2} mrad")
 }

@@ -1,6 +1,6 @@
 //! Faults of a stream: each is reported in one line, and none ends the program.
 
-use resect_core::deployment::FindingKind;
+use resect_live::kinds;
 use std::io::Write;
 use std::net::TcpListener;
 
@@ -14,7 +14,7 @@ use super::stream::{wait_until, wanted};
 
 fn messages(count: usize) -> Vec<Step> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    replay::messages(&sample, [0.01; 3]).take(count).map(Step::Send).collect()
+    replay::messages(&sample, &[0.01; 3].into()).take(count).map(Step::Send).collect()
 }
 
 fn session(url: &str) -> Session {
@@ -96,10 +96,7 @@ fn whoever_is_no_source_is_told_apart() {
     let nobody = session(&format!("ws://{closed}"));
     wait_until(&nobody, |view| why(view).is_some_and(|why| why.contains("no server answers")));
     let view = nobody.view();
-    assert!(
-        view.warnings.iter().any(|w| w.finding.kind == FindingKind::LiveNoConnection),
-        "{view:?}"
-    );
+    assert!(view.warnings.iter().any(|w| w.finding.kind == kinds::LIVE_NO_CONNECTION), "{view:?}");
     assert!(nobody.stop().expect("it ran").deployment.is_err(), "nothing was read");
 
     // A web server, and a server with another answer.

@@ -1,6 +1,6 @@
 //! The stream of Bonn's network, which repeats the latest readings and names instruments.
 
-use resect_core::deployment::FindingKind;
+use resect_live::kinds;
 use std::time::Duration;
 
 use resect_io::sample::Sample;
@@ -40,7 +40,7 @@ fn steps(readings: usize) -> Vec<Step> {
 fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
     let server = Server::start(None, steps(40));
     let mut wanted = wanted(Feed::Url(format!("{}/ws/measurements/stream", server.url)), None);
-    wanted.instruments = Some(INSTRUMENTS.map(str::to_owned));
+    wanted.instruments = Some(INSTRUMENTS.map(str::to_owned).into());
     let session = Session::start(&wanted).expect("it begins");
     wait_until(&session, |view| view.readings() == 120);
     let view = session.view();
@@ -71,7 +71,7 @@ fn instruments_that_nobody_names_are_asked_for() {
     };
     let session = Session::start(&wanted).expect("it begins");
     wait_until(&session, |view| {
-        view.warnings.iter().any(|w| w.finding.kind == FindingKind::LiveNoStation)
+        view.warnings.iter().any(|w| w.finding.kind == kinds::LIVE_NO_STATION)
     });
     let view = session.view();
     assert!(view.warnings.iter().any(|w| w.finding.to_string().contains("7a11")), "{view:?}");

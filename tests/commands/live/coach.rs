@@ -1,15 +1,16 @@
 //! The coach on growing simulated drives: it never reports sufficient data too early, and reports faults.
 
+use resect_live::kinds;
 use resect_live::warnings::Warning;
 use std::sync::Arc;
 
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::deployment::{Deployment, FindingKind, Overrides};
-use resect_core::simulation::{Preset, Scenario, Settling, Simulated, simulate_scenario};
+use resect_core::deployment::{Deployment, Overrides};
 use resect_io::growing::Growing;
 use resect_live::event::Event;
 use resect_live::judged::judge;
 use resect_live::{Engine, View, bonn, replay};
+use resect_tools::simulation::{Preset, Scenario, Settling, Simulated, simulate_scenario};
 
 use crate::common::knock;
 
@@ -23,7 +24,7 @@ fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> b
     engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
     let settings = Settings::default();
     let (mut next_s, mut first_s) = (every_s, None);
-    for sent in replay::messages(deployment, [0.01; 3]) {
+    for sent in replay::messages(deployment, &[0.01; 3].into()) {
         let clock_s = sent.received_s - *first_s.get_or_insert(sent.received_s);
         engine.take(Event::Message(sent), clock_s);
         if clock_s < next_s {
@@ -101,7 +102,7 @@ fn a_straight_line_is_said_and_is_never_enough() {
         last = view.clone();
         true
     });
-    let is_line = |w: &Warning| w.finding.kind == FindingKind::LiveStraightLine;
+    let is_line = |w: &Warning| w.finding.kind == kinds::LIVE_STRAIGHT_LINE;
     assert!(last.warnings.iter().any(is_line), "{:?}", last.warnings);
     assert!(last.sentence.contains("on the spot"), "{}", last.sentence);
 }
@@ -118,7 +119,7 @@ fn a_station_that_was_knocked_is_said_and_ends_what_was_enough() {
         last = view.clone();
         true
     });
-    let is_step = |w: &&Warning| w.finding.kind == FindingKind::LiveStepped;
+    let is_step = |w: &&Warning| w.finding.kind == kinds::LIVE_STEPPED;
     let told = last.warnings.iter().find(is_step).expect("it is said");
     assert!(told.finding.is_about_station(1), "{told:?}");
     assert!(!last.enough, "{}", last.sentence);
@@ -141,7 +142,7 @@ fn a_prism_of_another_station_is_said_while_it_is_followed() {
         view.driven_s < 185.0
     });
     let wrong: Vec<&Warning> =
-        told.iter().filter(|w| w.finding.kind == FindingKind::LiveWrongPrism).collect();
+        told.iter().filter(|w| w.finding.kind == kinds::LIVE_WRONG_PRISM).collect();
     assert!(!wrong.is_empty(), "{told:?}");
     assert!(wrong.iter().all(|w| w.finding.is_about_station(2) && w.since_s > from_s), "{wrong:?}");
 }

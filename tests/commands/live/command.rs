@@ -99,7 +99,7 @@ fn bad_usage_is_one_line() {
         (vec!["live", "--replay", text(&sample), "--speed", "0"], 2, "not a speed"),
         (vec!["live", "--replay", text(&sample), "--speed", "-1"], 2, "not a speed"),
         (vec!["live", "--replay", text(&sample), "--target-mm", "0"], 2, "not a target"),
-        (vec!["live", "--replay", text(&sample), "--topics", "a,b"], 2, "2 names"),
+        (vec!["live", "--replay", text(&sample), "--topics", "a,b,c,d,e,f,g,h,i"], 2, "9 names"),
         (vec!["live", "--replay", "/not/there"], 1, "/not/there"),
         (vec!["live", "ws://127.0.0.1:9", "--drive", "x"], 2, "--drive"),
         (vec!["live", "ws://127.0.0.1:9", "--seconds", "1"], 1, "no server answers"),
@@ -115,7 +115,7 @@ fn bad_usage_is_one_line() {
 #[test]
 fn without_json_it_is_a_line_for_people() {
     let sample = resect_io::sample::Sample::Hd2Tunnel.open().expect("built in");
-    let steps = resect_live::replay::messages(&sample, [0.01; 3]).map(Step::Send).collect();
+    let steps = resect_live::replay::messages(&sample, &[0.01; 3].into()).map(Step::Send).collect();
     let server = Server::start(Some("foxglove.sdk.v1"), steps);
     let rig = sample_folder("hd2-tunnel");
     let output = run(&["live", &server.url, "--rig", text(&rig), "--seconds", "4"]);

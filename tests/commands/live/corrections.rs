@@ -37,15 +37,15 @@ fn heard(sent: &[Sent], first: &Overrides, then: Option<(usize, &Overrides)>) ->
 #[test]
 fn it_is_as_if_it_had_been_said_in_the_beginning() {
     let deployment = resect_io::open::open(&sample_folder("hd2-tunnel")).expect("a sample");
-    let sent: Vec<Sent> = replay::messages(&deployment, [0.01; 3]).collect();
+    let sent: Vec<Sent> = replay::messages(&deployment, &[0.01; 3].into()).collect();
     let nothing = Overrides::default();
     let last_s = deployment.end_s().expect("readings");
     for corrections in [
-        Overrides { stations: Some([2, 3, 1]), ..nothing.clone() },
+        Overrides { stations: Some([2, 3, 1].into()), ..nothing.clone() },
         Overrides { azimuth: Some(AzimuthSense::CounterClockwise), ..nothing.clone() },
         Overrides {
-            prism_constant_m: Some(PrismConstants::Each([0.0, 0.01, 0.02])),
-            inter_prism_m: Some([0.4, 0.41, 0.42]),
+            prism_constant_m: Some(PrismConstants::Each([0.0, 0.01, 0.02].into())),
+            inter_prism_m: Some([0.4, 0.41, 0.42].into()),
             span_s: Some([0.0, last_s]),
             ..nothing.clone()
         },

@@ -79,7 +79,11 @@ fn the_server_of_robots_at_twenty_times_the_speed_started_again_twice() {
     let [live, offline] = [&live, &offline].map(|deployment| {
         let analysis = analyse(deployment, &Settings::default());
         let calibration = &answer(&analysis).calibration;
-        (calibration.station1_from_station.clone(), calibration.covariance, calibration.verdict)
+        (
+            calibration.station1_from_station.clone(),
+            calibration.covariance.clone(),
+            calibration.verdict,
+        )
     });
     assert_eq!(live, offline);
 }

@@ -1,11 +1,12 @@
 //! A live deployment equals its recording, despite any faults of the network.
 
+use resect_io::findings::kinds;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 use resect_core::analysis::{Answer, Settings};
-use resect_core::deployment::{Deployment, FindingKind};
+use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_io::growing::Growing;
 use resect_io::open::open;
@@ -42,7 +43,7 @@ pub fn wait_until(session: &Session, is: impl Fn(&View) -> bool) {
 /// Returns the messages of a sample: some lost, some repeated, neighbours exchanged, a few delayed by many.
 fn disturbed() -> Vec<Sent> {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    let mut sent: Vec<Sent> = replay::messages(&sample, [0.01; 3]).collect();
+    let mut sent: Vec<Sent> = replay::messages(&sample, &[0.01; 3].into()).collect();
     let mut index = 0;
     sent.retain(|_| {
         index += 1;
@@ -81,7 +82,7 @@ fn assert_same_answer(live: &Deployment, recording: &Deployment) {
         let published = calibration.published.as_ref().expect("beside it");
         (
             calibration.station1_from_station.clone(),
-            calibration.covariance,
+            calibration.covariance.clone(),
             calibration.verdict,
             published.station1_from_station.clone(),
         )
@@ -158,7 +159,7 @@ fn recording_engine(file: &Path, messages: usize) -> Engine {
     let sample = Sample::Hd2Tunnel.open().expect("built in");
     engine.take(Event::Connected("test".to_owned()), 0.0);
     engine.take(Event::Channel(bonn::BonnProtocol::channel()), 0.0);
-    for sent in replay::messages(&sample, [0.01; 3]).take(messages) {
+    for sent in replay::messages(&sample, &[0.01; 3].into()).take(messages) {
         engine.take(Event::Message(sent), 0.0);
     }
     engine
@@ -171,7 +172,7 @@ fn a_recording_that_nobody_ended_holds_all_up_to_the_last_flush() {
     let mut engine = recording_engine(&file, 600);
     engine.flush();
     let sample = Sample::Hd2Tunnel.open().expect("built in");
-    for sent in replay::messages(&sample, [0.01; 3]).skip(600).take(50) {
+    for sent in replay::messages(&sample, &[0.01; 3].into()).skip(600).take(50) {
         engine.take(Event::Message(sent), 0.0);
     }
     // As after a killed process: its buffers are never written.
@@ -184,7 +185,7 @@ fn a_recording_that_nobody_ended_holds_all_up_to_the_last_flush() {
         deployment
             .findings
             .iter()
-            .any(|f| matches!(f.kind, FindingKind::BagDamaged | FindingKind::BagIncomplete)),
+            .any(|f| matches!(f.kind, kinds::BAG_DAMAGED | kinds::BAG_INCOMPLETE)),
         "it is said"
     );
     // Cut anywhere, the file keeps the chunks before the cut.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use resect_core::analysis::Settings;
-use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
+use resect_tools::simulation::{Preset, simulate};
 
 /// Writes all files; returns the paths that can be dropped, from folders to single files.
 pub fn lay_out(folder: &Path) -> Vec<PathBuf> {

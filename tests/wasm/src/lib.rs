@@ -56,7 +56,7 @@ fn deployment(readings: &[[f64; 5]], inter_prism_m: [f64; 3]) -> Deployment {
         tracks: [track(0), track(1), track(2)].into(),
         track_frame: TrackFrame::Own,
         control_points: Vec::new(),
-        rig: Some(Rig { inter_prism_m, prisms_m: None, in_vehicle_m: None, inter_antenna_m: None }),
+        rig: Some(Rig { inter_prism_m: inter_prism_m.into(), prisms_m: None, in_vehicle_m: None, inter_antenna_m: None }),
         prisms: None,
         gnss: None,
         time_corrections: [Vec::new(), Vec::new(), Vec::new()].into(),

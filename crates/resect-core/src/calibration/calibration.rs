@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
-use super::details::{Details, JointTargets};
+use super::details::Details;
 use super::inter_prism::InterPrismDetails;
 use super::joint::{JointEstimate, SurveyPoses, Trace};
 use super::joint_failure::JointFailure;
@@ -20,12 +20,12 @@ use crate::pipeline::Triplets;
 pub struct Calibration {
     /// The requested method; see [`Self::answered_by`].
     pub method: Method,
-    /// Transforms from the frames of stations 1 (identity), 2 and 3 to station 1's; level unless a rigid alignment was requested.
+    /// Transforms from the stations' frames to station 1's (identity for station 1); level unless a rigid alignment was requested.
     pub station1_from_station: PerStation<RigidTransform>,
-    /// Standard deviations of the transforms of stations 2 and 3; `None` when a direction is not determined.
-    pub sigma: Option<[TransformSigma; 2]>,
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Standard deviations of the transforms, zeros for station 1; `None` when a direction is not determined.
+    pub sigma: Option<PerStation<TransformSigma>>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad).
+    pub covariance: Option<DMatrix<f64>>,
     pub verdict: Verdict,
     /// Reasons of the verdict, and notes.
     pub findings: Vec<Finding>,
@@ -63,10 +63,12 @@ impl Calibration {
     /// Returns the method of the answer: the published one if the joint estimate failed.
     pub fn answered_by(&self) -> Method {
         match &self.details {
-            Details::Joint(details) if details.estimate.is_err() => match details.targets {
-                JointTargets::ThreePrisms(_) => Method::InterPrism,
-                JointTargets::OnePrism(_) => Method::DynamicGcp,
-            },
+            Details::Joint(details) if details.estimate.is_err() => {
+                match details.published.inter_prism() {
+                    Some(_) => Method::InterPrism,
+                    None => Method::DynamicGcp,
+                }
+            }
             _ => self.method,
         }
     }
@@ -123,8 +125,8 @@ impl Calibration {
     }
 
     /// Returns the standard deviations of [`Self::survey_transforms`]; `None` when a direction is not determined.
-    pub fn survey_sigma(&self) -> Option<[TransformSigma; 2]> {
-        self.survey().map(SurveyPoses::sigma).or(self.sigma)
+    pub fn survey_sigma(&self) -> Option<PerStation<TransformSigma>> {
+        self.survey().map(SurveyPoses::sigma).or_else(|| self.sigma.clone())
     }
 
     /// Returns the poses at the survey, if the answer uses the control points of a joint estimate.
@@ -139,16 +141,7 @@ impl Calibration {
 
     /// Returns the root mean square of the point errors of methods A, B and C, and of the tracks of one prism (m).
     pub fn fit_rms_m(&self) -> Option<f64> {
-        match &self.details {
-            Details::TwoPoint(details) => Some(details.rms_m()),
-            Details::StaticGcp(details) => Some(details.rms_m),
-            Details::DynamicGcp(details) => Some(details.rms_m),
-            Details::InterPrism(_) => None,
-            Details::Joint(details) => match &details.targets {
-                JointTargets::ThreePrisms(_) => None,
-                JointTargets::OnePrism(details) => Some(details.rms_m),
-            },
-        }
+        self.details.fit_rms_m()
     }
 
     /// Returns the triplets corrected by the joint estimate's clocks and instrument errors; `None` for other methods.
@@ -157,22 +150,22 @@ impl Calibration {
     }
 
     /// Returns the correlation matrix of [`Calibration::covariance`].
-    pub fn correlation(&self) -> Option<SMatrix<f64, 8, 8>> {
-        let covariance = self.covariance?;
+    pub fn correlation(&self) -> Option<DMatrix<f64>> {
+        let covariance = self.covariance.as_ref()?;
         let sigma = covariance.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
-        Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
+        let entry = |i: usize, j: usize| covariance[(i, j)] / (sigma[i] * sigma[j]);
+        Some(DMatrix::from_fn(covariance.nrows(), covariance.ncols(), entry))
     }
 
-    /// Returns the clocks of stations 2 and 3 relative to station 1; `None` if they are not estimated.
-    pub fn clocks(&self) -> Option<[Clock; 2]> {
+    /// Returns the clocks relative to station 1; `None` if they are not estimated.
+    pub fn clocks(&self) -> Option<PerStation<Clock>> {
         Some(self.joint()?.clocks())
     }
 
-    /// Returns offset (s) and drift (s/s) of the clocks of stations 2 and 3 relative to station 1; `None` if they are not
-    /// estimated.
-    pub fn clock_estimates(&self) -> Option<[(Estimate, Estimate); 2]> {
+    /// Returns offset (s) and drift (s/s) of the clocks relative to station 1; `None` if they are not estimated.
+    pub fn clock_estimates(&self) -> Option<PerStation<(Estimate, Estimate)>> {
         let joint = self.joint()?;
-        Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
+        Some(joint.clock_offsets_s.zip(&joint.clock_drifts(), |offset, drift| (*offset, *drift)))
     }
 
     /// Returns the joint estimate; `None` for other methods, and if it failed.
@@ -183,15 +176,8 @@ impl Calibration {
         }
     }
 
-    /// Returns the details of method D, and of a joint estimate of three prisms.
+    /// Returns the details of method D, and of a joint estimate that starts from it.
     pub fn inter_prism(&self) -> Option<&InterPrismDetails> {
-        match &self.details {
-            Details::InterPrism(details) => Some(details),
-            Details::Joint(details) => match &details.targets {
-                JointTargets::ThreePrisms(details) => Some(details),
-                JointTargets::OnePrism(_) => None,
-            },
-            _ => None,
-        }
+        self.details.inter_prism()
     }
 }

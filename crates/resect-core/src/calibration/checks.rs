@@ -4,6 +4,7 @@ use super::joint::SurveyPoses;
 use super::method_answer::MethodAnswer;
 use super::{Method, TransformSigma, Verdict, Witness};
 use crate::calibration::distance_errors_m;
+use crate::calibration::followed_prisms::several_prisms;
 use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::findings::answers::published_answer_far_apart;
 use crate::deployment::findings::checks::{
@@ -13,7 +14,7 @@ use crate::deployment::{
     ControlPoint, ControlPointSet, Deployment, Finding, Rig, TrackFrame, findings,
 };
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{PerStation, Prism};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -47,9 +48,8 @@ pub fn far_apart(
 ) -> Option<(Verdict, Finding)> {
     let apart_m =
         |station: usize| (published[station].translation_m - joint[station].translation_m).norm();
-    let (station, apart_m) = [1, 2]
+    let (station, apart_m) = (1..joint.len())
         .map(|station| (station, apart_m(station)))
-        .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     (apart_m > FAR_APART_M).then(|| (Verdict::Weak, published_answer_far_apart(station, apart_m)))
 }
@@ -67,7 +67,7 @@ pub fn check_with_unused_data<D>(
 ) {
     let mut doubts = Vec::new();
     let sigma = answer.sigma();
-    let largest_m = sigma.map_or(f64::INFINITY, |sigma| {
+    let largest_m = sigma.as_ref().map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
     });
     // A poor fit increases σ too; then the layout of the points is not the cause.
@@ -80,7 +80,7 @@ pub fn check_with_unused_data<D>(
     if let Some(sigma) = &sigma {
         let transforms = &answer.station1_from_station;
         let at_survey = survey.map_or_else(
-            || (transforms.clone(), *sigma),
+            || (transforms.clone(), sigma.clone()),
             |survey| (survey.transforms(), survey.sigma()),
         );
         // Method B uses the control points itself.
@@ -102,7 +102,8 @@ pub fn check_with_unused_data<D>(
             && deployment.track_frame == TrackFrame::Own
             && let Some(rig) = deployment.rig.as_ref().filter(|_| !triplets.is_empty())
         {
-            match distances_contradict(rig, triplets, transforms, sigma) {
+            let followed = &several_prisms(deployment);
+            match distances_contradict((rig, followed), triplets, transforms, sigma) {
                 Some(finding) => doubts.push((Verdict::Weak, finding)),
                 None => answer.checked_by.push(Witness::Distances),
             }
@@ -119,7 +120,7 @@ pub fn check_with_unused_data<D>(
 pub fn control_points_contradict(
     deployment: &Deployment,
     station1_from_station: &PerStation<RigidTransform>,
-    sigma: &[TransformSigma; 2],
+    sigma: &PerStation<TransformSigma>,
 ) -> Option<Finding> {
     let mut worst: Option<(f64, f64, &ControlPointSet)> = None;
     for set in deployment.comparable_control_points().iter().filter(|set| !set.pillars) {
@@ -153,12 +154,13 @@ fn furthest_apart(
 /// Returns the finding that inter-prism distances of the drive contradict the answer, or fit worse than in any good answer (1 to 2
 /// mm).
 fn distances_contradict(
-    rig: &Rig,
+    (rig, followed): (&Rig, &PerStation<Prism>),
     triplets: &Triplets,
     station1_from_station: &PerStation<RigidTransform>,
-    sigma: &[TransformSigma; 2],
+    sigma: &PerStation<TransformSigma>,
 ) -> Option<Finding> {
-    let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
+    let known_m = &rig.inter_prism_m;
+    let errors_m = distance_errors_m(triplets, station1_from_station, followed, known_m);
     let median_m = median(errors_m.into_iter().flatten().map(f64::abs))?;
     let range_m = triplets.points_m[0][triplets.len() / 2].norm();
     let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);
@@ -172,7 +174,7 @@ fn distances_contradict(
 }
 
 /// Returns the expected disagreement of two stations at a range (m): σ of the answer, at least `floor_m`.
-fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
+fn expected_m(sigma: &PerStation<TransformSigma>, range_m: f64, floor_m: f64) -> f64 {
     sigma
         .iter()
         .map(|s| s.translation_m.norm_squared() + (s.yaw_rad * range_m).powi(2))

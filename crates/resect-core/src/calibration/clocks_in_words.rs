@@ -1,4 +1,4 @@
-//! Findings about the clocks of stations 2 and 3: the estimates to report, and the suspicious ones.
+//! Findings about the stations' clocks relative to station 1: the estimates to report, and the suspicious ones.
 
 use super::Estimate;
 use super::estimate::SUPPORTED_SIGMAS;
@@ -7,6 +7,7 @@ use crate::deployment::findings::clocks::{
     clock_drift, clock_drift_implausible, clock_jump_suspected, clock_offset,
     clock_offset_suspected,
 };
+use crate::network::PerStation;
 
 /// An offset of more σ is reported if clocks are not estimated and it exceeds the other limit as well.
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
@@ -21,13 +22,13 @@ fn is_suspicious(offset_s: &Estimate) -> bool {
         && offset_s.value.abs() > SUSPICIOUS_OFFSET_S
 }
 
-/// Pairs the estimates of stations 2 and 3 with their stations (1 and 2).
-fn by_station(estimates: &[Estimate; 2]) -> impl Iterator<Item = (usize, &Estimate)> {
-    estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))
+/// Returns the estimates with their stations, without the reference.
+fn by_station(estimates: &PerStation<Estimate>) -> impl Iterator<Item = (usize, &Estimate)> {
+    estimates.iter().enumerate().skip(1)
 }
 
-/// Returns findings for the significant clock offsets (s) and drifts (s/s) of stations 2 and 3.
-pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
+/// Returns findings for the significant clock offsets (s) and drifts (s/s).
+pub fn clocks(offsets_s: &PerStation<Estimate>, drifts: &PerStation<Estimate>) -> Vec<Finding> {
     let is_significant =
         |(_, estimate): &(usize, &Estimate)| estimate.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS;
     let offsets = by_station(offsets_s)
@@ -40,7 +41,7 @@ pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding>
 }
 
 /// Returns findings for clock offsets that differ between the halves of a drive (s).
-pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
+pub fn suspected_jumps(jumps_s: &PerStation<Estimate>) -> Vec<Finding> {
     by_station(jumps_s)
         .filter(|(_, jump)| is_suspicious(jump))
         .map(|(station, jump)| clock_jump_suspected(station, jump))
@@ -50,22 +51,21 @@ pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
 /// Returns findings for drifts that no sound clock has (s/s), except for clocks that jump. `are_estimated` is true if the answer
 /// estimates drifts.
 pub fn implausible_drifts(
-    drifts: &[Estimate; 2],
-    jumping: &[bool; 2],
+    drifts: &PerStation<Estimate>,
+    jumping: &PerStation<bool>,
     are_estimated: bool,
 ) -> Vec<Finding> {
     let is_implausible = |drift: &Estimate| {
         drift.value.abs() > IMPLAUSIBLE_DRIFT && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
     };
     by_station(drifts)
-        .zip(jumping)
-        .filter(|((_, drift), jumping)| is_implausible(drift) && !**jumping)
-        .map(|((station, drift), _)| clock_drift_implausible(station, drift, are_estimated))
+        .filter(|(station, drift)| is_implausible(drift) && !jumping[*station])
+        .map(|(station, drift)| clock_drift_implausible(station, drift, are_estimated))
         .collect()
 }
 
 /// Returns findings for significant clock offsets that the answer does not estimate (s): they bias it.
-pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
+pub fn suspicions(clocks: &PerStation<Estimate>) -> Vec<Finding> {
     by_station(clocks)
         .filter(|(_, offset)| is_suspicious(offset))
         .map(|(station, offset)| clock_offset_suspected(station, offset))

@@ -3,32 +3,32 @@
 //!
 //! No residual shows these errors, and more readings do not average them out.
 
-use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::geometry::{RigidTransform, wrap_to_pi};
-use crate::network::{Number, PerStation};
+use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;
 
 /// Number of triplets from which the effect of a shared error is computed.
 const ENOUGH: usize = 400;
 
-/// Returns the covariance of (x, y, z, yaw) of stations 2 and 3 that the shared errors cause (m, rad), by aligning with each error
+/// Returns the covariance of (x, y, z, yaw) of stations 2, 3, … that the shared errors cause (m, rad), by aligning with each error
 /// of 1 σ.
 pub fn covariance(
     triplets: &Triplets,
     align: impl Fn(&Triplets) -> Option<PerStation<RigidTransform>>,
-) -> Option<SMatrix<f64, 8, 8>> {
+) -> Option<DMatrix<f64>> {
     let stride = triplets.len().div_ceil(ENOUGH).max(1);
     let some: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
     let some = triplets.select(&some);
     let without = align(&some)?;
-    let moved_by = |error: &dyn Fn(usize, &Vector3<f64>) -> Vector3<f64>| {
-        let points_m = some.points_m.map_each(|station, points| {
-            points.iter().map(|point| error(station.index(), point)).collect()
-        });
+    let moved_by = |error: &dyn Fn(Station, &Vector3<f64>) -> Vector3<f64>| {
+        let points_m = some
+            .points_m
+            .map_each(|station, points| points.iter().map(|point| error(station, point)).collect());
         let with = align(&Triplets { points_m, ..some.clone() })?;
-        Some(SVector::<f64, 8>::from_fn(|k, _| {
+        Some(DVector::from_fn(4 * (without.len() - 1), |k, _| {
             let (with, without) = (&with[k / 4 + 1], &without[k / 4 + 1]);
             match k % 4 {
                 3 => wrap_to_pi(with.yaw_rad() - without.yaw_rad()),
@@ -37,9 +37,9 @@ pub fn covariance(
         }))
     };
     let longer =
-        |_: usize, point: &Vector3<f64>| point + PRISM_CONSTANT_SIGMA_M * point.normalize();
+        |_: Station, point: &Vector3<f64>| point + PRISM_CONSTANT_SIGMA_M * point.normalize();
     let mut moves = vec![moved_by(&longer)?];
-    for leaning in 0..3 {
+    for leaning in triplets.points_m.numbers() {
         for axis in [Vector3::x_axis(), Vector3::y_axis()] {
             let lean = Rotation3::from_axis_angle(&axis, TILT_SIGMA_RAD);
             moves.push(moved_by(&|station, point| {

@@ -6,22 +6,14 @@ use super::joint_failure::JointResult;
 use super::static_gcp::StaticGcpDetails;
 use super::two_point::TwoPointDetails;
 
-/// Details of a joint estimate, for three prisms or for one.
+/// Details of a joint estimate.
 #[derive(Clone, Debug)]
 pub struct JointDetails {
     /// The estimate, or the reason why the answer is the published one.
     pub estimate: JointResult,
-    pub targets: JointTargets,
-}
-
-/// Properties of the answer that depend on the number of prisms.
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "its owner is in a box")]
-pub enum JointTargets {
-    /// Minima, mirror twin and observability on the corrected readings.
-    ThreePrisms(InterPrismDetails),
-    /// Alignment of the tracks from which the estimate starts.
-    OnePrism(DynamicGcpDetails),
+    /// Minima, mirror twin and observability on the corrected readings, or with one prism the alignment of the tracks from which the
+    /// estimate starts.
+    pub published: Details,
 }
 
 /// Details of an answer by method.
@@ -58,16 +50,30 @@ impl From<InterPrismDetails> for Details {
     }
 }
 
-impl From<(JointResult, InterPrismDetails)> for Details {
-    fn from((estimate, details): (JointResult, InterPrismDetails)) -> Self {
-        let targets = JointTargets::ThreePrisms(details);
-        Self::Joint(Box::new(JointDetails { estimate, targets }))
+impl<D: Into<Self>> From<(JointResult, D)> for Details {
+    fn from((estimate, published): (JointResult, D)) -> Self {
+        Self::Joint(Box::new(JointDetails { estimate, published: published.into() }))
     }
 }
 
-impl From<(JointResult, DynamicGcpDetails)> for Details {
-    fn from((estimate, details): (JointResult, DynamicGcpDetails)) -> Self {
-        let targets = JointTargets::OnePrism(details);
-        Self::Joint(Box::new(JointDetails { estimate, targets }))
+impl Details {
+    /// Returns the details of method D, and of a joint estimate that starts from it.
+    pub fn inter_prism(&self) -> Option<&InterPrismDetails> {
+        match self {
+            Self::InterPrism(details) => Some(details),
+            Self::Joint(details) => details.published.inter_prism(),
+            _ => None,
+        }
+    }
+
+    /// Returns the root mean square of the point errors of methods A, B and C, and of the tracks of one prism (m).
+    pub fn fit_rms_m(&self) -> Option<f64> {
+        match self {
+            Self::TwoPoint(details) => Some(details.rms_m()),
+            Self::StaticGcp(details) => Some(details.rms_m),
+            Self::DynamicGcp(details) => Some(details.rms_m),
+            Self::InterPrism(_) => None,
+            Self::Joint(details) => details.published.fit_rms_m(),
+        }
     }
 }

@@ -16,7 +16,7 @@ const NOTABLE_M: f64 = 0.005;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disagreement {
     pub methods: [Method; 2],
-    /// The station, 2 or 3.
+    /// The station, from 2 on.
     pub station: usize,
     /// Second answer's translation minus the first's (m).
     pub translation_m: [f64; 3],
@@ -65,17 +65,18 @@ pub fn disagreements(
         return Vec::new();
     }
     let at = |station| difference(deployment, [a, b], station);
-    (1..3).filter_map(at).filter(|d| d.moved_m > NOTABLE_M).collect()
+    (1..a.station1_from_station.len()).filter_map(at).filter(|d| d.moved_m > NOTABLE_M).collect()
 }
 
-/// Returns the difference of two answers for a station (0 to 2); `None` if it is not significant, or if an answer has no σ.
+/// Returns the difference of two answers for a station (from 0); `None` if it is not significant, or if an answer has no σ.
 fn difference(
     deployment: &Deployment,
     answers: [&Calibration; 2],
     station: usize,
 ) -> Option<Disagreement> {
     let [a, b] = answers.map(|answer| answer.station1_from_station[station]);
-    let [Some(sigma_a), Some(sigma_b)] = answers.map(|answer| answer.sigma.map(|s| s[station - 1]))
+    let [Some(sigma_a), Some(sigma_b)] =
+        answers.map(|answer| answer.sigma.as_ref().map(|sigma| sigma[station]))
     else {
         return None;
     };
@@ -103,7 +104,7 @@ fn difference(
     })
 }
 
-/// Returns the difference of two transforms at the points that a station (0 to 2) measured (m, rms). At the station itself the
+/// Returns the difference of two transforms at the points that a station (from 0) measured (m, rms). At the station itself the
 /// difference may be much larger or smaller.
 pub fn moved_m(
     deployment: &Deployment,

@@ -1,20 +1,21 @@
-//! Method C: point-to-point alignment of the tracks of one moving prism that all three stations follow.
+//! Method C: point-to-point alignment of the tracks of one moving prism that all stations follow.
 //!
 //! The same cost as method B on the pipeline's triplets (Vaidis et al. 2022, section "Dynamic methods", "Dynamic GCPs
 //! calibration").
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, Vector3};
 
+use super::followed_prisms::one_prism;
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint::JointInput;
+use super::joint::{JointInput, Layout, RigDistances};
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
-use super::targets::Targets;
 use super::track_clocks::{self, TrackClocks};
 use super::{
     Alignment, CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks,
@@ -27,7 +28,7 @@ use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
 };
 use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::PerStation;
+use crate::network::{PerPair, PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -76,16 +77,22 @@ pub fn solve_jointly(
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let mut judgement = tracks.judge(offer);
     if let Some(clocks) = &tracks.clocks {
-        judgement.doubt(clocks_in_words::implausible_drifts(&clocks.drifts, &[false; 2], false));
+        judgement.doubt(clocks_in_words::implausible_drifts(
+            &clocks.drifts,
+            &clocks.drifts.map(|_| false),
+            false,
+        ));
     }
     let mut answer = tracks.into_answer(Alignment::Level, judgement);
     let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
+    let layout = &Arc::new(Layout::new(&one_prism(deployment)));
     let input = JointInput {
+        layout,
         published: &plain,
-        rig: None,
-        survey: joint::survey_adjustment::of_deployment(deployment, settings),
+        rig: RigDistances::exact(PerPair::default()),
+        survey: joint::survey_adjustment::of_deployment(deployment, layout, settings),
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
@@ -99,7 +106,12 @@ pub fn solve_jointly(
     };
     answer.station1_from_station =
         estimate.station1_from_station.map(|level| RigidTransform::from(*level));
-    answer.covariance = Some(estimate.covariance);
+    let covariance = &estimate.covariance;
+    answer.covariance = Some(DMatrix::from_column_slice(
+        covariance.nrows(),
+        covariance.ncols(),
+        covariance.as_slice(),
+    ));
     let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
     let judgement = &mut answer.judgement;
@@ -147,8 +159,8 @@ fn on_a_line(deployment: &Deployment) -> CalibrationError {
 struct AlignedTracks<'a> {
     used: Cow<'a, Triplets>,
     aligned: Aligned,
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 from the scatter of the tracks (m, rad).
-    covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Covariance of (x, y, z, yaw) of stations 2, 3, … from the scatter of the tracks (m, rad).
+    covariance: Option<DMatrix<f64>>,
     /// One-step estimate of the clocks.
     clocks: Option<TrackClocks>,
     /// Number of gross outliers, and the shift of the answer by them (m).
@@ -164,9 +176,9 @@ impl<'a> AlignedTracks<'a> {
         let mut pulled_m = 0.0;
         if let Some(fitting) = &fitting {
             let without = align(fitting, alignment)?;
-            pulled_m = (0..2)
-                .map(|k| without.to_from[k].translation_m - aligned.to_from[k].translation_m)
-                .map(|moved| moved.norm())
+            let both = without.to_from.iter().zip(&aligned.to_from);
+            pulled_m = both
+                .map(|(without, with)| (without.translation_m - with.translation_m).norm())
                 .fold(0.0, f64::max);
         }
         let wild = fitting.map_or(0, |fitting| triplets.len() - fitting.len());
@@ -174,7 +186,7 @@ impl<'a> AlignedTracks<'a> {
         let covariance = aligned.covariance.as_ref().map(point_to_point::level_part);
         // A clock offset biases this answer, so σ covers the bias.
         let covariance = match &clocks {
-            Some(found) => covariance.map(|own| own + found.moves * found.moves.transpose()),
+            Some(found) => covariance.map(|own| own + &found.moves * found.moves.transpose()),
             None => covariance,
         };
         Some(Self { used: Cow::Borrowed(triplets), aligned, covariance, clocks, wild, pulled_m })
@@ -192,7 +204,7 @@ impl<'a> AlignedTracks<'a> {
         let clocks = track_clocks::estimate(&used, &transforms(&aligned));
         let mut covariance = aligned.covariance.as_ref().map(point_to_point::level_part);
         if let Some(found) = &clocks {
-            let corrected = with_clocks(&used, found.clocks());
+            let corrected = with_clocks(&used, &found.clocks());
             aligned = align(&corrected)?;
             covariance = track_clocks::estimate(&corrected, &transforms(&aligned))
                 .map(|found| found.covariance);
@@ -201,9 +213,8 @@ impl<'a> AlignedTracks<'a> {
     }
 
     fn rms_m(&self) -> f64 {
-        let squares =
-            self.aligned.residuals_m.iter().flatten().map(nalgebra::Vector3::norm_squared);
-        (squares.sum::<f64>() / (2 * self.used.len()) as f64).sqrt()
+        let squares = self.aligned.residuals_m.iter().flatten().map(Vector3::norm_squared);
+        (squares.sum::<f64>() / (self.aligned.residuals_m.len() * self.used.len()) as f64).sqrt()
     }
 
     fn details(&self) -> DynamicGcpDetails {
@@ -219,7 +230,7 @@ impl<'a> AlignedTracks<'a> {
     ) -> MethodAnswer<DynamicGcpDetails> {
         let common = common_errors::covariance(&self.used, |triplets| {
             let placed = point_to_point::transforms(&matches(triplets), alignment)?;
-            Some([RigidTransform::IDENTITY, placed[0], placed[1]].into())
+            Some(std::iter::once(RigidTransform::IDENTITY).chain(placed).collect())
         });
         let details = self.details();
         MethodAnswer {
@@ -236,8 +247,10 @@ impl<'a> AlignedTracks<'a> {
     /// Judges the fit of the tracks.
     fn judge(&self, offer: &Offer) -> Judgement {
         let DynamicGcpDetails { rms_m, blocks } = self.details();
-        let mut judgement = Judgement::good(vec![tracks_aligned(rms_m, blocks)]);
-        if offer.targets == Targets::Undecided {
+        // The track of a single station has nothing to be aligned with.
+        let fit = (!self.aligned.residuals_m.is_empty()).then(|| tracks_aligned(rms_m, blocks));
+        let mut judgement = Judgement::good(fit.into_iter().collect());
+        if offer.is_undecided {
             judgement.lower(Verdict::Ambiguous, prism_count_undecided());
         }
         if self.pulled_m > NOTABLE_PULL_M {
@@ -259,7 +272,7 @@ fn align(triplets: &Triplets, alignment: Alignment) -> Option<Aligned> {
     point_to_point::align(&matches(triplets), alignment, Errors::ByBlock)
 }
 
-/// Returns the points of stations 2 and 3 with those of station 1.
+/// Returns the points of stations 2, 3, … with those of station 1.
 fn matches(triplets: &Triplets) -> Vec<Matches> {
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
     let block: Vec<u32> = blocks
@@ -267,23 +280,26 @@ fn matches(triplets: &Triplets) -> Vec<Matches> {
         .enumerate()
         .flat_map(|(number, range)| range.clone().map(move |_| number as u32))
         .collect();
-    (1..3)
-        .map(|station| Matches {
-            to_m: triplets.points_m[0].clone(),
-            from_m: triplets.points_m[station].clone(),
+    let first_m = &triplets.points_m[Station::FIRST];
+    let others_m = triplets.points_m.iter().skip(1);
+    others_m
+        .map(|points_m| Matches {
+            to_m: first_m.clone(),
+            from_m: points_m.clone(),
             block: block.clone(),
         })
         .collect()
 }
 
 fn transforms(aligned: &Aligned) -> PerStation<RigidTransform> {
-    [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]].into()
+    std::iter::once(RigidTransform::IDENTITY).chain(aligned.to_from.iter().copied()).collect()
 }
 
 /// Returns the triplets whose positions agree; `None` if these are all triplets, or too few.
 fn fitting_triplets(triplets: &Triplets, aligned: &Aligned) -> Option<Triplets> {
-    let [second, third] = [0, 1].map(|k| &aligned.residuals_m[k]);
-    let kept =
-        gross_errors::fitting(second.iter().zip(third).map(|(a, b)| [a.norm(), b.norm(), 0.0]));
+    let largest_m = |index: usize| {
+        aligned.residuals_m.iter().map(|residuals_m| residuals_m[index].norm()).fold(0.0, f64::max)
+    };
+    let kept = gross_errors::fitting((0..triplets.len()).map(|index| [largest_m(index)]));
     (kept.len() < triplets.len() && kept.len() >= FEWEST_TRIPLETS).then(|| triplets.select(&kept))
 }

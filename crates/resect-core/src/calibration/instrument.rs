@@ -10,11 +10,11 @@ pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0003;
 
 /// Standard deviations of the instrument errors before a drive (1 σ).
 ///
-/// Sources: manuals of total stations and prisms, and the papers that the README names.
+/// Sources: manuals of total stations and prisms, and the paper (Vaidis et al. 2022).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ErrorSizes {
-    /// Offset of the clocks of stations 2 and 3 from station 1's (s). A larger offset that is significant widens this prior.
+    /// Offset of the clocks from station 1's (s). A larger offset that is significant widens this prior.
     pub clock_offset_s: f64,
     pub clock_drift: f64,
     /// Random walk of a clock during a drive, beside offset and drift (s).

@@ -1,11 +1,13 @@
 //! The paper's four calibration methods and the joint estimate, and the methods that a deployment allows.
 
+use crate::deployment::kinds;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::targets::{Targets, targets};
-use crate::deployment::{Deployment, Finding, FindingKind};
+use super::followed_prisms::{PrismAssignment, followed_prisms};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding};
+use crate::network::{Number, Pair, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 
 /// Fewest control points that determine an answer of method B.
@@ -18,9 +20,9 @@ pub enum Method {
     TwoPoint,
     /// B: static control points.
     StaticGcp,
-    /// C: one moving prism that all three stations follow.
+    /// C: one moving prism that all stations follow.
     DynamicGcp,
-    /// D: three prisms of a rig with known distances.
+    /// D: prisms of a rig with known distances.
     InterPrism,
     /// Beyond the paper: estimates the errors that bias C or D, such as clock offsets, with the transforms, for one prism or three.
     #[default]
@@ -105,18 +107,20 @@ impl fmt::Display for Method {
 /// Methods that a deployment allows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
-    pub targets: Targets,
+    /// The prism that each station follows.
+    pub followed: PerStation<Prism>,
+    /// True if it is not known whether all follow one prism ([`PrismAssignment::is_undecided`]).
+    pub is_undecided: bool,
     /// The data that is missing for each method, in words, in the order of [`Method::ALL`]; `None` if the method can run.
     pub lacks: [Option<String>; Method::ALL.len()],
 }
 
 impl Offer {
     pub fn of(deployment: &Deployment, triplets: &Triplets) -> Self {
-        let targets = targets(deployment, triplets);
-        Self {
-            lacks: Method::ALL.map(|method| lack(method, deployment, triplets, targets)),
-            targets,
-        }
+        let followed = followed_prisms(deployment, triplets);
+        let lacks = Method::ALL.map(|method| lack(method, deployment, triplets, &followed));
+        let PrismAssignment { by_station, is_undecided } = followed;
+        Self { followed: by_station, is_undecided, lacks }
     }
 
     pub fn lack(&self, method: Method) -> Option<&str> {
@@ -126,20 +130,24 @@ impl Offer {
     /// Returns the paper's method for this drive, from which the joint estimate starts: D, or C where all stations follow one
     /// prism.
     pub fn published_method(&self) -> Method {
-        if self.targets == Targets::OnePrism { Method::DynamicGcp } else { Method::InterPrism }
+        published_method(&self.followed)
     }
+}
+
+fn published_method(followed: &PerStation<Prism>) -> Method {
+    if Prism::is_one(followed) { Method::DynamicGcp } else { Method::InterPrism }
 }
 
 fn lack(
     method: Method,
     deployment: &Deployment,
     triplets: &Triplets,
-    targets: Targets,
+    followed: &PrismAssignment,
 ) -> Option<String> {
     let no_triplets = || Some(format!("triplets: {}", why_no_triplets(deployment)));
     match method {
         Method::TwoPoint => {
-            let known = |set: &&crate::deployment::ControlPointSet| {
+            let known = |set: &&ControlPointSet| {
                 set.points.iter().filter(|point| point.serves_resection()).count() >= 2
             };
             (!deployment.control_points.iter().any(|set| known(&set))).then(|| {
@@ -149,45 +157,56 @@ fn lack(
             })
         }
         Method::StaticGcp => {
-            let shared = |station: usize| {
-                let both = |p: &&crate::deployment::ControlPoint| {
-                    p.readings[0].is_some() && p.readings[station].is_some()
+            let is_read = |point: &ControlPoint, station: Station| {
+                point.readings.get(station).is_some_and(Option::is_some)
+            };
+            let shared = |station: Station| {
+                let both = |point: &&ControlPoint| {
+                    is_read(point, Station::FIRST) && is_read(point, station)
                 };
                 let sets = deployment.control_points.iter().filter(|set| !set.pillars);
                 sets.flat_map(|set| &set.points).filter(both).count()
             };
-            let fewest = shared(1).min(shared(2));
+            let others = deployment.tracks.numbers().skip(1);
+            let Some((fewest, station)) = others.map(|other| (shared(other), other)).min() else {
+                return Some("the readings of another station".to_owned());
+            };
             (fewest < FEWEST_POINTS).then(|| {
                 format!(
-                    "{} control points that all stations measured ({fewest} here)",
-                    FEWEST_POINTS
+                    "{FEWEST_POINTS} control points that all stations measured (stations 1 and {station} share {fewest} here)"
                 )
             })
         }
         Method::DynamicGcp if triplets.is_empty() => no_triplets(),
-        Method::DynamicGcp => match targets {
-            Targets::ThreePrisms => {
-                Some("one prism that all three stations follow; here each has its own".to_owned())
-            }
-            Targets::OnePrism | Targets::Undecided => None,
-        },
+        Method::DynamicGcp => {
+            let is_possible = followed.is_undecided || Prism::is_one(&followed.by_station);
+            (!is_possible)
+                .then(|| "one prism that all stations follow; here each has its own".to_owned())
+        }
         Method::InterPrism => {
-            if targets == Targets::OnePrism {
-                Some("three prisms; here all three stations follow one".to_owned())
-            } else if deployment.rig.is_none() {
-                Some("the inter-prism distances (calibration_results.csv, or another file of the rig)".to_owned())
+            if Prism::is_one(&followed.by_station) {
+                Some("a prism for each station; here all stations follow one".to_owned())
             } else if triplets.is_empty() {
                 no_triplets()
             } else {
-                None
+                lacking_distances(deployment, &followed.by_station)
             }
         }
         Method::Joint => {
-            let one_prism = targets == Targets::OnePrism;
-            let published = if one_prism { Method::DynamicGcp } else { Method::InterPrism };
-            lack(published, deployment, triplets, targets)
+            lack(published_method(&followed.by_station), deployment, triplets, followed)
         }
     }
+}
+
+/// Returns the distances of the rig that are missing between followed prisms.
+fn lacking_distances(deployment: &Deployment, followed: &PerStation<Prism>) -> Option<String> {
+    let Some(rig) = &deployment.rig else {
+        let files = "calibration_results.csv, or another file of the rig";
+        return Some(format!("the inter-prism distances ({files})"));
+    };
+    let prisms = Pair::prisms_of(rig.inter_prism_m.len()).unwrap_or(1);
+    let beyond = followed.iter().find(|prism| prism.index() >= prisms)?;
+    Some(format!("the distances of prism {beyond} (the rig has those of {prisms} prisms)"))
 }
 
 /// Returns the reason why there are no triplets, with a remedy.
@@ -195,9 +214,12 @@ pub fn why_no_triplets(deployment: &Deployment) -> String {
     if deployment.ground_truth.is_some() {
         return "it is a trajectory of another system, without readings of stations".to_owned();
     }
-    let is_cause = |finding: &&Finding| finding.kind == FindingKind::StationsWithoutCommonTime;
+    let is_cause = |finding: &&Finding| finding.kind == kinds::STATIONS_WITHOUT_COMMON_TIME;
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
-        Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
+        Some(station) => format!(
+            "station {} has no measurement; to calibrate without it, list the others in deployment.toml (stations = [1, 2])",
+            station + 1
+        ),
         None if let Some(cause) = deployment.findings.iter().find(is_cause) => cause.to_string(),
         None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
             .to_owned(),

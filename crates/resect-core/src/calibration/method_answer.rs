@@ -1,6 +1,6 @@
 //! Answer of one method, before it becomes a [`Calibration`](super::Calibration).
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
@@ -13,8 +13,8 @@ use crate::network::PerStation;
 pub struct MethodAnswer<D> {
     pub method: Method,
     pub station1_from_station: PerStation<RigidTransform>,
-    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction is not determined.
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3, … (m, rad); `None` where a direction is not determined.
+    pub covariance: Option<DMatrix<f64>>,
     pub judgement: Judgement,
     /// Independent data that agrees with the answer.
     pub checked_by: Vec<Witness>,
@@ -24,8 +24,8 @@ pub struct MethodAnswer<D> {
 }
 
 impl<D> MethodAnswer<D> {
-    /// Returns the standard deviations of the transforms of stations 2 and 3.
-    pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
+    /// Returns the standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> Option<PerStation<TransformSigma>> {
         self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 

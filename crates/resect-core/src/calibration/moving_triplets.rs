@@ -4,12 +4,12 @@ use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
-use crate::network::PerStation;
+use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
 /// Delay of a station's stamps relative to station 1's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     /// Delay in the middle of the drive (s).
     pub offset_s: f64,
@@ -45,7 +45,7 @@ impl<'a> MovingTriplets<'a> {
         Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, growth }
     }
 
-    /// Returns the prism position of station 2 or 3 at the time of its stamp, corrected for the delay of its clock (m, the
+    /// Returns the prism position of a station at the time of its stamp, corrected for the delay of its clock (m, the
     /// station's frame).
     pub fn at_true_time(&self, station: usize, index: usize, clock: Clock) -> Vector3<f64> {
         let late_s = clock.offset_s + clock.drift * self.growth[index];
@@ -96,13 +96,13 @@ pub fn middle_s(triplets: &Triplets) -> f64 {
     }
 }
 
-/// Returns the triplets with corrected clocks of stations 2 and 3.
-pub fn with_clocks(triplets: &Triplets, clocks: [Clock; 2]) -> Triplets {
+/// Returns the triplets with corrected clocks; that of station 1 is the reference.
+pub fn with_clocks(triplets: &Triplets, clocks: &PerStation<Clock>) -> Triplets {
     let data = MovingTriplets::all(triplets);
     let mut points_m = triplets.points_m.clone();
-    for station in 1..3 {
+    for (station, clock) in clocks.each().skip(1) {
         points_m[station] = (0..triplets.len())
-            .map(|index| data.at_true_time(station, index, clocks[station - 1]))
+            .map(|index| data.at_true_time(station.index(), index, *clock))
             .collect();
     }
     Triplets { points_m, ..triplets.clone() }

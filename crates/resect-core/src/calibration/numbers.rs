@@ -75,7 +75,7 @@ const fn prior(
 static SIGMA_CLOCK_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     "σ clock offsets",
     "clock_offset_s",
-    "Time offset of the clocks of stations 2 and 3",
+    "Time offset of the clocks from station 1's",
     ("ms", 1e3),
     |settings| &mut settings.errors.clock_offset_s,
 );

@@ -6,10 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, Vector3};
 
 use super::Alignment;
-use crate::geometry::{LevelTransform, RigidTransform, align_level, align_rigid};
+use crate::geometry::{RigidTransform, align_level, align_rigid};
 use crate::network::PerStation;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -237,15 +237,17 @@ fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Returns the covariance of (x, y, z, yaw) of two transforms from that of their (t, ω).
-pub fn level_part(covariance: &DMatrix<f64>) -> SMatrix<f64, 8, 8> {
+/// Returns the covariance of (x, y, z, yaw) of some transforms from that of their (t, ω).
+pub fn level_part(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     const COLUMNS: [usize; 4] = [0, 1, 2, 5];
-    SMatrix::from_fn(|i, j| {
+    let count = 4 * (covariance.nrows() / 6);
+    DMatrix::from_fn(count, count, |i, j| {
         covariance[(6 * (i / 4) + COLUMNS[i % 4], 6 * (j / 4) + COLUMNS[j % 4])]
     })
 }
 
-/// Converts alignments to a common frame, `world_from_station`, into transforms of stations 2 and 3 to station 1's frame.
+/// Converts alignments to a common frame, `world_from_station`, into transforms to station 1's frame, and the covariance of the
+/// transforms of stations 2, 3, …
 ///
 /// With T = W1⁻¹ Ws: δt = R1ᵀ (δt_s − δt_1 − ω_1 × (t_s − t_1)) and ω = R1ᵀ (ω_s − ω_1).
 pub fn relative_to_station1(
@@ -254,14 +256,15 @@ pub fn relative_to_station1(
 ) -> (PerStation<RigidTransform>, Option<DMatrix<f64>>) {
     let station1_from_world = world_from_station[0].inverse();
     let back = station1_from_world.rotation.matrix();
-    let transforms = [
-        LevelTransform::IDENTITY.into(),
-        station1_from_world.then_from(&world_from_station[1]),
-        station1_from_world.then_from(&world_from_station[2]),
-    ];
+    let transforms =
+        world_from_station.map_each(|station, world_from_station| match station.slot() {
+            None => RigidTransform::IDENTITY,
+            Some(_) => station1_from_world.then_from(world_from_station),
+        });
     let covariance = covariance.map(|covariance| {
-        let mut jacobian = DMatrix::zeros(12, 18);
-        for slot in 0..2 {
+        let slots = world_from_station.len() - 1;
+        let mut jacobian = DMatrix::zeros(6 * slots, 6 * (slots + 1));
+        for slot in 0..slots {
             let (row, column) = (6 * slot, 6 * (slot + 1));
             let offset =
                 world_from_station[slot + 1].translation_m - world_from_station[0].translation_m;
@@ -276,7 +279,7 @@ pub fn relative_to_station1(
         }
         &jacobian * covariance * jacobian.transpose()
     });
-    (transforms.into(), covariance)
+    (transforms, covariance)
 }
 
 #[cfg(test)]

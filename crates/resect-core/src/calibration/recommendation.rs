@@ -3,6 +3,7 @@
 //! After a failure of the joint estimate, the answer is that of the published method. The next step then does not advise the
 //! joint estimate, so that no advice leads in a circle.
 
+use crate::deployment::kinds;
 use std::fmt;
 
 use super::inter_prism::drive_shape::PlanView;
@@ -12,6 +13,7 @@ use super::{Calibration, JointFailure, Method, Offer, TransformSigma, Verdict, W
 use crate::deployment::{
     Deployment, Finding, FindingKind, MessageAngle, Remedy, Subject, TrackFrame, doubts,
 };
+use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::estimate::decimals_of;
 
@@ -68,7 +70,7 @@ impl RecommendationReason {
 /// The evidence for the reason of a recommendation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RecommendationProof {
-    /// The largest σ of a coordinate of stations 2 and 3 (m; `None` without σ), and independent data that agrees.
+    /// The largest σ of a coordinate of a station's position (m; `None` without σ), and independent data that agrees.
     LargestSigma { sigma_m: Option<f64>, agreement: Option<Witness> },
     /// The finding that limits the answer most, or reports the change of a set-up.
     Finding(Box<Finding>),
@@ -85,30 +87,26 @@ const INSTRUCTIONS: [&str; 6] = ["check", "cut", "find", "measure", "record", "s
 
 /// Doubts about the shape of a drive, which another drive removes.
 const DRIVE_DOUBTS: [FindingKind; 6] = [
-    FindingKind::DriveLeavesDirectionFree,
-    FindingKind::DriveWeak,
-    FindingKind::DriveStanding,
-    FindingKind::DriveStraightLine,
-    FindingKind::DriveCircle,
-    FindingKind::DriveTwoLegs,
+    kinds::DRIVE_LEAVES_DIRECTION_FREE,
+    kinds::DRIVE_WEAK,
+    kinds::DRIVE_STANDING,
+    kinds::DRIVE_STRAIGHT_LINE,
+    kinds::DRIVE_CIRCLE,
+    kinds::DRIVE_TWO_LEGS,
 ];
 /// Changes of a set-up between the survey and the drive.
-const SET_UP_CHANGES: [FindingKind; 2] =
-    [FindingKind::SetUpChanged, FindingKind::SetUpChangeUndecided];
+const SET_UP_CHANGES: [FindingKind; 2] = [kinds::SET_UP_CHANGED, kinds::SET_UP_CHANGE_UNDECIDED];
 /// Causes of an ambiguous answer, the most specific first.
 const AMBIGUITIES: [FindingKind; 5] = [
-    FindingKind::MirrorUnresolved,
-    FindingKind::MirrorWitnessContradicted,
-    FindingKind::OtherMinimumFitsBetter,
-    FindingKind::RivalMinimum,
-    FindingKind::PrismCountUndecided,
+    kinds::MIRROR_UNRESOLVED,
+    kinds::MIRROR_WITNESS_CONTRADICTED,
+    kinds::OTHER_MINIMUM_FITS_BETTER,
+    kinds::RIVAL_MINIMUM,
+    kinds::PRISM_COUNT_UNDECIDED,
 ];
 /// Causes of a degenerate answer, the most specific first.
-const DEGENERACIES: [FindingKind; 3] = [
-    FindingKind::DriveLeavesDirectionFree,
-    FindingKind::PointsLeaveDirectionFree,
-    FindingKind::TracksApart,
-];
+const DEGENERACIES: [FindingKind; 3] =
+    [kinds::DRIVE_LEAVES_DIRECTION_FREE, kinds::POINTS_LEAVE_DIRECTION_FREE, kinds::TRACKS_APART];
 
 /// Returns the recommendation for the drive of a deployment.
 pub fn recommend(calibration: &Calibration, deployment: &Deployment) -> Recommendation {
@@ -144,7 +142,12 @@ impl UsableAnswer<'_> {
             (None, Some(_)) => RecommendationReason::Doubtful,
             (None, None) => RecommendationReason::Good,
         };
-        let conclusion = if change.is_some() {
+        let is_alone = self.calibration.station1_from_station.len() == 1;
+        let conclusion = if is_alone {
+            format!(
+                "Use the track and the poses of {drive}{caution} in the frame of the only station."
+            )
+        } else if change.is_some() {
             format!(
                 "Use {method}{caution} for {drive}, and its survey transforms for points of the survey."
             )
@@ -161,6 +164,9 @@ impl UsableAnswer<'_> {
             }
             (Some(change), _) => next_step_of_change(change),
             (None, Some(doubt)) => self.next_step_of_doubt(doubt),
+            (None, None) if is_alone => {
+                "To determine transforms, add the readings of a second station.".to_owned()
+            }
             (None, None) => self.next_step_of_good(),
         };
         let proof = self.proof_by(change.or(doubt));
@@ -193,10 +199,10 @@ impl UsableAnswer<'_> {
     fn recommend_none_if_ambiguous(&self) -> Recommendation {
         let cause = self.cause(&AMBIGUITIES);
         let event = match cause.map(|cause| cause.kind) {
-            Some(FindingKind::MirrorUnresolved | FindingKind::MirrorWitnessContradicted) => {
+            Some(kinds::MIRROR_UNRESOLVED | kinds::MIRROR_WITNESS_CONTRADICTED) => {
                 "the mirror ambiguity is resolved"
             }
-            Some(FindingKind::PrismCountUndecided) => "the number of prisms is known",
+            Some(kinds::PRISM_COUNT_UNDECIDED) => "the number of prisms is known",
             _ => "one of two solutions is excluded",
         };
         Recommendation {
@@ -258,10 +264,11 @@ impl UsableAnswer<'_> {
     }
 
     fn largest_sigma(&self) -> RecommendationProof {
-        let largest_m = |sigma: [TransformSigma; 2]| {
-            sigma.map(|station| station.translation_m.max()).into_iter().fold(0.0, f64::max)
+        let largest_m = |sigma: &PerStation<TransformSigma>| {
+            let others = sigma.iter().skip(1);
+            others.map(|station| station.translation_m.max()).reduce(f64::max)
         };
-        let sigma_m = self.calibration.sigma.map(largest_m);
+        let sigma_m = self.calibration.sigma.as_ref().and_then(largest_m);
         let checks = &self.calibration.checked_by;
         let agreement = checks.iter().copied().find(|witness| witness.is_independent());
         RecommendationProof::LargestSigma { sigma_m, agreement }
@@ -273,7 +280,7 @@ impl UsableAnswer<'_> {
             let step = match (self.calibration.method.is_from_tracks(), self.has_control_points()) {
                 (true, false) => "let all stations measure three control points",
                 (true, true) => "measure more control points, spread over the whole area",
-                (false, _) => "drive with three prisms whose distances are known",
+                (false, _) => "drive with prisms whose distances are known",
             };
             return format!("To check it independently, {step}.");
         }
@@ -295,7 +302,7 @@ impl UsableAnswer<'_> {
         match self.observability().filter(|_| DRIVE_DOUBTS.contains(&doubt.kind)) {
             Some(observability) => self.next_drive("Next", observability),
             None => {
-                let step = doubt.kind.advice().map_or(CORRECT_DATA, |advice| advice.step);
+                let step = doubt.kind.advice.map_or(CORRECT_DATA, |advice| advice.step);
                 // Nobody is advised to measure what is there.
                 if self.has_control_points() {
                     step.replace(MEASURE_POINTS, "")
@@ -347,11 +354,11 @@ const CORRECT_DATA: &str = "Correct or leave out the data that the findings name
 fn is_about_convergence(kind: FindingKind) -> bool {
     matches!(
         kind,
-        FindingKind::EstimateNotConverged
-            | FindingKind::EstimateDiverged
-            | FindingKind::JointEstimateUndetermined
-            | FindingKind::NoCommonReadings
-            | FindingKind::PriorsTightened
+        kinds::ESTIMATE_NOT_CONVERGED
+            | kinds::ESTIMATE_DIVERGED
+            | kinds::JOINT_ESTIMATE_UNDETERMINED
+            | kinds::NO_COMMON_READINGS
+            | kinds::PRIORS_TIGHTENED
     )
 }
 
@@ -368,8 +375,10 @@ fn next_step_of_change(change: &Finding) -> String {
 
 /// Returns the step that reduces the largest source of the largest σ of a position.
 fn reduce_largest_source(joint: &JointEstimate) -> String {
-    let positions = [0, 1, 2, 4, 5, 6].map(|coordinate| joint.largest_source(coordinate));
-    let largest = positions.into_iter().max_by(|a, b| a.total_sigma.total_cmp(&b.total_sigma));
+    let positions = (0..joint.covariance.nrows()).filter(|coordinate| coordinate % 4 < 3);
+    let largest = positions
+        .map(|coordinate| joint.largest_source(coordinate))
+        .max_by(|a, b| a.total_sigma.total_cmp(&b.total_sigma));
     let Some(LargestSource { name, sigma, .. }) = largest else { return CORRECT_DATA.to_owned() };
     let step = match name {
         "clocks" | "wandering clocks" => "synchronise the stations",
@@ -418,7 +427,9 @@ impl fmt::Display for Recommendation {
 impl RecommendationProof {
     fn in_words(&self, render_angle: impl Fn(&MessageAngle) -> String) -> String {
         match self {
-            Self::LargestSigma { sigma_m: None, .. } => "No σ of a position is known.".to_owned(),
+            Self::LargestSigma { sigma_m: None, .. } => {
+                "There is no σ of a station's position.".to_owned()
+            }
             Self::LargestSigma { sigma_m: Some(sigma_m), agreement } => {
                 let sigma = millimetres(*sigma_m);
                 let agreement = match agreement {
@@ -430,7 +441,7 @@ impl RecommendationProof {
                 };
                 format!("σ of a station's position is at most {sigma} along an axis{agreement}.")
             }
-            Self::Finding(finding) if finding.kind == FindingKind::MirrorUnresolved => {
+            Self::Finding(finding) if finding.kind == kinds::MIRROR_UNRESOLVED => {
                 mirror_in_words(finding)
             }
             Self::Finding(finding) => first_clause(&finding.render(render_angle)),
@@ -474,4 +485,18 @@ fn first_clause(message: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::deployment::findings;
+
+    #[test]
+    fn every_finding_has_a_short_first_clause() {
+        for finding in findings::examples() {
+            let clause = first_clause(&finding.to_string());
+            let is_sentence = clause.ends_with('.') && clause.len() > 3;
+            assert!(is_sentence && word_count(&clause) <= MOST_WORDS, "{clause}");
+        }
+        let poor = "the tracks fit poorly (20.0 mm rms): check the clocks and the filters";
+        assert_eq!(first_clause(poor), "The tracks fit poorly (20.0 mm rms).");
+    }
+}

@@ -2,13 +2,14 @@
 
 use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
 
+use super::inter_prism::{FirstSolution, StartingPoint};
 use super::joint::JointEstimate;
 use super::{
-    Calibration, CalibrationError, CalibrationSettings, Method, Offer, Targets, Verdict, Witness,
-    checks, control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
-    two_point,
+    Calibration, CalibrationError, CalibrationSettings, Method, Offer, Verdict, Witness, checks,
+    control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
 };
 use crate::deployment::{Deployment, TrackFrame};
+use crate::network::Prism;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
@@ -54,19 +55,36 @@ struct Problem<'a> {
     progress: &'a Progress,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
     /// Calibrates by the joint estimate and by the paper's method, so that the two answers can be compared.
     fn solve_jointly_beside_published(
         self,
         settings: &CalibrationSettings,
     ) -> Result<Calibration, CalibrationError> {
         let started = Stopwatch::start();
+        let Self { deployment, triplets, progress, .. } = self;
         let published_method = self.offer.published_method();
-        let by = |method: Method| self.solve_by(method, &settings.with_method(method));
-        let (published, joint) = if self.triplets.len() < LONG {
-            rayon::join(|| by(published_method), || by(Method::Joint))
+        let [by_published, by_joint] =
+            [published_method, Method::Joint].map(|method| settings.with_method(method));
+        // Method D and the joint estimate begin with the same solution.
+        let is_shared = published_method == Method::InterPrism && settings.evidence.drive;
+        let first = is_shared.then(|| self.first_solution(settings)).transpose();
+        let first = first.map_err(|error| self.explained(error))?;
+        let start = first.as_ref().map(FirstSolution::without_data);
+        let publish = || {
+            self.timed(&started, || match first {
+                Some(first) => {
+                    inter_prism::solve(first, deployment, triplets, &by_published, progress)
+                        .map(Into::into)
+                }
+                None => self.answer_by(published_method, &by_published),
+            })
+        };
+        let estimate = || self.timed(&started, || self.estimate_jointly(&by_joint, start));
+        let (published, joint) = if triplets.len() < LONG {
+            rayon::join(publish, estimate)
         } else {
-            (by(published_method), by(Method::Joint))
+            (publish(), estimate())
         };
         self.progress.check()?;
         // Both checks try the same misreadings.
@@ -94,15 +112,55 @@ impl Problem<'_> {
         Ok(joint)
     }
 
+    /// Returns the solution of the published method on all triplets.
+    fn first_solution(
+        self,
+        settings: &CalibrationSettings,
+    ) -> Result<FirstSolution<'a>, CalibrationError> {
+        let Self { deployment, triplets, offer, progress } = self;
+        FirstSolution::new(deployment, triplets, settings, offer, progress)
+    }
+
+    /// Returns an answer with its wall time.
+    fn timed(
+        self,
+        started: &Stopwatch,
+        solve: impl FnOnce() -> Result<Calibration, CalibrationError>,
+    ) -> Result<Calibration, CalibrationError> {
+        let mut answer = solve().map_err(|error| self.explained(error))?;
+        answer.solve_ms = started.elapsed_ms() - answer.prior_ms;
+        Ok(answer)
+    }
+
+    /// Adds the misreading that explains why there are no triplets.
+    fn explained(self, error: CalibrationError) -> CalibrationError {
+        match (error, &self.deployment.rig) {
+            (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
+                if let Some(misread) = sense::explain_no_triplets(self.deployment, rig) {
+                    why = format!("{why}; {misread}");
+                }
+                CalibrationError::NoTriplets { deployment: name, why }
+            }
+            (error, _) => error,
+        }
+    }
+
     /// Calibrates by one method, without checks.
     fn solve_by(
         self,
         method: Method,
         settings: &CalibrationSettings,
     ) -> Result<Calibration, CalibrationError> {
+        self.timed(&Stopwatch::start(), || self.answer_by(method, settings))
+    }
+
+    fn answer_by(
+        self,
+        method: Method,
+        settings: &CalibrationSettings,
+    ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
-        let started = Stopwatch::start();
-        let answer: Result<Calibration, _> = match method {
+        match method {
             Method::TwoPoint => two_point::solve(deployment, triplets, offer).map(Into::into),
             Method::StaticGcp => {
                 static_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
@@ -111,36 +169,31 @@ impl Problem<'_> {
                 dynamic_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
             }
             Method::InterPrism => {
-                inter_prism::solve(deployment, triplets, settings, offer, progress).map(Into::into)
+                let first = self.first_solution(settings)?;
+                inter_prism::solve(first, deployment, triplets, settings, progress).map(Into::into)
             }
-            Method::Joint => self.estimate_jointly(settings),
-        };
-        let mut answer = answer.map_err(|error| match (error, &deployment.rig) {
-            (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
-                if let Some(misread) = sense::explain_no_triplets(deployment, rig) {
-                    why = format!("{why}; {misread}");
-                }
-                CalibrationError::NoTriplets { deployment: name, why }
-            }
-            (error, _) => error,
-        })?;
-        answer.solve_ms = started.elapsed_ms() - answer.prior_ms;
-        Ok(answer)
+            Method::Joint => self.estimate_jointly(settings, None),
+        }
     }
 
-    /// Calibrates by the joint estimate of one prism or of three, which starts from the published method.
+    /// Calibrates by the joint estimate of one prism or of several, which starts from the published method.
     fn estimate_jointly(
         self,
         settings: &CalibrationSettings,
+        start: Option<StartingPoint<'_>>,
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
         if !settings.evidence.drive {
             return control_points_alone::solve(deployment, triplets, settings, offer)
                 .map(Into::into);
         }
-        if offer.targets != Targets::OnePrism {
+        if !Prism::is_one(&offer.followed) {
+            let start = match start {
+                Some(start) => start,
+                None => self.first_solution(settings)?.without_data(),
+            };
             let answer =
-                inter_prism::solve_jointly(deployment, triplets, settings, offer, progress)?;
+                inter_prism::solve_jointly(start, deployment, triplets, settings, offer, progress)?;
             return Ok(answer.into());
         }
         if offer.lack(Method::Joint).is_some() {

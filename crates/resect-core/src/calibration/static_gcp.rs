@@ -1,7 +1,7 @@
 //! Method B: point-to-point alignment of static control points.
 //!
-//! If the coordinates of the points in a global frame are known, every station is aligned to that frame. Otherwise stations 2 and 3
-//! are aligned to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control points
+//! If the coordinates of the points in a global frame are known, every station is aligned to that frame. Otherwise the others are
+//! aligned to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control points
 //! are used, except pillars.
 
 use crate::deployment::findings::points::{
@@ -16,6 +16,7 @@ use super::point_to_point::{self, Errors, Matches};
 use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks};
 use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
+use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -31,8 +32,8 @@ type Correspondence = (Vector3<f64>, Vector3<f64>);
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticGcpDetails {
-    /// Numbers of points that stations 2 and 3 share with station 1 (or with the global frame).
-    pub points: [usize; 2],
+    /// Number of points that each station shares with station 1 (or with the global frame); all points of station 1 itself.
+    pub shared_points: PerStation<usize>,
     /// Root mean square of the point errors after alignment (m).
     pub rms_m: f64,
     /// Transform from station 1's frame to the global frame; `None` if the points have no global coordinates.
@@ -48,29 +49,23 @@ pub fn solve(
 ) -> Result<MethodAnswer<StaticGcpDetails>, CalibrationError> {
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
     let points: Vec<&ControlPoint> = numbered_points(deployment).map(|(_, point)| point).collect();
-    let reading =
-        |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
-    let collect = |pick: &dyn Fn(&ControlPoint) -> Option<Correspondence>| {
-        let mut matches = Matches::default();
-        for (index, point) in points.iter().enumerate() {
-            if let Some((to, from)) = pick(point) {
-                matches.push(to, from, index as u32);
-            }
-        }
-        matches
-    };
-    let to_world: Vec<Matches> = (0..3)
-        .map(|station| collect(&|point| Some((point.known_m?, reading(point, station)?))))
+    let stations = || deployment.tracks.numbers();
+    let to_world: Vec<Matches> = stations()
+        .map(|station| matches(&points, |point| Some((point.known_m?, read_m(point, station)?))))
         .collect();
-    let global = to_world.iter().all(|m| m.len() >= FEWEST_POINTS);
-    let matches = if global {
+    let is_global = to_world.iter().all(|m| m.len() >= FEWEST_POINTS);
+    let first = Station::FIRST;
+    let matches = if is_global {
         to_world
     } else {
-        (1..3)
-            .map(|station| collect(&|point| Some((reading(point, 0)?, reading(point, station)?))))
+        stations()
+            .skip(1)
+            .map(|station| {
+                matches(&points, |point| Some((read_m(point, first)?, read_m(point, station)?)))
+            })
             .collect()
     };
-    if matches.iter().any(|m| m.len() < FEWEST_POINTS) {
+    if matches.is_empty() || matches.iter().any(|m| m.len() < FEWEST_POINTS) {
         return Err(lacking());
     }
     // Ranges are noisier than directions, so errors differ by axis and point. With enough points the sandwich accounts for this.
@@ -82,28 +77,28 @@ pub fn solve(
             method: Method::StaticGcp,
         }
     })?;
-    let (station1_from_station, covariance, world_from_station1) = match aligned.to_from[..] {
-        [first, second, third] => {
-            let worlds = [first, second, third].into();
-            let (transforms, covariance) =
-                point_to_point::relative_to_station1(&worlds, aligned.covariance.as_ref());
-            (transforms, covariance, Some(first))
-        }
-        [second, third] => {
-            let transforms = [RigidTransform::IDENTITY, second, third].into();
-            (transforms, aligned.covariance, None)
-        }
-        _ => return Err(lacking()),
+    let (station1_from_station, covariance, world_from_station1) = if is_global {
+        let worlds: PerStation<RigidTransform> = aligned.to_from.iter().copied().collect();
+        let (transforms, covariance) =
+            point_to_point::relative_to_station1(&worlds, aligned.covariance.as_ref());
+        (transforms, covariance, Some(worlds[first]))
+    } else {
+        let others = aligned.to_from.iter().copied();
+        let transforms = std::iter::once(RigidTransform::IDENTITY).chain(others).collect();
+        (transforms, aligned.covariance, None)
     };
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
     let residuals = || aligned.residuals_m.iter().flatten();
     let rms_m = (residuals().map(Vector3::norm_squared).sum::<f64>()
         / residuals().count().max(1) as f64)
         .sqrt();
-    let used = matches.len();
-    let counts = [matches[used - 2].len(), matches[used - 1].len()];
-    let count = counts[0].max(counts[1]);
-    let mut judgement = Judgement::good(vec![control_points_aligned(count, global, rms_m)]);
+    let mut shared_points: PerStation<usize> = matches.iter().map(Matches::len).collect();
+    if !is_global {
+        let own = points.iter().filter(|point| read_m(point, first).is_some()).count();
+        shared_points = std::iter::once(own).chain(shared_points).collect();
+    }
+    let count = shared_points.iter().skip(1).max().copied().unwrap_or(0);
+    let mut judgement = Judgement::good(vec![control_points_aligned(count, is_global, rms_m)]);
     if rms_m > checks::POOR_POINT_FIT_M {
         let is_hopeless = rms_m > checks::HOPELESS_FIT_M;
         judgement.lower(Verdict::Weak, control_points_fit_poorly(rms_m, is_hopeless));
@@ -115,11 +110,30 @@ pub fn solve(
         covariance,
         judgement,
         checked_by: Vec::new(),
-        details: StaticGcpDetails { points: counts, rms_m, world_from_station1 },
+        details: StaticGcpDetails { shared_points, rms_m, world_from_station1 },
         prior_ms: 0.0,
     };
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
     Ok(answer)
+}
+
+/// Returns the position of a point in the frame of a station that measured it (m).
+fn read_m(point: &ControlPoint, station: Station) -> Option<Vector3<f64>> {
+    point.readings.get(station)?.map(Polar::to_cartesian)
+}
+
+/// Returns the correspondences of the points, each in a block of its own.
+fn matches(
+    points: &[&ControlPoint],
+    correspondence: impl Fn(&ControlPoint) -> Option<Correspondence>,
+) -> Matches {
+    let mut matches = Matches::default();
+    for (index, point) in points.iter().enumerate() {
+        if let Some((to, from)) = correspondence(point) {
+            matches.push(to, from, index as u32);
+        }
+    }
+    matches
 }
 
 /// Returns all control points with their file, in the order of the block numbers.

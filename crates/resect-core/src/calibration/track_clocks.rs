@@ -1,8 +1,8 @@
-//! Clock offsets of stations 2 and 3 from tracks of one prism.
+//! Clock offsets of the stations relative to station 1 from tracks of one prism.
 //!
 //! A late stamp shifts a track along itself. No rotation or translation of the whole track does so where the drive turns.
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::time_blocks;
 use crate::calibration::{Clock, Estimate, with_clocks};
@@ -12,28 +12,28 @@ use crate::pipeline::Triplets;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
 
-/// Unknowns of each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
+/// Unknowns of each station but the first: (x, y, z, yaw), clock offset (s), clock drift (s per s).
 const PER_STATION: usize = 6;
-const UNKNOWNS: usize = 2 * PER_STATION;
 /// Time shift from which the velocity of a prism is computed (s).
 const STEP_S: f64 = 1e-3;
 
 /// Clocks estimated by one step of least squares from a level alignment.
 #[derive(Clone, Debug)]
 pub struct TrackClocks {
-    pub offsets_s: [Estimate; 2],
-    pub drifts: [Estimate; 2],
-    /// Changes of (x, y, z, yaw) of stations 2 and 3 by the estimated clocks (m, rad).
-    pub moves: SVector<f64, 8>,
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time (m, rad).
-    pub covariance: SMatrix<f64, 8, 8>,
+    /// Zeros for station 1, the reference.
+    pub offsets_s: PerStation<Estimate>,
+    pub drifts: PerStation<Estimate>,
+    /// Changes of (x, y, z, yaw) of stations 2, 3, … by the estimated clocks (m, rad).
+    pub moves: DVector<f64>,
+    /// Covariance of (x, y, z, yaw) of stations 2, 3, … with the clocks estimated: the sandwich by blocks of time (m, rad).
+    pub covariance: DMatrix<f64>,
 }
 
 impl TrackClocks {
-    pub fn clocks(&self) -> [Clock; 2] {
-        std::array::from_fn(|slot| Clock {
-            offset_s: self.offsets_s[slot].value,
-            drift: self.drifts[slot].value,
+    pub fn clocks(&self) -> PerStation<Clock> {
+        self.offsets_s.zip(&self.drifts, |offset_s, drift| Clock {
+            offset_s: offset_s.value,
+            drift: drift.value,
         })
     }
 }
@@ -44,7 +44,9 @@ pub fn estimate(
     station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<TrackClocks> {
     let late = Clock { offset_s: STEP_S, drift: 0.0 };
-    let moved = with_clocks(triplets, [late, late]);
+    let moved = with_clocks(triplets, &PerStation::repeat(station1_from_station.len(), late));
+    let slots = station1_from_station.len() - 1;
+    let unknowns = PER_STATION * slots;
     let middle_s = 0.5 * (triplets.time_s.first()? + triplets.time_s.last()?);
     let equations = |index: usize, slot: usize| {
         let (station, transform) = (slot + 1, &station1_from_station[slot + 1]);
@@ -67,10 +69,10 @@ pub fn estimate(
     let mut blocks: Vec<Block> = blocks
         .into_iter()
         .map(|block| {
-            let mut information = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
-            let mut gradient = DVector::zeros(UNKNOWNS);
+            let mut information = DMatrix::zeros(unknowns, unknowns);
+            let mut gradient = DVector::zeros(unknowns);
             for index in block {
-                for slot in 0..2 {
+                for slot in 0..slots {
                     let (columns, error) = equations(index, slot);
                     let at = PER_STATION * slot;
                     for (i, a) in columns.iter().enumerate() {
@@ -99,12 +101,16 @@ pub fn estimate(
         value: step[place],
         sigma: covariance[(place, place)].max(0.0).sqrt(),
     };
-    let places: [usize; 8] = std::array::from_fn(|k| PER_STATION * (k / 4) + k % 4);
+    let by_station = |unknown: usize| {
+        let others = (0..slots).map(|slot| estimate(PER_STATION * slot + unknown));
+        std::iter::once(Estimate::ZERO).chain(others).collect()
+    };
+    let place = |k: usize| PER_STATION * (k / 4) + k % 4;
     Some(TrackClocks {
-        offsets_s: [0, 1].map(|slot| estimate(PER_STATION * slot + 4)),
-        drifts: [0, 1].map(|slot| estimate(PER_STATION * slot + 5)),
-        moves: SVector::from_fn(|k, _| step[places[k]]),
-        covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
+        offsets_s: by_station(4),
+        drifts: by_station(5),
+        moves: DVector::from_fn(4 * slots, |k, _| step[place(k)]),
+        covariance: DMatrix::from_fn(4 * slots, 4 * slots, |i, j| covariance[(place(i), place(j))]),
     })
 }
 
@@ -140,7 +146,8 @@ mod tests {
                 let triplets = triplets(blocks, &mut rng);
                 let found = estimate(&triplets, &PerStation::repeat(3, RigidTransform::IDENTITY))
                     .expect("held");
-                let clocks = found.offsets_s.into_iter().chain(found.drifts);
+                let clocks =
+                    found.offsets_s.into_iter().skip(1).chain(found.drifts.into_iter().skip(1));
                 let moves = (0..8).map(|k| Estimate {
                     value: found.moves[k],
                     sigma: found.covariance[(k, k)].sqrt(),

@@ -16,9 +16,9 @@ use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
 use super::{Alignment, CalibrationError, Method, Offer};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding};
 use crate::geometry::ARCSECOND_RAD;
-use crate::geometry::{Polar, RigidTransform};
+use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
 
@@ -44,7 +44,7 @@ pub struct PairResection {
     /// Known distance between the two points (m).
     pub baseline_m: f64,
     /// Measured minus known distance between the two points, for each station (m).
-    pub baseline_errors_m: [f64; 3],
+    pub baseline_errors_m: PerStation<f64>,
     pub station1_from_station: PerStation<RigidTransform>,
     /// Distances between the stations' positions of the points that the pair does not use (m), sorted.
     pub left_out_m: Vec<f64>,
@@ -82,8 +82,8 @@ pub struct TwoPointDetails {
 impl TwoPointDetails {
     /// Returns the root mean square of the chosen pair's baseline errors (m).
     pub fn rms_m(&self) -> f64 {
-        let errors = self.pairs[self.chosen].baseline_errors_m;
-        (errors.iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
+        let errors = &self.pairs[self.chosen].baseline_errors_m;
+        (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
     }
 }
 
@@ -157,7 +157,7 @@ struct PlacedStation {
     world_from_station: PerStation<RigidTransform>,
     matches: Vec<Matches>,
     /// Sum of squared residuals of each station (m²).
-    squares_m2: [f64; 3],
+    squares_m2: Vec<f64>,
     /// The largest range (m).
     range_m: f64,
 }
@@ -167,33 +167,32 @@ fn resect(
     points: &[&ControlPoint],
     chosen: [usize; 2],
 ) -> Option<(PairResection, PlacedStation)> {
-    let reading =
-        |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
-    let mut matches = vec![Matches::default(); 3];
+    let mut matches = vec![Matches::default(); points.first()?.readings.len()];
     for (order, index) in chosen.into_iter().enumerate() {
-        for station in 0..3 {
-            let (known, read) = (points[index].known_m?, reading(points[index], station)?);
-            matches[station].push(known, read, order as u32);
+        for (matches, reading) in matches.iter_mut().zip(&points[index].readings) {
+            let (known_m, reading) = (points[index].known_m?, reading.as_ref()?);
+            matches.push(known_m, reading.to_cartesian(), order as u32);
         }
     }
     let aligned = point_to_point::align(&matches, Alignment::Level, Errors::Known(1.0))?;
     // Two points at one place, or one above the other, do not determine yaw.
     aligned.covariance.as_ref()?;
     let world_from_station: PerStation<RigidTransform> = aligned.to_from.into_iter().collect();
-    let mut squares_m2 = [0.0; 3];
-    for (square, residuals) in squares_m2.iter_mut().zip(&aligned.residuals_m) {
-        *square = residuals.iter().map(Vector3::norm_squared).sum();
-    }
+    let residuals_m = aligned.residuals_m.iter();
+    let squares_m2 = residuals_m
+        .map(|residuals_m| residuals_m.iter().map(Vector3::norm_squared).sum())
+        .collect();
     let range_m = matches.iter().flat_map(|m| &m.from_m).map(Vector3::norm).fold(0.0, f64::max);
 
     let (mut left_out_m, mut left_out) = (Vec::new(), Vec::new());
-    for (index, point) in points.iter().enumerate().filter(|(i, _)| !chosen.contains(i)) {
-        let placed: Vec<Vector3<f64>> = (0..3)
-            .filter_map(|station| {
-                Some(world_from_station[station].apply(&reading(points[index], station)?))
+    for (_, point) in points.iter().enumerate().filter(|(i, _)| !chosen.contains(i)) {
+        let read = world_from_station.iter().zip(&point.readings);
+        let placed: Vec<Vector3<f64>> = read
+            .filter_map(|(world_from_station, reading)| {
+                Some(world_from_station.apply(&reading.as_ref()?.to_cartesian()))
             })
             .collect();
-        left_out_m.extend(PAIRS.iter().map(|(a, b)| (placed[*a] - placed[*b]).norm()));
+        left_out_m.extend(point.disagreements_m(&world_from_station));
         let known_m = point.known_m?;
         let from_known_m =
             placed.iter().map(|p| (p - known_m).norm()).sum::<f64>() / placed.len().max(1) as f64;
@@ -205,9 +204,10 @@ fn resect(
         file: set.file.clone(),
         markers: chosen.map(|index| points[index].marker),
         baseline_m,
-        baseline_errors_m: std::array::from_fn(|station| {
-            (matches[station].from_m[0] - matches[station].from_m[1]).norm() - baseline_m
-        }),
+        baseline_errors_m: matches
+            .iter()
+            .map(|matches| (matches.from_m[0] - matches.from_m[1]).norm() - baseline_m)
+            .collect(),
         station1_from_station: point_to_point::relative_to_station1(&world_from_station, None).0,
         left_out_m,
         left_out,
@@ -220,7 +220,7 @@ fn resect(
 fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a PlacedStation>) -> f64 {
     let (mut squares_m2, mut range_m) = (Vec::new(), 0.0_f64);
     for one in placed {
-        squares_m2.extend(one.squares_m2);
+        squares_m2.extend(&one.squares_m2);
         range_m = range_m.max(one.range_m);
     }
     let shown_m = (median(squares_m2).unwrap_or(0.0) / MEDIAN_OF_TWO_SQUARES).sqrt();
@@ -276,7 +276,8 @@ fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
         vec![resection_pair(&pair.file, pair.markers, pair.baseline_m, pairs.len(), median_m)];
     let longest = pairs.iter().max_by(|a, b| a.baseline_m.total_cmp(&b.baseline_m));
     if let Some(longest) = longest {
-        let error_m = longest.baseline_errors_m.iter().sum::<f64>() / 3.0;
+        let error_m =
+            longest.baseline_errors_m.iter().sum::<f64>() / longest.baseline_errors_m.len() as f64;
         let ppm = error_m / longest.baseline_m * 1e6;
         if ppm.abs() > NOTABLE_PPM && error_m.abs() > NOTABLE_M {
             findings.push(known_distance_off(longest.markers, error_m, longest.baseline_m));

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::geometry::{Polar, RigidTransform};
-use crate::network::{PerStation, USUAL_STATIONS};
+use crate::network::{PerStation, Station, USUAL_STATIONS};
 
 /// A static target with the reading of each station (prism constant included).
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,28 @@ impl ControlPoint {
         let (readings, face_one) =
             (PerStation::repeat(USUAL_STATIONS, None), PerStation::repeat(USUAL_STATIONS, None));
         Self { marker, readings, face_one, known_m }
+    }
+
+    /// Sets the reading of a station, and that in face I alone if there are both faces.
+    pub fn set_reading(
+        &mut self,
+        station: Station,
+        reading: Option<Polar>,
+        face_one: Option<Polar>,
+    ) {
+        self.resize(self.readings.len().max(station.number()));
+        (self.readings[station], self.face_one[station]) = (reading, face_one);
+    }
+
+    /// Changes the number of stations; further ones have no reading.
+    pub fn resize(&mut self, stations: usize) {
+        self.readings.resize_with(stations, || None);
+        self.face_one.resize_with(stations, || None);
+    }
+
+    /// Returns the number of stations up to the last one with a reading.
+    pub fn stations(&self) -> usize {
+        self.readings.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
     }
 
     /// Returns true if its coordinates are known and every station measured it.

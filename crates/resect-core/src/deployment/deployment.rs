@@ -7,11 +7,11 @@ use super::estimated_trajectory::EstimatedTrajectory;
 use super::finding::Finding;
 use super::gnss::GnssFix;
 use super::ingredient::Ingredient;
-use super::overrides::Overrides;
+use super::overrides::{Overrides, as_numbered};
 use super::rig::Rig;
 use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
-use crate::network::{PerStation, USUAL_STATIONS};
+use crate::network::{PerStation, Station, USUAL_STATIONS};
 
 /// One field session: measurements of the stations, control points and the prism rig.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Deployment {
     pub control_points: Vec<ControlPointSet>,
     /// The prisms on the vehicle; `None` if no file describes them.
     pub rig: Option<Rig>,
-    /// Number of prisms that the stations follow, 1 or 3; `None` if no file states it.
+    /// Number of prisms that the stations follow; `None` if no file states it.
     pub prisms: Option<u8>,
     /// Positions of GNSS antennas 1, 2, 3 on the vehicle.
     pub gnss: Option<[Vec<GnssFix>; 3]>,
@@ -65,7 +65,18 @@ impl Deployment {
         }
     }
 
-    /// Returns the stations (0 to 2) that have measurements.
+    /// Returns the numbers of the stations in the files.
+    pub fn station_numbers(&self) -> PerStation<i64> {
+        self.overrides.stations.clone().unwrap_or_else(|| as_numbered(self.tracks.len()))
+    }
+
+    /// Returns "station 3", with its name if it has one: "station 3 (/rts10)".
+    pub fn station_in_words(&self, station: Station) -> String {
+        let name = self.tracks.get(station).and_then(|track| track.name.as_ref());
+        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
+        format!("station {station}{name}")
+    }
+
     pub fn stations_with_readings(&self) -> Vec<usize> {
         let has_readings = |station: &usize| !self.tracks[*station].measurements.is_empty();
         (0..self.tracks.len()).filter(has_readings).collect()

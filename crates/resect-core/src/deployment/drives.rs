@@ -77,7 +77,10 @@ impl Deployment {
         if let Some(station) = other.tracks.iter().position(|track| track.measurements.is_empty()) {
             return Err(OtherSetUp {
                 drive: other.name.clone(),
-                what: format!("station {} has no measurement; all three are needed", station + 1),
+                what: format!(
+                    "station {} has no measurement; all stations are needed",
+                    station + 1
+                ),
                 remedy: "leave it out".to_owned(),
             });
         }

@@ -1,5 +1,6 @@
 //! Findings of a reader, the pipeline or a solver, as data.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::{FindingKind, FindingQuantity, Message, MessageAngle, Remedy, Severity, Unit};
@@ -12,7 +13,7 @@ pub enum Subject {
     Station(usize),
     /// One error or property of a station, such as an error of its instrument or a reason why its readings are dropped.
     OfStation { station: usize, part: String },
-    /// A pair of prisms, by its index in [`PAIRS`](super::PAIRS).
+    /// A pair of prisms, by its index in the order of [`Pair`](crate::network::Pair).
     Pair(usize),
     /// A file, by its name in the folder.
     File(String),
@@ -86,8 +87,8 @@ impl Finding {
 
     /// Adds a quantity.
     #[must_use]
-    pub fn quantity(mut self, name: &'static str, value: f64, unit: Unit) -> Self {
-        self.quantities.push(FindingQuantity { name, value, sigma: None, unit });
+    pub fn quantity(mut self, name: impl Into<Cow<'static, str>>, value: f64, unit: Unit) -> Self {
+        self.quantities.push(FindingQuantity { name: name.into(), value, sigma: None, unit });
         self
     }
 
@@ -95,7 +96,12 @@ impl Finding {
     #[must_use]
     pub fn estimate(mut self, name: &'static str, estimate: &Estimate, unit: Unit) -> Self {
         let Estimate { value, sigma } = *estimate;
-        self.quantities.push(FindingQuantity { name, value, sigma: Some(sigma), unit });
+        self.quantities.push(FindingQuantity {
+            name: name.into(),
+            value,
+            sigma: Some(sigma),
+            unit,
+        });
         self
     }
 
@@ -165,11 +171,12 @@ impl fmt::Display for Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deployment::kinds;
 
     #[test]
     fn the_identity_has_subject_and_context_and_no_numbers() {
         let late = |station: usize, late_s: f64| {
-            Finding::new(FindingKind::ClockOffsetSuspected, format!("late by {late_s} s"))
+            Finding::new(kinds::CLOCK_OFFSET_SUSPECTED, format!("late by {late_s} s"))
                 .about(Subject::Station(station))
                 .quantity("offset", late_s, Unit::Second)
         };

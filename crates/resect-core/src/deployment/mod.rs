@@ -1,24 +1,24 @@
-//! The data model: one field session of three robotic total stations, as it was measured.
+//! The data model: one field session of robotic total stations, as it was measured.
 //!
 //! Readers (`resect-io`) create a [`Deployment`]; pipeline, calibration, window and commands use it, and never read a file
 //! again.
 
+pub mod advice;
 mod column_mapping;
 mod control_points;
 mod deployment;
 mod drives;
 mod estimated_trajectory;
 mod finding;
-mod finding_advice;
 mod finding_kind;
 pub mod findings;
 mod gnss;
 mod ingredient;
+pub mod kinds;
 mod message;
 mod message_angle;
 pub mod names;
 mod overrides;
-mod pairs;
 pub mod printable;
 mod quantity;
 mod remedy;
@@ -36,16 +36,15 @@ pub use estimated_trajectory::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories,
 };
 pub use finding::{Finding, FindingIdentity, Subject, doubts};
-pub use finding_advice::{ADVICE, Advice};
-pub use finding_kind::FindingKind;
+pub use finding_kind::{FindingKind, Nature};
 pub use gnss::GnssFix;
 pub use ingredient::Ingredient;
 pub use message::Message;
 pub use message_angle::{AngleFormat, MessageAngle};
 pub use overrides::{
-    AS_NUMBERED, AzimuthSense, MaskedReading, OneOrMany, OverrideInWords, Overrides, PrismConstants,
+    AzimuthSense, FollowedPrisms, MaskedReading, OneOrMany, OverrideInWords, Overrides,
+    PrismConstants, as_numbered,
 };
-pub use pairs::{PAIRS, pair_label};
 pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};

@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::ColumnMapping;
+use crate::network::{
+    MOST_STATIONS, Number, Pair, PerPair, PerPrism, PerStation, Prism, Station, USUAL_STATIONS,
+};
 
 /// Subject of a key: the data that it applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,8 +30,10 @@ pub struct OverrideInWords {
     pub value: Option<String>,
 }
 
-/// Station numbers of files without an override.
-pub const AS_NUMBERED: [i64; 3] = [1, 2, 3];
+/// Returns the station numbers of files without an override.
+pub fn as_numbered(stations: usize) -> PerStation<i64> {
+    (1..).take(stations).collect()
+}
 
 /// Defines [`Overrides`] and its methods from one table. A row has the key, its type, its subject, its name in the window, the
 /// default value, and the value in words.
@@ -85,38 +90,42 @@ override_keys! {
     name: String, Files, "name", None, |name| name;
     /// Files with the stations' tracks, if a folder has several.
     tracks: OneOrMany, Readings, "tracks", None, |files| files.as_slice().join(", ");
-    /// Topics of stations 1, 2, 3 in a bag whose messages do not name their station.
-    topics: [String; 3], Writing, "topics", None, |topics| topics.join(", ");
-    /// Numbers of stations 1, 2, 3 in the files: `[2, 1, 3]` exchanges the first two.
-    stations: [i64; 3], Writing, "station numbers", Some(AS_NUMBERED),
-        |numbers| numbers.map(|number| number.to_string()).join(" ");
+    /// Topics of stations 1, 2, … in a bag whose messages do not name their station.
+    topics: PerStation<String>, Writing, "topics", None, |topics| topics.as_slice().join(", ");
+    /// Numbers of stations 1, 2, … in the files: `[2, 1, 3]` exchanges the first two.
+    stations: PerStation<i64>, Writing, "station numbers", Some(as_numbered(USUAL_STATIONS)),
+        |numbers| numbers.map(ToString::to_string).as_slice().join(" ");
+    /// Names of stations 1, 2, …, shown beside their numbers.
+    station_names: PerStation<String>, Writing, "station names", None,
+        |names| names.as_slice().join(", ");
     /// Direction in which azimuths of the tracks increase, seen from above; clockwise if absent.
     azimuth: AzimuthSense, Writing, "azimuth", Some(AzimuthSense::Clockwise),
         |sense| sense.title().to_owned();
     /// Prism constant, added to every range of tracks, control points and rig reading (m).
     prism_constant_m: PrismConstants, Writing, "prism constant", Some(PrismConstants::default()),
-        PrismConstants::in_words;
+        |constants| constants.in_words();
     /// True if the ranges of the tracks contain the prism constant already.
     ranges_include_prism_constant: bool, Writing, "ranges", None, |include| {
         let what = if include { "contain" } else { "do not contain" };
         format!("{what} the prism constant")
     };
-    /// Inter-prism distances α, β, γ (m).
-    inter_prism_m: [f64; 3], Vehicle, "inter-prism distances", None, metres;
-    /// Number of prisms that the stations follow: 1 (all the same) or 3 (each its own); recognised if absent.
-    prisms: u8, Vehicle, "prisms", None, |prisms| prisms.to_string();
-    /// Prisms 1, 2, 3 in the vehicle's frame (m). Trajectories refer to the origin of this frame.
-    prisms_m: [[f64; 3]; 3], Vehicle, "prisms in the vehicle", None,
-        |prisms| prisms.map(metres).join("; ");
+    /// Inter-prism distances 12, 13, 23, 14, 24, 34, … (m); of three prisms α, β, γ.
+    inter_prism_m: PerPair<f64>, Vehicle, "inter-prism distances", None,
+        |distances_m| metres(distances_m.as_slice());
+    /// The prisms that the stations follow; recognised if absent.
+    prisms: FollowedPrisms, Vehicle, "prisms", None, |prisms| prisms.in_words();
+    /// Prisms 1, 2, … in the vehicle's frame (m). Trajectories refer to the origin of this frame.
+    prisms_m: PerPrism<[f64; 3]>, Vehicle, "prisms in the vehicle", None,
+        |prisms| prisms.map(|prism_m| metres(prism_m)).as_slice().join("; ");
     /// RTKLIB solution files of antennas 1, 2, 3, if their names do not identify the antenna.
     gnss: [String; 3], Files, "GNSS", None, |files| files.join(", ");
     /// The control-point files to use.
     control_points: Vec<String>, Files, "control points", None,
         |files| if files.is_empty() { "none".to_owned() } else { files.join(", ") };
-    /// Files with the readings of the instruments of stations 1, 2, 3 (GSI, JobXML), if their names do not identify the
+    /// Files with the readings of the instruments of stations 1, 2, … (GSI, JobXML), if their names do not identify the
     /// station.
-    surveys: [String; 3], Files, "surveys", None, |files| files.join(", ");
-    /// Files that describe the rig. In a file of readings (GSI, JobXML) the first three points are prisms 1, 2, 3.
+    surveys: PerStation<String>, Files, "surveys", None, |files| files.as_slice().join(", ");
+    /// Files that describe the rig. In a file of readings (GSI, JobXML) the first points are prisms 1, 2, ….
     rig: OneOrMany, Vehicle, "rig", None, |files| files.as_slice().join(", ");
     /// Span of the measurements to use (s, as stamped).
     span_s: [f64; 2], Readings, "span of time", None, |[from_s, to_s]| format!("{from_s:.1} to {to_s:.1} s");
@@ -128,8 +137,9 @@ override_keys! {
 }
 
 /// Formats three lengths: "0.8712 0.9954 1.1032 m".
-fn metres(values: [f64; 3]) -> String {
-    values.map(|value| format!("{value:.4}")).join(" ") + " m"
+fn metres(values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().map(|value| format!("{value:.4}")).collect();
+    values.join(" ") + " m"
 }
 
 /// Direction in which azimuths increase, seen from above.
@@ -142,16 +152,22 @@ pub enum AzimuthSense {
 }
 
 /// A prism constant for all stations, or one for each (m). Two values are equal if all stations have the same constants.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PrismConstants {
     All(f64),
-    Each([f64; 3]),
+    Each(PerStation<f64>),
 }
 
 impl PartialEq for PrismConstants {
     fn eq(&self, other: &Self) -> bool {
-        self.each_m() == other.each_m()
+        match (self, other) {
+            (Self::All(own_m), Self::All(other_m)) => own_m == other_m,
+            (Self::Each(own_m), Self::Each(other_m)) => own_m == other_m,
+            (Self::All(all_m), Self::Each(each_m)) | (Self::Each(each_m), Self::All(all_m)) => {
+                each_m.iter().all(|own_m| own_m == all_m)
+            }
+        }
     }
 }
 
@@ -163,11 +179,70 @@ impl Default for PrismConstants {
 }
 
 impl PrismConstants {
-    /// The prism constants of stations 1, 2, 3 (m).
-    pub fn each_m(self) -> [f64; 3] {
+    /// Returns the prism constants of some stations (m). A list that is too short continues with its last value.
+    pub fn each_m(&self, stations: usize) -> PerStation<f64> {
+        PerStation::from_fn(stations, |station| self.of_station_m(station))
+    }
+
+    /// Returns the prism constant of a station (m).
+    pub fn of_station_m(&self, station: Station) -> f64 {
         match self {
-            Self::All(constant_m) => [constant_m; 3],
-            Self::Each(constants_m) => constants_m,
+            Self::All(constant_m) => *constant_m,
+            Self::Each(constants_m) => {
+                let last_m = constants_m.iter().next_back();
+                constants_m.get(station).or(last_m).copied().unwrap_or_default()
+            }
+        }
+    }
+}
+
+/// The prisms that the stations follow.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum FollowedPrisms {
+    /// Their number: 1 (all stations follow one), or as many as there are stations (each its own).
+    Count(u8),
+    /// The number of the prism of each station, from 1.
+    Each(PerStation<u8>),
+}
+
+impl FollowedPrisms {
+    /// Returns the number of prisms that are followed.
+    pub fn count(&self) -> u8 {
+        match self {
+            Self::Count(count) => *count,
+            Self::Each(prisms) => (1..=MOST_STATIONS as u8)
+                .filter(|prism| prisms.as_slice().contains(prism))
+                .count() as u8,
+        }
+    }
+
+    /// Returns the prism of a station; `None` if the station is not in the list.
+    pub fn of_station(&self, station: Station) -> Option<Prism> {
+        match self {
+            Self::Count(1) => Some(Prism::default()),
+            Self::Count(_) => Some(Prism::at(station.index())),
+            Self::Each(prisms) => {
+                Some(Prism::at(usize::from(*prisms.get(station)?).checked_sub(1)?))
+            }
+        }
+    }
+
+    /// Returns "3", or the prism of each station: "1 2 2".
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Count(count) => count.to_string(),
+            Self::Each(prisms) => prisms.map(ToString::to_string).as_slice().join(" "),
+        }
+    }
+
+    fn is_valid(&self) -> bool {
+        let numbers = 1..=MOST_STATIONS as u8;
+        match self {
+            Self::Count(count) => numbers.contains(count),
+            Self::Each(prisms) => {
+                !prisms.is_empty() && prisms.iter().all(|prism| numbers.contains(prism))
+            }
         }
     }
 }
@@ -193,7 +268,7 @@ impl OneOrMany {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaskedReading {
-    /// 1, 2 or 3, in the deployment's numbering.
+    /// The station's number from 1, in the deployment's numbering.
     pub station: u8,
     /// The stamp of the reading (s).
     pub time_s: f64,
@@ -218,9 +293,10 @@ impl Overrides {
     }
 
     /// Sets other station numbers in the files, and renumbers the masked readings so that they stay the same ones.
-    pub fn renumber(&mut self, before: [i64; 3], after: [i64; 3]) {
+    pub fn renumber(&mut self, before: &PerStation<i64>, after: PerStation<i64>) {
         for mask in self.masked.iter_mut().flatten() {
-            let number = before.get(usize::from(mask.station).wrapping_sub(1));
+            let station = Station::numbered(usize::from(mask.station));
+            let number = station.and_then(|station| before.get(station));
             let place = number.and_then(|own| after.iter().position(|new| new == own));
             if let Some(place) = place {
                 mask.station = place as u8 + 1;
@@ -238,29 +314,7 @@ impl Overrides {
     /// # Errors
     /// The first invalid value, and the remedy.
     pub fn check(&self) -> Result<(), (String, &'static str)> {
-        if let Some(constant_m) = self
-            .prism_constant_m
-            .and_then(|all| all.each_m().into_iter().find(|own| !(-1.0..=1.0).contains(own)))
-        {
-            return Err((
-                format!("prism_constant_m is {constant_m}"),
-                "prism constants are a few hundredths of a metre",
-            ));
-        }
-        if self.prisms.is_some_and(|prisms| prisms != 1 && prisms != 3) {
-            return Err((
-                "prisms must be 1 (all stations follow one) or 3".to_owned(),
-                "omit it for automatic recognition",
-            ));
-        }
-        if let Some([a, b, c]) = self.stations
-            && (a == b || a == c || b == c)
-        {
-            return Err((
-                format!("stations is [{a}, {b}, {c}]"),
-                "give the three different numbers of stations 1, 2, 3 in the files",
-            ));
-        }
+        self.check_lists_by_station()?;
         if let Some([from_s, to_s]) = self.span_s
             && (from_s >= to_s || !from_s.is_finite() || !to_s.is_finite())
         {
@@ -269,10 +323,11 @@ impl Overrides {
                 "give the first and the last time to use, in seconds as stamped",
             ));
         }
-        if let Some(masked) = self.masked.iter().flatten().find(|m| !(1..=3).contains(&m.station)) {
+        let is_station = |number: u8| (1..=MOST_STATIONS).contains(&usize::from(number));
+        if let Some(masked) = self.masked.iter().flatten().find(|m| !is_station(m.station)) {
             return Err((
                 format!("masked names station {}", masked.station),
-                "stations are 1, 2, 3",
+                "stations are numbered from 1",
             ));
         }
         if let Some(masked) = self.masked.iter().flatten().find(|m| !m.time_s.is_finite()) {
@@ -281,12 +336,13 @@ impl Overrides {
                 "give the stamp of the reading, in seconds",
             ));
         }
-        if let Some(distances_m) = self.inter_prism_m
-            && !distances_m.iter().all(|d| d.is_finite() && *d > 0.0)
+        if let Some(distances_m) = &self.inter_prism_m
+            && !(distances_m.iter().all(|d| d.is_finite() && *d > 0.0)
+                && Pair::prisms_of(distances_m.len()).is_some())
         {
             return Err((
-                format!("inter_prism_m is {distances_m:?}"),
-                "give the distances 12, 13, 23 in metres",
+                format!("inter_prism_m is {:?}", distances_m.as_slice()),
+                "give the distances 12, 13, 23, 14, 24, 34, … of all pairs in metres",
             ));
         }
         if let Some(columns) = &self.columns
@@ -296,6 +352,55 @@ impl Overrides {
                 format!("utc_offset_hours is {}", columns.utc_offset_hours),
                 "time zones are up to 14 hours from UTC",
             ));
+        }
+        Ok(())
+    }
+
+    /// Checks the keys that list a value for each station.
+    fn check_lists_by_station(&self) -> Result<(), (String, &'static str)> {
+        let constants_m = match &self.prism_constant_m {
+            Some(PrismConstants::All(constant_m)) => std::slice::from_ref(constant_m),
+            Some(PrismConstants::Each(constants_m)) => constants_m.as_slice(),
+            None => &[],
+        };
+        if let Some(constant_m) = constants_m.iter().find(|own_m| !(-1.0..=1.0).contains(*own_m)) {
+            return Err((
+                format!("prism_constant_m is {constant_m}"),
+                "prism constants are a few hundredths of a metre",
+            ));
+        }
+        if let Some(prisms) = &self.prisms
+            && !prisms.is_valid()
+        {
+            return Err((
+                format!("prisms is {}", prisms.in_words()),
+                "give 1 (all stations follow one prism), the number of stations (each its own), or the prism of \
+                 each station: prisms = [1, 2, 2]; omit it for automatic recognition",
+            ));
+        }
+        if let Some(numbers) = self.stations.as_ref().map(PerStation::as_slice)
+            && (1..numbers.len()).any(|place| numbers[..place].contains(&numbers[place]))
+        {
+            return Err((
+                format!("stations is {numbers:?}"),
+                "give the different numbers of stations 1, 2, … in the files",
+            ));
+        }
+        let lengths = [
+            ("stations", self.stations.as_ref().map(PerStation::len)),
+            ("station_names", self.station_names.as_ref().map(PerStation::len)),
+            ("topics", self.topics.as_ref().map(PerStation::len)),
+            ("surveys", self.surveys.as_ref().map(PerStation::len)),
+            ("prism_constant_m", self.prism_constant_m.as_ref().and_then(PrismConstants::listed)),
+            ("prisms_m", self.prisms_m.as_ref().map(PerPrism::len)),
+        ];
+        for (key, length) in lengths {
+            if length.is_some_and(|length| !(1..=MOST_STATIONS).contains(&length)) {
+                return Err((
+                    format!("{key} lists {} values", length.unwrap_or_default()),
+                    "give 1 to 8 values",
+                ));
+            }
         }
         Ok(())
     }
@@ -314,10 +419,24 @@ impl AzimuthSense {
 
 impl PrismConstants {
     /// Returns "+10.0 mm", or one value for each station.
-    pub fn in_words(self) -> String {
-        match self.each_m() {
-            [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
-            each => each.map(|own| format!("{:+.1}", own * 1e3)).join(" ") + " mm",
+    pub fn in_words(&self) -> String {
+        let mm = |constant_m: &f64| format!("{:+.1}", constant_m * 1e3);
+        match self {
+            Self::All(constant_m) => mm(constant_m) + " mm",
+            Self::Each(each_m) => match each_m.as_slice() {
+                [first_m, others @ ..] if others.iter().all(|other_m| other_m == first_m) => {
+                    mm(first_m) + " mm"
+                }
+                each_m => each_m.iter().map(mm).collect::<Vec<_>>().join(" ") + " mm",
+            },
+        }
+    }
+
+    /// Returns the number of listed values; `None` for one value of all stations.
+    fn listed(&self) -> Option<usize> {
+        match self {
+            Self::All(_) => None,
+            Self::Each(constants_m) => Some(constants_m.len()),
         }
     }
 }
@@ -330,9 +449,9 @@ mod tests {
     fn what_is_written_reads_back() {
         let overrides = Overrides {
             tracks: Some(OneOrMany::Many(vec!["a.bag".into(), "b.bag".into()])),
-            stations: Some([2, 1, 3]),
+            stations: Some([2, 1, 3].into()),
             azimuth: Some(AzimuthSense::CounterClockwise),
-            prism_constant_m: Some(PrismConstants::Each([0.01, 0.0, -0.0345])),
+            prism_constant_m: Some(PrismConstants::Each([0.01, 0.0, -0.0345].into())),
             span_s: Some([1657569001.0, 1657569431.5]),
             masked: Some(vec![MaskedReading { station: 2, time_s: 1657569100.123456 }]),
             ..Overrides::default()
@@ -342,23 +461,23 @@ mod tests {
         let one: Overrides =
             toml::from_str("tracks = \"a.csv\"\nprism_constant_m = 0.01\n").expect("valid");
         assert_eq!(one.tracks.expect("given").as_slice(), ["a.csv"]);
-        assert_eq!(one.prism_constant_m.expect("given").each_m(), [0.01; 3]);
+        assert_eq!(one.prism_constant_m.expect("given").each_m(3), [0.01; 3].into());
     }
 
     #[test]
     fn what_the_folder_says_already_is_not_corrections() {
-        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
+        let as_read = Overrides { stations: Some([1, 3, 2].into()), ..Overrides::default() };
         let own = Overrides {
-            stations: Some([1, 3, 2]),
+            stations: Some([1, 3, 2].into()),
             azimuth: Some(AzimuthSense::Clockwise),
-            prism_constant_m: Some(PrismConstants::Each([0.010; 3])),
+            prism_constant_m: Some(PrismConstants::Each([0.010; 3].into())),
             masked: Some(Vec::new()),
             ..Overrides::default()
         };
         assert!(own.clone().beyond(&as_read).is_empty());
         // The numbers of the files differ from those of this folder.
-        let back = Overrides { stations: Some([1, 2, 3]), ..own }.beyond(&as_read);
-        assert_eq!(back.stations, Some([1, 2, 3]));
+        let back = Overrides { stations: Some([1, 2, 3].into()), ..own }.beyond(&as_read);
+        assert_eq!(back.stations, Some([1, 2, 3].into()));
     }
 
     #[test]
@@ -366,9 +485,9 @@ mod tests {
         let mask = |station| MaskedReading { station, time_s: 7.5 };
         let mut overrides =
             Overrides { masked: Some(vec![mask(1), mask(2)]), ..Overrides::default() };
-        overrides.renumber([1, 2, 3], [1, 3, 2]);
+        overrides.renumber(&[1, 2, 3].into(), [1, 3, 2].into());
         assert_eq!(overrides.masked, Some(vec![mask(1), mask(3)]));
-        overrides.renumber([1, 3, 2], [2, 3, 1]);
+        overrides.renumber(&[1, 3, 2].into(), [2, 3, 1].into());
         assert_eq!(overrides.masked, Some(vec![mask(3), mask(1)]));
     }
 
@@ -378,7 +497,7 @@ mod tests {
             name: Some("a".into()),
             tracks: Some(OneOrMany::One("b".into())),
             prism_constant_m: Some(PrismConstants::All(0.0)),
-            inter_prism_m: Some([1.0; 3]),
+            inter_prism_m: Some([1.0; 3].into()),
             ..Overrides::default()
         };
         let names = |some: &Overrides| {
@@ -393,11 +512,11 @@ mod tests {
     fn the_users_word_wins_and_the_rest_stays() {
         let base = Overrides {
             name: Some("folder".into()),
-            stations: Some([2, 1, 3]),
+            stations: Some([2, 1, 3].into()),
             ..Overrides::default()
         };
-        let user = Overrides { stations: Some([1, 2, 3]), ..Overrides::default() };
+        let user = Overrides { stations: Some([1, 2, 3].into()), ..Overrides::default() };
         let both = user.over(base);
-        assert_eq!((both.name.as_deref(), both.stations), (Some("folder"), Some([1, 2, 3])));
+        assert_eq!((both.name.as_deref(), both.stations), (Some("folder"), Some([1, 2, 3].into())));
     }
 }

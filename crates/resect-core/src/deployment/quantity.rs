@@ -1,5 +1,7 @@
 //! Quantities of findings: the numbers behind a message, in SI units.
 
+use std::borrow::Cow;
+
 /// Unit of a quantity; the name of the quantity in JSON ends with its suffix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
@@ -30,7 +32,7 @@ impl Unit {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FindingQuantity {
     /// The name without unit, in snake case.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     pub value: f64,
     /// One standard deviation; `None` if the value is not an estimate.
     pub sigma: Option<f64>,

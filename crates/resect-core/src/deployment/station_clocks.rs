@@ -160,7 +160,8 @@ fn against_corrections(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::{FindingKind, Measurement};
+    use crate::deployment::Measurement;
+    use crate::deployment::kinds;
 
     const START_S: f64 = 1_657_569_001.0;
 
@@ -241,8 +242,8 @@ mod tests {
         let corrections = [vec![], corrections(0.3), corrections(0.0)];
         let found = findings(&tracks.into(), &corrections.into());
         let of = |station| found.iter().find(|f| f.is_about_station(station)).expect("said");
-        assert_eq!(of(1).kind, FindingKind::TimeCorrections, "{found:?}");
-        assert_eq!(of(2).kind, FindingKind::TimeCorrectionsContradictStamps, "{found:?}");
+        assert_eq!(of(1).kind, kinds::TIME_CORRECTIONS, "{found:?}");
+        assert_eq!(of(2).kind, kinds::TIME_CORRECTIONS_CONTRADICT_STAMPS, "{found:?}");
         let difference_s = of(2).value("difference").expect("a difference");
         assert!((difference_s - 0.3).abs() < 1e-4, "{found:?}");
     }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::geometry::Polar;
+use crate::network::Prism;
 
 /// One raw reading of a station; the range does not contain the prism constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Measurement {
 /// `P_i` of the paper: a station's readings in strictly increasing order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
+    /// Name by which the user or the files call the station (a topic, a file, a number); `None` if it is its number.
+    pub name: Option<String>,
     pub measurements: Vec<Measurement>,
     /// Added to every range in the conversion to coordinates, and nowhere else (m); 0 if the ranges contain it already.
     pub prism_constant_m: f64,
@@ -25,6 +28,8 @@ pub struct Track {
     pub own_clock_s: Vec<f64>,
     /// True for measurements that the user leaves out (a span of time, single readings); empty if there are none.
     pub left_out: Vec<bool>,
+    /// The prism that the station follows; `None` if nothing states it.
+    pub prism: Option<Prism>,
 }
 
 impl Track {
@@ -60,7 +65,7 @@ pub struct TimeCorrection {
 /// A line or message of a file, not yet checked to be a usable reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawRecord {
-    /// Station number in the file (1, 2 or 3 if it is valid).
+    /// Station number in the file.
     pub station: i64,
     /// 0 for a valid reading.
     pub status: i64,

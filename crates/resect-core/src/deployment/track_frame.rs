@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrackFrame {
-    /// Each station's own frame, as measured; answers transform those of stations 2 and 3 into that of station 1.
+    /// Each station's own frame, as measured; answers transform those of the others into that of station 1.
     #[default]
     Own,
     /// One common frame, into which an unknown transform turned the tracks before they were written. Answers from the tracks

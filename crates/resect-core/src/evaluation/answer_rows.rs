@@ -2,16 +2,16 @@
 //!
 //! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate needs a row here only.
 
+use crate::network::{Number, Pair, Prism};
 use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::joint::instrument_errors::instrument_errors;
-use crate::calibration::{
-    Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets, TransformSigma,
-};
-use crate::deployment::{Deployment, PAIRS, pair_label};
+use crate::calibration::{Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, TransformSigma};
+use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, wrap_to_pi};
+use crate::network::PerStation;
 
 /// Names and symbols of the numbers of a transform.
 const TRANSFORM_NUMBERS: [(&str, &str); 6] =
@@ -21,13 +21,13 @@ const TRANSFORM_NUMBERS: [(&str, &str); 6] =
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RowGroup {
-    /// Frames of stations 2 and 3 in station 1's.
+    /// Frames of the other stations in station 1's.
     Transforms,
     /// Differences of the same frames between survey and drive, if a set-up changed.
     Survey,
     /// Distances between prisms.
     Distances,
-    /// Clocks of stations 2 and 3 against station 1's.
+    /// Clocks of the other stations against station 1's.
     Clocks,
     /// Errors of the instruments.
     Instruments,
@@ -107,31 +107,32 @@ pub fn answer_rows(
     deployment: &Deployment,
     calibration: &Calibration,
     evaluation: &Evaluation,
-    targets: Targets,
+    followed: &PerStation<Prism>,
 ) -> Vec<AnswerRow> {
     let mut rows = transform_rows(calibration);
     rows.extend(estimate_rows(deployment, calibration));
     rows.extend(noise_rows(calibration));
-    rows.extend(metric_rows(evaluation, targets));
+    rows.extend(metric_rows(evaluation, followed));
     rows
 }
 
-/// Returns x, y, z and yaw of stations 2 and 3, with roll and pitch where an answer is not level.
+/// Returns x, y, z and yaw of stations 2, 3, …, with roll and pitch where an answer is not level.
 ///
 /// A joint estimate is compared with the published method.
 pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
-    let is_tilted = (1..3).any(|k| calibration.station1_from_station[k].tilt_rad() > 0.0);
+    let transforms = &calibration.station1_from_station;
+    let is_tilted = transforms.iter().skip(1).any(|transform| transform.tilt_rad() > 0.0);
     // An answer of the published method does not differ from itself.
     let has_failed = calibration.joint_failure().is_some();
     let published = calibration.published.as_deref().filter(|_| !has_failed);
     let mut rows = Vec::new();
-    for station in 1..3 {
+    for station in 1..transforms.len() {
         let number = station + 1;
         let numbers =
             |calibration: &Calibration| numbers_of(&calibration.station1_from_station[station]);
         let values = numbers(calibration);
         let before = published.map(|published| (published.method.to_string(), numbers(published)));
-        let sigmas = sigmas_of(calibration.sigma, station);
+        let sigmas = sigmas_of(calibration.sigma.as_ref(), station);
         for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().enumerate() {
             if place > 3 && !is_tilted {
                 break;
@@ -164,14 +165,14 @@ fn numbers_of(transform: &RigidTransform) -> [f64; 6] {
     [t.x, t.y, t.z, transform.yaw_rad(), roll, pitch]
 }
 
-/// Returns σ of x, y, z and yaw of a station (1 or 2).
-fn sigmas_of(sigma: Option<[TransformSigma; 2]>, station: usize) -> [Option<f64>; 4] {
-    let sigma = sigma.map(|sigma| sigma[station - 1]);
+/// Returns σ of x, y, z and yaw of a station (from 0).
+fn sigmas_of(sigma: Option<&PerStation<TransformSigma>>, station: usize) -> [Option<f64>; 4] {
+    let sigma = sigma.map(|sigma| sigma[station]);
     [0, 1, 2, 3]
         .map(|place| sigma.map(|s| if place == 3 { s.yaw_rad } else { s.translation_m[place] }))
 }
 
-/// Returns x, y, z and yaw of stations 2 and 3 at the survey less those of the drive; empty unless a set-up changed.
+/// Returns x, y, z and yaw of stations 2, 3, … at the survey less those of the drive; empty unless a set-up changed.
 fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     let changed = |joint: &&JointEstimate| joint.set_up_change().is_some();
     let Some(survey) = calibration.joint().filter(changed).and_then(|joint| joint.survey.as_ref())
@@ -179,10 +180,11 @@ fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
         return Vec::new();
     };
     let mut rows = Vec::new();
-    for station in 1..3 {
+    for station in 1..calibration.station1_from_station.len() {
         let [at_survey, of_drive] = [&survey.transforms(), &calibration.station1_from_station]
             .map(|transforms| numbers_of(&transforms[station]));
-        let sigmas = [Some(survey.sigma()), calibration.sigma].map(|all| sigmas_of(all, station));
+        let sigmas =
+            [Some(&survey.sigma()), calibration.sigma.as_ref()].map(|all| sigmas_of(all, station));
         for (place, (name, symbol)) in TRANSFORM_NUMBERS.into_iter().take(4).enumerate() {
             let off = at_survey[place] - of_drive[place];
             let value = if place < 3 { off } else { wrap_to_pi(off) };
@@ -208,36 +210,36 @@ fn survey_rows(calibration: &Calibration) -> Vec<AnswerRow> {
 pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<AnswerRow> {
     let Some(joint) = calibration.joint() else { return Vec::new() };
     let mut rows = survey_rows(calibration);
-    for station in 0..3 {
+    for station in 0..calibration.station1_from_station.len() {
         if station > 0 {
             rows.extend(clock_rows(joint, station));
         }
         let errors = instrument_errors(joint);
-        rows.extend(errors.iter().filter(|error| error.station == station).map(|error| {
-            let symbol = indexed(error.kind.symbol(), &[station + 1]);
+        rows.extend(errors.iter().filter(|error| error.station.index() == station).map(|error| {
+            let symbol = indexed(error.unknown.symbol, &[station + 1]);
             let row = estimated(RowGroup::Instruments, of_station(station), error.estimate);
             AnswerRow {
-                name: error.kind.name().to_owned(),
+                name: error.unknown.name.to_owned(),
                 symbol,
-                quantity: error.kind.quantity(),
+                quantity: error.unknown.quantity,
                 prior: Some(error.prior_sigma),
                 is_significant: error.is_significant(),
                 ..row
             }
         }));
     }
-    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
-    for (pair, distance_m) in joint.distances_m.iter().flatten().enumerate() {
-        let subject = format!("prisms {}", pair_label(pair));
-        let (a, b) = PAIRS[pair];
+    let measured_m = deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+    for (place, distance_m) in joint.distances_m().into_iter().flatten().enumerate() {
+        let prisms = joint.layout().pair(Pair::at(place));
+        let subject = format!("prisms {prisms}");
         let mut row = AnswerRow {
             name: "distance".to_owned(),
-            symbol: indexed("d", &[a + 1, b + 1]),
+            symbol: indexed("d", &prisms.indices().map(|prism| prism + 1)),
             quantity: Quantity::Length,
             prior: Some(joint.sizes.inter_prism_m),
             reference: measured_m
-                .map(|all| ReferenceValue { name: "measured".to_owned(), value: all[pair] }),
-            ..estimated(RowGroup::Distances, subject, *distance_m)
+                .map(|all| ReferenceValue { name: "measured".to_owned(), value: all[prisms] }),
+            ..estimated(RowGroup::Distances, subject, distance_m)
         };
         row.is_significant = is_far(&row);
         rows.push(row);
@@ -246,7 +248,6 @@ pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<
 }
 
 fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
-    let slot = station - 1;
     let row = |name: String, symbol: &str, quantity, estimate, prior| {
         let mut row = AnswerRow {
             name,
@@ -265,9 +266,9 @@ fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
             _ => format!("clock offset, drive {}", number + 1),
         };
         let prior_s = joint.sizes.clock_offset_s;
-        rows.push(row(name, "Δt", Quantity::Time, drive.offsets_s[slot], prior_s));
+        rows.push(row(name, "Δt", Quantity::Time, drive.offsets_s[station], prior_s));
     }
-    let (drift, prior) = (joint.clock_drifts[slot], joint.sizes.clock_drift);
+    let (drift, prior) = (joint.clock_drifts()[station], joint.sizes.clock_drift);
     rows.push(row("clock drift".to_owned(), "Δf", Quantity::Drift, drift, prior));
     rows
 }
@@ -300,10 +301,10 @@ pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
 }
 
 /// Returns median and interquartile range of both metrics.
-fn metric_rows(evaluation: &Evaluation, targets: Targets) -> Vec<AnswerRow> {
-    let distances = match targets {
-        Targets::OnePrism => "same prism",
-        _ => "inter-prism distances",
+fn metric_rows(evaluation: &Evaluation, followed: &PerStation<Prism>) -> Vec<AnswerRow> {
+    let distances = match Prism::is_one(followed) {
+        true => "same prism",
+        false => "inter-prism distances",
     };
     let measured = "inter-prism distances as measured";
     let both = [(distances, evaluation.inter_prism_mm), (measured, evaluation.against_measured_mm)];
@@ -355,6 +356,7 @@ fn of_station(station: usize) -> String {
 
 /// A symbol with subscript digits: "d₁₂".
 fn indexed(symbol: &str, numbers: &[usize]) -> String {
-    let digits = numbers.iter().map(|number| ['₀', '₁', '₂', '₃'][*number]);
+    let digits =
+        numbers.iter().map(|number| ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈'][*number]);
     symbol.chars().chain(digits).collect()
 }

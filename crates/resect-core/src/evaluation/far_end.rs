@@ -3,7 +3,7 @@
 //! σ of a translation and of a yaw mean little by themselves, because they cancel or add up with the distance to the prism. A
 //! user can set a limit to the error with which a calibrated station positions a prism.
 
-use nalgebra::{Matrix3x4, SMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3x4, Vector3};
 
 use crate::geometry::RigidTransform;
 use crate::network::PerStation;
@@ -11,7 +11,7 @@ use crate::network::PerStation;
 /// The point of the track with the largest standard deviation by the calibration alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarEnd {
-    /// The station, 1 or 2 of 0 to 2.
+    /// The station, from 1 on.
     pub station: usize,
     /// Position of its prism in the frame of station 1 (m).
     pub position_m: Vector3<f64>,
@@ -19,15 +19,15 @@ pub struct FarEnd {
     pub sigma_m: f64,
 }
 
-/// Finds the point at which stations 2 and 3 position their prisms with the largest standard deviation.
+/// Finds the point at which a station other than the first positions its prism with the largest standard deviation.
 ///
-/// `covariance` is that of (x, y, z, yaw) of stations 2 and 3 (m, rad). `points_m` are the prisms of the track in the frames of
+/// `covariance` is that of (x, y, z, yaw) of stations 2, 3, … (m, rad). `points_m` are the prisms of the track in the frames of
 /// their own stations (m), as in [`crate::pipeline::Triplets::points_m`]. `None` without points, or if a σ is not a number.
 ///
 /// A point q of station s has p = R(ψ) q + t, whose covariance is J Σ Jᵀ with J = (I, ∂R/∂ψ q).
 pub fn far_end(
     station1_from_station: &PerStation<RigidTransform>,
-    covariance: &SMatrix<f64, 8, 8>,
+    covariance: &DMatrix<f64>,
     points_m: &PerStation<Vec<Vector3<f64>>>,
 ) -> Option<FarEnd> {
     let mut worst: Option<FarEnd> = None;
@@ -50,7 +50,7 @@ pub fn far_end(
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::SVector;
+    use nalgebra::DVector;
 
     use super::*;
     use crate::geometry::LevelTransform;
@@ -66,18 +66,18 @@ mod tests {
             [vec![], vec![Vector3::new(10.0, 0.0, 1.0), Vector3::new(60.0, 0.0, 1.0)], vec![]]
                 .into();
         // Only the yaw is uncertain, by 1 mrad: 60 mm at 60 m.
-        let mut open = SVector::<f64, 8>::zeros();
+        let mut open = DVector::zeros(8);
         open[3] = 1e-3;
-        let found = far_end(&transforms, &(open * open.transpose()), &points_m).expect("points");
+        let found = far_end(&transforms, &(&open * open.transpose()), &points_m).expect("points");
         assert_eq!(found.station, 1);
         assert!((found.sigma_m - 0.06).abs() < 1e-12, "{found:?}");
         assert!((found.position_m - level.apply(&points_m[1][1])).norm() < 1e-12);
         // With a rotation about the far point, the near one is uncertain.
         let back_m = -level.rotate(&Vector3::new(0.0, 60.0, 0.0)) * 1e-3;
         open.fixed_rows_mut::<3>(0).copy_from(&back_m);
-        let found = far_end(&transforms, &(open * open.transpose()), &points_m).expect("points");
+        let found = far_end(&transforms, &(&open * open.transpose()), &points_m).expect("points");
         assert!((found.sigma_m - 0.05).abs() < 1e-12, "{found:?}");
         assert!((found.position_m - level.apply(&points_m[1][0])).norm() < 1e-12);
-        assert_eq!(far_end(&transforms, &SMatrix::zeros(), &Default::default()), None);
+        assert_eq!(far_end(&transforms, &DMatrix::zeros(8, 8), &Default::default()), None);
     }
 }

@@ -2,7 +2,7 @@
 //! are compared with.
 
 use crate::deployment::GnssFix;
-use crate::deployment::PAIRS;
+use crate::network::Pair;
 
 /// Quality of a fix with integer ambiguities, the only kind that is accurate to millimetres.
 const FIXED: u8 = 1;
@@ -46,7 +46,7 @@ pub fn inter_antenna(fixes: [&[GnssFix]; 3], inter_antenna_m: &[f64; 3]) -> Inte
             continue;
         }
         result.epochs += 1;
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+        for (pair, [a, b]) in Pair::among(3).map(Pair::indices).enumerate() {
             let distance_m = (epoch[a].position_m - epoch[b].position_m).norm();
             result.errors_mm[pair].push((distance_m - inter_antenna_m[pair]) * 1e3);
         }

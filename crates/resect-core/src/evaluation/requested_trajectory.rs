@@ -7,9 +7,10 @@ use super::trajectory::Trajectory;
 use super::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, VehicleFrame, prism_by, trajectory_by,
 };
-use crate::calibration::joint::prism_motion::MotionInstant;
-use crate::calibration::{Calibration, Targets};
+use crate::calibration::Calibration;
+use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::deployment::Deployment;
+use crate::network::{PerStation, Prism};
 use crate::pipeline::Triplets;
 
 /// Greatest rate of poses (1/s), above the rate of any sensor.
@@ -50,7 +51,7 @@ pub struct RequestedTrajectory {
 #[derive(Clone, Debug)]
 pub enum RequestedMotion {
     Poses { trajectory: Trajectory, vehicle: VehicleFrame },
-    Prism(Vec<MotionInstant<3>>),
+    Prism(Vec<PrismInstant>),
 }
 
 /// Reason why a request has no trajectory.
@@ -82,7 +83,7 @@ impl RequestedTrajectory {
 pub fn requested_trajectory(
     deployment: &Deployment,
     triplets: &Triplets,
-    targets: Targets,
+    followed: &PerStation<Prism>,
     calibration: &Calibration,
     request: &TrajectoryRequest<'_>,
 ) -> Result<RequestedTrajectory, RequestError> {
@@ -96,7 +97,7 @@ pub fn requested_trajectory(
         }
         false => None,
     };
-    if targets == Targets::OnePrism {
+    if Prism::is_one(followed) {
         if request.lever_arm_m.is_some() {
             return Err(RequestError::NoOrientation(name()));
         }
@@ -111,7 +112,7 @@ pub fn requested_trajectory(
     }
     let limit_m = request.largest_inter_prism_error_m;
     let (mut trajectory, vehicle) =
-        trajectory_by(deployment, triplets, targets, calibration, request.instants, limit_m)?;
+        trajectory_by(deployment, triplets, followed, calibration, request.instants, limit_m)?;
     if let Some(lever_arm_m) = &request.lever_arm_m {
         trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
     }

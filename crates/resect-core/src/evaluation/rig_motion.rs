@@ -1,11 +1,11 @@
-//! Pose and twist of a vehicle from the positions and velocities of its three prisms, with their full covariance.
+//! Pose and twist of a vehicle from the positions and velocities of its prisms, with their full covariance.
 
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 use super::trajectory::{Pose, Twist};
 use crate::calibration::joint::prism_motion::MotionInstant;
-use crate::deployment::pairwise_distances;
 use crate::geometry::align_rigid;
+use crate::network::{Number, Pair};
 
 /// Gauss–Newton steps to the pose; the first is accurate to millimetres.
 const STEPS: usize = 4;
@@ -16,21 +16,16 @@ const STEPS: usize = 4;
 /// `rig_sigma_m` is σ of each along any axis (m). Gauss–Newton steps start at the unweighted pose, and the covariance is
 /// (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). The twist is estimated likewise from the
 /// velocities.
-pub fn rig_pose(
-    rig_m: &[Vector3<f64>; 3],
-    rig_sigma_m: f64,
-    at: &MotionInstant<9>,
-) -> Option<Pose> {
-    let points_m = [0, 1, 2].map(|prism| at.position_m.fixed_rows::<3>(3 * prism).into_owned());
+pub fn rig_pose(rig_m: &[Vector3<f64>], rig_sigma_m: f64, at: &MotionInstant) -> Option<Pose> {
+    let points_m: Vec<Vector3<f64>> = (0..rig_m.len()).map(|place| at.prism_m(place)).collect();
     let start = align_rigid(&points_m, rig_m)?;
     let (mut position_m, mut orientation) =
         (start.translation_m, UnitQuaternion::from(start.rotation));
-    let open = SMatrix::<f64, 9, 9>::identity() * rig_sigma_m.powi(2);
-    let weight = (at.position_covariance + open).cholesky()?.inverse();
+    let weight = with_rig(at, rig_sigma_m).cholesky()?.inverse();
     let mut covariance = Matrix6::zeros();
     for _ in 0..STEPS {
         let design = design(rig_m, &orientation);
-        let mut error = SVector::<f64, 9>::zeros();
+        let mut error = DVector::zeros(at.position_m.len());
         for (prism, own_m) in rig_m.iter().enumerate() {
             let expected = position_m + orientation * own_m;
             error.fixed_rows_mut::<3>(3 * prism).copy_from(&(points_m[prism] - expected));
@@ -41,9 +36,13 @@ pub fn rig_pose(
         covariance = left;
     }
     // Masts bend slowly, so the rig's own error is nearly constant.
-    let weight = at.velocity_covariance.cholesky()?.inverse();
+    let weight = at.velocity_covariance.clone().cholesky()?.inverse();
     let (rates, left) = solve(&design(rig_m, &orientation), &weight, &at.velocity_m_per_s)?;
-    let (apparent_m, known_m) = (pairwise_distances(&points_m), pairwise_distances(rig_m));
+    let distance_error_m = |Pair { first, second }: Pair| {
+        let distance_m = |all: &[Vector3<f64>]| (all[first.index()] - all[second.index()]).norm();
+        (distance_m(&points_m) - distance_m(rig_m)).abs()
+    };
+    let pairs = (0..Pair::count(rig_m.len())).map(Pair::at);
     let twist = Twist {
         velocity_m_per_s: rates.fixed_rows::<3>(0).into(),
         rate_rad_per_s: rates.fixed_rows::<3>(3).into(),
@@ -55,28 +54,32 @@ pub fn rig_pose(
         orientation,
         covariance,
         twist: Some(twist),
-        inter_prism_error_m: (0..3)
-            .map(|pair| (apparent_m[pair] - known_m[pair]).abs())
-            .fold(0.0, f64::max),
+        inter_prism_error_m: pairs.map(distance_error_m).fold(0.0, f64::max),
     })
 }
 
 /// Jacobian of the pose of [`rig_pose`] with respect to the prisms; rows are position (m) and rotation (rad). `None` if the
 /// covariance of the prisms is not positive definite.
 pub fn pose_by_prisms(
-    rig_m: &[Vector3<f64>; 3],
+    rig_m: &[Vector3<f64>],
     rig_sigma_m: f64,
-    at: &MotionInstant<9>,
+    at: &MotionInstant,
     pose: &Pose,
-) -> Option<SMatrix<f64, 6, 9>> {
-    let open = SMatrix::<f64, 9, 9>::identity() * rig_sigma_m.powi(2);
-    let weight = (at.position_covariance + open).cholesky()?.inverse();
-    Some(pose.covariance * design(rig_m, &pose.orientation).transpose() * weight)
+) -> Option<DMatrix<f64>> {
+    let weight = with_rig(at, rig_sigma_m).cholesky()?.inverse();
+    let gain = pose.covariance * design(rig_m, &pose.orientation).transpose() * weight;
+    Some(gain.resize_vertically(6, 0.0))
+}
+
+/// Covariance of the prisms' positions with that of the rig (m²).
+fn with_rig(at: &MotionInstant, rig_sigma_m: f64) -> DMatrix<f64> {
+    let size = at.position_m.len();
+    &at.position_covariance + DMatrix::from_diagonal_element(size, size, rig_sigma_m.powi(2))
 }
 
 /// Jacobian of the prisms with respect to the position and a rotation about station 1's axes: δq = δp + θ × R r.
-fn design(rig_m: &[Vector3<f64>; 3], orientation: &UnitQuaternion<f64>) -> SMatrix<f64, 9, 6> {
-    let mut design = SMatrix::<f64, 9, 6>::zeros();
+fn design(rig_m: &[Vector3<f64>], orientation: &UnitQuaternion<f64>) -> DMatrix<f64> {
+    let mut design = DMatrix::zeros(3 * rig_m.len(), 6);
     for (prism, own_m) in rig_m.iter().enumerate() {
         let lever = (orientation * own_m).cross_matrix();
         design.fixed_view_mut::<3, 3>(3 * prism, 0).copy_from(&Matrix3::identity());
@@ -86,13 +89,15 @@ fn design(rig_m: &[Vector3<f64>; 3], orientation: &UnitQuaternion<f64>) -> SMatr
 }
 
 fn solve(
-    design: &SMatrix<f64, 9, 6>,
-    weight: &SMatrix<f64, 9, 9>,
-    error: &SVector<f64, 9>,
+    design: &DMatrix<f64>,
+    weight: &DMatrix<f64>,
+    error: &DVector<f64>,
 ) -> Option<(Vector6<f64>, Matrix6<f64>)> {
     let pulled = design.transpose() * weight;
-    let covariance = (pulled * design).cholesky()?.inverse();
-    Some((covariance * (pulled * error), covariance))
+    let normal: Matrix6<f64> = (&pulled * design).fixed_view::<6, 6>(0, 0).into();
+    let covariance = normal.cholesky()?.inverse();
+    let right: Vector6<f64> = (pulled * error).fixed_rows::<6>(0).into();
+    Some((covariance * right, covariance))
 }
 
 #[cfg(test)]
@@ -116,17 +121,17 @@ mod tests {
         (station1_from_vehicle, Vector3::new(0.9, 0.2, 0.0), Vector3::new(0.02, -0.01, 0.3))
     }
 
-    fn exact() -> MotionInstant<9> {
+    fn exact() -> MotionInstant {
         let (pose, velocity, rate) = moving();
         let all = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
-            SVector::<f64, 9>::from_iterator(rig().iter().flat_map(|p| of(p).data.0[0]))
+            DVector::from_iterator(9, rig().iter().flat_map(|p| of(p).data.0[0]))
         };
         MotionInstant {
             time_s: 7.0,
             position_m: all(&|p| pose.apply(p)),
             velocity_m_per_s: all(&|p| velocity + rate.cross(&pose.rotate(p))),
-            position_covariance: SMatrix::identity() * 1e-6,
-            velocity_covariance: SMatrix::identity() * 1e-4,
+            position_covariance: DMatrix::identity(9, 9) * 1e-6,
+            velocity_covariance: DMatrix::identity(9, 9) * 1e-4,
         }
     }
 
@@ -150,7 +155,7 @@ mod tests {
         const DRAWS: usize = 4000;
         const RIG_SIGMA_M: f64 = 0.001;
         let (truth, ..) = moving();
-        let mut root = SMatrix::<f64, 9, 9>::identity() * 0.001;
+        let mut root = DMatrix::<f64>::identity(9, 9) * 0.001;
         for prism in 0..3 {
             let mut common = root.fixed_view_mut::<3, 1>(3 * prism, 0);
             common += Vector3::new(0.004, -0.002, 0.003);
@@ -159,10 +164,10 @@ mod tests {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let mut mahalanobis = 0.0;
         for _ in 0..DRAWS {
-            let error = root * SVector::<f64, 9>::from_fn(|_, _| normal());
+            let error = &root * DVector::from_fn(9, |_, _| normal());
             let at = MotionInstant {
                 position_m: exact().position_m + error,
-                position_covariance: root * root.transpose(),
+                position_covariance: &root * root.transpose(),
                 ..exact()
             };
             let given_m = rig().map(|p| p.map(|value| value + RIG_SIGMA_M * normal()));

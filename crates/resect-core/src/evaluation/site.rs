@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::trajectory::{Pose, Twist};
-use crate::calibration::joint::prism_motion::MotionInstant;
+use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::network::PerStation;
@@ -120,11 +120,11 @@ impl SiteFrame {
     }
 
     /// Transforms the position and velocity of one prism from station 1's frame, and adds the covariance of the frame.
-    pub fn prism(&self, at: &MotionInstant<3>) -> MotionInstant<3> {
+    pub fn prism(&self, at: &PrismInstant) -> PrismInstant {
         let turn = self.turn();
         let position_m = self.site_from_station1.apply(&at.position_m);
         let own = turn * at.position_covariance * turn.transpose();
-        MotionInstant {
+        PrismInstant {
             time_s: at.time_s,
             position_m,
             velocity_m_per_s: turn * at.velocity_m_per_s,
@@ -164,11 +164,9 @@ pub fn seen_m(
     point: &ControlPoint,
     station1_from_station: &PerStation<RigidTransform>,
 ) -> Option<Vector3<f64>> {
-    let seen: Vec<Vector3<f64>> = (0..3)
-        .filter_map(|station| {
-            let reading = point.readings[station]?.to_cartesian();
-            Some(station1_from_station[station].apply(&reading))
-        })
+    let readings = station1_from_station.iter().zip(&point.readings);
+    let seen: Vec<Vector3<f64>> = readings
+        .filter_map(|(transform, reading)| Some(transform.apply(&reading.as_ref()?.to_cartesian())))
         .collect();
     (!seen.is_empty()).then(|| seen.iter().sum::<Vector3<f64>>() / seen.len() as f64)
 }
@@ -177,7 +175,7 @@ pub fn seen_m(
 mod tests {
     use super::*;
     use crate::geometry::Polar;
-    use crate::simulation::{Preset, simulate};
+    use crate::simulated_drives::{Preset, simulated};
     use nalgebra::UnitQuaternion;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -193,7 +191,7 @@ mod tests {
         sigma_m: f64,
         rng: &mut ChaCha8Rng,
     ) -> Deployment {
-        let mut deployment = simulate(Preset::Hd2Tunnel, 2).readings();
+        let mut deployment = simulated(Preset::Hd2Tunnel, 2);
         let places = [
             [0.0, 0.0, 0.0],
             [30.0, 2.0, 1.0],
@@ -266,7 +264,7 @@ mod tests {
 
     #[test]
     fn without_coordinates_or_on_one_spot_there_is_no_frame() {
-        let tunnel = simulate(Preset::Hd2Tunnel, 2).readings();
+        let tunnel = simulated(Preset::Hd2Tunnel, 2);
         assert!(matches!(SiteFrame::of(&tunnel, &here()), Err(NoSite::NoCoordinates(_))));
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut few = surveyed(&LevelTransform::IDENTITY, 0.0, &mut rng);

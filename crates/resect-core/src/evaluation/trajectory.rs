@@ -1,10 +1,11 @@
-//! Six-degree-of-freedom poses of the vehicle, from its three prisms.
+//! Six-degree-of-freedom poses of the vehicle, from its prisms.
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, UnitQuaternion, Vector3};
 
 use crate::calibration::Estimate;
-use crate::deployment::{PAIRS, pairwise_distances};
+use crate::deployment::pairwise_distances;
 use crate::geometry::align_rigid;
+use crate::network::PerPrism;
 
 /// Pose of the vehicle at one instant: `station1_from_vehicle`.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,20 +139,20 @@ impl Trajectory {
     }
 }
 
-/// Positions of the three prisms at one instant, in station 1's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Positions of the prisms at one instant, in station 1's frame.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ObservedRig {
     pub time_s: f64,
-    pub points_m: [Vector3<f64>; 3],
+    pub points_m: PerPrism<Vector3<f64>>,
     /// Standard deviation of each point along each axis (m).
-    pub sigma_m: [Vector3<f64>; 3],
+    pub sigma_m: PerPrism<Vector3<f64>>,
 }
 
 /// Returns one pose for every instant whose inter-prism distances are within the limit of the rig's.
 ///
 /// `rig_m` are the prisms in the vehicle's frame (m). If they lie on a line, every instant is dropped.
 pub fn trajectory(
-    rig_m: &[Vector3<f64>; 3],
+    rig_m: &[Vector3<f64>],
     observed: impl IntoIterator<Item = ObservedRig>,
     largest_inter_prism_error_m: f64,
 ) -> Trajectory {
@@ -170,13 +171,13 @@ pub fn trajectory(
     result
 }
 
-/// Least-squares pose of the rig at the observed points, all three with equal weight; `None` if the points lie on a line.
+/// Least-squares pose of the rig at the observed points, all with equal weight; `None` if the points lie on a line.
 ///
-/// The covariance is that of this unweighted solution to first order: N⁻¹ Jᵀ Σ J N⁻¹. J is the design matrix of all nine
+/// The covariance is that of this unweighted solution to first order: N⁻¹ Jᵀ Σ J N⁻¹. J is the design matrix of all
 /// coordinates, N = JᵀJ, and Σ the covariance of the coordinates (Förstner & Wrobel 2016, "Photogrammetric Computer Vision",
 /// chapter 4).
-pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Pose> {
-    let station1_from_vehicle = align_rigid(&observed.points_m, rig_m)?;
+pub fn align_rig(rig_m: &[Vector3<f64>], observed: &ObservedRig) -> Option<Pose> {
+    let station1_from_vehicle = align_rigid(observed.points_m.as_slice(), rig_m)?;
     let (mut normal, mut noise) = (Matrix6::zeros(), Matrix6::zeros());
     for (prism_m, sigma_m) in rig_m.iter().zip(&observed.sigma_m) {
         // δq = δp + θ × R r = δp − [R r]× θ.
@@ -189,15 +190,18 @@ pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Po
         noise += design.transpose() * variance * design;
     }
     let inverse = normal.cholesky()?.inverse();
-    let (apparent_m, known_m) = (pairwise_distances(&observed.points_m), pairwise_distances(rig_m));
+    let (apparent_m, known_m) =
+        (pairwise_distances(observed.points_m.as_slice()), pairwise_distances(rig_m));
     Some(Pose {
         time_s: observed.time_s,
         position_m: station1_from_vehicle.translation_m,
         orientation: station1_from_vehicle.rotation.into(),
         covariance: inverse * noise * inverse,
         twist: None,
-        inter_prism_error_m: (0..PAIRS.len())
-            .map(|pair| (apparent_m[pair] - known_m[pair]).abs())
+        inter_prism_error_m: apparent_m
+            .iter()
+            .zip(&known_m)
+            .map(|(apparent_m, known_m)| (apparent_m - known_m).abs())
             .fold(0.0, f64::max),
     })
 }
@@ -265,10 +269,11 @@ mod tests {
         let mut squares = Vector6::zeros();
         let mut mahalanobis = 0.0;
         for _ in 0..DRAWS {
-            let points_m = std::array::from_fn(|prism| {
+            let points_m: [_; 3] = std::array::from_fn(|prism| {
                 truth.apply(&rig()[prism]) + sigma_m[prism].component_mul(&noise(&mut rng))
             });
-            let observed = ObservedRig { time_s: 0.0, points_m, sigma_m };
+            let observed =
+                ObservedRig { time_s: 0.0, points_m: points_m.into(), sigma_m: sigma_m.into() };
             let pose = align_rig(&rig(), &observed).expect("a triangle");
             let moved_m = truth.translation_m - pose.position_m;
             let turned_rad =
@@ -294,7 +299,8 @@ mod tests {
             translation_m: Vector3::new(20.0, -35.0, 1.5),
         };
         let points_m = rig().map(|prism| truth.apply(&prism));
-        let observed = ObservedRig { time_s: 0.0, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+        let sigma_m = [Vector3::repeat(1e-3); 3].into();
+        let observed = ObservedRig { time_s: 0.0, points_m: points_m.into(), sigma_m };
         let rate_rad_per_s = Vector3::new(0.1, -0.2, 0.5);
         let twist = Twist {
             velocity_m_per_s: Vector3::new(1.0, 0.5, 0.0),
@@ -373,10 +379,10 @@ mod tests {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let points_m = rig().map(|prism| before.apply(&prism) + 0.01 * noise(&mut rng));
             // Equal σ in all directions, which a rotation leaves unchanged.
-            let sigma_m = [0.001, 0.002, 0.005].map(Vector3::repeat);
-            let observed = ObservedRig { time_s: 7.0, points_m, sigma_m };
+            let sigma_m = [0.001, 0.002, 0.005].map(Vector3::repeat).into();
+            let observed = ObservedRig { time_s: 7.0, points_m: points_m.into(), sigma_m };
             let pose = align_rig(&rig(), &observed).expect("a triangle");
-            let moved = ObservedRig { points_m: points_m.map(|p| by.apply(&p)), ..observed };
+            let moved = ObservedRig { points_m: points_m.map(|p| by.apply(&p)).into(), ..observed };
             let moved = align_rig(&rig(), &moved).expect("a triangle");
 
             prop_assert!((moved.position_m - by.apply(&pose.position_m)).norm() < 1e-9);
@@ -395,7 +401,7 @@ mod tests {
             x in -2.0..2.0f64, y in 0.01..2.0f64, d12 in 0.1..3.0f64,
         ) {
             let expected = [Vector3::zeros(), Vector3::new(d12, 0.0, 0.0), Vector3::new(x, y, 0.0)];
-            let found = rig_from_distances(&pairwise_distances(&expected)).expect("a triangle");
+            let found = rig_from_distances(pairwise_distances(&expected).as_array().expect("three")).expect("a triangle");
             for (found, expected) in found.iter().zip(&expected) {
                 prop_assert!((found - expected).norm() < 1e-10);
             }
@@ -408,8 +414,9 @@ mod tests {
             rotation: Rotation3::from_euler_angles(0.1, 0.2, -2.0),
             translation_m: Vector3::new(1.0, 2.0, 3.0),
         };
-        let points_m = rig().map(|prism| truth.apply(&prism));
-        let observed = ObservedRig { time_s: 3.5, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+        let points_m = rig().map(|prism| truth.apply(&prism)).into();
+        let observed =
+            ObservedRig { time_s: 3.5, points_m, sigma_m: [Vector3::repeat(1e-3); 3].into() };
         let pose = align_rig(&rig(), &observed).expect("a triangle");
         assert_eq!(pose.time_s, 3.5);
         assert!((pose.position_m - truth.translation_m).norm() < 1e-12);
@@ -436,12 +443,15 @@ mod tests {
 
     #[test]
     fn prisms_on_a_line_or_a_spot_have_no_pose() {
-        let sigma_m = [Vector3::repeat(1e-3); 3];
-        let fine = ObservedRig { time_s: 0.0, points_m: rig(), sigma_m };
+        let sigma_m = [Vector3::repeat(1e-3); 3].into();
+        let fine = ObservedRig { time_s: 0.0, points_m: rig().into(), sigma_m };
         let line = [0.0, 1.0, 3.0].map(|s| Vector3::new(s, 2.0 * s, 0.5));
         for hopeless in [line, [Vector3::x(); 3]] {
             assert_eq!(align_rig(&hopeless, &fine), None);
-            assert_eq!(align_rig(&rig(), &ObservedRig { points_m: hopeless, ..fine }), None);
+            assert_eq!(
+                align_rig(&rig(), &ObservedRig { points_m: hopeless.into(), ..fine.clone() }),
+                None
+            );
         }
     }
 
@@ -453,7 +463,7 @@ mod tests {
             [0.0, 0.004, 0.02, -0.006, -0.03].iter().enumerate().map(|(i, stretch_m)| {
                 let [one, two, three] = rig();
                 let points_m = [one, two + *stretch_m * along, three];
-                ObservedRig { time_s: i as f64, points_m, sigma_m }
+                ObservedRig { time_s: i as f64, points_m: points_m.into(), sigma_m: sigma_m.into() }
             });
         let found = trajectory(&rig(), instants, 0.01);
         assert_eq!((found.dropped, found.above_limit), (2, 2));

@@ -1,17 +1,16 @@
 //! Trajectory of the vehicle by an answer, with its frame and the covariance of each pose.
 
-use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 
 use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, MotionInstant, PrismMotion, Solution,
-};
+use crate::calibration::joint::prism_motion::{ConstantsJacobian, PrismInstant, Solution};
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
-use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
-use crate::deployment::{Deployment, PAIRS, Rig};
+use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
+use crate::calibration::{Calibration, Estimate, Method, distance_errors_m};
+use crate::deployment::{Deployment, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
-use crate::network::PerStation;
+use crate::network::{Pair, PerPair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -30,8 +29,15 @@ pub enum NoTrajectory {
         "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a rig file"
     )]
     NoRig(String),
-    #[error("{0}: the three prisms lie on a line, so the orientation is not determined")]
+    #[error(
+        "{0}: the orientation is not determined: there are fewer than three prisms, or they lie on a line"
+    )]
     PrismsOnALine(String),
+    #[error(
+        "{0}: the distances do not determine the positions of more than three prisms; give prisms_m in deployment.toml, or a \
+         reading of the rig"
+    )]
+    UnknownLayout(String),
     #[error(
         "{0}: this calibration is in the stations' own frames, but the tracks are in another frame; use method C or D"
     )]
@@ -71,23 +77,64 @@ impl VehicleFrame {
     }
 }
 
-/// Prisms in the vehicle's frame (m); `None` if they lie on a line.
+/// Prisms in the vehicle's frame (m); `None` if they lie on a line, or if nothing determines the positions of more than three.
 ///
 /// The shape is that of the inter-prism distances, which average many readings. The single reading of the rig gives its
-/// attitude only.
-pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)> {
-    if let Some(given) = rig.in_vehicle_m {
-        return Some((given, VehicleFrame::Given));
+/// attitude only; that of more than three prisms selects one of the mirrored shapes as well.
+pub fn prisms_in_vehicle(rig: &Rig) -> Option<(PerPrism<Vector3<f64>>, VehicleFrame)> {
+    if let Some(given) = &rig.in_vehicle_m {
+        return Some((given.clone(), VehicleFrame::Given));
     }
-    let triangle = rig_from_distances(&rig.inter_prism_m)?;
-    let Some(read) = rig.prisms_m else {
-        return Some((triangle, VehicleFrame::Triangle));
+    let standing = match (rig.inter_prism_m.as_array(), &rig.prisms_m) {
+        (Some(distances_m), read) => {
+            let triangle = rig_from_distances(distances_m)?;
+            let Some(read) = read else {
+                return Some((triangle.into(), VehicleFrame::Triangle));
+            };
+            let reading_from_triangle = align_rigid(read.as_slice(), &triangle)?;
+            triangle.map(|prism| reading_from_triangle.rotate(&prism)).into()
+        }
+        (None, Some(read)) => with_distances(read, &rig.inter_prism_m)?,
+        (None, None) => return None,
     };
-    let reading_from_triangle = align_rigid(&read, &triangle)?;
-    let standing = triangle.map(|prism| reading_from_triangle.rotate(&prism));
-    let towards = [standing[1], standing[2]].into_iter().find(|p| p.xy().norm() > 1e-3)?;
+    let towards = standing.iter().skip(1).find(|p| p.xy().norm() > 1e-3)?;
     let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -towards.y.atan2(towards.x));
     Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
+}
+
+/// Twice the area of the smallest triangle of prisms that has an orientation (m²).
+const SMALLEST_SPAN_M2: f64 = 1e-6;
+/// Gauss–Newton steps to the shape of a rig; the reading is accurate to millimetres.
+const SHAPE_STEPS: usize = 4;
+/// Singular values below this share of the largest belong to motions of the whole rig, which distances do not determine.
+const RIGID_MOTION: f64 = 1e-9;
+
+/// Returns the positions nearest to the reading that have these distances, or fit them best; the origin is at prism 1 (m).
+fn with_distances(
+    read: &PerPrism<Vector3<f64>>,
+    inter_prism_m: &PerPair<f64>,
+) -> Option<PerPrism<Vector3<f64>>> {
+    let mut prisms_m = read.clone();
+    for _ in 0..SHAPE_STEPS {
+        let mut jacobian = DMatrix::zeros(inter_prism_m.len(), 3 * prisms_m.len());
+        let mut error_m = DVector::zeros(inter_prism_m.len());
+        for (row, (pair, known_m)) in inter_prism_m.each().enumerate() {
+            let [a, b] = pair.indices();
+            let apart_m = prisms_m.as_slice().get(b)? - prisms_m[a];
+            let along = apart_m.try_normalize(0.0)?;
+            error_m[row] = known_m - apart_m.norm();
+            jacobian.fixed_view_mut::<1, 3>(row, 3 * a).copy_from(&-along.transpose());
+            jacobian.fixed_view_mut::<1, 3>(row, 3 * b).copy_from(&along.transpose());
+        }
+        let svd = jacobian.svd(true, true);
+        let least = RIGID_MOTION * svd.singular_values.max();
+        let step = svd.solve(&error_m, least).ok()?;
+        for (place, prism_m) in prisms_m.iter_mut().enumerate() {
+            *prism_m += step.fixed_rows::<3>(3 * place);
+        }
+    }
+    let first_m = *prisms_m.iter().next()?;
+    Some(prisms_m.map(|prism_m| prism_m - first_m))
 }
 
 /// The instants at which poses are wanted.
@@ -136,16 +183,16 @@ impl Instants<'_> {
 pub fn trajectory_by(
     deployment: &Deployment,
     triplets: &Triplets,
-    targets: Targets,
+    followed: &PerStation<Prism>,
     calibration: &Calibration,
     wanted: Instants<'_>,
     largest_inter_prism_error_m: f64,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let placing = calibration.placing_tracks(deployment);
     let limit_m = largest_inter_prism_error_m;
-    let by_triplets = || vehicle_trajectory(deployment, triplets, targets, placing, limit_m);
+    let by_triplets = || vehicle_trajectory(deployment, triplets, followed, placing, limit_m);
     let Some((joint, distances_m)) =
-        calibration.joint().and_then(|joint| Some((joint, joint.distances_m?)))
+        calibration.joint().and_then(|joint| Some((joint, joint.distances_m()?)))
     else {
         return match wanted {
             Instants::Triplets => by_triplets(),
@@ -155,16 +202,16 @@ pub fn trajectory_by(
             _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
         };
     };
-    let inter_prism_m = distances_m.map(|distance| distance.value);
     let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
+    let inter_prism_m = distances_m.map(|distance| distance.value);
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
-    // Unreachable else branch: nothing cancels this calculation, and there are three prisms.
-    let Ok(PrismMotion::Rig(instants)) = found else { return by_triplets() };
+    // Unreachable else branch: nothing cancels this calculation.
+    let Ok(instants) = found else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
-    let errors_m = distance_errors_m(triplets, station1_from_station, &inter_prism_m);
+    let errors_m = distance_errors_m(triplets, station1_from_station, followed, &inter_prism_m);
     let with_error = |pose: Pose| {
         let read_m = largest_about(pose.time_s, &triplets.time_s, &errors_m);
         let inter_prism_error_m = pose.inter_prism_error_m.max(read_m);
@@ -172,7 +219,7 @@ pub fn trajectory_by(
     };
     let mut poses: Vec<Pose> = instants
         .iter()
-        .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at).map(with_error))
+        .filter_map(|at| rig_pose(prisms_m.as_slice(), rig_sigma_m, at).map(with_error))
         .collect();
     let determined = poses.len();
     poses.retain(|pose| pose.inter_prism_error_m <= limit_m);
@@ -190,12 +237,12 @@ pub fn vehicle_at(
 ) -> Option<RigidTransform> {
     calibration.placing_tracks(deployment)?;
     let joint = calibration.joint()?;
-    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    align_rigid(&joint.solution.prisms_m(time_s)?, &rig_m)
+    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    align_rigid(joint.solution.prisms_m(time_s)?.as_slice(), rig_m.as_slice())
 }
 
-/// Largest |distance error| of pairs 12, 13, 23 at the triplet of this time, else at the triplets before and after it.
-pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> f64 {
+/// Largest |distance error| of all pairs at the triplet of this time, else at the triplets before and after it.
+pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &PerPair<Vec<f64>>) -> f64 {
     let after = triplet_s.partition_point(|other| *other < time_s);
     let is_there = triplet_s.get(after) == Some(&time_s);
     let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
@@ -210,36 +257,34 @@ pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> 
 /// `None` for methods other than the joint estimate.
 pub fn common_errors(
     deployment: &Deployment,
-    targets: Targets,
+    followed: &PerStation<Prism>,
     calibration: &Calibration,
     times_s: &[f64],
 ) -> Option<ConstantsJacobian> {
     let joint = calibration.joint()?;
     let progress = Progress::default();
     let found = joint.solution.constants_jacobian(times_s, &progress).ok()?;
-    if targets == Targets::OnePrism {
+    if Prism::is_one(followed) {
         return Some(found);
     }
-    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
-    let Ok(PrismMotion::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
-        return None;
-    };
-    let constants = found.covariance.nrows();
+    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    let instants = joint.solution.instants(times_s, &progress).ok()?;
+    let (constants, of_rig) = (found.covariance.nrows(), 3 * rig_m.len());
     let each = instants.iter().zip(&found.instants).filter_map(|(at, (time_s, prisms))| {
-        let pose = rig_pose(&rig_m, rig_sigma_m, at)?;
-        let gain = pose_by_prisms(&rig_m, rig_sigma_m, at, &pose)?;
-        let gain = DMatrix::from_column_slice(6, 9, gain.as_slice());
-        let mut moved = DMatrix::zeros(6, constants + 9);
+        let pose = rig_pose(rig_m.as_slice(), rig_sigma_m, at)?;
+        let gain = pose_by_prisms(rig_m.as_slice(), rig_sigma_m, at, &pose)?;
+        let mut moved = DMatrix::zeros(6, constants + of_rig);
         moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
         // An error of a prism's position on the vehicle moves the pose in the opposite direction.
         let turn = pose.orientation.to_rotation_matrix();
-        for prism in 0..3 {
+        for prism in 0..rig_m.len() {
             let by_rig = -gain.columns(3 * prism, 3) * turn.matrix();
             moved.columns_mut(constants + 3 * prism, 3).copy_from(&by_rig);
         }
         Some((*time_s, moved))
     });
-    let mut covariance = DMatrix::identity(constants + 9, constants + 9) * rig_sigma_m.powi(2);
+    let all = constants + of_rig;
+    let mut covariance = DMatrix::identity(all, all) * rig_sigma_m.powi(2);
     covariance.view_mut((0, 0), (constants, constants)).copy_from(&found.covariance);
     Some(ConstantsJacobian { instants: each.collect(), covariance })
 }
@@ -248,10 +293,11 @@ pub fn common_errors(
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
-    distances_m: &[Estimate; 3],
-) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
+    distances_m: &PerPair<Estimate>,
+) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame, f64), NoTrajectory> {
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
+    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.clone(), ..rig.clone() };
+    let (prisms_m, frame) = rig_of(deployment, &shaped)?;
     let rig_sigma_m = match frame {
         // Two prisms share the error of their distance.
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
@@ -266,23 +312,35 @@ pub fn prism_by(
     triplets: &Triplets,
     calibration: &Calibration,
     wanted: Instants<'_>,
-) -> Result<Vec<MotionInstant<3>>, NoTrajectory> {
+) -> Result<Vec<PrismInstant>, NoTrajectory> {
     let none = || NoTrajectory::OnePrism(deployment.name.clone());
     let solution = &calibration.joint().ok_or_else(none)?.solution;
     let times_s = wanted.times_s(triplets, solution);
-    match solution.instants(&times_s, &Progress::default()) {
-        Ok(PrismMotion::Prism(found)) => Ok(found),
-        _ => Err(none()),
-    }
+    let instants = solution.instants(&times_s, &Progress::default()).map_err(|_| none())?;
+    Ok(instants.iter().map(|instant| instant.prism(0)).collect())
 }
 
 fn rig_of(
     deployment: &Deployment,
     shaped: &dyn Fn(&Rig) -> Rig,
-) -> Result<([Vector3<f64>; 3], VehicleFrame), NoTrajectory> {
+) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
     let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
-    prisms_in_vehicle(&shaped(rig)).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
+    let is_unknown = rig.inter_prism_m.len() > Pair::count(3)
+        && rig.prisms_m.is_none()
+        && rig.in_vehicle_m.is_none();
+    if is_unknown {
+        return Err(NoTrajectory::UnknownLayout(name()));
+    }
+    let found = prisms_in_vehicle(&shaped(rig)).filter(|(prisms_m, _)| span_a_plane(prisms_m));
+    found.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
+}
+
+/// Returns true if three of the prisms (m) do not lie on a line, so that they have an orientation.
+fn span_a_plane(prisms_m: &PerPrism<Vector3<f64>>) -> bool {
+    let from_first = || prisms_m.iter().skip(1).map(|prism_m| prism_m - prisms_m[0]);
+    let pairs = from_first().flat_map(|a| from_first().map(move |b| a.cross(&b).norm()));
+    pairs.fold(0.0, f64::max) > SMALLEST_SPAN_M2
 }
 
 /// Returns one pose for every triplet whose inter-prism distances are within the limit.
@@ -291,20 +349,23 @@ fn rig_of(
 pub fn vehicle_trajectory(
     deployment: &Deployment,
     triplets: &Triplets,
-    targets: Targets,
+    followed: &PerStation<Prism>,
     station1_from_station: Option<&PerStation<RigidTransform>>,
     largest_inter_prism_error_m: f64,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
-    if targets == Targets::OnePrism {
+    if Prism::is_one(followed) {
         return Err(NoTrajectory::OnePrism(name()));
     }
     let station1_from_station =
         station1_from_station.ok_or_else(|| NoTrajectory::OtherFrame(name()))?;
     let (prisms_m, frame) = rig_of(deployment, &Rig::clone)?;
-    let inter_prism_m = deployment.rig.as_ref().map_or([0.0; 3], |rig| rig.inter_prism_m);
-    let observed = observed(triplets, station1_from_station, &inter_prism_m);
-    Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
+    if prisms_m.len() != Prism::count(followed) {
+        return Err(NoTrajectory::PrismsOnALine(name()));
+    }
+    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
+    let observed = observed(triplets, station1_from_station, followed, &rig.inter_prism_m);
+    Ok((trajectory(prisms_m.as_slice(), observed, largest_inter_prism_error_m), frame))
 }
 
 /// Prisms at every instant, with σ scaled to the distance errors.
@@ -314,24 +375,26 @@ pub fn vehicle_trajectory(
 fn observed(
     triplets: &Triplets,
     station1_from_station: &PerStation<RigidTransform>,
-    inter_prism_m: &[f64; 3],
+    followed: &PerStation<Prism>,
+    inter_prism_m: &PerPair<f64>,
 ) -> Vec<ObservedRig> {
-    let placed = |index: usize| -> [Vector3<f64>; 3] {
-        let points = triplets.triplet_m(index);
-        std::array::from_fn(|station| station1_from_station[station].apply(&points[station]))
-    };
-    let stated = |station: usize, index: usize| {
+    let placed =
+        |index: usize| prisms_m(&placed_m(triplets, station1_from_station, index), followed);
+    // The means of several stations are not claimed to be better than one of them.
+    let first = compared_stations(followed);
+    let stated = |station: Station, index: usize| {
         triplets.sigma_m.as_ref().map_or(Vector3::repeat(1.0), |all| all[station][index])
     };
     // Distance errors over their expected σ. Without a σ of the interpolation, 1 m on every axis is assumed.
-    let mut ratios = Vec::with_capacity(3 * triplets.len());
+    let pairs = inter_prism_m.len();
+    let mut ratios = Vec::with_capacity(pairs * triplets.len());
     for index in 0..triplets.len() {
         let points = placed(index);
-        let sigma_m = distance_sigma_m(triplets, index, station1_from_station)
-            .unwrap_or([std::f64::consts::SQRT_2; 3]);
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-            let error_m = (points[b] - points[a]).norm() - inter_prism_m[pair];
-            ratios.push(error_m / sigma_m[pair]);
+        let sigma_m = distance_sigma_m(triplets, index, station1_from_station, &first)
+            .unwrap_or_else(|| PerPair::repeat(pairs, std::f64::consts::SQRT_2));
+        for ((pair, known_m), sigma_m) in inter_prism_m.each().zip(&sigma_m) {
+            let [a, b] = pair.indices();
+            ratios.push(((points[b] - points[a]).norm() - known_m) / sigma_m);
         }
     }
     let shown = sigma_of_errors(ratios).unwrap_or(0.0);
@@ -340,30 +403,32 @@ fn observed(
         .map(|index| ObservedRig {
             time_s: triplets.time_s[index],
             points_m: placed(index),
-            sigma_m: std::array::from_fn(|station| stated(station, index) * factor),
+            sigma_m: first.map(|station| stated(*station, index) * factor),
         })
         .collect()
 }
 
-/// σ of the distances 12, 13, 23 at an instant by the interpolation (m); `None` if the interpolation gives none.
+/// σ of the distances of all pairs of prisms at an instant by the interpolation (m), each prism by one station; `None` if the
+/// interpolation gives none.
 pub fn distance_sigma_m(
     triplets: &Triplets,
     index: usize,
     station1_from_station: &PerStation<RigidTransform>,
-) -> Option<[f64; 3]> {
+    by_station: &PerPrism<Station>,
+) -> Option<PerPair<f64>> {
     let sigma_m = triplets.sigma_m.as_ref()?;
-    let points = triplets.triplet_m(index);
-    let placed: [Vector3<f64>; 3] =
-        std::array::from_fn(|station| station1_from_station[station].apply(&points[station]));
-    Some(PAIRS.map(|(a, b)| {
+    let placed = placed_m(triplets, station1_from_station, index);
+    let distance_sigma_m = |pair: Pair| {
+        let [a, b] = [pair.first, pair.second].map(|prism| by_station[prism]);
         let direction = (placed[b] - placed[a]).normalize();
-        let variance = |station: usize| {
+        let variance = |station: Station| {
             // Direction in the station's own frame, in which σ is given.
             let own = station1_from_station[station].rotation.inverse() * direction;
             sigma_m[station][index].component_mul(&own).norm_squared()
         };
         (variance(a) + variance(b)).sqrt()
-    }))
+    };
+    Some(Pair::among(by_station.len()).map(distance_sigma_m).collect())
 }
 
 /// Transform from the position (m) and orientation of a pose.
@@ -372,4 +437,35 @@ pub fn station1_from_vehicle(
     orientation: UnitQuaternion<f64>,
 ) -> RigidTransform {
     RigidTransform { rotation: orientation.to_rotation_matrix(), translation_m: position_m }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::pairwise_distances;
+
+    #[test]
+    fn four_prisms_have_the_measured_distances_in_the_attitude_of_the_reading() {
+        let prisms_m = [[0.0, 0.0, 0.0], [1.1, 0.0, 0.0], [0.2, 0.9, 0.1], [0.4, 0.3, 0.8]];
+        let prisms_m = prisms_m.map(Vector3::from);
+        let inter_prism_m = pairwise_distances(&prisms_m);
+        let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.7);
+        // Every reading of a prism has an error of millimetres.
+        let read = prisms_m.map(|p| turn * p + Vector3::new(4.0, 7.0 + 2e-3 * p.x, -1e-3 * p.z));
+        let rig = |read: Option<PerPrism<Vector3<f64>>>| Rig {
+            inter_prism_m: inter_prism_m.clone(),
+            prisms_m: read,
+            in_vehicle_m: None,
+            inter_antenna_m: None,
+        };
+        let (found, frame) = prisms_in_vehicle(&rig(Some(read.into()))).expect("a layout");
+        assert_eq!(frame, VehicleFrame::Reading);
+        for (found_m, known_m) in pairwise_distances(found.as_slice()).iter().zip(&inter_prism_m) {
+            assert!((found_m - known_m).abs() < 1e-9, "{found_m} {known_m}");
+        }
+        for (found_m, prism_m) in found.iter().zip(&prisms_m) {
+            assert!((found_m - prism_m).norm() < 5e-3, "{found_m} {prism_m}");
+        }
+        assert_eq!(prisms_in_vehicle(&rig(None)), None);
+    }
 }

@@ -2,16 +2,14 @@
 //!
 //! | file | structure | used by |
 //! |---|---|---|
-//! | [`bordered_band`] | banded matrix with a border | the motion of the joint estimate |
-//! | [`block_tridiagonal`] | block tridiagonal matrix with a border | the slow states of the joint estimate |
+//! | [`bordered_rows`] | banded matrix with a border | motion and slow states of the joint estimate |
 //! | [`dense_tiles`] | dense matrix of a few dozen rows with right-hand sides | Gaussian processes of the interpolation |
-//! | [`sums`] | dot and outer products | method D and its clock check, [`bordered_band`] |
+//! | [`sums`] | dot and outer products | method D and its clock check, [`bordered_rows`] |
 //!
-//! Everything else uses nalgebra. These four are several times faster than it, because their loops run over neighbours in memory
+//! Everything else uses nalgebra. These three are several times faster than it, because their loops run over neighbours in memory
 //! and `multiversion` compiles them for AVX-512, AVX2 and every other processor. Each is tested against nalgebra on random
 //! matrices.
 
-pub mod block_tridiagonal;
-pub mod bordered_band;
+pub mod bordered_rows;
 pub mod dense_tiles;
 pub mod sums;

@@ -1,12 +1,12 @@
 //! Dot products, outer products and sums in SIMD lanes.
 
 use multiversion::multiversion;
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
 /// Numbers in the widest vector register.
 const WIDEST: usize = 8;
 /// Rows of an outer product that are added together.
-const OUTER: usize = 4;
+pub const OUTER: usize = 4;
 
 /// Returns the dot product, summed in as many lanes as a vector register has.
 #[inline(always)]
@@ -23,15 +23,11 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Adds `weight · v vᵀ` on and below the diagonal, and up to three entries above it in each column. `N` is a multiple of 4. Columns
-/// for zeros of `v` are skipped.
-pub fn add_outer_product<const N: usize>(
-    matrix: &mut SMatrix<f64, N, N>,
-    vector: &SMatrix<f64, N, 1>,
-    weight: f64,
-) {
-    const { assert!(N.is_multiple_of(OUTER)) };
-    add_columns(matrix.as_mut_slice(), vector.as_slice(), weight);
+/// Adds `weight · v vᵀ` on and below the diagonal, and up to three entries above it in each column. The length of `v` is a multiple
+/// of [`OUTER`]. Columns for zeros of `v` are skipped.
+pub fn add_outer_product(matrix: &mut DMatrix<f64>, vector: &[f64], weight: f64) {
+    assert!(vector.len().is_multiple_of(OUTER) && matrix.nrows() == vector.len());
+    add_columns(matrix.as_mut_slice(), vector, weight);
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
@@ -93,12 +89,12 @@ mod tests {
     #[test]
     fn an_outer_product_is_nalgebra_s_below_the_diagonal_and_leaves_the_rest() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
-        let mut vector = SVector::<f64, 12>::from_fn(|_, _| rng.random_range(-1.0..1.0));
+        let mut vector = DVector::from_fn(12, |_, _| rng.random_range(-1.0..1.0));
         vector[3] = 0.0;
-        let before = SMatrix::<f64, 12, 12>::from_fn(|_, _| rng.random_range(-1.0..1.0));
-        let mut matrix = before;
-        add_outer_product(&mut matrix, &vector, 0.3);
-        let expected = before + vector * vector.transpose() * 0.3;
+        let before = DMatrix::from_fn(12, 12, |_, _| rng.random_range(-1.0..1.0));
+        let mut matrix = before.clone();
+        add_outer_product(&mut matrix, vector.as_slice(), 0.3);
+        let expected = before + &vector * vector.transpose() * 0.3;
         for i in 0..12 {
             for j in 0..=i {
                 assert!((matrix[(i, j)] - expected[(i, j)]).abs() < 1e-15, "{i}, {j}");

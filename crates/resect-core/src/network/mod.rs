@@ -5,5 +5,7 @@
 mod number;
 mod per;
 
-pub use self::number::{Number, Pair, Prism, Station, USUAL_STATIONS};
-pub use self::per::{Per, PerPair, PerPrism, PerStation};
+pub use self::number::{
+    MOST_STATIONS, Number, Pair, PairOf, Prism, Station, StationPair, USUAL_STATIONS,
+};
+pub use self::per::{Per, PerPair, PerPrism, PerStation, PerStationPair};

@@ -1,11 +1,15 @@
 //! Numbers of stations, prisms, and pairs of prisms.
 
+use std::cmp::Ordering;
 use std::fmt::{Display, Formatter, Result};
 
 use serde::{Deserialize, Serialize};
 
 /// Number of stations where no file names more, as in the paper.
 pub const USUAL_STATIONS: usize = 3;
+
+/// Largest number of stations, and of prisms.
+pub const MOST_STATIONS: usize = 8;
 
 /// A number that values are listed by.
 pub trait Number: Copy {
@@ -30,12 +34,18 @@ pub struct Station(u8);
 #[serde(transparent)]
 pub struct Prism(u8);
 
-/// Two different prisms, the one with the lower number first.
+/// Two different numbers of a kind, the lower one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Pair {
-    pub first: Prism,
-    pub second: Prism,
+pub struct PairOf<N> {
+    pub first: N,
+    pub second: N,
 }
+
+/// Two different prisms.
+pub type Pair = PairOf<Prism>;
+
+/// Two different stations, which may follow the same prism.
+pub type StationPair = PairOf<Station>;
 
 impl Station {
     /// The station whose frame is the reference.
@@ -64,10 +74,45 @@ impl Prism {
     }
 }
 
+impl<N: Number> PairOf<N> {
+    /// Returns the pair of two numbers in any order; `None` if they are equal.
+    pub fn between(a: N, b: N) -> Option<Self> {
+        match a.index().cmp(&b.index()) {
+            Ordering::Less => Some(Self { first: a, second: b }),
+            Ordering::Equal => None,
+            Ordering::Greater => Some(Self { first: b, second: a }),
+        }
+    }
+
+    /// Returns the pairs of some prisms or stations.
+    pub fn among(numbers: usize) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator {
+        (0..Self::count(numbers)).map(Self::at)
+    }
+
+    /// Returns the places of both in a list, from 0.
+    pub fn indices(self) -> [usize; 2] {
+        [self.first.index(), self.second.index()]
+    }
+
+    /// Returns the number of pairs of some prisms or stations.
+    pub fn count(numbers: usize) -> usize {
+        numbers * numbers.saturating_sub(1) / 2
+    }
+}
+
+impl<N: PartialEq> PairOf<N> {
+    /// Returns true if a number is one of the two.
+    pub fn contains(&self, number: &N) -> bool {
+        self.first == *number || self.second == *number
+    }
+}
+
 impl Pair {
-    /// Returns the number of pairs of some prisms.
-    pub fn count(prisms: usize) -> usize {
-        prisms * prisms.saturating_sub(1) / 2
+    /// Returns the number of prisms that have this number of pairs; `None` if none has.
+    pub fn prisms_of(pairs: usize) -> Option<usize> {
+        (2..)
+            .take_while(|prisms| Self::count(*prisms) <= pairs)
+            .find(|prisms| Self::count(*prisms) == pairs)
     }
 }
 
@@ -91,15 +136,15 @@ impl Number for Prism {
     }
 }
 
-/// Pairs are in the order 12, 13, 23, 14, 24, 34, …, which does not depend on the number of prisms.
-impl Number for Pair {
+/// Pairs are in the order 12, 13, 23, 14, 24, 34, …, which does not depend on how many numbers there are.
+impl<N: Number> Number for PairOf<N> {
     fn index(self) -> usize {
         Self::count(self.second.index()) + self.first.index()
     }
 
     fn at(index: usize) -> Self {
         let second = (1..).find(|second| Self::count(second + 1) > index).expect("a larger count");
-        Self { first: Prism::at(index - Self::count(second)), second: Prism::at(second) }
+        Self { first: N::at(index - Self::count(second)), second: N::at(second) }
     }
 }
 
@@ -116,7 +161,7 @@ impl Display for Prism {
 }
 
 /// "1–2", for people.
-impl Display for Pair {
+impl<N: Display> Display for PairOf<N> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
         write!(formatter, "{}–{}", self.first, self.second)
     }
@@ -131,7 +176,10 @@ mod tests {
         let labels: Vec<String> = (0..6).map(|index| Pair::at(index).to_string()).collect();
         assert_eq!(labels, ["1–2", "1–3", "2–3", "1–4", "2–4", "3–4"]);
         for index in 0..Pair::count(8) {
-            assert_eq!(Pair::at(index).index(), index);
+            let pair = Pair::at(index);
+            assert_eq!(pair.index(), index);
+            assert_eq!(Pair::between(pair.second, pair.first), Some(pair));
+            assert_eq!(Pair::between(pair.first, pair.first), None);
         }
     }
 

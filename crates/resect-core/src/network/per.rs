@@ -5,7 +5,7 @@ use std::ops::{Index, IndexMut};
 
 use serde::{Deserialize, Serialize};
 
-use super::number::{Number, Pair, Prism, Station};
+use super::number::{Number, Pair, Prism, Station, StationPair};
 
 /// One value for each number, in the order of the numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -22,6 +22,8 @@ pub type PerStation<T> = Per<Station, T>;
 pub type PerPrism<T> = Per<Prism, T>;
 /// One value for each pair of prisms.
 pub type PerPair<T> = Per<Pair, T>;
+/// One value for each pair of stations.
+pub type PerStationPair<T> = Per<StationPair, T>;
 
 impl<N: Number, T> Per<N, T> {
     /// Returns the value of each of `count` numbers.
@@ -103,6 +105,23 @@ impl<N: Number, T> Per<N, T> {
 
     pub fn push(&mut self, value: T) {
         self.values.push(value);
+    }
+
+    /// Shortens the list, or adds values at its end.
+    pub fn resize_with(&mut self, count: usize, value: impl FnMut() -> T) {
+        self.values.resize_with(count, value);
+    }
+}
+
+impl Prism {
+    /// Returns the number of prisms among which the stations' prisms are.
+    pub fn count(followed: &PerStation<Self>) -> usize {
+        followed.iter().map(|prism| prism.number()).max().unwrap_or(0)
+    }
+
+    /// Returns true if all stations follow one prism.
+    pub fn is_one(followed: &PerStation<Self>) -> bool {
+        Self::count(followed) == 1
     }
 }
 

@@ -236,11 +236,11 @@ pub fn run(deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutp
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::{Preset, simulate};
+    use crate::simulated_drives::{Preset, simulated};
 
     #[test]
     fn a_change_reruns_only_what_depends_on_it() {
-        let deployment = simulate(Preset::Warthog, 1).readings();
+        let deployment = simulated(Preset::Warthog, 1);
         let mut pipeline = StagedPipeline::default();
         let mut settings = PipelineSettings::default();
         let first = pipeline.run(&deployment, &settings);
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn what_was_cancelled_is_not_answered_by_what_was_before() {
-        let deployment = simulate(Preset::Warthog, 1).readings();
+        let deployment = simulated(Preset::Warthog, 1);
         let mut pipeline = StagedPipeline::default();
         let mut settings =
             PipelineSettings { interpolation: Interpolation::Wnoa, ..PipelineSettings::default() };
@@ -280,7 +280,7 @@ mod tests {
 
     #[test]
     fn every_reading_has_one_fate() {
-        let deployment = simulate(Preset::Warthog, 1).readings();
+        let deployment = simulated(Preset::Warthog, 1);
         let out = run(&deployment, &PipelineSettings::default());
         for station in 0..3 {
             let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
@@ -291,7 +291,7 @@ mod tests {
 
     #[test]
     fn any_number_of_stations_has_common_instants() {
-        let three = simulate(Preset::Warthog, 1).readings();
+        let three = simulated(Preset::Warthog, 1);
         let of_three = run(&three, &PipelineSettings::default());
         let with_tracks = |tracks: &[usize]| {
             let tracks = tracks.iter().map(|station| three.tracks[*station].clone()).collect();

@@ -10,7 +10,7 @@ use crate::network::PerStation;
 /// Tolerance of time comparisons (s); Unix times are stored to a quarter of a microsecond.
 const STAMP_ERROR_S: f64 = 1e-6;
 
-/// `Q_1, Q_2, Q_3` of the paper: positions of the three prisms at common instants.
+/// `Q_1, Q_2, Q_3` of the paper: positions of the stations' prisms at common instants.
 ///
 /// All lists have the same length, in order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,9 +74,9 @@ impl Triplets {
         self.time_s.is_empty()
     }
 
-    /// Returns the three positions at one instant (m), each in its station's frame.
-    pub fn triplet_m(&self, index: usize) -> [Vector3<f64>; 3] {
-        std::array::from_fn(|station| self.points_m[station][index])
+    /// Returns the positions at one instant (m), each in its station's frame.
+    pub fn triplet_m(&self, index: usize) -> PerStation<Vector3<f64>> {
+        self.points_m.map(|points_m| points_m[index])
     }
 
     /// Returns the prisms at any time, as a single instant. Between triplets of one interval at most `longest_s` (s) apart,

@@ -13,6 +13,9 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// A number that is zero by definition, as each of the reference station.
+    pub const ZERO: Self = Self { value: 0.0, sigma: 0.0 };
+
     /// Returns the difference from another value, in σ.
     pub fn sigmas_from(&self, other: f64) -> f64 {
         (self.value - other) / self.sigma.max(f64::MIN_POSITIVE)

@@ -1,6 +1,7 @@
 //! Findings about bags and streams of messages.
 
-use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use crate::findings::kinds;
+use resect_core::deployment::{Finding, Subject, Unit};
 
 /// Losses of a bag.
 pub struct Losses<'a> {
@@ -24,7 +25,7 @@ pub fn bag_damaged(file: &str, losses: &Losses<'_>) -> Finding {
         bytes => format!("; {bytes} bytes could not be read"),
     };
     Finding::new(
-        FindingKind::BagDamaged,
+        kinds::BAG_DAMAGED,
         format!("{first}{more}{lost}; {messages} messages could be read"),
     )
     .about(Subject::File(file.to_owned()))
@@ -36,7 +37,7 @@ pub fn bag_damaged(file: &str, losses: &Losses<'_>) -> Finding {
 
 pub fn bag_messages_malformed(file: &str, count: usize, first: &str) -> Finding {
     let message = format!("{count} messages left out; the first: {first}");
-    Finding::new(FindingKind::BagMessagesMalformed, message)
+    Finding::new(kinds::BAG_MESSAGES_MALFORMED, message)
         .about(Subject::File(file.to_owned()))
         .within(file)
         .count("messages", count)
@@ -44,23 +45,21 @@ pub fn bag_messages_malformed(file: &str, count: usize, first: &str) -> Finding 
 
 /// `remark` describes the state in which the interrupted recording left the file.
 pub fn bag_incomplete(file: &str, remark: &str) -> Finding {
-    Finding::new(FindingKind::BagIncomplete, remark)
-        .about(Subject::File(file.to_owned()))
-        .within(file)
+    Finding::new(kinds::BAG_INCOMPLETE, remark).about(Subject::File(file.to_owned())).within(file)
 }
 
 /// `others` contain the same readings as `file`.
 pub fn copies_left_out<'a>(file: &str, others: impl Iterator<Item = &'a str>) -> Finding {
     let others: Vec<&str> = others.collect();
     let message = format!("{file} is read; the same readings are in {}", others.join(", "));
-    Finding::new(FindingKind::CopiesLeftOut, message)
+    Finding::new(kinds::COPIES_LEFT_OUT, message)
         .about(Subject::File(file.to_owned()))
         .count("files", others.len())
 }
 
 pub fn bag_splits_unread(file: &str, others: &[&str]) -> Finding {
     Finding::new(
-        FindingKind::BagSplitsUnread,
+        kinds::BAG_SPLITS_UNREAD,
         format!(
             "{file} is one of several bags of a recording; not read: {}. Open the folder, or list all bags in `tracks` of \
              deployment.toml",
@@ -73,12 +72,12 @@ pub fn bag_splits_unread(file: &str, others: &[&str]) -> Finding {
 
 pub fn bags_joined(names: &[&str]) -> Finding {
     let message = format!("{} bags are read as one drive: {}", names.len(), names.join(", "));
-    Finding::new(FindingKind::BagsJoined, message).count("files", names.len())
+    Finding::new(kinds::BAGS_JOINED, message).count("files", names.len())
 }
 
 pub fn bag_missing(names: &[&str], missing: u64) -> Finding {
     Finding::new(
-        FindingKind::BagMissing,
+        kinds::BAG_MISSING,
         format!(
             "{} bags are read as one drive: {}; bag number {missing} is missing",
             names.len(),
@@ -91,7 +90,7 @@ pub fn bag_missing(names: &[&str], missing: u64) -> Finding {
 
 pub fn readings_without_stamp(station: usize, count: usize) -> Finding {
     Finding::new(
-        FindingKind::ReadingsWithoutStamp,
+        kinds::READINGS_WITHOUT_STAMP,
         format!(
             "station {}: {count} readings have no synchronised time (header.stamp is zero); theodolite_time is used, \
              the station's own unsynchronised clock",
@@ -104,7 +103,7 @@ pub fn readings_without_stamp(station: usize, count: usize) -> Finding {
 
 pub fn readings_without_time(station: usize, count: usize) -> Finding {
     Finding::new(
-        FindingKind::ReadingsWithoutTime,
+        kinds::READINGS_WITHOUT_TIME,
         format!(
             "station {}: {count} readings have no stamp; their time of arrival at the recorder is used, with an \
              unknown and varying latency",
@@ -116,12 +115,12 @@ pub fn readings_without_time(station: usize, count: usize) -> Finding {
 }
 
 pub fn positions_not_read(topics: &str) -> Finding {
-    Finding::new(FindingKind::PositionsNotRead, format!("positions not read: {topics}"))
+    Finding::new(kinds::POSITIONS_NOT_READ, format!("positions not read: {topics}"))
 }
 
 pub fn positions_in_instrument_frames(topics: &[String]) -> Finding {
     Finding::new(
-        FindingKind::PositionsInInstrumentFrames,
+        kinds::POSITIONS_IN_INSTRUMENT_FRAMES,
         format!(
             "positions of {} are read in each instrument's own frame and include the prism constant; if an instrument \
              was set up in site coordinates, the range and angle rates are not those that it measured",
@@ -132,7 +131,7 @@ pub fn positions_in_instrument_frames(topics: &[String]) -> Finding {
 
 pub fn topic_without_positions(station: usize, topic: &str, there: &str) -> Finding {
     Finding::new(
-        FindingKind::TopicWithoutPositions,
+        kinds::TOPIC_WITHOUT_POSITIONS,
         format!(
             "station {}: no position on its topic `{topic}`; topics with positions: {there}",
             station + 1
@@ -143,7 +142,7 @@ pub fn topic_without_positions(station: usize, topic: &str, there: &str) -> Find
 
 pub fn theodolite_messages_not_read(count: usize) -> Finding {
     Finding::new(
-        FindingKind::TheodoliteMessagesNotRead,
+        kinds::THEODOLITE_MESSAGES_NOT_READ,
         format!("{count} theodolite messages are not read: `topics` names other topics"),
     )
     .count("messages", count)

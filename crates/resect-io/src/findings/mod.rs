@@ -3,6 +3,7 @@
 pub mod bags;
 pub mod control_points;
 mod examples;
+pub mod kinds;
 pub mod positions;
 pub mod readings;
 pub mod rig;

@@ -1,19 +1,18 @@
 //! Findings about tracks given as positions, and the transforms that were applied to them.
 
-use resect_core::deployment::{
-    AngleFormat, Finding, FindingKind, Message, MessageAngle, Subject, Unit,
-};
+use crate::findings::kinds;
+use resect_core::deployment::{AngleFormat, Finding, Message, MessageAngle, Subject, Unit};
 
 pub fn tracks_in_station_frames() -> Finding {
     Finding::new(
-        FindingKind::TracksInStationFrames,
+        kinds::TRACKS_IN_STATION_FRAMES,
         "the tracks are positions in each station's own frame and include the prism constants",
     )
 }
 
 pub fn tracks_in_common_frame() -> Finding {
     Finding::new(
-        FindingKind::TracksInCommonFrame,
+        kinds::TRACKS_IN_COMMON_FRAME,
         "the tracks were transformed into one frame with unknown transforms before they were written. C and D \
          estimate the remaining transforms in that frame; compose them with the applied ones for the stations' own. A \
          and B refer to the stations' own frames and are not compared with the drive. The outlier filter uses rates \
@@ -25,7 +24,7 @@ pub fn tracks_in_common_frame() -> Finding {
 /// `line` is the first line of the set of transforms.
 pub fn track_transform_inverted(file: &str, line: usize) -> Finding {
     Finding::new(
-        FindingKind::TrackTransformInverted,
+        kinds::TRACK_TRANSFORM_INVERTED,
         format!(
             "the tracks were written in one frame, and the transforms of {file} (from line {line}) are undone: ranges \
              and angles are the instruments' again. The ranges then have the instruments' step size, which confirms \
@@ -36,7 +35,7 @@ pub fn track_transform_inverted(file: &str, line: usize) -> Finding {
 }
 
 pub fn transforms_unreadable(file: &str, error: &str) -> Finding {
-    Finding::new(FindingKind::TransformsUnreadable, error).about(Subject::File(file.to_owned()))
+    Finding::new(kinds::TRANSFORMS_UNREADABLE, error).about(Subject::File(file.to_owned()))
 }
 
 /// `sets` is the number of sets tried; `first` is the first of the `files` that contain them.
@@ -46,7 +45,7 @@ pub fn transforms_not_confirmed(first: &str, files: usize, sets: usize) -> Findi
         more => format!(" and {more} more"),
     };
     Finding::new(
-        FindingKind::TransformsNotConfirmed,
+        kinds::TRANSFORMS_NOT_CONFIRMED,
         format!(
             "none of the {sets} sets of transforms in {first}{more} is confirmed as the applied one: undoing it gives \
              ranges without an instrument's step size"
@@ -60,9 +59,11 @@ pub fn transform_tilts_station(file: &str, station: usize, tilt_rad: f64) -> Fin
     let message = Message::from(format!("{file} tilts station {} by ", station + 1))
         .angle(MessageAngle::size(tilt_rad, AngleFormat::Arcseconds, 0))
         .text(", beyond the accuracy of a compensator; the published tracks contain this tilt");
-    Finding::new(FindingKind::TransformTiltsStation, message)
-        .about(Subject::Station(station))
-        .quantity("tilt", tilt_rad, Unit::Radian)
+    Finding::new(kinds::TRANSFORM_TILTS_STATION, message).about(Subject::Station(station)).quantity(
+        "tilt",
+        tilt_rad,
+        Unit::Radian,
+    )
 }
 
 pub(super) fn examples() -> Vec<Finding> {

@@ -1,6 +1,8 @@
 //! Findings about readings: impossible values, stamps, dropped records.
 
-use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use crate::findings::kinds as file_kinds;
+use resect_core::deployment::kinds;
+use resect_core::deployment::{Finding, Subject, Unit};
 use resect_core::network::PerStation;
 
 /// `place` is the place of the first dropped record.
@@ -13,12 +15,12 @@ pub fn records_dropped(station: Option<usize>, reason: &str, count: usize, place
         Some(station) => Subject::OfStation { station, part: reason.to_owned() },
         None => Subject::Named(reason.to_owned()),
     };
-    Finding::new(FindingKind::RecordsDropped, message).about(subject).count("records", count)
+    Finding::new(file_kinds::RECORDS_DROPPED, message).about(subject).count("records", count)
 }
 
 pub fn stamps_out_of_order(station: usize, count: usize, files: &str) -> Finding {
     Finding::new(
-        FindingKind::StampsOutOfOrder,
+        file_kinds::STAMPS_OUT_OF_ORDER,
         format!(
             "station {}: {count} out-of-order stamps in {files}; the track was sorted by time",
             station + 1
@@ -31,16 +33,17 @@ pub fn stamps_out_of_order(station: usize, count: usize, files: &str) -> Finding
 /// `first` is the place of the first one, as " (first at …)", or empty.
 pub fn stamps_repeated(station: usize, count: usize, first: &str) -> Finding {
     let message = format!("station {}: {count} duplicate stamps dropped{first}", station + 1);
-    Finding::new(FindingKind::StampsRepeated, message)
+    Finding::new(file_kinds::STAMPS_REPEATED, message)
         .about(Subject::Station(station))
         .count("readings", count)
 }
 
 pub fn station_without_readings(station: usize, files: &str) -> Finding {
     Finding::new(
-        FindingKind::StationWithoutReadings,
+        file_kinds::STATION_WITHOUT_READINGS,
         format!(
-            "station {} has no measurement in {files}; a calibration needs all three stations",
+            "station {} has no measurement in {files}; to calibrate without it, list the other stations in deployment.toml \
+             (stations = [1, 2])",
             station + 1
         ),
     )
@@ -58,7 +61,7 @@ pub fn readings_implausible(
     let counts: Vec<_> =
         counts.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();
     Finding::new(
-        FindingKind::ReadingsImplausible,
+        file_kinds::READINGS_IMPLAUSIBLE,
         format!(
             "station {}: {impossible} of {valid} readings marked as valid ({:.1} %) are impossible ({}): the recorder \
              marks invalid readings as valid, so the others may be wrong too",
@@ -79,12 +82,12 @@ pub fn readings_in_face_right(station: usize, count: usize, all: usize) -> Findi
          collimation errors have the opposite sign there",
         station + 1
     );
-    Finding::new(FindingKind::ReadingsInFaceRight, message)
+    Finding::new(file_kinds::READINGS_IN_FACE_RIGHT, message)
         .about(Subject::Station(station))
         .count("readings", count)
 }
 
-/// `set_back_s` are the largest steps of the three stations' stamps (s), 0 without one; returns `None` without any.
+/// `set_back_s` are the largest steps of the stations' stamps (s), 0 without one; returns `None` without any.
 pub fn clock_set_back(set_back_s: &PerStation<f64>) -> Option<Finding> {
     let with_steps = set_back_s.each().filter(|(_, back_s)| **back_s > 0.0);
     let stations: Vec<usize> = with_steps.map(|(station, _)| station.number()).collect();
@@ -95,16 +98,16 @@ pub fn clock_set_back(set_back_s: &PerStation<f64>) -> Option<Finding> {
         station_list(&stations)
     );
     let finding =
-        Finding::new(FindingKind::ClockSetBack, message).quantity("back", largest_s, Unit::Second);
+        Finding::new(file_kinds::CLOCK_SET_BACK, message).quantity("back", largest_s, Unit::Second);
     (largest_s > 0.0).then_some(finding)
 }
 
-/// `stations` are indices, 0 to 2.
+/// `stations` are indices, from 0.
 pub fn stamps_coarse(stations: &[usize], resolution_s: f64) -> Finding {
     let numbers: Vec<usize> = stations.iter().map(|station| station + 1).collect();
     let list = station_list(&numbers);
     Finding::new(
-        FindingKind::StampsCoarse,
+        file_kinds::STAMPS_COARSE,
         format!(
             "the stamps of {list} are rounded to {resolution_s} s: a prism moves {:.1} m in that time at 1 m/s; record \
              them with more digits",
@@ -120,7 +123,7 @@ pub fn stamps_coarse(stations: &[usize], resolution_s: f64) -> Finding {
 
 pub fn stamps_relative(first_s: f64) -> Finding {
     Finding::new(
-        FindingKind::StampsRelative,
+        file_kinds::STAMPS_RELATIVE,
         format!(
             "stamps have an arbitrary start (the first is {first_s:.3} s) and cannot be compared with GNSS"
         ),
@@ -128,12 +131,12 @@ pub fn stamps_relative(first_s: f64) -> Finding {
     .quantity("first_stamp", first_s, Unit::Second)
 }
 
-/// `spans_s` are the spans of the readings of the two stations (0 to 2), in seconds.
+/// `spans_s` are the spans of the readings of the two stations (from 0), in seconds.
 pub fn stations_without_common_time(stations: [usize; 2], spans_s: [[f64; 2]; 2]) -> Finding {
     let [a, b] = stations.map(|station| station + 1);
     let [[a_from, a_to], [b_from, b_to]] = spans_s.map(|span| span.map(short_number));
     Finding::new(
-        FindingKind::StationsWithoutCommonTime,
+        kinds::STATIONS_WITHOUT_COMMON_TIME,
         format!(
             "stations {a} and {b} never measured at the same time: {a_from} to {a_to} s, {b_from} to {b_to} s; their \
              clocks differ, or the tracks are of different drives"

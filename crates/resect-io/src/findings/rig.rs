@@ -1,17 +1,18 @@
 //! Findings about the rig: distances and positions of the prisms.
 
-use resect_core::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
+use crate::findings::kinds;
+use resect_core::deployment::{Finding, Remedy, Subject, Unit};
 
 pub fn rig_file_preferred() -> Finding {
     Finding::new(
-        FindingKind::RigFilePreferred,
+        kinds::RIG_FILE_PREFERRED,
         "the given rig is used, not inter_prism_m of deployment.toml",
     )
 }
 
 pub fn rig_unknown() -> Finding {
     Finding::new(
-        FindingKind::RigUnknown,
+        kinds::RIG_UNKNOWN,
         "the inter-prism distances are unknown, and method D needs them; put calibration_results.csv beside the \
          tracks, set inter_prism_m in deployment.toml, or give a file of the rig",
     )
@@ -20,7 +21,7 @@ pub fn rig_unknown() -> Finding {
 
 pub fn rig_derived_from_reading(file: &str) -> Finding {
     Finding::new(
-        FindingKind::RigDerivedFromReading,
+        kinds::RIG_DERIVED_FROM_READING,
         format!(
             "the inter-prism distances are derived from {file}, with one reading of each prism: an error of a reading \
              is an error of the answer. Give the distances in calibration_results.csv, or as inter_prism_m in \
@@ -33,7 +34,7 @@ pub fn rig_derived_from_reading(file: &str) -> Finding {
 /// `largest_m` is the largest difference (m).
 pub fn rig_reading_disagrees(file: &str, largest_m: f64) -> Finding {
     Finding::new(
-        FindingKind::RigReadingDisagrees,
+        kinds::RIG_READING_DISAGREES,
         format!(
             "the inter-prism distances and the reading of the rig ({file}) differ by {:.1} mm; one of them is wrong",
             largest_m * 1e3
@@ -45,7 +46,7 @@ pub fn rig_reading_disagrees(file: &str, largest_m: f64) -> Finding {
 
 pub fn prism_positions_of_other_rig(largest_m: f64) -> Finding {
     Finding::new(
-        FindingKind::PrismPositionsOfOtherRig,
+        kinds::PRISM_POSITIONS_OF_OTHER_RIG,
         "prisms_m of deployment.toml is ignored: it belongs to another rig than the given one",
     )
     .quantity("difference", largest_m, Unit::Metre)
@@ -53,7 +54,7 @@ pub fn prism_positions_of_other_rig(largest_m: f64) -> Finding {
 
 pub fn prism_positions_disagree(largest_m: f64) -> Finding {
     Finding::new(
-        FindingKind::PrismPositionsDisagree,
+        kinds::PRISM_POSITIONS_DISAGREE,
         format!("prisms_m and the inter-prism distances differ by {:.1} mm", largest_m * 1e3),
     )
     .quantity("difference", largest_m, Unit::Metre)

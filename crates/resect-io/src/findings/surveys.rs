@@ -1,5 +1,6 @@
 //! Findings about surveys: GSI and JobXML files of total stations.
 
+use crate::findings::kinds;
 use resect_core::deployment::{Finding, FindingKind, Subject};
 
 fn about(kind: FindingKind, file: &str, message: impl AsRef<str>) -> Finding {
@@ -10,7 +11,7 @@ fn about(kind: FindingKind, file: &str, message: impl AsRef<str>) -> Finding {
 /// `first` describes the first of them.
 pub fn survey_readings_unusable(file: &str, count: usize, first: &str) -> Finding {
     let message = format!("{count} readings left out: no usable range or angle ({first})");
-    about(FindingKind::SurveyReadingsUnusable, file, message).count("readings", count)
+    about(kinds::SURVEY_READINGS_UNUSABLE, file, message).count("readings", count)
 }
 
 /// `first` describes the first of them.
@@ -19,13 +20,13 @@ pub fn survey_points_inconsistent(file: &str, count: usize, first: &str) -> Find
         "{count} points left out: their readings are of different points ({first}); give each point its own name, and \
          each set-up its own file"
     );
-    about(FindingKind::SurveyPointsInconsistent, file, message).count("points", count)
+    about(kinds::SURVEY_POINTS_INCONSISTENT, file, message).count("points", count)
 }
 
 pub fn survey_angles_seem_elevations(file: &str) -> Finding {
     let message = "the vertical angles seem to be elevations, but are read as zenith angles: half of the points would \
                    be within 30° of the zenith";
-    about(FindingKind::SurveyAnglesSeemElevations, file, message)
+    about(kinds::SURVEY_ANGLES_SEEM_ELEVATIONS, file, message)
 }
 
 /// `lines` names the records of further set-ups: "lines" or "readings".
@@ -34,23 +35,23 @@ pub fn survey_other_set_ups(file: &str, count: usize, lines: &str) -> Finding {
         "{count} {lines} of further set-ups left out: a file may hold one set-up of one station; save each set-up in \
          its own file"
     );
-    about(FindingKind::SurveyOtherSetUps, file, message).count("readings", count)
+    about(kinds::SURVEY_OTHER_SET_UPS, file, message).count("readings", count)
 }
 
 /// `missing` names what the readings lack.
 pub fn survey_readings_incomplete(file: &str, count: usize, missing: &str) -> Finding {
     let message = format!("{count} readings without {missing} left out");
-    about(FindingKind::SurveyReadingsIncomplete, file, message).count("readings", count)
+    about(kinds::SURVEY_READINGS_INCOMPLETE, file, message).count("readings", count)
 }
 
 pub fn survey_points_deleted(file: &str, count: usize) -> Finding {
     let message = format!("{count} points left out: deleted in the job");
-    about(FindingKind::SurveyPointsDeleted, file, message).count("points", count)
+    about(kinds::SURVEY_POINTS_DELETED, file, message).count("points", count)
 }
 
 pub fn survey_prism_constant_missing(file: &str, count: usize) -> Finding {
     let message = format!("{count} readings without a prism constant; the deployment's is added");
-    about(FindingKind::SurveyPrismConstantMissing, file, message).count("readings", count)
+    about(kinds::SURVEY_PRISM_CONSTANT_MISSING, file, message).count("readings", count)
 }
 
 /// `constants_m` are the different constants that the file states (m).
@@ -64,7 +65,7 @@ pub fn survey_prism_constant_included(file: &str, constants_m: &[f64]) -> Findin
     let message = format!(
         "the slope distances already include the instrument's prism constant ({stated}); nothing is added"
     );
-    about(FindingKind::SurveyPrismConstantIncluded, file, message)
+    about(kinds::SURVEY_PRISM_CONSTANT_INCLUDED, file, message)
 }
 
 /// `constants` are the different constants (mm).
@@ -73,40 +74,40 @@ pub fn survey_prism_constants_added(file: &str, constants: &[String]) -> Finding
         "the targets' prism constants ({} mm) are added to the distances; no other constant is added",
         constants.join(", ")
     );
-    about(FindingKind::SurveyPrismConstantsAdded, file, message)
+    about(kinds::SURVEY_PRISM_CONSTANTS_ADDED, file, message)
 }
 
 pub fn survey_prism_constant_kept(file: &str) -> Finding {
     let message = "prism_constant_m is not added: the ranges have their own prism constants";
-    about(FindingKind::SurveyPrismConstantKept, file, message)
+    about(kinds::SURVEY_PRISM_CONSTANT_KEPT, file, message)
 }
 
 pub fn survey_empty(file: &str) -> Finding {
-    about(FindingKind::SurveyEmpty, file, "no usable reading")
+    about(kinds::SURVEY_EMPTY, file, "no usable reading")
 }
 
 pub fn survey_coordinates_left_out(file: &str) -> Finding {
     let message = "coordinates without readings are left out; if they are surveyed, add this file to control_points \
                    in deployment.toml";
-    about(FindingKind::SurveyCoordinatesLeftOut, file, message)
+    about(kinds::SURVEY_COORDINATES_LEFT_OUT, file, message)
 }
 
 pub fn survey_station_unknown(file: &str) -> Finding {
     let message = "left out: its station is unknown; end the file name with the station number, or list the files of \
                    stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]";
-    about(FindingKind::SurveyStationUnknown, file, message)
+    about(kinds::SURVEY_STATION_UNKNOWN, file, message)
 }
 
 pub fn survey_station_repeated(file: &str, other: &str) -> Finding {
     let message = format!("left out: {other} is of the same station");
-    about(FindingKind::SurveyStationRepeated, file, message)
+    about(kinds::SURVEY_STATION_REPEATED, file, message)
 }
 
 /// `names` are the first names in order; `more` is true if further names follow.
 pub fn survey_points_numbered(file: &str, names: &[&str], more: bool) -> Finding {
     let more = if more { ", …" } else { "" };
     let message = format!("points are numbered in order of appearance: {}{more}", names.join(", "));
-    about(FindingKind::SurveyPointsNumbered, file, message)
+    about(kinds::SURVEY_POINTS_NUMBERED, file, message)
 }
 
 pub(super) fn examples() -> Vec<Finding> {

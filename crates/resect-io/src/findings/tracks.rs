@@ -1,7 +1,9 @@
 //! Findings about tracks as a whole: files, columns, prism constant, spans and masks, GNSS.
 
+use crate::findings::kinds;
 use crate::skipped_rows::SkippedRows;
-use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use resect_core::deployment::{Finding, Subject, Unit};
+use resect_core::network::PerStation;
 
 const DAY_S: f64 = 86_400.0;
 /// Leap seconds between GPS time and UTC since 2017.
@@ -9,7 +11,7 @@ const GPS_MINUS_UTC_S: f64 = 18.0;
 
 pub fn file_unreadable(file: &str) -> Finding {
     Finding::new(
-        FindingKind::FileUnreadable,
+        kinds::FILE_UNREADABLE,
         format!(
             "{file}: cannot be read and was skipped; check its permissions if it belongs to the deployment"
         ),
@@ -32,7 +34,7 @@ pub fn folder_date_contradicts_stamps(other: &OtherDate<'_>) -> Finding {
     let OtherDate { folder, date, days, stations } = *other;
     let stations: Vec<String> = stations.iter().map(|station| (station + 1).to_string()).collect();
     Finding::new(
-        FindingKind::FolderDateContradictsStamps,
+        kinds::FOLDER_DATE_CONTRADICTS_STAMPS,
         format!(
             "the folder name {folder} contradicts the stamps: those of station {} are {:.0} days {} {date}. Either \
              the name or the data is wrong; check that rig and control points are of the same day as the tracks",
@@ -51,18 +53,19 @@ pub fn rows_skipped(file: &str, skipped: &SkippedRows) -> Option<Finding> {
     let message = format!(
         "{file}: {rows} not valid and skipped (line {line}: {reason}); correct the file if they matter"
     );
-    let finding = Finding::new(FindingKind::RowsSkipped, message);
+    let finding = Finding::new(kinds::ROWS_SKIPPED, message);
     Some(finding.about(Subject::File(file.to_owned())).count("rows", skipped.count))
 }
 
-/// `numbers` are the numbers of stations 1, 2, 3 in the files.
-pub fn stations_renumbered(numbers: &[i64; 3]) -> Finding {
-    let [first, second, third] = numbers;
+/// `numbers` are the numbers of stations 1, 2, … in the files.
+pub fn stations_renumbered(numbers: &PerStation<i64>) -> Finding {
+    let list = numbers.map(ToString::to_string).as_slice().join(", ");
+    let stations = numbers.map_each(|station, _| station.to_string()).as_slice().join(", ");
     Finding::new(
-        FindingKind::StationsRenumbered,
+        kinds::STATIONS_RENUMBERED,
         format!(
-            "the files number the stations {first}, {second}, {third}: these are stations 1, 2, 3; if that is another order, \
-             set stations = [{first}, {second}, {third}] in deployment.toml"
+            "the files number the stations {list}: these are stations {stations}; if that is another order, set stations = \
+             [{list}] in deployment.toml"
         ),
     )
 }
@@ -79,7 +82,7 @@ pub struct ClockJump {
 pub fn stamps_jumped(jump: &ClockJump) -> Finding {
     let ClockJump { gap_s, used, unused } = *jump;
     Finding::new(
-        FindingKind::StampsJumped,
+        kinds::STAMPS_JUMPED,
         format!(
             "the stamps jump by {:.1} days: the clock was set while recording, or the file has several drives. Only the \
              longest part is used ({used} readings); {unused} readings are not. Put the parts into separate files to use \
@@ -93,14 +96,14 @@ pub fn stamps_jumped(jump: &ClockJump) -> Finding {
 
 /// `columns` describes the meaning of the columns.
 pub fn table_columns(file: &str, columns: &str) -> Finding {
-    Finding::new(FindingKind::TableColumns, format!("{file}: {columns}"))
+    Finding::new(kinds::TABLE_COLUMNS, format!("{file}: {columns}"))
         .about(Subject::File(file.to_owned()))
 }
 
 /// `clock` describes the source of the stamps.
 pub fn table_clock(file: &str, clock: &str) -> Finding {
     Finding::new(
-        FindingKind::TableClock,
+        kinds::TABLE_CLOCK,
         format!(
             "{file}: {clock}; ranges contain the prism constant set on the instrument (according to the program's \
              source; not tested with a real recording)"
@@ -110,10 +113,17 @@ pub fn table_clock(file: &str, clock: &str) -> Finding {
 }
 
 /// `from` names the source of the constants.
-pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool) -> Finding {
+pub fn prism_constant_added(constants_m: &[f64], from: &str, in_tracks: bool) -> Finding {
+    let mm = |constant_m: &f64| format!("{:+.1}", constant_m * 1e3);
     let constants = match constants_m {
-        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
-        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
+        [first_m, others @ ..] if others.iter().all(|other_m| other_m == first_m) => {
+            mm(first_m) + " mm"
+        }
+        each => {
+            let stations: Vec<String> = (1..=each.len()).map(|number| number.to_string()).collect();
+            let each: Vec<String> = each.iter().map(mm).collect();
+            format!("{} mm (stations {})", each.join(", "), stations.join(", "))
+        }
     };
     let message = if in_tracks {
         format!(
@@ -123,35 +133,46 @@ pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool)
     } else {
         format!("prism constant of {from}, {constants}, added to every range")
     };
-    let [first, second, third] = *constants_m;
-    Finding::new(FindingKind::PrismConstantAdded, message)
-        .quantity("station_1", first, Unit::Metre)
-        .quantity("station_2", second, Unit::Metre)
-        .quantity("station_3", third, Unit::Metre)
+    let finding = Finding::new(kinds::PRISM_CONSTANT_ADDED, message);
+    let names = [
+        "station_1",
+        "station_2",
+        "station_3",
+        "station_4",
+        "station_5",
+        "station_6",
+        "station_7",
+        "station_8",
+    ];
+    names.into_iter().zip(constants_m).fold(finding, |finding, (name, constant_m)| {
+        finding.quantity(name, *constant_m, Unit::Metre)
+    })
 }
 
 pub fn span_selected(from_s: f64, to_s: f64) -> Finding {
     let message =
         format!("only the {:.1} s from {from_s:.3} to {to_s:.3} s are used", to_s - from_s);
-    Finding::new(FindingKind::SpanSelected, message)
-        .quantity("from", from_s, Unit::Second)
-        .quantity("to", to_s, Unit::Second)
+    Finding::new(kinds::SPAN_SELECTED, message).quantity("from", from_s, Unit::Second).quantity(
+        "to",
+        to_s,
+        Unit::Second,
+    )
 }
 
 pub fn readings_masked(count: usize) -> Finding {
     let message = format!("{count} readings are left out by hand");
-    Finding::new(FindingKind::ReadingsMasked, message).count("readings", count)
+    Finding::new(kinds::READINGS_MASKED, message).count("readings", count)
 }
 
 pub fn masked_readings_missing(count: usize) -> Finding {
     let message =
         format!("{count} masked readings are not in the tracks: the mask was made for other data");
-    Finding::new(FindingKind::MaskedReadingsMissing, message).count("readings", count)
+    Finding::new(kinds::MASKED_READINGS_MISSING, message).count("readings", count)
 }
 
 pub fn gnss_antennas_missing(files: usize) -> Finding {
     Finding::new(
-        FindingKind::GnssAntennasMissing,
+        kinds::GNSS_ANTENNAS_MISSING,
         format!(
             "{files} GNSS solution file(s) left out: three antennas are needed; list them in deployment.toml: gnss = \
              [\"…\", \"…\", \"…\"]"
@@ -162,7 +183,7 @@ pub fn gnss_antennas_missing(files: usize) -> Finding {
 
 pub fn gnss_origins_differ() -> Finding {
     Finding::new(
-        FindingKind::GnssOriginsDiffer,
+        kinds::GNSS_ORIGINS_DIFFER,
         "the GNSS antennas are left out: some positions are Earth-centred, others relative to a base station; solve \
          all with the same settings",
     )
@@ -170,7 +191,7 @@ pub fn gnss_origins_differ() -> Finding {
 
 pub fn gnss_stamps_out_of_order(file: &str, count: usize) -> Finding {
     let message = format!("{count} out-of-order stamps in {file}; the fixes were sorted by time");
-    Finding::new(FindingKind::GnssStampsOutOfOrder, message)
+    Finding::new(kinds::GNSS_STAMPS_OUT_OF_ORDER, message)
         .about(Subject::File(file.to_owned()))
         .count("fixes", count)
 }
@@ -178,7 +199,7 @@ pub fn gnss_stamps_out_of_order(file: &str, count: usize) -> Finding {
 /// `line` is the line of the first one.
 pub fn gnss_stamps_repeated(file: &str, count: usize, line: usize) -> Finding {
     let message = format!("{count} duplicate stamps dropped (first at line {line} of {file})");
-    Finding::new(FindingKind::GnssStampsRepeated, message)
+    Finding::new(kinds::GNSS_STAMPS_REPEATED, message)
         .about(Subject::File(file.to_owned()))
         .count("fixes", count)
 }
@@ -192,7 +213,7 @@ pub fn cartesian_origin_doubtful(station: usize, ranges_m: [f64; 2], extent_m: f
          distance",
         station + 1
     );
-    Finding::new(FindingKind::CartesianOriginDoubtful, message)
+    Finding::new(kinds::CARTESIAN_ORIGIN_DOUBTFUL, message)
         .about(Subject::Station(station))
         .quantity("nearest", near_m, Unit::Metre)
         .quantity("extent", extent_m, Unit::Metre)
@@ -205,7 +226,7 @@ pub fn ranges_repeated(station: usize, count: usize, first_s: f64) -> Finding {
          readings are left out",
         station + 1
     );
-    Finding::new(FindingKind::RangesRepeated, message)
+    Finding::new(kinds::RANGES_REPEATED, message)
         .about(Subject::Station(station))
         .count("readings", count)
 }
@@ -226,7 +247,7 @@ pub fn station_clock_off(station: usize, ahead_s: f64) -> Finding {
          then; correct its stamps",
         station + 1
     );
-    Finding::new(FindingKind::StationClockOff, message).about(Subject::Station(station)).quantity(
+    Finding::new(kinds::STATION_CLOCK_OFF, message).about(Subject::Station(station)).quantity(
         "ahead",
         ahead_s,
         Unit::Second,
@@ -247,7 +268,7 @@ pub(super) fn examples() -> Vec<Finding> {
             },
         )
         .expect("rows"),
-        stations_renumbered(&[0, 1, 2]),
+        stations_renumbered(&[0, 1, 2].into()),
         stamps_jumped(&ClockJump { gap_s: 40.0 * DAY_S, used: 2790, unused: 206 }),
         table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
         table_clock("tracks.csv", "stamps are ref_time, the time of arrival"),

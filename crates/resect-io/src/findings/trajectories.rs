@@ -1,11 +1,12 @@
 //! Findings about files with trajectories.
 
+use crate::findings::kinds;
 use crate::skipped_rows::SkippedRows;
-use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+use resect_core::deployment::{Finding, Subject, Unit};
 
 pub fn estimate_out_of_order(file: &str) -> Finding {
     Finding::new(
-        FindingKind::EstimateOutOfOrder,
+        kinds::ESTIMATE_OUT_OF_ORDER,
         format!("{file}: poses were not in time order and were sorted"),
     )
     .about(Subject::File(file.to_owned()))
@@ -13,7 +14,7 @@ pub fn estimate_out_of_order(file: &str) -> Finding {
 
 pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
     let message = format!("{file}: {count} poses repeat a time; the first of each is kept");
-    Finding::new(FindingKind::EstimateTimesRepeated, message)
+    Finding::new(kinds::ESTIMATE_TIMES_REPEATED, message)
         .about(Subject::File(file.to_owned()))
         .count("poses", count)
 }
@@ -22,7 +23,7 @@ pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
 pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> Finding {
     let message =
         format!("{file}: {without} of {all} poses have no orientation; no orientation is used");
-    Finding::new(FindingKind::EstimateOrientationsMissing, message)
+    Finding::new(kinds::ESTIMATE_ORIENTATIONS_MISSING, message)
         .about(Subject::File(file.to_owned()))
         .count("without_orientation", without)
         .count("poses", all)
@@ -31,7 +32,7 @@ pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> 
 /// All poses have the same orientation, although they move.
 pub fn estimate_orientations_constant(file: &str) -> Finding {
     let message = format!("{file}: all orientations are equal and taken as unknown");
-    Finding::new(FindingKind::EstimateOrientationsConstant, message)
+    Finding::new(kinds::ESTIMATE_ORIENTATIONS_CONSTANT, message)
         .about(Subject::File(file.to_owned()))
 }
 
@@ -40,7 +41,7 @@ pub fn estimate_positions_rounded(file: &str, axis: &str, step_m: f64) -> Findin
     let message = format!(
         "{file}: the positions are rounded to {step_m:.2} m in {axis}, and all errors are as large; write them with more digits"
     );
-    Finding::new(FindingKind::EstimatePositionsRounded, message)
+    Finding::new(kinds::ESTIMATE_POSITIONS_ROUNDED, message)
         .about(Subject::File(file.to_owned()))
         .quantity("step", step_m, Unit::Metre)
 }
@@ -49,7 +50,7 @@ pub fn estimate_positions_rounded(file: &str, axis: &str, step_m: f64) -> Findin
 pub fn estimate_covariances_missing(file: &str, without: usize, all: usize) -> Finding {
     let message =
         format!("{file}: {without} of {all} poses have no valid covariance; no covariance is used");
-    Finding::new(FindingKind::EstimateCovariancesMissing, message)
+    Finding::new(kinds::ESTIMATE_COVARIANCES_MISSING, message)
         .about(Subject::File(file.to_owned()))
         .count("without_covariance", without)
         .count("poses", all)
@@ -57,7 +58,7 @@ pub fn estimate_covariances_missing(file: &str, without: usize, all: usize) -> F
 
 pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
     let message = format!("{file}: {count} quaternions without unit length were normalised");
-    Finding::new(FindingKind::EstimateQuaternionsNormalised, message)
+    Finding::new(kinds::ESTIMATE_QUATERNIONS_NORMALISED, message)
         .about(Subject::File(file.to_owned()))
         .count("poses", count)
 }
@@ -67,7 +68,7 @@ pub fn estimate_poses_skipped(file: &str, topic: &str, skipped: &SkippedRows) ->
     let (message, reason) = skipped.first.as_ref()?;
     let text =
         format!("{file}: {} poses of {topic} skipped (message {message} {reason})", skipped.count);
-    let finding = Finding::new(FindingKind::RowsSkipped, text);
+    let finding = Finding::new(kinds::ROWS_SKIPPED, text);
     Some(finding.about(Subject::File(file.to_owned())).count("poses", skipped.count))
 }
 
@@ -76,13 +77,13 @@ pub fn estimate_stamps_joined(file: &str) -> Finding {
         "{file}: the stamps join seconds and nanoseconds without leading zeros and are read so, because the poses are in \
          order only then"
     );
-    Finding::new(FindingKind::EstimateStampsJoined, message).about(Subject::File(file.to_owned()))
+    Finding::new(kinds::ESTIMATE_STAMPS_JOINED, message).about(Subject::File(file.to_owned()))
 }
 
 /// `layout` names the columns in their order.
 pub fn estimate_columns_guessed(file: &str, layout: &str) -> Finding {
     let message = format!("{file}: no header; read as {layout}");
-    Finding::new(FindingKind::EstimateColumnsGuessed, message).about(Subject::File(file.to_owned()))
+    Finding::new(kinds::ESTIMATE_COLUMNS_GUESSED, message).about(Subject::File(file.to_owned()))
 }
 
 pub(super) fn examples() -> Vec<Finding> {

@@ -1,7 +1,7 @@
 //! Transforms applied to tracks, to bring them into one frame: `list_tf/*.csv` of the authors' repository.
 //!
 //! Written by `save_tf` of its scripts: twelve numbers a line, the first three rows of a homogeneous 4×4 matrix `common_from_station`
-//! in row-major order (m). Three lines, for stations 1, 2, 3, form one set. A file with several sets has one for each random split
+//! in row-major order (m). A line for each station forms one set. A file with several sets has one for each random split
 //! of the control points.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -15,7 +15,7 @@ pub const FIELDS: usize = 12;
 /// Largest deviation of a rotation matrix from orthogonality.
 const ORTHOGONAL: f64 = 1e-6;
 
-/// `common_from_station` of stations 1, 2, 3, and the first line of the set.
+/// `common_from_station` of the stations, and the first line of the set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AppliedTransforms {
     pub line: usize,
@@ -28,8 +28,8 @@ pub fn looks_like(line: &str) -> bool {
     values.is_ok_and(|values| transform(&values).is_some())
 }
 
-/// Reads all sets of a file.
-pub fn read(file: &str, text: &str) -> Result<Vec<AppliedTransforms>, OpenError> {
+/// Reads all sets of a file, each of this number of stations.
+pub fn read(file: &str, text: &str, stations: usize) -> Result<Vec<AppliedTransforms>, OpenError> {
     let remedy = "a line has the first three rows of a 4×4 matrix";
     let mut transforms = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
@@ -39,15 +39,16 @@ pub fn read(file: &str, text: &str) -> Result<Vec<AppliedTransforms>, OpenError>
         };
         transforms.push((index + 1, transform));
     }
-    if transforms.is_empty() || transforms.len() % 3 != 0 {
+    if transforms.is_empty() || transforms.len() % stations != 0 {
         let what = format!("{} transforms", transforms.len());
-        return Err(OpenError::file(file, what, "each set has three lines, for stations 1, 2, 3"));
+        let remedy = format!("each set has {stations} lines, one for each station");
+        return Err(OpenError::file(file, what, remedy));
     }
     let set = |set: &[(usize, RigidTransform)]| AppliedTransforms {
         line: set[0].0,
         common_from_station: set.iter().map(|(_, transform)| *transform).collect(),
     };
-    Ok(transforms.chunks_exact(3).map(set).collect())
+    Ok(transforms.chunks_exact(stations).map(set).collect())
 }
 
 fn transform(values: &[f64]) -> Option<RigidTransform> {
@@ -83,17 +84,17 @@ mod tests {
             translation_m: Vector3::new(2.5, 5.3, -0.3),
         };
         let set = PerStation::from([RigidTransform::IDENTITY, transform, transform.inverse()]);
-        let read_back = read("t.csv", &write(&[set.clone(), set.clone()])).expect("own text");
+        let read_back = read("t.csv", &write(&[set.clone(), set.clone()]), 3).expect("own text");
         assert_eq!(read_back.len(), 2);
         assert_eq!(read_back[1].line, 4);
         let off = read_back[1].common_from_station[1].matrix() - transform.matrix();
         assert!(off.abs().max() < 1e-12, "{off}");
-        let error = read("t.csv", &write(&[set])[..40]).expect_err("cut").to_string();
+        let error = read("t.csv", &write(&[set])[..40], 3).expect_err("cut").to_string();
         // The first line, 24 characters, is complete.
         assert!(error.starts_with("t.csv:2: not a rigid"), "{error}");
         let mirrored = "1 0 0 0 0 1 0 0 0 0 -1 0\n";
-        assert!(read("t.csv", mirrored).expect_err("mirrored").to_string().contains("t.csv:1"));
+        assert!(read("t.csv", mirrored, 3).expect_err("mirrored").to_string().contains("t.csv:1"));
         let two = "1 0 0 0 0 1 0 0 0 0 1 0\n".repeat(2);
-        assert!(read("t.csv", &two).expect_err("two").to_string().contains("2 transforms"));
+        assert!(read("t.csv", &two, 3).expect_err("two").to_string().contains("2 transforms"));
     }
 }

@@ -3,6 +3,7 @@
 //! The column named `elevation` is a zenith angle; distances lack the prism constant. The stamps are not read, because the
 //! clocks of the stations are not comparable.
 
+use resect_core::network::{Number, PerStation, Station};
 use std::collections::BTreeMap;
 
 use super::survey::{SAME_POINT_M, mean};
@@ -26,7 +27,7 @@ pub const COLUMNS: [&str; 6] =
 pub fn read(
     file: &str,
     text: &str,
-    prism_constants_m: &[f64; 3],
+    prism_constants_m: &PerStation<f64>,
 ) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
     let mut points: Vec<ControlPoint> = Vec::new();
     let mut findings = Vec::new();
@@ -74,8 +75,8 @@ pub fn read(
     }
     for ((index, station), faces) in by_face {
         let readings: Vec<Polar> = faces.into_iter().flatten().collect();
-        points[index].readings[station] = mean(&readings);
-        points[index].face_one[station] = faces[0].filter(|_| faces[1].is_some());
+        let face_one = faces[0].filter(|_| faces[1].is_some());
+        points[index].set_reading(Station::at(station), mean(&readings), face_one);
     }
     Ok((ControlPointSet { file: file.to_owned(), points, pillars: false }, findings))
 }
@@ -83,12 +84,13 @@ pub fn read(
 /// Returns a text that [`read`] reads.
 pub fn write(set: &ControlPointSet, prism_constant_m: f64) -> String {
     let mut text = COLUMNS.join(" , ") + " , sec , nsec\n";
-    for station in 0..3 {
+    let stations = set.points.iter().map(ControlPoint::stations).max().unwrap_or_default();
+    for station in (0..stations).map(Station::at) {
         for (order, point) in set.points.iter().enumerate() {
-            let Some(p) = point.readings[station] else { continue };
+            let Some(Some(p)) = point.readings.get(station) else { continue };
             text += &format!(
                 "{} , {} , 0 , {:.7} , {:.7} , {:.4} , {} , 0\n",
-                station + 1,
+                station,
                 point.marker,
                 p.zenith_rad,
                 p.azimuth_rad,

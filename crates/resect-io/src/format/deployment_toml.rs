@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn what_is_corrections_is_merged_and_everything_else_stays() {
         let corrections = Overrides {
-            stations: Some([1, 3, 2]),
+            stations: Some([1, 3, 2].into()),
             azimuth: Some(AzimuthSense::CounterClockwise),
             prism_constant_m: Some(PrismConstants::All(-0.0345)),
             masked: Some(vec![
@@ -100,7 +100,7 @@ mod tests {
         let error = merge("deployment.toml", "name = \n", &Overrides::default());
         assert!(error.expect_err("broken").to_string().starts_with("deployment.toml:1: "));
         let impossible =
-            Overrides { inter_prism_m: Some([f64::NAN, 1.0, 1.0]), ..Overrides::default() };
+            Overrides { inter_prism_m: Some([f64::NAN, 1.0, 1.0].into()), ..Overrides::default() };
         let error = merge("deployment.toml", OLD, &impossible).expect_err("no number");
         assert!(error.to_string().contains("inter_prism_m is [NaN"), "{error}");
     }

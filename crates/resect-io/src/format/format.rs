@@ -44,14 +44,14 @@ impl Format {
     /// Description of the content.
     pub fn describe(self) -> &'static str {
         match self {
-            Self::PolarCsv => "polar measurements of the three stations (CSV)",
+            Self::PolarCsv => "polar measurements of the stations (CSV)",
             Self::BonnCsv => "polar measurements of one station (CSV of Bonn's rts-network)",
             Self::UnknownTable => "a table with unknown columns",
             Self::CartesianTrack => "positions of one station's prism",
             Self::AppliedTransforms => "transforms applied to positions",
-            Self::Ros1Bag => "measurements of the three stations (ROS 1 bag)",
-            Self::Ros2Sqlite => "measurements of the three stations (ROS 2 bag, SQLite)",
-            Self::Mcap => "measurements of the three stations (MCAP bag)",
+            Self::Ros1Bag => "measurements of the stations (ROS 1 bag)",
+            Self::Ros2Sqlite => "measurements of the stations (ROS 2 bag, SQLite)",
+            Self::Mcap => "measurements of the stations (MCAP bag)",
             Self::RosbagMetadata => "metadata of a ROS 2 bag",
             Self::ControlPoints => "control points",
             Self::Gsi => {

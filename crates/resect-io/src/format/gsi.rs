@@ -206,7 +206,7 @@ fn angle_rad(data: &str, unit: u8) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::FindingKind;
+    use crate::findings::kinds;
 
     #[test]
     fn coordinates_with_a_decimal_point_are_read_as_written() {
@@ -292,7 +292,7 @@ mod tests {
         let survey = read("a.gsi", text).expect("good");
         assert_eq!(survey.coordinates, [("A".to_owned(), Vector3::new(1.0, -2.0, 0.5))]);
         assert_eq!(survey.sightings.len(), 1);
-        assert_eq!(survey.findings[0].kind, FindingKind::SurveyOtherSetUps);
+        assert_eq!(survey.findings[0].kind, kinds::SURVEY_OTHER_SET_UPS);
         assert_eq!(survey.findings[0].value("readings"), Some(2.0));
     }
 

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix6};
 
 use super::table::{self, CORRECT, number};
 use crate::error::OpenError;
-use resect_core::estimates::{EstimatedPose, PoseCovariance};
+use resect_tools::estimates::{EstimatedPose, PoseCovariance};
 
 /// Names of the parts of a pose in columns such as `cov_x_rx`.
 const PARTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];

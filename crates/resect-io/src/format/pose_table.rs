@@ -13,8 +13,8 @@ use super::pose_covariance::CovarianceColumns;
 use super::table::{self, header_line, number, uncommented};
 use crate::error::OpenError;
 use crate::skipped_rows::SkippedRows;
-use resect_core::estimates::{EstimatedPose, PoseCovariance};
 use resect_core::statistics::median;
+use resect_tools::estimates::{EstimatedPose, PoseCovariance};
 
 /// Largest difference of a quaternion's length from one; larger ones are reported.
 const ROUNDED: f64 = 1e-2;

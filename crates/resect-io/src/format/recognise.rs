@@ -6,6 +6,7 @@ use super::{
     applied_transforms, bag, bonn_csv, cartesian_tracks, control_points, estimate, gsi, jobxml,
     mapped_csv, pillars, polar_csv, rig_files, rtklib_pos, surveyed_points, table,
 };
+use resect_core::network::Pair;
 
 /// Recognises a file by its first bytes; a few hundred suffice. Only TOML files are recognised by `file_name`, without folder.
 pub fn recognise(file_name: &str, head: &[u8]) -> Format {
@@ -57,14 +58,14 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         Format::UnknownTable
     } else {
         match (numeric_fields(first), lines.next()) {
-            (Some(15), _) => Format::RigReading,
-            (Some(3 | 6), None) => Format::RigDistances,
+            (Some(15), Some(_)) => Format::RigReading,
             (Some(4), _) if cartesian_tracks::evenly_spaced(text) => {
                 Format::Ignored("positions at equal time steps: interpolated, not measured")
             }
             (Some(4), _) => Format::CartesianTrack,
             _ if is_applied_transforms(first) => Format::AppliedTransforms,
             (Some(13), _) if rig_files::is_sensor_position(first) => Format::SensorPositions,
+            (Some(numbers), None) if are_distances(numbers) => Format::RigDistances,
             _ => Format::Ignored("not recognised"),
         }
     }
@@ -73,6 +74,12 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
 /// Returns true if a line is a transform applied to Cartesian tracks, which has as many numbers as a pose of KITTI.
 fn is_applied_transforms(line: &str) -> bool {
     numeric_fields(line) == Some(applied_transforms::FIELDS) && applied_transforms::looks_like(line)
+}
+
+/// Returns true if three or more prisms have this number of distances, alone or with those of three antennas.
+fn are_distances(numbers: usize) -> bool {
+    let counts = [numbers, numbers.saturating_sub(3)];
+    counts.into_iter().filter_map(Pair::prisms_of).any(|prisms| prisms > 2)
 }
 
 /// Returns the number of white-space separated fields, if all are numbers.
@@ -94,7 +101,10 @@ mod tests {
             recognise("x", b"theodolite_number , marker_number , status\n"),
             Format::ControlPoints
         );
-        assert_eq!(recognise("x", b"0.7 0.9 1.0 0.7 0.8 0.5\n"), Format::RigDistances);
+        for numbers in [3, 6, 9, 10, 13, 15, 18, 21, 24, 28, 31] {
+            let line = "0.7 ".repeat(numbers) + "\n";
+            assert_eq!(recognise("x", line.as_bytes()), Format::RigDistances, "{numbers}");
+        }
         assert_eq!(recognise("x", b"#ROSBAG V2.0\n"), Format::Ros1Bag);
         assert_eq!(recognise("x", b""), Format::Ignored("empty"));
         assert_eq!(recognise("x.csv", b"1657 1.0 2.0 3.0\n"), Format::CartesianTrack);

@@ -1,6 +1,7 @@
 //! The files that describe the prisms on the vehicle.
 
 use nalgebra::Vector3;
+use resect_core::network::{Pair, PerPair, PerPrism};
 
 use crate::error::OpenError;
 use resect_core::geometry::Polar;
@@ -8,8 +9,14 @@ use resect_core::geometry::Polar;
 /// Plausible distances between prisms (m): from a millimetre to the size of a ship.
 pub const PLAUSIBLE_DISTANCE_M: std::ops::RangeInclusive<f64> = 1e-3..=100.0;
 
-/// Reads `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).
-pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 3]>), OpenError> {
+/// Reads `calibration_results.csv`: distances 12, 13, 23, 14, … between the prisms, then 12, 13, 23 between the GNSS antennas (m).
+///
+/// Six distances are those of three prisms and three antennas, unless four prisms are `stated`.
+pub fn read_distances(
+    file: &str,
+    text: &str,
+    stated: Option<usize>,
+) -> Result<(PerPair<f64>, Option<[f64; 3]>), OpenError> {
     let values = numbers(file, 1, text)?;
     if let Some(bad) = values.iter().find(|v| !PLAUSIBLE_DISTANCE_M.contains(*v)) {
         return Err(OpenError::line(
@@ -19,37 +26,46 @@ pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 
             "distances are in metres, from 1 mm to 100 m",
         ));
     }
-    match values[..] {
-        [d12, d13, d23] => Ok(([d12, d13, d23], None)),
-        [d12, d13, d23, a12, a13, a23] => Ok(([d12, d13, d23], Some([a12, a13, a23]))),
-        _ => Err(OpenError::line(
+    let pairs = [stated, Some(3)].into_iter().flatten().map(Pair::count);
+    let is_whole = |pairs: &usize| values.len() == *pairs || values.len() == *pairs + 3;
+    let pairs = pairs.into_iter().find(is_whole).or_else(|| {
+        let counts = [values.len(), values.len().saturating_sub(3)];
+        counts.into_iter().find(|pairs| Pair::prisms_of(*pairs).is_some())
+    });
+    let Some(pairs) = pairs else {
+        return Err(OpenError::line(
             file,
             1,
             format!("{} numbers", values.len()),
-            "give the distances 12, 13, 23 of the prisms, then of the antennas, in metres",
-        )),
-    }
+            "give the distances 12, 13, 23, 14, … of the prisms, then of the antennas, in metres",
+        ));
+    };
+    let (prisms, antennas) = values.split_at(pairs);
+    Ok((prisms.iter().copied().collect(), antennas.try_into().ok()))
 }
 
 /// Returns a text that [`read_distances`] reads.
-pub fn write_distances(inter_prism_m: &[f64; 3], inter_antenna_m: Option<&[f64; 3]>) -> String {
-    let all = inter_prism_m.iter().chain(inter_antenna_m.into_iter().flatten());
+pub fn write_distances(
+    inter_prism_m: &PerPair<f64>,
+    inter_antenna_m: Option<&PerPair<f64>>,
+) -> String {
+    let antennas_m = inter_antenna_m.into_iter().flatten();
+    let all = inter_prism_m.iter().chain(antennas_m);
     all.map(|distance| format!("{distance:.6}")).collect::<Vec<_>>().join(" ") + "\n"
 }
 
-/// Reads `calibration_raw.csv`: one static station's readings of prisms 1, 2, 3 (then antennas and lidar).
+/// Reads `calibration_raw.csv`: one static station's readings of prisms 1, 2, … (then antennas and lidar).
 ///
-/// Columns 0–2 are the horizontal angle in degrees, minutes, seconds, 6–8 the zenith angle, 12 the distance (m). The prism constants
-/// apply to the first three rows only. Returns the prisms' positions in that station's frame (m).
+/// Columns 0–2 are the horizontal angle in degrees, minutes, seconds, 6–8 the zenith angle, 12 the distance (m). There is
+/// a prism constant (m) for each prism; further rows are not read. Returns the prisms' positions in that station's frame (m).
 pub fn read_rig_reading(
     file: &str,
     text: &str,
-    prism_constants_m: &[f64; 3],
-) -> Result<[Vector3<f64>; 3], OpenError> {
+    prism_constants_m: &PerPrism<f64>,
+) -> Result<PerPrism<Vector3<f64>>, OpenError> {
     let mut prisms = Vec::new();
-    for (index, line) in
-        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(3)
-    {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    for (index, line) in lines.take(prism_constants_m.len()) {
         let values = numbers(file, index + 1, line)?;
         if values.len() < 13 {
             return Err(OpenError::line(
@@ -76,13 +92,21 @@ pub fn read_rig_reading(
         }
         prisms.push(polar.to_cartesian());
     }
-    prisms.try_into().map_err(|short: Vec<_>| {
-        OpenError::file(
-            file,
-            format!("{} rows, 3 prisms needed", short.len()),
-            "add the missing prisms",
-        )
-    })
+    complete(file, prisms, prism_constants_m.len())
+}
+
+/// Returns the prisms if all are there.
+fn complete(
+    file: &str,
+    prisms: Vec<Vector3<f64>>,
+    needed: usize,
+) -> Result<PerPrism<Vector3<f64>>, OpenError> {
+    if prisms.len() == needed {
+        return Ok(prisms.into_iter().collect());
+    }
+    let what = format!("{} rows, {needed} prisms needed", prisms.len());
+    let remedy = "add the missing prisms, or give their number in deployment.toml: prisms = [1, 2]";
+    Err(OpenError::file(file, what, remedy))
 }
 
 /// Returns true if a line of 13 numbers is a position with its covariance: the fourth is 1.
@@ -90,17 +114,20 @@ pub fn is_sensor_position(line: &str) -> bool {
     line.split_whitespace().nth(3).and_then(|field| field.parse().ok()) == Some(1.0)
 }
 
-/// Reads `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, 3, then GNSS
-/// antennas and lidar. Returns the three prisms (m).
+/// Reads `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, …, then GNSS
+/// antennas and lidar. Returns the first `needed` ones, the prisms (m).
 ///
 /// The authors' scripts compute it from `calibration_raw.csv`, so its frame is that of the static station that measured the rig (z
 /// up), despite its name. The format does not state if the prism constant is included. On the run of 2022-07-11 it is not: the ranges
 /// are those of the reading to the micrometre. This changes the distances between the prisms by a millimetre.
-pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3], OpenError> {
+pub fn read_sensor_positions(
+    file: &str,
+    text: &str,
+    needed: usize,
+) -> Result<PerPrism<Vector3<f64>>, OpenError> {
     let mut prisms = Vec::new();
-    for (index, line) in
-        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(3)
-    {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    for (index, line) in lines.take(needed) {
         let values = numbers(file, index + 1, line)?;
         let position_m = values.get(..3).map(Vector3::from_column_slice);
         match position_m.filter(|p| p.iter().all(|value| value.is_finite())) {
@@ -112,15 +139,12 @@ pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3]
             }
         }
     }
-    prisms.try_into().map_err(|short: Vec<_>| {
-        let what = format!("{} rows, 3 prisms needed", short.len());
-        OpenError::file(file, what, "add the missing prisms")
-    })
+    complete(file, prisms, needed)
 }
 
 /// Returns a text that [`read_rig_reading`] reads, with angles to the second and distances to the millimetre, as a station
 /// displays them.
-pub fn write_rig_reading(prisms: &[Polar; 3], prism_constant_m: f64) -> String {
+pub fn write_rig_reading(prisms: &[Polar], prism_constant_m: f64) -> String {
     let mut text = String::new();
     for prism in prisms {
         let (azimuth, zenith) = (dms(prism.azimuth_rad), dms(prism.zenith_rad));
@@ -163,25 +187,28 @@ mod tests {
             Vector3::new(2.9, 0.9, -0.7),
         ];
         let text = write_rig_reading(&prisms.map(Polar::from_cartesian), 0.010);
-        let back = read_rig_reading("x", &text, &[0.010; 3]).expect("own text");
-        for (written, read) in pairwise_distances(&prisms).iter().zip(pairwise_distances(&back)) {
+        let back = read_rig_reading("x", &text, &[0.010; 3].into()).expect("own text");
+        for (written, read) in
+            pairwise_distances(&prisms).iter().zip(pairwise_distances(back.as_slice()))
+        {
             assert!((written - read).abs() < 1.2e-3, "{written} {read}");
         }
     }
 
     #[test]
     fn bad_rig_files_say_where() {
-        let error = read_distances("d.csv", "0.7 0.9 oops").expect_err("not a number").to_string();
+        let error =
+            read_distances("d.csv", "0.7 0.9 oops", None).expect_err("not a number").to_string();
         assert!(error.starts_with("d.csv:1: `oops`"), "{error}");
-        let error = read_distances("d.csv", "0.7 0.9 -1").expect_err("negative").to_string();
+        let error = read_distances("d.csv", "0.7 0.9 -1", None).expect_err("negative").to_string();
         assert!(error.contains("not a distance"), "{error}");
         let error =
-            read_sensor_positions("s.csv", "1 2 3 1\n1 2\n").expect_err("short").to_string();
+            read_sensor_positions("s.csv", "1 2 3 1\n1 2\n", 3).expect_err("short").to_string();
         assert!(error.starts_with("s.csv:2: not a position"), "{error}");
-        let error = read_sensor_positions("s.csv", "1 2 3 1\n").expect_err("one").to_string();
+        let error = read_sensor_positions("s.csv", "1 2 3 1\n", 3).expect_err("one").to_string();
         assert!(error.starts_with("s.csv: 1 rows"), "{error}");
         let error =
-            read_rig_reading("r.csv", "1 2 3\n", &[0.01; 3]).expect_err("short").to_string();
+            read_rig_reading("r.csv", "1 2 3\n", &[0.01; 3].into()).expect_err("short").to_string();
         assert!(error.starts_with("r.csv:1: 3 columns"), "{error}");
     }
 }

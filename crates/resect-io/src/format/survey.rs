@@ -139,7 +139,7 @@ pub(super) fn mean(readings: &[Polar]) -> Option<Polar> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::FindingKind;
+    use crate::findings::kinds;
 
     fn sighting(point: &str, azimuth_rad: f64, zenith_rad: f64, range_m: f64) -> Sighting {
         let polar = Polar { range_m, azimuth_rad, zenith_rad };
@@ -177,11 +177,11 @@ mod tests {
         };
         let (points, findings) = survey.points("x.gsi", 0.0);
         assert!(points.is_empty());
-        assert_eq!(findings[0].kind, FindingKind::SurveyPointsInconsistent);
+        assert_eq!(findings[0].kind, kinds::SURVEY_POINTS_INCONSISTENT);
         assert!(findings[0].to_string().contains("up to 1.99 m apart"), "{findings:?}");
         let survey =
             Survey { sightings: vec![sighting("a", 0.0, 0.01, 20.0)], ..Survey::default() };
         let (_, findings) = survey.points("x.gsi", 0.0);
-        assert_eq!(findings[0].kind, FindingKind::SurveyAnglesSeemElevations);
+        assert_eq!(findings[0].kind, kinds::SURVEY_ANGLES_SEEM_ELEVATIONS);
     }
 }

@@ -11,10 +11,11 @@ use crate::findings::positions::{
 };
 use nalgebra::Vector3;
 use resect_core::geometry::ARCSECOND_RAD;
-use resect_core::network::PerStation;
+use resect_core::network::{MOST_STATIONS, PerStation, USUAL_STATIONS};
 
 use super::found::FoundFile;
 use super::station_in_name::station_in_name;
+use super::tables::stem;
 use crate::error::{OpenError, Question};
 use crate::format::Format;
 use crate::format::applied_transforms;
@@ -22,7 +23,7 @@ use crate::format::applied_transforms::AppliedTransforms;
 use crate::format::cartesian_tracks;
 use crate::format::cartesian_tracks::{Position, own_from_theirs};
 use crate::recording::Recording;
-use resect_core::deployment::{Finding, Measurement, PAIRS, RawRecord, TrackFrame};
+use resect_core::deployment::{Finding, Measurement, RawRecord, TrackFrame};
 use resect_core::geometry::{Polar, RigidTransform};
 use resect_core::progress::Progress;
 use resect_core::statistics::quantiles;
@@ -49,7 +50,7 @@ const WORSE_BY: f64 = 0.8;
 /// Largest tilt that a compensator leaves (rad): 20″.
 const COMPENSATOR_RAD: f64 = 20.0 * ARCSECOND_RAD;
 
-/// Returns the files of stations 1, 2, 3 if the tracks are positions; `None` otherwise.
+/// Returns the files of the stations if the tracks are positions; `None` otherwise.
 pub fn choose<'a>(
     name: &str,
     chosen: Option<&[String]>,
@@ -61,7 +62,9 @@ pub fn choose<'a>(
             chosen.iter().filter_map(|own| cartesian().find(|f| f.file == *own)).collect();
         return match named[..] {
             // In the order named.
-            [_, _, _] if chosen.len() == 3 => Ok(Some(named)),
+            [_, _, ..] if named.len() == chosen.len() && named.len() <= MOST_STATIONS => {
+                Ok(Some(named))
+            }
             [one] if chosen.len() == 1 => set_of(one, &cartesian()).map(Some),
             [] => Ok(None),
             _ => Err(incomplete(&named[0].file)),
@@ -89,11 +92,13 @@ fn incomplete(file: &str) -> OpenError {
     OpenError::file(
         file,
         "positions of one station; those of the other two are missing",
-        "put three such files into one folder, with 1, 2, 3 as the last number of their names",
+        "put three such files into one folder, with 1, 2, 3 as the last number of their names, or list fewer in \
+         deployment.toml: tracks = [\"…\", \"…\"]",
     )
 }
 
-/// Returns the files of stations 1, 2, 3 in the same folder, with names that differ only in the last number.
+/// Returns the files of stations 1, 2, 3, … in the same folder, with names that differ only in the last number. Fewer than the usual
+/// number are incomplete unless the user names them.
 fn set_of<'a>(
     one: &FoundFile,
     files: &(impl Iterator<Item = &'a FoundFile> + Clone),
@@ -105,22 +110,24 @@ fn set_of<'a>(
         };
         files.clone().find(named)
     };
-    (1..=3).map(of).collect::<Option<_>>().ok_or_else(|| incomplete(&one.file))
+    let set: Vec<_> = (1..=MOST_STATIONS as i64).map_while(of).collect();
+    if set.len() < USUAL_STATIONS { Err(incomplete(&one.file)) } else { Ok(set) }
 }
 
-/// Reads the files of stations 1, 2, 3 as polar readings; returns their frame, and the file of transforms if one was inverted.
+/// Reads the files of stations 1, 2, … as polar readings; returns their frame, and the file of transforms if one was inverted.
 pub fn read<'a>(
     tracks: &[&FoundFile],
     files: &'a [FoundFile],
     progress: &Progress,
     into: &mut Recording,
 ) -> Result<(TrackFrame, Option<&'a str>), OpenError> {
-    let mut positions: [Vec<Position>; 3] = Default::default();
-    for (own, file) in positions.iter_mut().zip(tracks) {
-        *own = cartesian_tracks::read(&file.file, &file.text(progress)?)?;
+    let mut positions = PerStation::default();
+    for file in tracks {
+        positions.push(cartesian_tracks::read(&file.file, &file.text(progress)?)?);
     }
+    into.expect_stations(positions.len());
     into.ranges_include_prism_constant = true;
-    let mut station_from_file = PerStation::repeat(3, RigidTransform::IDENTITY);
+    let mut station_from_file = PerStation::repeat(positions.len(), RigidTransform::IDENTITY);
     let mut frame = TrackFrame::Own;
     let mut used = None;
     if in_one_frame(&positions) {
@@ -139,6 +146,7 @@ pub fn read<'a>(
     }
     for (station, own) in positions.iter().enumerate() {
         into.begin_file(&tracks[station].file, "line");
+        into.name_station(station, stem(&tracks[station].file));
         for position in own {
             let position_m = station_from_file[station].apply(&position.position_m);
             let polar = Polar::from_cartesian(own_from_theirs(&position_m));
@@ -160,10 +168,13 @@ pub fn read<'a>(
 }
 
 /// Returns true if the distances between the prisms are constant and short without any transform.
-fn in_one_frame(positions: &[Vec<Position>; 3]) -> bool {
-    let spreads: Vec<[f64; 2]> = PAIRS
+fn in_one_frame(positions: &PerStation<Vec<Position>>) -> bool {
+    let pairs = positions
         .iter()
-        .map(|(a, b)| distances_m(&positions[*a], &positions[*b]))
+        .enumerate()
+        .flat_map(|(second, own)| positions.iter().take(second).map(move |first| (first, own)));
+    let spreads: Vec<[f64; 2]> = pairs
+        .map(|(first, second)| distances_m(first, second))
         .filter(|distances_m| distances_m.len() >= FEWEST_DISTANCES)
         .filter_map(|distances_m| quantiles(distances_m, [0.25, 0.5, 0.75]))
         .map(|[q25, median, q75]| [median, q75 - q25])
@@ -191,7 +202,7 @@ fn distances_m(a: &[Position], b: &[Position]) -> Vec<f64> {
 
 /// Returns the applied transforms with their file, if the readings confirm them.
 fn applied<'a>(
-    positions: &[Vec<Position>; 3],
+    positions: &PerStation<Vec<Position>>,
     files: &'a [FoundFile],
     findings: &mut Vec<Finding>,
 ) -> Result<Option<(&'a str, AppliedTransforms)>, OpenError> {
@@ -200,14 +211,15 @@ fn applied<'a>(
     let mut count = 0;
     for file in files.iter().filter(|f| f.serves_as(Format::AppliedTransforms)) {
         looked_at.push(file.file.as_str());
-        let sets = match applied_transforms::read(&file.file, &file.uncounted_text()?) {
-            Ok(sets) => sets,
-            // The tracks are usable without it.
-            Err(error) => {
-                findings.push(transforms_unreadable(&file.file, &error.to_string()));
-                continue;
-            }
-        };
+        let sets =
+            match applied_transforms::read(&file.file, &file.uncounted_text()?, positions.len()) {
+                Ok(sets) => sets,
+                // The tracks are usable without it.
+                Err(error) => {
+                    findings.push(transforms_unreadable(&file.file, &error.to_string()));
+                    continue;
+                }
+            };
         for set in sets {
             count += 1;
             let agreement = agreement(positions, &set);
@@ -235,7 +247,7 @@ fn applied<'a>(
 
 /// Agreement of the ranges of all stations with an instrument's steps, after inverting a set of transforms. It is 0 if a slightly
 /// displaced origin agrees about as well.
-fn agreement(positions: &[Vec<Position>; 3], set: &AppliedTransforms) -> f64 {
+fn agreement(positions: &PerStation<Vec<Position>>, set: &AppliedTransforms) -> f64 {
     let of = |step_m: f64, in_steps: InSteps| {
         let each = positions.iter().zip(&set.common_from_station).map(|(own, applied)| {
             let origin_m = applied.translation_m;

@@ -4,7 +4,7 @@ use crate::findings::tracks::file_unreadable;
 use std::path::Path;
 
 use resect_core::deployment::printable::printable;
-use resect_core::deployment::{Deployment, Finding, Ingredient, Overrides};
+use resect_core::deployment::{Deployment, Finding, FollowedPrisms, Ingredient, Overrides};
 use resect_core::progress::Progress;
 
 use super::control_points::read_control_point_sets;
@@ -12,6 +12,7 @@ use super::found::{Found, FoundFile, find, in_memory};
 use super::gnss::read_gnss;
 use super::reading::Reading;
 use super::rig::read_rig;
+use super::stations::complete_stations;
 use super::surveys::Surveys;
 use super::tracks;
 use crate::error::OpenError;
@@ -62,6 +63,7 @@ fn put_together<'a>(
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
     let read = read_tracks(&name, &overrides)?;
+    let track_files = read.files.join(", ");
     used.extend(read.files);
     findings.extend(read.findings);
     let prism_constants_m = read.prism_constants_m;
@@ -77,7 +79,7 @@ fn put_together<'a>(
     };
     let surveys = Surveys::read(&mut reading)?;
     let control_points = read_control_point_sets(&mut reading, &prism_constants_m, &surveys)?;
-    let rig = read_rig(&mut reading, &prism_constants_m, &surveys)?;
+    let rig = read_rig(&mut reading, &surveys)?;
     let gnss = read_gnss(&mut reading)?;
     let mut as_read = in_folder;
     as_read.inter_prism_m = as_read.inter_prism_m.or(reading.distances_of_files_m);
@@ -92,13 +94,13 @@ fn put_together<'a>(
             used: used.contains(&f.file.as_str()),
         })
         .collect();
-    Ok(Deployment {
+    let mut deployment = Deployment {
         name,
         tracks: read.tracks,
         track_frame: read.frame,
         control_points,
         rig,
-        prisms: overrides.prisms,
+        prisms: overrides.prisms.as_ref().map(FollowedPrisms::count),
         gnss,
         time_corrections: read.time_corrections,
         overrides,
@@ -107,13 +109,15 @@ fn put_together<'a>(
         findings,
         ground_truth: None,
         restarts_s: Vec::new(),
-    })
+    };
+    complete_stations(&mut deployment, &track_files)?;
+    Ok(deployment)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::FindingKind;
+    use crate::findings::kinds;
 
     const TRACKS: &str =
         "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";
@@ -131,7 +135,7 @@ mod tests {
         let files = [("a.csv", TRACKS), ("b.csv", TRACKS), ("deployment.toml", toml)];
         let deployment = open_files("d", &files).expect("the override decides");
         assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);
-        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0]);
+        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0].into());
         let unused: Vec<_> = deployment.ingredients.iter().filter(|i| !i.used).collect();
         assert_eq!(unused.len(), 1);
         assert_eq!(unused[0].file, "a.csv");
@@ -143,7 +147,7 @@ mod tests {
         let files = [("a (1).csv", TRACKS), ("a.csv", TRACKS), ("b.csv", &rounded)];
         let deployment = open_files("d", &files).expect("opens");
         assert_eq!(deployment.tracks.map(|track| track.measurements.len()), [1; 3].into());
-        let told = deployment.findings.iter().find(|f| f.kind == FindingKind::CopiesLeftOut);
+        let told = deployment.findings.iter().find(|f| f.kind == kinds::COPIES_LEFT_OUT);
         let told = told.expect("told").message().to_string();
         assert_eq!(told, "a.csv is read; the same readings are in b.csv, a (1).csv");
     }

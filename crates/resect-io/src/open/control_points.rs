@@ -4,6 +4,7 @@ use crate::findings::control_points::{
     control_points_empty, known_point_not_measured, pillar_coordinates_unknown,
     pillars_without_readings,
 };
+use resect_core::network::PerStation;
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -19,7 +20,7 @@ use resect_core::deployment::{ControlPointSet, Finding};
 /// Reads every set, with the surveyed coordinates of its points.
 pub fn read_control_point_sets<'a>(
     reading: &mut Reading<'a, '_>,
-    prism_constants_m: &[f64; 3],
+    prism_constants_m: &PerStation<f64>,
     surveys: &Surveys<'a>,
 ) -> Result<Vec<ControlPointSet>, OpenError> {
     let mut sets: Vec<ControlPointSet> = surveys.control_points(reading, prism_constants_m);
@@ -90,7 +91,7 @@ fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut Con
 fn read_control_points(
     file: &str,
     text: &str,
-    prism_constants_m: &[f64; 3],
+    prism_constants_m: &PerStation<f64>,
     pillars: Option<&[(i64, Vector3<f64>)]>,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<ControlPointSet>, OpenError> {

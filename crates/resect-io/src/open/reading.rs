@@ -1,4 +1,5 @@
 use resect_core::deployment::{Finding, Overrides};
+use resect_core::network::PerPair;
 use resect_core::progress::Progress;
 
 use super::found::FoundFile;
@@ -10,7 +11,7 @@ pub struct Reading<'a, 'b> {
     /// Overrides of the user, which take precedence over those of the folder.
     pub corrections: &'a Overrides,
     /// Distances between the prisms from the rig's files (m), after these are read.
-    pub distances_of_files_m: Option<[f64; 3]>,
+    pub distances_of_files_m: Option<PerPair<f64>>,
     pub progress: &'a Progress,
     /// Names of the files that were read.
     pub used: &'b mut Vec<&'a str>,

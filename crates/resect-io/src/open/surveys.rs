@@ -7,6 +7,7 @@ use crate::findings::surveys::{
     survey_coordinates_left_out, survey_empty, survey_points_numbered, survey_prism_constant_kept,
     survey_station_repeated, survey_station_unknown,
 };
+use resect_core::network::{MOST_STATIONS, Number, PerPrism, PerStation, Station};
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
@@ -18,22 +19,22 @@ use crate::error::OpenError;
 use crate::format::survey::{PointReading, Survey};
 use crate::format::{Format, gsi, jobxml};
 use crate::recording::station_index;
-use resect_core::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany, PrismConstants};
+use resect_core::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany};
 
 /// Contents of the surveyors' files of a folder.
 pub struct Surveys<'a> {
     files: Vec<(&'a FoundFile, Survey)>,
 }
 
-/// Readings of stations 1, 2, 3 that form one set.
+/// Readings of the stations that form one set.
 struct Group<'s> {
     /// Common name of the files, without the station's number.
     pattern: String,
-    stations: [Option<(&'s str, &'s Survey)>; 3],
+    stations: PerStation<Option<(&'s str, &'s Survey)>>,
 }
 
-/// A file, and prisms 1, 2, 3 in the frame of its instrument (m).
-type RigPoints<'a> = (&'a String, [Vector3<f64>; 3]);
+/// A file, and the prisms in the frame of its instrument (m).
+pub type RigPoints<'a> = (&'a String, PerPrism<Vector3<f64>>);
 
 impl<'a> Surveys<'a> {
     /// Reads every such file, except those set aside.
@@ -53,13 +54,13 @@ impl<'a> Surveys<'a> {
             .overrides
             .surveys
             .iter()
-            .flatten()
+            .flat_map(PerStation::iter)
             .find(|named| !files.iter().any(|(file, _)| file.file == **named))
         {
             return Err(OpenError::file(
                 "deployment.toml",
                 format!("surveys names `{missing}`, which is not a GSI or JobXML file here"),
-                "give names relative to the folder, of stations 1, 2, 3",
+                "give names relative to the folder, of stations 1, 2, …",
             ));
         }
         Ok(Self { files })
@@ -69,7 +70,7 @@ impl<'a> Surveys<'a> {
     pub fn control_points(
         &self,
         reading: &mut Reading<'a, '_>,
-        prism_constants_m: &[f64; 3],
+        prism_constants_m: &PerStation<f64>,
     ) -> Vec<ControlPointSet> {
         let overrides = reading.overrides;
         let rig = overrides.rig.as_ref().map_or(&[][..], OneOrMany::as_slice);
@@ -104,15 +105,16 @@ impl<'a> Surveys<'a> {
             };
             reading.findings.extend(survey.findings.iter().cloned());
             if survey.sightings.iter().all(|s| s.complete)
-                && let Some(given_m) = overrides.prism_constant_m.map(PrismConstants::each_m)
-                && given_m[station] != 0.0
+                && let Some(given) = &overrides.prism_constant_m
+                && given.of_station_m(Station::at(station)) != 0.0
             {
                 reading.findings.push(survey_prism_constant_kept(name));
             }
             let group = match groups.iter().position(|g| g.pattern == pattern) {
                 Some(known) => &mut groups[known],
                 None => {
-                    groups.push(Group { pattern, stations: [None; 3] });
+                    groups
+                        .push(Group { pattern, stations: PerStation::repeat(MOST_STATIONS, None) });
                     groups.last_mut().expect("just pushed")
                 }
             };
@@ -129,11 +131,11 @@ impl<'a> Surveys<'a> {
         sets.filter(|set| !set.points.is_empty()).collect()
     }
 
-    /// Returns the first three points of the file that `rig` of `deployment.toml` names, in the frame of its instrument (m).
+    /// Returns the first points of the file that `rig` of `deployment.toml` names, in the frame of its instrument (m).
     pub fn rig(
         &self,
         named: Option<&[String]>,
-        prism_constants_m: &[f64; 3],
+        prism_constants_m: &PerPrism<f64>,
         findings: &mut Vec<Finding>,
     ) -> Result<Option<RigPoints<'a>>, OpenError> {
         let is_named = |file: &FoundFile| named.is_some_and(|named| named.contains(&file.file));
@@ -144,22 +146,20 @@ impl<'a> Surveys<'a> {
         findings.extend(survey.points(&file.file, prism_constants_m[0]).1);
         // The prism constant belongs to the prism, and so to the station that tracks it.
         let of = |prism: usize| survey.points(&file.file, prism_constants_m[prism]).0;
-        let prisms: Option<Vec<Vector3<f64>>> = (0..3)
+        let prisms: Option<PerPrism<Vector3<f64>>> = (0..prism_constants_m.len())
             .map(|prism| of(prism).get(prism).map(|point| point.polar.to_cartesian()))
             .collect();
-        match prisms.map(<[_; 3]>::try_from) {
-            Some(Ok(prisms)) => Ok(Some((&file.file, prisms))),
-            _ => Err(OpenError::file(
-                &file.file,
-                "has fewer than three points",
-                "the first three must be prisms 1, 2, 3",
-            )),
-        }
+        let prisms = prisms.ok_or_else(|| {
+            let prisms = prism_constants_m.len();
+            let what = format!("has fewer than {prisms} points");
+            OpenError::file(&file.file, what, format!("the first must be prisms 1 to {prisms}"))
+        })?;
+        Ok(Some((&file.file, prisms)))
     }
 }
 
-/// Returns the group of a file, and its station, 0 to 2.
-fn whose(name: &str, surveys: Option<&[String; 3]>) -> Option<(String, usize)> {
+/// Returns the group of a file, and its station, from 0.
+fn whose(name: &str, surveys: Option<&PerStation<String>>) -> Option<(String, usize)> {
     if let Some(surveys) = surveys {
         return surveys.iter().position(|own| own == name).map(|station| (String::new(), station));
     }
@@ -171,7 +171,7 @@ fn whose(name: &str, surveys: Option<&[String; 3]>) -> Option<(String, usize)> {
 impl Group<'_> {
     fn set(
         &self,
-        prism_constants_m: &[f64; 3],
+        prism_constants_m: &PerStation<f64>,
         coordinates: &HashMap<&str, Vector3<f64>>,
         findings: &mut Vec<Finding>,
     ) -> ControlPointSet {
@@ -190,7 +190,7 @@ impl Group<'_> {
                     points.len() - 1
                 });
                 let point = &mut points[index].1;
-                (point.readings[station], point.face_one[station]) = (Some(polar), face_one);
+                point.set_reading(Station::at(station), Some(polar), face_one);
             }
         }
         let file = files.join(", ");

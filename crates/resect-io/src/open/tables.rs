@@ -1,6 +1,8 @@
 //! Tables among the files of tracks: those of one station each, and those with columns that the user has to name.
 
-use std::path::PathBuf;
+use resect_core::network::MOST_STATIONS;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 use super::found::{Content, FoundFile};
 use crate::error::{OpenError, Question};
@@ -44,8 +46,8 @@ pub fn is_one_stations(file: &FoundFile, columns: Option<&ColumnMapping>) -> boo
     }
 }
 
-/// Returns the station number of each file that does not contain it: three files are of stations 1, 2, 3, in the order that the
-/// user or their names give.
+/// Returns the station number of each file that does not contain it: the files are of stations 1, 2, …, in the order that the user
+/// or their names give.
 pub fn stations(
     folder: &str,
     tracks: &[&FoundFile],
@@ -58,33 +60,40 @@ pub fn stations(
     }
     let names: Vec<_> = tracks.iter().map(|file| file.file.as_str()).collect();
     let all_are = tracks.iter().all(|file| is_one_stations(file, columns));
+    let same_kind = |f: &&FoundFile| tracks.iter().any(|track| track.format == f.format);
+    let is_only_one = files.iter().filter(same_kind).count() == 1;
+    let is_ordered = (is_ordered && tracks.len() > 1) || is_only_one;
     match by_number(&names) {
-        _ if tracks.len() == 3 && all_are && is_ordered => Ok(vec![Some(1), Some(2), Some(3)]),
-        Some(numbers) if all_are => Ok(numbers.map(Some).to_vec()),
+        _ if is_ordered && all_are && tracks.len() <= MOST_STATIONS => {
+            Ok((1..).map(Some).take(tracks.len()).collect())
+        }
+        Some(numbers) if all_are => Ok(numbers.into_iter().map(Some).collect()),
         _ => {
-            let same_kind = |f: &&FoundFile| tracks.iter().any(|track| track.format == f.format);
             let files = files.iter().filter(same_kind).map(|f| f.file.clone()).collect();
             Err(Question::StationFiles { folder: folder.to_owned(), files }.into())
         }
     }
 }
 
-/// Returns the numbers 1, 2, 3 of three names that differ in nothing else.
-fn by_number(names: &[&str]) -> Option<[i64; 3]> {
-    let [a, b, c] = names else { return None };
-    let differing = |digit: &str| {
-        (0..a.len())
-            .find(|at| a.get(*at..at + 1) == Some(digit) && b.get(*at..at + 1) != Some(digit))
-    };
-    let at = ["1", "2", "3"].into_iter().find_map(differing)?;
+/// Returns the name of a file without folder and extension.
+pub fn stem(file: &str) -> &str {
+    Path::new(file).file_stem().and_then(OsStr::to_str).unwrap_or(file)
+}
+
+/// Returns the numbers 1, 2, … of names that differ in nothing else.
+fn by_number(names: &[&str]) -> Option<Vec<i64>> {
+    let [a, b, ..] = names else { return None };
+    let digit = |name: &str, at: usize| name.get(at..at + 1)?.parse::<i64>().ok();
+    let differs = |at: &usize| digit(a, *at).is_some() && a.get(*at..at + 1) != b.get(*at..at + 1);
+    let at = (0..a.len()).find(differs)?;
     let without = |name: &str| Some([name.get(..at)?, name.get(at + 1..)?].concat());
-    if without(a)? != without(b)? || without(a)? != without(c)? {
+    if names.iter().any(|name| without(name) != without(a)) {
         return None;
     }
-    let numbers = [a, b, c].map(|name| name[at..at + 1].parse().unwrap_or(0));
-    let mut sorted = numbers;
+    let numbers: Vec<i64> = names.iter().map(|name| digit(name, at)).collect::<Option<_>>()?;
+    let mut sorted = numbers.clone();
     sorted.sort_unstable();
-    (sorted == [1, 2, 3]).then_some(numbers)
+    sorted.into_iter().eq(1..=names.len() as i64).then_some(numbers)
 }
 
 /// Reads a table of tracks into a recording.
@@ -138,12 +147,12 @@ mod tests {
     #[test]
     fn names_that_differ_in_a_number_number_the_stations() {
         let cases = [
-            (["t1.csv", "t2.csv", "t3.csv"], Some([1, 2, 3])),
-            (["a/rts3_11.csv", "a/rts1_11.csv", "a/rts2_11.csv"], Some([3, 1, 2])),
+            (["t1.csv", "t2.csv", "t3.csv"], Some(vec![1, 2, 3])),
+            (["a/rts3_11.csv", "a/rts1_11.csv", "a/rts2_11.csv"], Some(vec![3, 1, 2])),
             (["1", "2", "2"], None),
             (["raw_1f.csv", "raw_2e.csv", "raw_3d.csv"], None),
             (["a.csv", "b.csv", "c.csv"], None),
-            (["ä1", "ä2", "ä3"], Some([1, 2, 3])),
+            (["ä1", "ä2", "ä3"], Some(vec![1, 2, 3])),
         ];
         for (names, expected) in cases {
             assert_eq!(by_number(&names), expected, "{names:?}");

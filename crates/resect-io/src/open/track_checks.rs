@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 
 use crate::findings::tracks::{cartesian_origin_doubtful, ranges_repeated, station_clock_off};
 use resect_core::deployment::{EstimatedPose, Finding, Measurement, Track};
-use resect_core::estimates::offset_by_speeds_s;
 use resect_core::network::PerStation;
 use resect_core::statistics::quantiles;
+use resect_tools::estimates::offset_by_speeds_s;
 
 /// Ranges repeat if so many consecutive ones are equal although the prism moves across the sight by this length (m).
 const FEWEST_REPEATED: usize = 5;

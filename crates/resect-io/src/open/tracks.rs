@@ -2,6 +2,7 @@
 
 use super::copies::{self, SAME_STAMP_S};
 use super::found::{Found, FoundFile};
+use super::stations::listed_stations;
 use super::{bags, dated, tables, track_checks};
 use super::{cartesian, clock_jump};
 use crate::error::{OpenError, Question};
@@ -13,12 +14,13 @@ use crate::findings::tracks::{
 use crate::format;
 use crate::format::Format;
 use crate::format::mapped_csv;
-use crate::recording::Recording;
+use crate::recording::{Recording, station_index};
+use resect_core::deployment::printable::printable;
 use resect_core::deployment::{
     ColumnMapping, Finding, Measurement, OneOrMany, Overrides, TimeCorrection, Track, TrackFrame,
     station_clocks,
 };
-use resect_core::network::{PerStation, USUAL_STATIONS};
+use resect_core::network::{MOST_STATIONS, PerStation, USUAL_STATIONS};
 use resect_core::progress::Progress;
 
 /// So many files are named in a message.
@@ -30,7 +32,7 @@ pub struct TracksRead<'a> {
     pub frame: TrackFrame,
     pub time_corrections: PerStation<Vec<TimeCorrection>>,
     /// Prism constants of the ranges of each station (m), even if those of the tracks contain them already.
-    pub prism_constants_m: [f64; 3],
+    pub prism_constants_m: PerStation<f64>,
     /// Finding about added prism constants; `None` without ranges.
     pub about_prism_constant: Option<Finding>,
     /// Names of the files that were read.
@@ -58,7 +60,7 @@ pub fn read<'a>(
             let read = |file: &FoundFile| {
                 let stations = tables::stations(name, &[file], columns, files, false)?;
                 let mut recording =
-                    Recording::new(overrides.stations, overrides.is_counter_clockwise());
+                    Recording::new(overrides.stations.as_ref(), overrides.is_counter_clockwise());
                 read_files(&[file], &stations, overrides, progress, &mut recording)?;
                 Ok(recording.finish(&file.file)?.0)
             };
@@ -80,7 +82,7 @@ pub fn read<'a>(
     progress.expect(track_files.iter().map(|f| f.bytes).sum::<u64>() + beside.sum::<u64>());
     let mut used: Vec<&str> = track_files.iter().map(|f| f.file.as_str()).collect();
     let new_recording = |numbers| Recording::new(numbers, overrides.is_counter_clockwise());
-    let mut recording = new_recording(overrides.stations);
+    let mut recording = new_recording(overrides.stations.as_ref());
     let mut frame = TrackFrame::Own;
     if track_files.iter().all(|f| f.format == Format::CartesianTrack) {
         let (theirs, undone) = cartesian::read(&track_files, files, progress, &mut recording)?;
@@ -88,9 +90,10 @@ pub fn read<'a>(
         used.extend(undone);
     } else {
         read_files(&track_files, &stations, overrides, progress, &mut recording)?;
-        if let (None, Some(numbers)) = (overrides.stations, recording.other_numbers()) {
-            recording = new_recording(Some(numbers));
+        if let (None, Some(numbers)) = (&overrides.stations, recording.other_numbers()) {
+            recording = new_recording(Some(&numbers));
             read_files(&track_files, &stations, overrides, &Progress::default(), &mut recording)?;
+            recording.name_by_numbers(&numbers);
             recording.findings.push(stations_renumbered(&numbers));
         }
     }
@@ -108,6 +111,10 @@ pub fn of_recording<'a>(
     corrections: &Overrides,
     overrides: &Overrides,
 ) -> Result<TracksRead<'a>, OpenError> {
+    recording.remove_absent_stations();
+    if let Some(numbers) = &overrides.stations {
+        recording.name_by_numbers(numbers);
+    }
     let time_corrections = recording.take_time_corrections();
     let include_constant =
         overrides.ranges_include_prism_constant.unwrap_or(recording.ranges_include_prism_constant);
@@ -117,6 +124,10 @@ pub fn of_recording<'a>(
     findings.extend(station_clocks::findings(&tracks, &time_corrections));
     if overrides.span_s.is_none() {
         findings.extend(clock_jump::keep_longest_part(&mut tracks));
+    }
+    let names = overrides.station_names.iter().flatten();
+    for (track, name) in tracks.iter_mut().zip(names) {
+        track.name = Some(printable(name));
     }
     let none = TracksRead::none(overrides);
     let constants_m = &none.prism_constants_m;
@@ -129,6 +140,7 @@ pub fn of_recording<'a>(
     findings.extend(track_checks::clock_offsets(&tracks));
     leave_out(&mut tracks, overrides, &mut findings);
     findings.extend(track_checks::leave_out_repeated_ranges(&mut tracks));
+    let constants_m = &constants_m.as_slice()[..tracks.len()];
     let about = about_prism_constant(constants_m, include_constant, corrections, overrides);
     Ok(TracksRead { tracks, time_corrections, findings, about_prism_constant: Some(about), ..none })
 }
@@ -136,11 +148,16 @@ pub fn of_recording<'a>(
 impl TracksRead<'_> {
     /// Returns tracks without readings.
     pub fn none(overrides: &Overrides) -> Self {
+        let stations = listed_stations(overrides).unwrap_or(USUAL_STATIONS);
         Self {
-            tracks: PerStation::repeat(USUAL_STATIONS, Track::default()),
+            tracks: PerStation::repeat(stations, Track::default()),
             frame: TrackFrame::Own,
-            time_corrections: PerStation::repeat(USUAL_STATIONS, Vec::new()),
-            prism_constants_m: overrides.prism_constant_m.unwrap_or_default().each_m(),
+            time_corrections: PerStation::repeat(stations, Vec::new()),
+            prism_constants_m: overrides
+                .prism_constant_m
+                .clone()
+                .unwrap_or_default()
+                .each_m(MOST_STATIONS),
             about_prism_constant: None,
             files: Vec::new(),
             findings: Vec::new(),
@@ -150,12 +167,12 @@ impl TracksRead<'_> {
 
 /// Returns the finding about added prism constants and their source.
 fn about_prism_constant(
-    constants_m: &[f64; 3],
+    constants_m: &[f64],
     included_in_tracks: bool,
     corrections: &Overrides,
     overrides: &Overrides,
 ) -> Finding {
-    let from = match (corrections.prism_constant_m, overrides.prism_constant_m) {
+    let from = match (&corrections.prism_constant_m, &overrides.prism_constant_m) {
         (Some(_), _) => "the user",
         (None, Some(_)) => "deployment.toml",
         (None, None) => "the MT1000",
@@ -175,7 +192,10 @@ fn leave_out(tracks: &mut PerStation<Track>, overrides: &Overrides, findings: &m
     let masked = overrides.masked.as_deref().unwrap_or_default();
     let mut missing = 0;
     for mask in masked {
-        let track = &mut tracks[usize::from(mask.station) - 1];
+        let Some(track) = tracks.as_mut_slice().get_mut(usize::from(mask.station) - 1) else {
+            missing += 1;
+            continue;
+        };
         let same = |m: &Measurement| (m.time_s - mask.time_s).abs() < SAME_STAMP_S;
         let near = track.measurements.partition_point(|m| m.time_s < mask.time_s - SAME_STAMP_S);
         if track.measurements.get(near).is_some_and(same) {
@@ -284,7 +304,12 @@ fn read_files(
     if !pieces.is_empty() {
         format::bag::read(&pieces, overrides.topics.as_ref(), progress, into)?;
     }
+    let last = stations.iter().flatten().filter_map(|number| station_index(*number)).max();
+    into.expect_stations(last.map_or(0, |last| last + 1));
     for (file, station) in files.iter().zip(stations).filter(|(file, _)| !file.format.is_bag()) {
+        if let Some(place) = station.and_then(station_index) {
+            into.name_station(place, tables::stem(&file.file));
+        }
         tables::read(file, *station, overrides.columns.as_ref(), progress, into)?;
     }
     Ok(())

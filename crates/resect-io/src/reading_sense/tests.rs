@@ -1,3 +1,5 @@
+use crate::findings::kinds as file_kinds;
+use resect_core::deployment::kinds;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::impossible::Impossible;
@@ -5,9 +7,9 @@ use super::station_sense::{LARGEST_SAMPLE, StationSense};
 use crate::format::polar_csv;
 use crate::open::open_files;
 use crate::sample::Sample;
-use resect_core::deployment::{Deployment, FindingKind, Measurement};
+use resect_core::deployment::{Deployment, Measurement};
 
-use resect_core::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate};
 
 /// Returns the table of a sample with changed rows: index of the row; time, station, range, azimuth, zenith angle.
 fn changed(mut change: impl FnMut(usize, &mut [f64; 5])) -> String {
@@ -106,14 +108,14 @@ fn impossible_readings_that_are_marked_as_valid_raise_a_doubt() {
 fn relative_time_is_a_note_and_clocks_that_never_meet_a_problem() {
     let relative = read(&changed(|_, row| row[0] -= 1.76e9)).expect("fine");
     assert!(doubts(&relative).is_empty());
-    assert!(relative.findings.iter().any(|f| f.kind == FindingKind::StampsRelative));
+    assert!(relative.findings.iter().any(|f| f.kind == file_kinds::STAMPS_RELATIVE));
     let apart = read(&changed(|_, row| {
         if row[1] == 2.0 {
             row[0] -= 1e6;
         }
     }))
     .expect("readable");
-    let said = apart.findings.iter().find(|f| f.kind == FindingKind::StationsWithoutCommonTime);
+    let said = apart.findings.iter().find(|f| f.kind == kinds::STATIONS_WITHOUT_COMMON_TIME);
     assert_eq!(said.expect("said").severity, resect_core::deployment::Severity::Problem);
 }
 
@@ -125,7 +127,7 @@ fn good_data_raise_no_doubt() {
     for preset in Preset::ALL {
         let deployment = crate::simulation_files::open(&simulate(preset, 3)).expect("simulated");
         assert_eq!(doubts(&deployment), [""; 0], "{preset:?}");
-        let notes = deployment.findings.iter().filter(|f| f.kind == FindingKind::StampsRelative);
+        let notes = deployment.findings.iter().filter(|f| f.kind == file_kinds::STAMPS_RELATIVE);
         assert_eq!(notes.count(), 0);
     }
 }

@@ -3,7 +3,7 @@
 use super::sizes::SMALL;
 use crate::axis::{Axis, number};
 use crate::drawing::{Anchor, Ink, Mark, shortened, text_width, wrap};
-use resect_core::experiment::{Quantiles, Study};
+use resect_tools::experiment::{Quantiles, Study};
 
 pub struct Slots {
     left: f32,

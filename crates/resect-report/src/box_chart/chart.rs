@@ -7,7 +7,7 @@ use crate::axis::Axis;
 use crate::drawing::{Anchor, Drawing, Ink, Mark, shortened, text_width, wrap};
 
 use resect_core::deployment::Finding;
-use resect_core::experiment::Study;
+use resect_tools::experiment::Study;
 
 /// Returns the value axis of a study between two heights of a drawing.
 fn value_axis(study: &Study, bottom: f32, top: f32) -> Axis {

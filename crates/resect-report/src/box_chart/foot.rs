@@ -3,7 +3,7 @@
 use super::sizes::{LABEL, SMALL};
 use crate::drawing::{Anchor, Ink, Mark, text_width, wrap};
 use resect_core::deployment::Finding;
-use resect_core::experiment::Study;
+use resect_tools::experiment::Study;
 
 const LABEL_LINE: f32 = 1.25 * LABEL;
 const SMALL_LINE: f32 = 1.25 * SMALL;

@@ -37,7 +37,10 @@ fn summary(verdict: Verdict) -> ResultSummary {
         doubts: vec!["station 2 can slide\nalong the track".to_owned()],
         triplets: 10,
         one_prism: false,
-        stations: [StationSummary::new(2, &two, Some(sigma)), StationSummary::new(3, &three, None)],
+        stations: vec![
+            StationSummary::new(2, &two, Some(sigma)),
+            StationSummary::new(3, &three, None),
+        ],
         covariance: None,
         inter_prism_mm: None,
         control_points_mm: Vec::new(),
@@ -48,7 +51,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
 
 /// Copies a good answer: T12 and T13.
 fn copied(format: CopyFormat) -> String {
-    text(format, &summary(Verdict::Good), Part::Both)
+    text(format, &summary(Verdict::Good), CopiedTransforms::All)
 }
 
 #[track_caller]
@@ -176,7 +179,7 @@ fn urdf_joints_are_read_back() {
 }
 
 fn text_of(summary: &ResultSummary) -> String {
-    text(CopyFormat::Urdf, summary, Part::Both)
+    text(CopyFormat::Urdf, summary, CopiedTransforms::All)
 }
 
 #[test]
@@ -215,7 +218,10 @@ fn toml_is_read_back() {
 #[test]
 fn a_part_is_only_that_part() {
     for format in CopyFormat::ALL {
-        let [both, one, other] = Part::ALL.map(|part| text(format, &summary(Verdict::Good), part));
+        let choices =
+            [CopiedTransforms::All, CopiedTransforms::Station(2), CopiedTransforms::Station(3)];
+        let [both, one, other] =
+            choices.map(|copied| text(format, &summary(Verdict::Good), copied));
         assert!(one.len() < both.len() && other.len() < both.len(), "{both}");
         // A copy of T13 does not contain the x of station 2.
         assert!(one.contains("-123.456789") && !other.contains("-123.456789"), "{other}");
@@ -225,10 +231,10 @@ fn a_part_is_only_that_part() {
 #[test]
 fn a_doubtful_answer_says_so_in_every_form() {
     for format in CopyFormat::ALL {
-        let doubtful = text(format, &summary(Verdict::Weak), Part::T12);
+        let doubtful = text(format, &summary(Verdict::Weak), CopiedTransforms::Station(2));
         assert!(doubtful.contains("station 2 can slide"), "{doubtful}");
         assert!(doubtful.to_lowercase().contains("weak"), "{doubtful}");
-        let good = text(format, &summary(Verdict::Good), Part::T12);
+        let good = text(format, &summary(Verdict::Good), CopiedTransforms::Station(2));
         assert!(!good.contains("WARNING"), "{good}");
     }
 }
@@ -237,10 +243,13 @@ fn a_doubtful_answer_says_so_in_every_form() {
 fn a_good_answer_that_nothing_checked_says_so_in_every_form() {
     for format in CopyFormat::ALL {
         let unchecked = ResultSummary { independently_checked: false, ..summary(Verdict::Good) };
-        let copied = text(format, &unchecked, Part::T12);
+        let copied = text(format, &unchecked, CopiedTransforms::Station(2));
         let says = ["not independently checked", "\"independently_checked\": false"];
         assert!(says.iter().any(|words| copied.contains(words)), "{copied}");
-        assert!(!text(format, &summary(Verdict::Good), Part::T12).contains("not independently"));
+        assert!(
+            !text(format, &summary(Verdict::Good), CopiedTransforms::Station(2))
+                .contains("not independently")
+        );
     }
 }
 
@@ -248,7 +257,7 @@ fn a_good_answer_that_nothing_checked_says_so_in_every_form() {
 #[test]
 fn a_name_cannot_smuggle_in_a_line() {
     for format in [CopyFormat::Ros1, CopyFormat::Ros2, CopyFormat::Numpy, CopyFormat::Matrix] {
-        let text = text(format, &summary(Verdict::Weak), Part::Both);
+        let text = text(format, &summary(Verdict::Weak), CopiedTransforms::All);
         assert!(!text.lines().any(|line| line.starts_with("rm") || line.starts_with("along")));
     }
 }

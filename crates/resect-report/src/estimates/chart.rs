@@ -3,11 +3,11 @@
 use crate::drawing::{Anchor, Drawing, Ink, Mark};
 use crate::frame::Frame;
 use crate::residual_chart::draw_strokes;
-use resect_core::estimates::EstimatesJudgement;
-use resect_core::estimates::odd::OddOne;
-use resect_core::palette;
 use resect_core::statistics::quantiles;
 use resect_core::statistics::tables::NORMAL_95;
+use resect_tools::estimates::EstimatesJudgement;
+use resect_tools::estimates::odd::OddOne;
+use resect_tools::palette;
 
 const LABEL: f32 = 11.0;
 const LEFT: f32 = 62.0;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use resect_core::estimates::EstimatesJudgement;
+use resect_tools::estimates::EstimatesJudgement;
 
 /// Formats a line for each epoch of each estimate: the error and σ of the ground truth along each axis, in the ground truth's
 /// frame.

@@ -6,10 +6,10 @@ use super::rows::Angles;
 use super::verdicts::{compared, error_in_words};
 use crate::json::{SCHEMA, findings};
 use resect_core::calibration::Calibration;
-use resect_core::estimates::metrics::Ape;
-use resect_core::estimates::metrics::RelativeErrors;
-use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{Coverage, EstimatesJudgement, GroundTruth, Judged};
+use resect_tools::estimates::metrics::Ape;
+use resect_tools::estimates::metrics::RelativeErrors;
+use resect_tools::estimates::odd::{OddOne, OddSpan};
+use resect_tools::estimates::{Coverage, EstimatesJudgement, GroundTruth, Judged};
 
 /// Returns everything as one object; lengths in metres, angles in radians, times in seconds.
 pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use resect_core::estimates::EstimatesJudgement;
+use resect_tools::estimates::EstimatesJudgement;
 
 use super::rows::{Angles, ErrorRow, rows};
 

@@ -1,7 +1,7 @@
 //! The table of errors: a row for each number, a column for each estimate.
 
-use resect_core::estimates::metrics::RelativeErrors;
-use resect_core::estimates::{Coverage, EstimatesJudgement, Judged, RELATIVE_M};
+use resect_tools::estimates::metrics::RelativeErrors;
+use resect_tools::estimates::{Coverage, EstimatesJudgement, Judged, RELATIVE_M};
 
 /// Larger lengths are given in metres (m): frames that differ by map coordinates.
 const LARGEST_IN_MM_M: f64 = 1e3;

@@ -2,8 +2,8 @@
 
 use super::rows::{Angles, EMPTY, rows, why_empty};
 use super::verdicts::{VERDICTS_IN_WORDS, verdicts};
-use resect_core::estimates::odd::{OddOne, OddSpan};
-use resect_core::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
+use resect_tools::estimates::odd::{OddOne, OddSpan};
+use resect_tools::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
 
 const LABEL: usize = 40;
 const VERDICT_LABEL: usize = 28;

@@ -1,8 +1,8 @@
 //! The table of verdicts: for each pair of estimates, a row for each kind of error.
 
-use resect_core::estimates::EstimatesJudgement;
-use resect_core::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
 use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS, decimals_of};
+use resect_tools::estimates::EstimatesJudgement;
+use resect_tools::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
 
 use super::rows::{Angles, EMPTY, NO_ORIENTATION, millimetres};
 

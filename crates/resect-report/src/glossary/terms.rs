@@ -18,7 +18,7 @@ macro_rules! terms {
 terms! {
     // Measurements.
     STATION = "robotic total station" / "RTS":
-        "An instrument that follows a prism and measures range, azimuth and zenith angle to it. Stations 1 to 3 follow the three prisms \
+        "An instrument that follows a prism and measures range, azimuth and zenith angle to it. Each station follows a prism \
          of a vehicle." ("section I");
     DEPLOYMENT = "deployment":
         "One field session with stations that nobody moved: three tracks, and optional control points, rig and GNSS." ("section IV");
@@ -34,7 +34,7 @@ terms! {
         "A length added to every range because light travels more slowly in the prism: +10 mm for the MT1000. A wrong constant distorts \
          all distances and, if stations differ in height, the answer.";
     RIG = "rig":
-        "The three prisms fixed to the vehicle. Their distances must not change during a drive." ("section III-B");
+        "The prisms fixed to the vehicle. Their distances must not change during a drive." ("section III-B");
     INTER_PRISM_DISTANCES = "inter-prism distance" / "prism distance":
         "A distance between two prisms of the rig: α = 1–2, β = 1–3, γ = 2–3. All three are measured before the drive with one station. \
          Method D is based on them." ("section III-B, eq. (3)");
@@ -68,7 +68,7 @@ terms! {
         "The longest gap inside an interval, in seconds. Longer gaps are not interpolated."
         ("sections III-B and V-A: 1 s, two lost readings in a row");
     INTERVAL = "interval" / "interval split":
-        "A span in which all three stations measured without a gap longer than τ_s." ("section III-B, module 2");
+        "A span in which all stations measured without a gap longer than τ_s." ("section III-B, module 2");
     TAU_L = "τ_l" / "interval filter":
         "Intervals up to this length, in seconds, are rejected, because few readings interpolate poorly. Optional."
         ("sections III-B and V-A: 6 s");
@@ -87,7 +87,7 @@ terms! {
         "A Gaussian process for vehicles: the acceleration is white noise. It follows stops and turns, and its computing time grows only \
          linearly with the number of readings.";
     TRIPLET = "triplet":
-        "The interpolated positions of the three prisms at one instant, each in the frame of its station." ("section III-B, module 4");
+        "The interpolated positions of the stations' prisms at one instant, each in the frame of its station." ("section III-B, module 4");
 
     GHOST = "ghost":
         "In the scene, a prism at a time without a triplet: a dashed ring at its last reading. It fades and disappears after three \
@@ -98,7 +98,7 @@ terms! {
 
     // Calibrations.
     EXTRINSICS = "extrinsic calibration" / "extrinsics" / "calibration":
-        "Estimates the positions and orientations of stations 2 and 3 relative to station 1, so that all readings share one frame."
+        "Estimates the positions and orientations of the other stations relative to station 1, so that all readings share one frame."
         ("sections I and III");
     RESECTION = "resection" / "free stationing" / "free station":
         "The surveyors' term for the estimation of an instrument's position from points that it measures." ("sections I and III-A");
@@ -119,7 +119,7 @@ terms! {
         "B: the stations are aligned on three or more points that each measured while nothing moved. The paper's reference."
         ("section III-A, eq. (1)");
     DYNAMIC_GCP = "dynamic control points" / "method C":
-        "C: as method B, on the positions of one moving prism that all three stations follow." ("section III-B, eq. (1)");
+        "C: as method B, on the positions of one moving prism that all stations follow." ("section III-B, eq. (1)");
     INTER_PRISM = "method D" / "dynamic inter-prism calibration":
         "D: the transforms that minimise the errors of the known inter-prism distances during a drive, by least squares over all \
          triplets." ("section III-B, eq. (3)");
@@ -180,7 +180,7 @@ terms! {
         "The difference between computed and measured inter-prism distances, in mm. Method D minimises it, so a small value alone proves \
          nothing." ("section V");
     GROUND_TRUTH = "ground truth":
-        "The vehicle's trajectory from the three stations, with σ. Trajectories of other systems are compared with it.";
+        "The vehicle's trajectory from the stations, with σ. Trajectories of other systems are compared with it.";
     APE = "APE" / "absolute pose error" / "ATE":
         "The difference between the poses of a trajectory and the ground truth at the same times, after one alignment of the whole \
          trajectory; as in evo.";
@@ -211,7 +211,7 @@ terms! {
         "Each of the eight unknowns is observable, weakly observable or unobservable in a drive. A straight line leaves three directions \
          unobservable, a circle one; an L is weak." ("section VI");
     WEAK_DIRECTION = "weak direction" / "weakly observable" / "unobservable" / "free direction":
-        "A common motion of stations 2 and 3 that hardly changes the inter-prism distances (weakly observable) or does not change them \
+        "A motion of the stations that hardly changes the inter-prism distances (weakly observable) or does not change them \
          (unobservable). Turns to both sides, far apart, determine it.";
     CORRELATION = "correlation":
         "The linear dependence of two errors, from −1 to 1. Near ±1, the data determines only a combination of the two quantities.";
@@ -231,7 +231,7 @@ terms! {
     COMPARISON = "comparison of the methods" / "compare calibrations":
         "A study: every method that the data allows, by both metrics." ("section V-B");
     TRAJECTORY = "trajectory" / "pose" / "six degrees of freedom":
-        "The position and orientation of the vehicle over time, from the three prisms with all stations in one frame. The file (TUM) has \
+        "The position and orientation of the vehicle over time, from the prisms with all stations in one frame. The file (TUM) has \
          time, position and quaternion, as evo reads it." ("section I");
     GNSS = "GNSS" / "RTK":
         "Satellite positions of antennas on the vehicle. The errors of their distances are compared with those of the prisms."

@@ -1,15 +1,17 @@
 //! Reads the JSON of a calibration again, for `validate`.
 
+use resect_core::network::PerPair;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Rotation3};
 use serde::Deserialize;
 
 use super::schema::SCHEMA;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::deployment::TrackFrame;
 use resect_core::geometry::RigidTransform;
-use resect_core::validation::Earlier;
+use resect_core::network::PerStation;
+use resect_tools::validation::Earlier;
 
 /// Tolerances for rotations and covariances, which are written with some fifteen digits.
 const NO_ROTATION: f64 = 1e-6;
@@ -45,9 +47,9 @@ struct Written {
     deployment: String,
     method: Method,
     track_frame: Option<TrackFrame>,
-    inter_prism_m: Option<[f64; 3]>,
-    transforms: [WrittenTransform; 2],
-    covariance: Option<[[f64; 8]; 8]>,
+    inter_prism_m: Option<PerPair<f64>>,
+    transforms: Vec<WrittenTransform>,
+    covariance: Option<Vec<Vec<f64>>>,
     diagnosis: WrittenDiagnosis,
 }
 
@@ -95,17 +97,31 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
     }
     let written: Written = serde_json::from_str(text).map_err(not_one)?;
     let wrong = |what: &str| EarlierError::Wrong { file: file.to_owned(), what: what.to_owned() };
-    let [second, third] = &written.transforms;
-    if [second.from, second.to, third.from, third.to] != [2, 1, 3, 1] {
-        return Err(wrong("the transforms are not those of stations 2 and 3 into station 1"));
+    let others = &written.transforms;
+    let is_numbered = others.iter().zip(2..).all(|(one, number)| [one.from, one.to] == [number, 1]);
+    if others.is_empty() || !is_numbered {
+        return Err(wrong("the transforms are not those of stations 2, 3, … into station 1"));
     }
-    let no_transform = || wrong("a matrix is not a rotation and translation");
-    let [second_transform, third_transform] =
-        [second, third].map(|one| rigid(&one.matrix).ok_or_else(no_transform));
-    let covariance = match (written.covariance, &second.sigma, &third.sigma) {
-        (Some(rows), ..) => Some(SMatrix::from_fn(|row, column| rows[row][column])),
-        (None, Some(second), Some(third)) => Some(uncorrelated([second, third])),
-        (None, ..) => None,
+    let mut transforms: PerStation<RigidTransform> = [RigidTransform::IDENTITY].into();
+    for one in others {
+        let transform = rigid(&one.matrix);
+        transforms
+            .push(transform.ok_or_else(|| wrong("a matrix is not a rotation and translation"))?);
+    }
+    let unknowns = 4 * others.len();
+    let covariance = match written.covariance {
+        Some(rows) => {
+            if rows.len() != unknowns || rows.iter().any(|row| row.len() != unknowns) {
+                return Err(wrong(
+                    "invalid covariance: not four rows and columns for each station",
+                ));
+            }
+            Some(DMatrix::from_fn(unknowns, unknowns, |row, column| rows[row][column]))
+        }
+        None => {
+            let sigmas = others.iter().map(|one| one.sigma.as_ref());
+            sigmas.collect::<Option<Vec<_>>>().map(|sigmas| uncorrelated(&sigmas))
+        }
     };
     if covariance.as_ref().is_some_and(|covariance| !is_covariance(covariance)) {
         return Err(wrong("invalid covariance: not symmetric, or not positive definite"));
@@ -116,8 +132,7 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
         verdict: written.diagnosis.verdict,
         doubt: written.diagnosis.doubts.into_iter().next().map(|doubt| doubt.message),
         track_frame: written.track_frame,
-        station1_from_station: [RigidTransform::IDENTITY, second_transform?, third_transform?]
-            .into(),
+        station1_from_station: transforms,
         covariance,
         inter_prism_m: written.inter_prism_m,
     })
@@ -136,18 +151,18 @@ fn rigid(rows: &[[f64; 4]; 4]) -> Option<RigidTransform> {
     })
 }
 
-fn uncorrelated(sigmas: [&WrittenSigma; 2]) -> SMatrix<f64, 8, 8> {
-    SMatrix::from_diagonal(&SVector::from_fn(|k, _| {
+fn uncorrelated(sigmas: &[&WrittenSigma]) -> DMatrix<f64> {
+    DMatrix::from_diagonal(&DVector::from_fn(4 * sigmas.len(), |k, _| {
         let WrittenSigma { translation_m, yaw_rad } = sigmas[k / 4];
         translation_m.get(k % 4).unwrap_or(yaw_rad).powi(2)
     }))
 }
 
-fn is_covariance(matrix: &SMatrix<f64, 8, 8>) -> bool {
-    let sigma = matrix.diagonal().map(f64::sqrt);
-    let correlation = SMatrix::<f64, 8, 8>::from_fn(|i, j| matrix[(i, j)] / (sigma[i] * sigma[j]));
-    let rounded = correlation + SMatrix::identity() * NO_COVARIANCE;
-    (correlation - correlation.transpose()).norm() < NO_COVARIANCE && rounded.cholesky().is_some()
+fn is_covariance(matrix: &DMatrix<f64>) -> bool {
+    let (count, sigma) = (matrix.nrows(), matrix.diagonal().map(f64::sqrt));
+    let correlation = DMatrix::from_fn(count, count, |i, j| matrix[(i, j)] / (sigma[i] * sigma[j]));
+    let rounded = &correlation + DMatrix::identity(count, count) * NO_COVARIANCE;
+    (&correlation - correlation.transpose()).norm() < NO_COVARIANCE && rounded.cholesky().is_some()
 }
 
 #[cfg(test)]
@@ -182,7 +197,7 @@ mod tests {
         for (a, b) in found.station1_from_station.iter().zip(&answered.station1_from_station) {
             assert!(near(a.matrix().as_slice(), b.matrix().as_slice()), "{a:?} {b:?}");
         }
-        let [a, b] = [&found, answered].map(|one| one.covariance.expect("held"));
+        let [a, b] = [&found, answered].map(|one| one.covariance.as_ref().expect("held"));
         assert!((a - b).norm() < 1e-12 * b.norm(), "{a}{b}");
         assert_eq!(found.name, format!("a.json ({})", answered.name));
         let Earlier { station1_from_station, covariance, name, .. } = answered.clone();
@@ -197,8 +212,8 @@ mod tests {
             older.as_object_mut().expect("an object").remove(key);
         }
         let covariance = read(&older).expect("an older file").covariance.expect("σ");
-        let diagonal = answered.covariance.expect("held").diagonal();
-        assert!((covariance - SMatrix::from_diagonal(&diagonal)).norm() < 1e-15);
+        let diagonal = answered.covariance.as_ref().expect("held").diagonal();
+        assert!((covariance - DMatrix::from_diagonal(&diagonal)).norm() < 1e-15);
         older["transforms"][1]["sigma"] = Value::Null;
         assert_eq!(read(&older).expect("free").covariance, None);
     }
@@ -229,8 +244,8 @@ mod tests {
             (complaint("/diagnosis/verdict", "fine".into()), "unknown variant `fine`"),
             (complaint("/transforms/0/matrix/0/3", Value::Null), "invalid type: null"),
             (complaint("/transforms/0/matrix/0/0", 7.0.into()), "not a rotation and translation"),
-            (complaint("/transforms/1/from", 2.into()), "not those of stations 2 and 3"),
-            (complaint("/transforms", Vec::<Value>::new().into()), "invalid length 0"),
+            (complaint("/transforms/1/from", 2.into()), "not those of stations 2, 3, …"),
+            (complaint("/transforms", Vec::<Value>::new().into()), "not those of stations 2, 3, …"),
             (complaint("/covariance/0/1", 1.0.into()), "invalid covariance"),
             (complaint("/covariance/3/3", (-1.0).into()), "invalid covariance"),
             (complaint("/covariance/3/3", 0.0.into()), "invalid covariance"),

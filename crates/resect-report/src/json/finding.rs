@@ -1,6 +1,7 @@
 //! A finding as JSON.
 
-use resect_core::deployment::{Finding, PAIRS, Subject};
+use resect_core::deployment::{Finding, Subject};
+use resect_core::network::{Number, Pair};
 use serde_json::{Map, Value, json};
 
 /// Returns code, severity, message, subject and quantities. Names of quantities end with their unit; a quantity with a
@@ -18,7 +19,7 @@ pub fn finding(finding: &Finding) -> Value {
         })
         .collect();
     json!({
-        "code": finding.kind.code(),
+        "code": finding.kind.code,
         "severity": finding.severity,
         "message": finding.to_string(),
         "subject": finding.subject.as_ref().map(subject),
@@ -37,8 +38,8 @@ fn subject(subject: &Subject) -> Value {
         Subject::Station(station) => json!({ "station": station + 1 }),
         Subject::OfStation { station, part } => json!({ "station": station + 1, "part": part }),
         Subject::Pair(pair) => {
-            let (a, b) = PAIRS[*pair];
-            json!({ "prisms": [a + 1, b + 1] })
+            let Pair { first, second } = Pair::at(*pair);
+            json!({ "prisms": [first.number(), second.number()] })
         }
         Subject::File(file) => json!({ "file": file }),
         Subject::Point { file, marker } => json!({ "file": file, "marker": marker }),
@@ -50,11 +51,12 @@ fn subject(subject: &Subject) -> Value {
 mod tests {
     use super::*;
     use resect_core::calibration::Estimate;
-    use resect_core::deployment::{FindingKind, Unit};
+    use resect_core::deployment::Unit;
+    use resect_core::deployment::kinds;
 
     #[test]
     fn quantities_are_named_with_their_unit_and_have_their_sigma() {
-        let late = Finding::new(FindingKind::ClockOffsetSuspected, "late")
+        let late = Finding::new(kinds::CLOCK_OFFSET_SUSPECTED, "late")
             .about(Subject::Station(2))
             .estimate("offset", &Estimate { value: 0.01, sigma: 0.001 }, Unit::Second)
             .count("readings", 7);

@@ -3,7 +3,10 @@
 use serde_json::{Value, json};
 
 use resect_core::calibration::inter_prism::drive_shape::{DriveShape, PlanView};
-use resect_core::calibration::inter_prism::observability::{Direction, Observability};
+use resect_core::calibration::inter_prism::observability::{
+    Direction, Observability, StationMotion,
+};
+use resect_core::network::Station;
 
 /// Returns the observability. `relative_eigenvalue` is that of the scaled JᵀJ over the largest. `motion` is that of
 /// each station for one metre along the direction (station 1's frame).
@@ -16,11 +19,11 @@ pub fn observability(observed: &Observability) -> Value {
 }
 
 fn direction(direction: &Direction) -> Value {
-    let motion = |slot: usize| {
+    let motion = |(station, motion): (Station, &StationMotion)| {
         json!({
-            "station": slot + 2,
-            "translation_m": direction.motion[slot].translation_m.as_slice(),
-            "yaw_rad": direction.motion[slot].yaw_rad,
+            "station": station.number(),
+            "translation_m": motion.translation_m.as_slice(),
+            "yaw_rad": motion.yaw_rad,
         })
     };
     json!({
@@ -28,7 +31,7 @@ fn direction(direction: &Direction) -> Value {
         "hold": direction.hold.name(),
         "relative_eigenvalue": direction.relative,
         "sigma_m": direction.sigma_m,
-        "motion": [motion(0), motion(1)],
+        "motion": direction.motion.each().skip(1).map(motion).collect::<Vec<_>>(),
     })
 }
 

@@ -5,10 +5,11 @@ use serde_json::{Value, json};
 use resect_core::calibration::Quantity;
 use resect_core::calibration::joint::JointEstimate;
 use resect_core::calibration::joint::reliability::{
-    DetectableBias, GroupReliability, NormalisedResidual,
+    DetectableBias, GroupReliability, NormalisedResidual, PoseEffect,
 };
 use resect_core::calibration::joint::survey::SurveyReading;
 use resect_core::deployment::{ControlPointSet, Deployment};
+use resect_core::network::Number;
 
 /// Axes of a reading of a control point.
 const AXES: [&str; 3] = ["along", "right", "up"];
@@ -36,7 +37,7 @@ fn of_group(
         Quantity::Angle => "minimal_detectable_bias_rad",
         _ => "minimal_detectable_bias",
     };
-    value[size] = json!(group.bias.map(|bias| bias.size));
+    value[size] = json!(group.bias.as_ref().map(|bias| bias.size));
     match group.residual {
         Some(NormalisedResidual::RootMeanSquare(sigmas)) => {
             value["normalised_residual_rms"] = json!(sigmas);
@@ -50,7 +51,7 @@ fn of_group(
         None => {}
     }
     if !group.kind.axes().is_empty() {
-        let own = readings.iter().filter(|reading| reading.station == group.index);
+        let own = readings.iter().filter(|reading| reading.station.index() == group.index);
         let numbers = own.flat_map(|reading| group.kind.axes().map(move |axis| (reading, axis)));
         let numbers = numbers.map(|(reading, axis)| number(reading, axis, sets));
         value["readings"] = numbers.collect();
@@ -78,15 +79,14 @@ fn place(sets: &[ControlPointSet], set: usize, point: usize) -> Value {
     json!({ "file": set.map(|set| &set.file), "marker": point.map(|point| point.marker) })
 }
 
-/// Returns the changes of the poses of stations 2 and 3 by an undetected bias.
+/// Returns the changes of the poses of stations 2, 3, … by an undetected bias.
 fn effect(bias: &DetectableBias) -> Value {
-    let of_station = |slot: usize| {
-        let effect = &bias.effect[slot];
+    let of_station = |(slot, effect): (usize, &PoseEffect)| {
         json!({
             "station": slot + 2,
             "position_m": effect.position_m,
             "yaw_rad": effect.yaw_rad,
         })
     };
-    json!([of_station(0), of_station(1)])
+    bias.effect.iter().enumerate().map(of_station).collect()
 }

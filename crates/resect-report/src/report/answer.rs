@@ -1,5 +1,6 @@
 //! An answer: transforms with their σ, mirror twin, estimates besides the transforms, metrics, charts.
 
+use resect_core::network::{Number, Pair, PerStation, Prism};
 use std::f64::consts::PI;
 
 use maud::{Markup, html};
@@ -14,8 +15,8 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
 use resect_core::calibration::two_point::TwoPointDetails;
-use resect_core::calibration::{Calibration, Details, Quantity, ResolvedBy, Targets};
-use resect_core::deployment::{Deployment, pair_label};
+use resect_core::calibration::{Calibration, Details, Quantity, ResolvedBy};
+use resect_core::deployment::Deployment;
 use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_core::geometry::LevelTransform;
@@ -72,7 +73,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
             (joint(found, &rows))
             (reliability(deployment, found))
         }
-        (metrics(evaluation, analysis.offer.targets))
+        (metrics(evaluation, &analysis.offer.followed))
         h3 { "Plan view" }
         (charts::plan(deployment, analysis, answer))
         h3 { "Distance errors" }
@@ -118,7 +119,7 @@ fn transforms(rows: &[AnswerRow]) -> Markup {
 fn matrices(calibration: &Calibration) -> Markup {
     html! {
         div.matrices {
-            @for station in 1..3 {
+            @for station in 1..calibration.station1_from_station.len() {
                 figure {
                     figcaption { "T1" (station + 1) ", frame of station " (station + 1) " into station 1's (m)" }
                     pre { (text::matrix(calibration, station).trim_end()) }
@@ -152,7 +153,7 @@ fn mirror(details: &InterPrismDetails, is_joint: bool) -> Markup {
                 }
             } }
             tbody {
-                @for station in 1..3 {
+                @for station in 1..twin.station1_from_station.len() {
                     @for ((solution, name), ratio) in solutions.into_iter().zip([1.0, ratio]) { tr {
                         th { "T1" (station + 1) ", " (name) }
                         @for number in numbers(&solution.station1_from_station[station]) {
@@ -239,7 +240,7 @@ fn two_point(details: &TwoPointDetails) -> Markup {
                 th { "points" }
                 th { "file" }
                 th.number { "baseline (m)" }
-                th.number { "baseline errors of stations 1, 2, 3 (mm)" }
+                th.number { "baseline errors by station (mm)" }
                 th.number { "largest error at other points (mm)" }
                 th.number { "largest difference from known (mm)" }
             } }
@@ -249,7 +250,7 @@ fn two_point(details: &TwoPointDetails) -> Markup {
                         th { (pair.markers[0]) "–" (pair.markers[1]) }
                         td { (pair.file) }
                         td.number { (format!("{:.3}", pair.baseline_m)) }
-                        td.number { (pair.baseline_errors_m.map(|m| format!("{:+.1}", m * 1e3)).join(", ")) }
+                        td.number { (pair.baseline_errors_m.map(|m| format!("{:+.1}", m * 1e3)).as_slice().join(", ")) }
                         td.number { (widest(pair.left_out_m.last().copied())) }
                         td.number { (widest(pair.largest_from_known_m())) }
                     }
@@ -272,11 +273,11 @@ fn static_gcp(details: &StaticGcpDetails) -> Markup {
     }
 }
 
-fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
+fn metrics(evaluation: &Evaluation, followed: &PerStation<Prism>) -> Markup {
     // With one prism, the distances compare the stations' positions of it.
-    let (all, each) = match targets {
-        Targets::OnePrism => ("same prism", "stations"),
-        _ => ("inter-prism distances", "prisms"),
+    let (all, each) = match Prism::is_one(followed) {
+        true => ("same prism", "stations"),
+        false => ("inter-prism distances", "prisms"),
     };
     let row = |name: Markup, spread: &Spread| {
         html! { tr {
@@ -300,7 +301,7 @@ fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
                 @if let Some(spread) = &evaluation.inter_prism_mm { (row(html! { (all) }, spread)) }
                 @for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
                     @if let Some(spread) = spread {
-                        (row(html! { span.indent { (each) " " (pair_label(pair)) } }, spread))
+                        (row(html! { span.indent { (each) " " (Pair::at(pair)) } }, spread))
                     }
                 }
                 @if let Some(spread) = &evaluation.against_measured_mm {

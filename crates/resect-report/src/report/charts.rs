@@ -9,9 +9,8 @@ use crate::plan_view::Tracks;
 use crate::residual_chart;
 use crate::svg::{Colours, to_svg};
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::Targets;
 use resect_core::deployment::Deployment;
-use resect_core::network::PerStation;
+use resect_core::network::{PerStation, Prism};
 use resect_core::pipeline::{SampleFate, Triplets};
 
 /// Width at which texts have their nominal size on the screen, and nearly so on paper.
@@ -58,14 +57,15 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) 
     }
     let start_s = deployment.start_s().unwrap_or(0.0);
     let time_s: Vec<f64> = answer.triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
-    let (each, what) = match analysis.offer.targets {
-        Targets::OnePrism => {
-            ("stations", "Distance between two stations' positions of the same prism")
-        }
-        _ => ("prisms", "Computed minus known distance between two prisms"),
+    let (each, what) = match Prism::is_one(&analysis.offer.followed) {
+        true => ("stations", "Distance between two stations' positions of the same prism"),
+        false => ("prisms", "Computed minus known distance between two prisms"),
     };
-    let drawing = residual_chart::draw(errors_mm, &time_s, each, WIDTH);
-    let beyond = residual_chart::beyond(errors_mm, residual_chart::range_mm(errors_mm));
+    let drawing = residual_chart::draw(errors_mm.as_slice(), &time_s, each, WIDTH);
+    let beyond = residual_chart::beyond(
+        errors_mm.as_slice(),
+        residual_chart::range_mm(errors_mm.as_slice()),
+    );
     let all = errors_mm.iter().map(Vec::len).sum::<usize>();
     figure(
         &drawing,

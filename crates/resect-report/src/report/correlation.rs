@@ -1,27 +1,27 @@
-//! Correlations of the eight numbers of an answer.
+//! Correlations of the numbers of an answer.
 
 use maud::{Markup, html};
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
-use resect_core::palette;
+use resect_tools::palette;
 
 const NAMES: [&str; 4] = ["x", "y", "z", "yaw"];
 /// Opacity of the background at a correlation of 1; more would hide the number.
 const STRONGEST: f64 = 0.6;
 
 /// Returns a shaded table, in the colours of the window's.
-pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
+pub fn table(covariance: &DMatrix<f64>) -> Markup {
     let name = |place: usize| format!("{} T1{}", NAMES[place % 4], place / 4 + 2);
     html! {
         div.wide { table.correlation {
             thead { tr {
                 th {}
-                @for place in 0..8 { th.number { (name(place)) } }
+                @for place in 0..covariance.nrows() { th.number { (name(place)) } }
             } }
             tbody {
-                @for row in 0..8 { tr {
+                @for row in 0..covariance.nrows() { tr {
                     th { (name(row)) }
-                    @for column in 0..8 {
+                    @for column in 0..covariance.ncols() {
                         @let correlation = correlation(covariance, row, column);
                         td.number style=[correlation.map(ground)] {
                             @match correlation {
@@ -41,7 +41,7 @@ pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
 }
 
 /// Returns a correlation; `None` if a variance is zero.
-fn correlation(covariance: &SMatrix<f64, 8, 8>, row: usize, column: usize) -> Option<f64> {
+fn correlation(covariance: &DMatrix<f64>, row: usize, column: usize) -> Option<f64> {
     let spread = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
     (spread > 0.0).then(|| covariance[(row, column)] / spread)
 }
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn it_is_the_covariance_over_both_spreads() {
-        let mut covariance = SMatrix::<f64, 8, 8>::from_diagonal_element(4.0);
+        let mut covariance = DMatrix::from_diagonal_element(8, 8, 4.0);
         covariance[(7, 7)] = 0.0;
         covariance[(1, 2)] = -3.0;
         assert_eq!(correlation(&covariance, 0, 0), Some(1.0));

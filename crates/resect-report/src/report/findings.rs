@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::svg::hex;
 use resect_core::deployment::Finding;
-use resect_core::palette;
+use resect_tools::palette;
 
 pub fn badge(word: &str, ground: palette::Rgb, ink: palette::Rgb) -> Markup {
     html! {

@@ -1,11 +1,12 @@
 //! Input of an answer: counts of the pipeline, data, settings.
 
 use maud::{Markup, html};
+use resect_core::network::{Number, Pair};
 use serde_json::Value;
 
 use super::findings::findings;
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::{Deployment, pair_label};
+use resect_core::deployment::Deployment;
 use resect_core::network::PerStation;
 use resect_core::pipeline::SampleFate;
 use resect_io::file_mark::FileMark;
@@ -75,7 +76,7 @@ fn data(deployment: &Deployment) -> Markup {
                     "Inter-prism distances: "
                     @for (pair, metres) in rig.inter_prism_m.iter().enumerate() {
                         @if pair > 0 { ", " }
-                        (pair_label(pair)) " " (format!("{metres:.4}")) " m"
+                        (Pair::at(pair)) " " (format!("{metres:.4}")) " m"
                     }
                     "."
                 }

@@ -41,7 +41,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
         table {
             thead { tr {
                 th { "1 σ by source (mm; yaw mrad)" }
-                @for station in 2..=3 {
+                @for station in 2..=found.station1_from_station.len() {
                     @for name in ["x", "y", "z", "yaw"] { th.number { (name) " " (station) } }
                 }
             } }
@@ -54,7 +54,7 @@ pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
                 } }
                 tr {
                     th { "total" }
-                    @for place in 0..8 { td.number { (sigma(place, found.covariance[(place, place)])) } }
+                    @for place in 0..found.covariance.nrows() { td.number { (sigma(place, found.covariance[(place, place)])) } }
                 }
             }
         }

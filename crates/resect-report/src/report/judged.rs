@@ -8,7 +8,7 @@ use crate::estimates::{
     Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdicts, why_empty,
 };
 use resect_core::deployment::Finding;
-use resect_core::estimates::EstimatesJudgement;
+use resect_tools::estimates::EstimatesJudgement;
 
 const WIDTH: f32 = 800.0;
 

@@ -1,5 +1,6 @@
 //! The page of a report: a table of all deployments, and a section for each.
 
+use resect_core::deployment::kinds;
 use std::sync::Arc;
 
 use jiff::Timestamp;
@@ -9,10 +10,11 @@ use super::findings::{badge, findings};
 use super::{answer, input, judged};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, recommend};
-use resect_core::deployment::{Deployment, Finding, FindingKind, MessageAngle};
-use resect_core::estimates::EstimatesJudgement;
-use resect_core::palette;
+use resect_core::deployment::{Deployment, Finding, MessageAngle};
+use resect_core::network::USUAL_STATIONS;
 use resect_io::file_mark::FileMark;
+use resect_tools::estimates::EstimatesJudgement;
+use resect_tools::palette;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -79,11 +81,11 @@ pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
             }
             body {
                 header {
-                    h1 { "Extrinsic calibration of three robotic total stations" }
+                    h1 { "Extrinsic calibration of robotic total stations" }
                     p.weak {
                         "by resect " (env!("CARGO_PKG_VERSION")) ", "
                         (date.strftime("%Y-%m-%d %H:%M UTC"))
-                        "; transforms from the frames of stations 2 and 3 to that of station 1; ± is one standard deviation"
+                        "; transforms from the frames of the other stations to that of station 1; ± is one standard deviation"
                     }
                 }
                 @if chapters.len() > 1 { (summary(chapters)) }
@@ -104,6 +106,9 @@ fn anchor(index: usize) -> String {
 
 /// One row for each chapter.
 fn summary(chapters: &[Chapter]) -> Markup {
+    let answers = chapters.iter().filter_map(|chapter| chapter.answer().ok());
+    let stations = answers.map(|answer| answer.calibration.station1_from_station.len()).max();
+    let stations = stations.unwrap_or(USUAL_STATIONS);
     html! {
         h2 { "Summary" }
         div.wide { table.summary {
@@ -111,12 +116,11 @@ fn summary(chapters: &[Chapter]) -> Markup {
                 tr {
                     th rowspan="2" { "deployment" }
                     th rowspan="2" { "verdict" }
-                    th.group colspan="4" { "T12" }
-                    th.group colspan="4" { "T13" }
+                    @for station in 2..=stations { th.group colspan="4" { "T1" (station) } }
                     th.group colspan="2" { "medians (mm)" }
                 }
                 tr {
-                    @for _ in 1..3 {
+                    @for _ in 2..=stations {
                         @for heading in ["x (m)", "y (m)", "z (m)", "yaw (deg)"] {
                             th.number { (heading) }
                         }
@@ -130,10 +134,10 @@ fn summary(chapters: &[Chapter]) -> Markup {
                     tr {
                         td { a href={ "#" (anchor(index)) } { (chapter.name()) } }
                         @match chapter.answer() {
-                            Ok(answer) => (summary_cells(answer)),
+                            Ok(answer) => (summary_cells(answer, stations)),
                             Err(error) => {
                                 td { (no_answer()) }
-                                td.prose colspan="10" { (error) }
+                                td.prose colspan=(4 * (stations - 1) + 2) { (error) }
                             }
                         }
                     }
@@ -143,13 +147,15 @@ fn summary(chapters: &[Chapter]) -> Markup {
     }
 }
 
-fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
+/// Cells of an answer, with empty ones for stations that only other answers have.
+fn summary_cells(Answer { calibration, evaluation, .. }: &Answer, stations: usize) -> Markup {
     html! {
         td { (verdict(calibration)) }
         @for transform in calibration.station1_from_station.iter().skip(1) {
             @for metres in &transform.translation_m { td.number { (format!("{metres:.3}")) } }
             td.number { (format!("{:.4}", transform.yaw_rad().to_degrees())) }
         }
+        @for _ in calibration.station1_from_station.len()..stations { td colspan="4" {} }
         td.number {
             @if let Some(spread) = &evaluation.inter_prism_mm { (format!("{:.2}", spread.median)) }
             @else { "–" }
@@ -181,7 +187,7 @@ fn section(chapter: &Chapter) -> Markup {
             }
             Err(error) => {
                 p.verdict { (no_answer()) }
-                (findings(&[Finding::new(FindingKind::NoAnswer, error.as_str())]))
+                (findings(&[Finding::new(kinds::NO_ANSWER, error.as_str())]))
             }
         }
         @if let Chapter::Analysed { deployment, analysis, files, judgement } = chapter {

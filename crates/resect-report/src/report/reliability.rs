@@ -17,8 +17,8 @@ pub fn reliability(deployment: &Deployment, found: &JointEstimate) -> Markup {
                 th.number { "redundancy number" }
                 th.number { "normalised residual" }
                 th.number { "minimal detectable bias" }
-                @for transform in ["T12", "T13"] {
-                    th.number { "effect on " (transform) " (mm)" }
+                @for station in 2..=found.station1_from_station.len() {
+                    th.number { "effect on T1" (station) " (mm)" }
                     th.number { "yaw (mrad)" }
                 }
             } }
@@ -41,7 +41,7 @@ pub fn reliability(deployment: &Deployment, found: &JointEstimate) -> Markup {
 /// The minimal detectable bias with its unit.
 fn bias_size(group: &GroupReliability) -> Option<String> {
     let (scale, unit) = group.kind.quantity().told();
-    let size = group.bias?.size * scale;
+    let size = group.bias.as_ref()?.size * scale;
     Some(format!("{size:.*} {unit}", decimals_of(size).unwrap_or(1)))
 }
 
@@ -50,7 +50,7 @@ fn row(deployment: &Deployment, group: &GroupReliability) -> Markup {
         value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
     };
     let sets = deployment.comparable_control_points();
-    let effect = |slot: usize| group.bias.map(|bias| bias.effect[slot]);
+    let effect = |slot: usize| Some(*group.bias.as_ref()?.effect.get(slot)?);
     html! { tr {
         th { (group.subject()) ", " (group.kind.name()) }
         td.number { (number(group.redundancy, 2)) }
@@ -59,9 +59,9 @@ fn row(deployment: &Deployment, group: &GroupReliability) -> Markup {
             @if let Some(point) = largest_residual(sets, group) { " (" (point) ")" }
         }
         td.number { (bias_size(group).unwrap_or_else(|| "not determined".to_owned())) }
-        @for slot in 0..2 {
-            td.number { (number(effect(slot).map(|effect| effect.position_m * 1e3), 2)) }
-            td.number { (number(effect(slot).map(|effect| effect.yaw_rad * 1e3), 3)) }
+        @for slot in 1..deployment.tracks.len() {
+            td.number { (number(effect(slot - 1).map(|effect| effect.position_m * 1e3), 2)) }
+            td.number { (number(effect(slot - 1).map(|effect| effect.yaw_rad * 1e3), 3)) }
         }
     } }
 }

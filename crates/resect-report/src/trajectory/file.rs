@@ -6,7 +6,7 @@ use std::path::Path;
 use super::ply::{self, PlyPoint};
 use super::{mcap_bag, ros1_bag};
 
-use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::calibration::joint::prism_motion::PrismInstant;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::trajectory::{Pose, PoseSigma, Trajectory};
 
@@ -85,14 +85,14 @@ pub fn file(
 /// Returns the content of a file of the positions of one prism.
 pub fn prism_file(
     kind: FileKind,
-    positions: &[MotionInstant<3>],
+    positions: &[PrismInstant],
     header: &str,
 ) -> Result<Vec<u8>, Unwritable> {
     match kind {
         FileKind::Tum => Ok(prism_tum(positions, header).into_bytes()),
         FileKind::Csv => Ok(prism_csv(positions).into_bytes()),
         FileKind::Ply => {
-            let point = |at: &MotionInstant<3>| PlyPoint {
+            let point = |at: &PrismInstant| PlyPoint {
                 time_s: at.time_s,
                 position_m: at.position_m,
                 sigma_m: (at.position_covariance.trace() / 3.0).max(0.0).sqrt(),
@@ -171,7 +171,7 @@ pub fn csv(trajectory: &Trajectory) -> String {
 }
 
 /// Formats positions of one prism as TUM, with 0 0 0 1 in place of the unknown orientation.
-pub fn prism_tum(positions: &[MotionInstant<3>], header: &str) -> String {
+pub fn prism_tum(positions: &[PrismInstant], header: &str) -> String {
     let mut text = format!(
         "# {header}; positions of one prism, no orientation\n# timestamp tx ty tz qx qy qz qw\n"
     );
@@ -243,7 +243,7 @@ fn station_csv(track: &EstimatedTrajectory) -> String {
 }
 
 /// Formats positions and velocities of one prism, with standard deviations and the upper triangle of the position's covariance.
-pub fn prism_csv(positions: &[MotionInstant<3>]) -> String {
+pub fn prism_csv(positions: &[PrismInstant]) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let mut text = "timestamp_s,x_m,y_m,z_m,vx_m_per_s,vy_m_per_s,vz_m_per_s".to_owned();
     AXES.iter().for_each(|axis| text += &format!(",sigma_{axis}_m"));

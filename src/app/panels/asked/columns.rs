@@ -2,12 +2,14 @@
 
 use egui::RichText;
 
+use super::station_count::choose_number;
 use super::trouble::trouble;
-use crate::app::model::{Asked, AskedColumns, Commands, DialogCommand, TableHead};
+use crate::app::model::{Asked, AskedColumns, Commands, DialogCommand, LEAST_FILES, TableHead};
 use crate::app::panels::number;
 use crate::app::theme;
 use resect_core::deployment::{AzimuthSense, ColumnMapping, RawRecord};
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
+use resect_core::network::USUAL_STATIONS;
 
 /// Number of visible rows.
 const ROWS: usize = 8;
@@ -95,13 +97,14 @@ fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&Ta
         return;
     }
     let Some(head) = head else { return };
-    if head.alike.len() < 3 {
+    if head.alike.len() < LEAST_FILES {
         ui.label("");
-        ui.label(RichText::new("Fewer than three files here have this header.").weak());
+        ui.label(RichText::new("No other file here has this header.").weak());
         ui.end_row();
         return;
     }
-    let mut files = edited.files.unwrap_or([0, 1, 2]);
+    let mut files =
+        edited.files.take().unwrap_or_else(|| (0..head.alike.len().min(USUAL_STATIONS)).collect());
     for (station, file) in files.iter_mut().enumerate() {
         let name = format!("File of station {}", station + 1);
         ui.label(&name);
@@ -112,6 +115,9 @@ fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&Ta
         });
         ui.end_row();
     }
+    ui.label("");
+    choose_number(ui, &mut files, head.alike.len());
+    ui.end_row();
     edited.files = Some(files);
 }
 

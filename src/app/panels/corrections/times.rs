@@ -51,7 +51,7 @@ impl ShownCorrections<'_> {
         ui.label(count(now)).on_hover_text("A reading is left out in the pane “Reading”, or by X");
         ui.horizontal_wrapped(|ui| {
             ui.label("Leave out the selection of");
-            for station in 0..3 {
+            for station in 0..self.deployment().tracks.len() {
                 let readings = self
                     .open
                     .timeline

@@ -2,15 +2,16 @@
 
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::calibration::Verdict;
+use resect_core::deployment::kinds;
 use resect_core::deployment::{FindingKind, doubts};
-use resect_core::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate};
 
 #[test]
 fn the_main_doubt_of_a_drive_that_is_not_good_has_advice() {
     let expected = [
-        (Preset::StraightLine, FindingKind::DriveStraightLine),
-        (Preset::Circle, FindingKind::DriveCircle),
-        (Preset::LShape, FindingKind::DriveTwoLegs),
+        (Preset::StraightLine, kinds::DRIVE_STRAIGHT_LINE),
+        (Preset::Circle, kinds::DRIVE_CIRCLE),
+        (Preset::LShape, kinds::DRIVE_TWO_LEGS),
     ];
     for (preset, shape) in expected {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
@@ -19,6 +20,6 @@ fn the_main_doubt_of_a_drive_that_is_not_good_has_advice() {
         assert!(calibration.verdict > Verdict::Good, "{preset:?}");
         let kinds: Vec<FindingKind> =
             doubts(&calibration.findings).iter().map(|finding| finding.kind).collect();
-        assert!(kinds.contains(&shape) && shape.advice().is_some(), "{preset:?}: {kinds:?}");
+        assert!(kinds.contains(&shape) && shape.advice.is_some(), "{preset:?}: {kinds:?}");
     }
 }

@@ -53,7 +53,7 @@ pub const STEPS: [GuideStep; 5] = [
             ),
             Do(&[(View, "Findings"), (View, "Deployment")]),
             Say(
-                "Gaps: only times at which all three stations measured are used. Intervals shows the gaps of each station \
+                "Gaps: only times at which all stations measured are used. Intervals shows the gaps of each station \
                  and the spans that remain.",
             ),
             Do(&[(View, "Intervals")]),

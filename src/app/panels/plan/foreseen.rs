@@ -1,4 +1,4 @@
-//! Prediction for a plan: verdict, σ of all eight numbers, weak directions, and the best improvements.
+//! Prediction for a plan: verdict, σ of the transforms, weak directions, and the best improvements.
 
 use egui::RichText;
 use egui_plot::{Line, Plot, PlotPoints};
@@ -13,9 +13,9 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::deployment::Severity;
-use resect_core::palette;
-use resect_core::planning::{Held, Prediction};
 use resect_report::glossary;
+use resect_tools::palette;
+use resect_tools::planning::{Held, Prediction};
 
 /// Height of the plot of σ along the track (points).
 const PLOT: f32 = 110.0;
@@ -87,10 +87,10 @@ fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
     });
 }
 
-/// Shows σ of (x, y, z, yaw) of stations 2 and 3, with the main source of each.
+/// Shows σ of (x, y, z, yaw) of stations 2, 3, …, with the main source of each.
 fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
     let mut rows = Vec::new();
-    for (slot, sigma) in held.sigma.iter().enumerate() {
+    for (slot, sigma) in held.sigma.iter().skip(1).enumerate() {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             rows.push((slot, 4 * slot + axis, name, 1e3 * sigma.translation_m[axis], "mm"));
         }
@@ -102,8 +102,10 @@ fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
         |ui| {
             for (slot, place, name, sigma, unit) in rows {
                 let label = ui.label(format!("{name} of T1{}", slot + 2));
-                if place % 4 == 0 {
-                    words::explain(label, [&glossary::T12, &glossary::T13][slot]);
+                if let Some(entry) = [&glossary::T12, &glossary::T13].get(slot)
+                    && place % 4 == 0
+                {
+                    words::explain(label, entry);
                 }
                 let shown = Shown::new(sigma, Some(sigma), unit, 3);
                 ui.monospace(format!("± {}", shown.sigma_in_words()));
@@ -179,7 +181,7 @@ fn locks(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
         ui.end_row();
         for (station, lock) in foreseen.locks.iter().enumerate() {
             let dark = ui.visuals().dark_mode;
-            let colour = theme::readable(palette::STATIONS[station], dark);
+            let colour = theme::readable(palette::station(station), dark);
             ui.label(RichText::new((station + 1).to_string()).color(colour).strong());
             let [near, far] = lock.range_m;
             for cell in [

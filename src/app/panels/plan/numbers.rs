@@ -6,12 +6,13 @@ use egui::RichText;
 
 use crate::app::model::planning::manoeuvre_name;
 use crate::app::model::{Commands, PlanCommand};
-use crate::app::panels::{heading, number, scrolled};
+use crate::app::panels::{fewer_or_more, heading, number, scrolled};
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
-use resect_core::planning::{Piece, Plan};
-use resect_core::simulation::Preset;
+use resect_core::network::MOST_STATIONS;
+use resect_tools::palette;
+use resect_tools::planning::{Piece, Plan};
+use resect_tools::simulation::Preset;
 
 /// A number of a plan: name, unit, bounds, and its change per point of dragging.
 struct Field {
@@ -118,7 +119,7 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     egui::Grid::new("stations of the plan").num_columns(4).spacing([6.0, 3.0]).show(ui, |ui| {
         axes(ui);
         for (station, place_m) in plan.stations_m.iter_mut().enumerate() {
-            let colour = theme::readable(palette::STATIONS[station], dark);
+            let colour = theme::readable(palette::station(station), dark);
             ui.label(RichText::new((station + 1).to_string()).color(colour).strong());
             for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
                 let name = format!("{name} of station {}", station + 1);
@@ -127,6 +128,10 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
             ui.end_row();
         }
     });
+    if let Some(count) = fewer_or_more(ui, "station", plan.stations_m.len(), 2..=MOST_STATIONS) {
+        plan.set_stations(count);
+        changed = true;
+    }
     changed
 }
 
@@ -154,6 +159,10 @@ fn rig(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
             ui.end_row();
         }
     });
+    if let Some(count) = fewer_or_more(ui, "prism", plan.rig.prisms_m.len(), 1..=MOST_STATIONS) {
+        plan.set_prisms(count);
+        changed = true;
+    }
     let sigma = Field {
         name: "σ of their distances",
         unit: "mm",

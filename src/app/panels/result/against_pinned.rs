@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use super::difference_row::{IN_SIGMA, difference_row};
+use super::difference_row::{BESIDE, IN_SIGMA, difference_row};
 use crate::app::model::{Commands, OpenDeployment, Pin, ResultsCommand, Units};
 use crate::app::panels::{heading, number_cell, number_head, use_pinned};
 use crate::app::state::State;
@@ -92,42 +92,55 @@ fn transforms(
     (pin, now, deployment): (&Pin, &ResultSummary, &Deployment),
     units: Units,
 ) {
-    let stations = &difference.stations;
     let length = |m: f64| units.length_difference(m);
     let angle = |rad: f64| units.angle_difference(rad);
-    egui::Grid::new("against pinned").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
-        ui,
-        |ui| {
-            ui.label("now − pinned");
-            for station in stations {
-                number_head(ui, &format!("T1{}", station.station), 8);
-                number_head(ui, "in σ", IN_SIGMA);
-            }
-            ui.end_row();
-            for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
-                difference_row(ui, name, stations.map(|s| s.translation_m[axis]), length);
-            }
-            difference_row(ui, "distance (mm)", stations.map(|s| s.distance_m), |m| {
-                format!("{:.2}", m * 1e3)
-            });
-            let small = units.angle.small_name();
-            difference_row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
-            // For levelled results, the whole angle equals the yaw.
-            if stations.iter().any(tilted) {
-                let whole = stations.map(|s| Deviation { value: s.angle_rad, sigmas: None });
-                difference_row(ui, &format!("total angle ({small})"), whole, angle);
-            }
-            if difference.same_data {
-                let moved = std::array::from_fn(|k| {
-                    let [before, after] =
-                        [&*pin.summary, now].map(|s| s.stations[k].station1_from_station());
-                    let value = moved_m(deployment, k + 1, &before, &after);
-                    Deviation { value, sigmas: None }
+    for (part, stations) in difference.stations.chunks(BESIDE).enumerate() {
+        egui::Grid::new(("against pinned", part))
+            .num_columns(1 + 2 * stations.len())
+            .spacing([7.0, 3.0])
+            .striped(true)
+            .show(ui, |ui| {
+                ui.label("now − pinned");
+                for station in stations {
+                    number_head(ui, &format!("T1{}", station.station), 8);
+                    number_head(ui, "in σ", IN_SIGMA);
+                }
+                ui.end_row();
+                for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
+                    difference_row(
+                        ui,
+                        name,
+                        stations.iter().map(|s| s.translation_m[axis]),
+                        length,
+                    );
+                }
+                difference_row(ui, "distance (mm)", stations.iter().map(|s| s.distance_m), |m| {
+                    format!("{:.2}", m * 1e3)
                 });
-                difference_row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
-            }
-        },
-    );
+                let small = units.angle.small_name();
+                difference_row(
+                    ui,
+                    &format!("yaw ({small})"),
+                    stations.iter().map(|s| s.yaw_rad),
+                    angle,
+                );
+                // For levelled results, the whole angle equals the yaw.
+                if stations.iter().any(tilted) {
+                    let whole =
+                        stations.iter().map(|s| Deviation { value: s.angle_rad, sigmas: None });
+                    difference_row(ui, &format!("total angle ({small})"), whole, angle);
+                }
+                if difference.same_data {
+                    let moved = (0..stations.len()).map(|k| BESIDE * part + k).map(|k| {
+                        let [before, after] =
+                            [&*pin.summary, now].map(|s| s.stations[k].station1_from_station());
+                        let value = moved_m(deployment, k + 1, &before, &after);
+                        Deviation { value, sigmas: None }
+                    });
+                    difference_row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
+                }
+            });
+    }
     ui.small(if difference.same_data {
         "In σ of the present result. Both use the same readings, so a difference below 1 σ does not matter. \
          On its track: RMS shift of the station's readings."

@@ -4,25 +4,25 @@ use egui::{PopupCloseBehavior, containers::menu};
 
 use crate::app::model::{Commands, ResultsCommand};
 use resect_core::calibration::Verdict;
-use resect_report::copy::{CopyFormat, Part};
+use resect_report::copy::{CopiedTransforms, CopyFormat};
 use resect_report::summary::ResultSummary;
 
 pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
     // Choosing the transforms must not close the menu, because the format is chosen next.
     let config = menu::MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    let id = ui.scope_id().with("part to copy");
+    let id = ui.scope_id().with("transforms to copy");
     menu::MenuButton::new("Copy…").config(config).ui(ui, |ui| {
-        let mut part: Part = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        let mut copied: CopiedTransforms = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         ui.horizontal(|ui| {
-            for choice in Part::ALL {
-                ui.selectable_value(&mut part, choice, choice.title());
+            for choice in CopiedTransforms::choices(summary) {
+                ui.selectable_value(&mut copied, choice, choice.title(summary));
             }
         });
-        ui.data_mut(|data| data.insert_temp(id, part));
+        ui.data_mut(|data| data.insert_temp(id, copied));
         ui.separator();
         for format in CopyFormat::ALL {
             if ui.button(format.title()).clicked() {
-                commands.push(ResultsCommand::CopyTransforms(format, part).into());
+                commands.push(ResultsCommand::CopyTransforms(format, copied).into());
                 ui.close();
             }
         }

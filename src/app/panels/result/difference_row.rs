@@ -10,14 +10,16 @@ use resect_report::difference::Deviation;
 
 /// Width of a number in σ (figures).
 pub const IN_SIGMA: usize = 6;
+/// Stations beside each other; the next ones have a table below, since the pane is narrow.
+pub const BESIDE: usize = 2;
 /// Beyond this many σ, a choice changes the result too much.
 pub const NOTABLE_SIGMAS: f64 = 3.0;
 
-/// Shows one quantity of both stations, each number also in σ.
+/// Shows one quantity of each station but the first, each number also in σ.
 pub fn difference_row(
     ui: &mut egui::Ui,
     name: &str,
-    deviations: [Deviation; 2],
+    deviations: impl IntoIterator<Item = Deviation>,
     show: impl Fn(f64) -> String,
 ) {
     let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);

@@ -40,8 +40,8 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
         number_head(ui, "result", 8);
         number_head(ui, "mirrored", 8);
         ui.end_row();
-        for station in 1..3 {
-            ui.label(format!("z of T1{} ({})", station + 1, units.length.name()));
+        for station in details.basin.station1_from_station.numbers().skip(1) {
+            ui.label(format!("z of T1{station} ({})", units.length.name()));
             for basin in [&details.basin, twin] {
                 let z_m = basin.station1_from_station[station].translation_m.z;
                 number_cell(ui, units.length(z_m), 8);

@@ -1,24 +1,29 @@
 //! The paper's two metrics of the result.
 
 use egui::RichText;
+use resect_core::network::{Number, Pair, PerStation, Prism};
 
 use crate::app::panels::{heading, number_cell, number_head};
 use crate::app::words;
-use resect_core::calibration::Targets;
-use resect_core::deployment::{ControlPointSet, pair_label};
+use resect_core::deployment::ControlPointSet;
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_report::glossary;
 
 /// Name of the first metric: if all stations track one prism, the distances compare their versions of it.
-pub fn name(targets: Targets) -> &'static str {
-    match targets {
-        Targets::OnePrism => "Same prism",
-        _ => "Inter-prism",
+pub fn name(followed: &PerStation<Prism>) -> &'static str {
+    match Prism::is_one(followed) {
+        true => "Same prism",
+        false => "Inter-prism",
     }
 }
 
 /// Shows the metrics, always in mm because they are small.
-pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[ControlPointSet]) {
+pub fn ui(
+    ui: &mut egui::Ui,
+    evaluation: &Evaluation,
+    followed: &PerStation<Prism>,
+    sets: &[ControlPointSet],
+) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
@@ -33,15 +38,15 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
             number_cell(ui, spread.n.to_string(), 6);
             ui.end_row();
         };
-        let all = name(targets);
+        let all = name(followed);
         let distances = &glossary::INTER_PRISM_METRIC;
-        let each = if targets == Targets::OnePrism { "stations" } else { "prisms" };
+        let each = if Prism::is_one(followed) { "stations" } else { "prisms" };
         if let Some(spread) = &evaluation.inter_prism_mm {
             row(ui, RichText::new(all).strong(), distances, spread);
         }
         for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
             if let Some(spread) = spread {
-                let name = format!("   {each} {}", pair_label(pair));
+                let name = format!("   {each} {}", Pair::at(pair));
                 row(ui, RichText::new(name), distances, spread);
             }
         }

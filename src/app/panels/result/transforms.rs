@@ -51,9 +51,9 @@ const MATRIX_FIGURES: usize = 9;
 /// Shows the matrices, folded because few read them; Copy gives all digits.
 pub fn matrices(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.collapsing("4×4 matrices", |ui| {
-        for station in 1..3 {
-            ui.label(format!("T1{}, translation in m", station + 1));
-            let matrix = calibration.station1_from_station[station].matrix();
+        for (station, transform) in calibration.station1_from_station.each().skip(1) {
+            ui.label(format!("T1{station}, translation in m"));
+            let matrix = transform.matrix();
             egui::Grid::new(("matrix", station)).spacing([2.0, 1.0]).show(ui, |ui| {
                 for row in 0..4 {
                     for column in 0..4 {

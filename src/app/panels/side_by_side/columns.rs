@@ -7,6 +7,7 @@ use crate::app::state::State;
 use resect_core::deployment::ControlPointSet;
 use resect_core::evaluation::Spread;
 use resect_core::evaluation::answer_rows::AnswerRow;
+use resect_core::network::USUAL_STATIONS;
 use resect_report::difference::{Deviation, ResultDifference};
 use resect_report::summary::ResultSummary;
 
@@ -81,14 +82,29 @@ impl<'a> Column<'a> {
     }
 }
 
-/// (x, y, z, yaw) of T12, then of T13, for each column.
+/// (x, y, z, yaw) of T12, then of T13, …, for each column.
 pub fn transforms(columns: &[Column<'_>], reference: usize, units: Units) -> Vec<Vec<Cell>> {
     let against = columns.get(reference).and_then(Column::summary);
     let cells = |(index, column): (usize, &Column<'_>)| match column.summary() {
-        None => vec![Cell { text: "–".to_owned(), difference: None }; 8],
-        Some(summary) => of_summary(summary, against.filter(|_| index != reference), units),
+        None => {
+            vec![Cell { text: "–".to_owned(), difference: None }; 4 * (stations(columns) - 1)]
+        }
+        Some(summary) => {
+            let mut cells = of_summary(summary, against.filter(|_| index != reference), units);
+            cells.resize_with(4 * (stations(columns) - 1), || Cell {
+                text: "–".to_owned(),
+                difference: None,
+            });
+            cells
+        }
     };
     columns.iter().enumerate().map(cells).collect()
+}
+
+/// Returns the largest number of stations of a result.
+pub fn stations(columns: &[Column<'_>]) -> usize {
+    let each = columns.iter().filter_map(Column::summary).map(|summary| 1 + summary.stations.len());
+    each.max().unwrap_or(USUAL_STATIONS)
 }
 
 /// Returns true if a result belongs to a set-up at another place, so that its difference is no error.
@@ -122,7 +138,7 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
         let both = |k: usize| against.stations[k].sigma.and(summary.stations[k].sigma).is_some();
         let is_elsewhere = is_elsewhere(against, summary);
         let of = |k: usize| {
-            let station = difference.stations[k];
+            let station = &difference.stations[k];
             let told = |text: String, deviation: Deviation| Difference {
                 text,
                 sigmas: deviation.sigmas.filter(|_| both(k) && !is_elsewhere),
@@ -134,7 +150,7 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
             let yaw = station.yaw_rad;
             [x, y, z, told(units.angle_difference_in_words(yaw.value), yaw)]
         };
-        [of(0), of(1)].concat()
+        (0..difference.stations.len()).flat_map(of).collect::<Vec<_>>()
     });
     let mut differences = differences.into_iter().flatten();
     texts.into_iter().map(|text| Cell { text, difference: differences.next() }).collect()

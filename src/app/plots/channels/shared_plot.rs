@@ -18,8 +18,8 @@ use crate::app::prepared::channels::{Channel, Subject};
 use crate::app::prepared::series::Corner;
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
 use resect_core::pipeline::SampleFate;
+use resect_tools::palette;
 
 /// Fewest corners of a line.
 const LEAST_CORNERS: usize = 100;
@@ -398,9 +398,9 @@ fn marks(
 /// Returns the colour of a series: that of its station or pair, lighter or darker for further channels of the plot.
 fn colour(one: &DrawnSeries<'_>, dark: bool) -> palette::Rgb {
     let own = match one.seen.subject {
-        (Subject::Station, station) => palette::STATIONS[station],
-        (Subject::Pair, pair) => palette::PAIRS[pair],
-        (Subject::Prism1, _) => palette::STATIONS[0],
+        (Subject::Station, station) => palette::station(station),
+        (Subject::Pair, pair) => palette::pair(pair),
+        (Subject::Prism1, _) => palette::station(0),
         (Subject::Vehicle, _) => palette::METRICS[one.order % palette::METRICS.len()],
     };
     let lines = if one.seen.subject.0 == Subject::Vehicle { palette::METRICS.len() } else { 1 };

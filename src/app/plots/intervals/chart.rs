@@ -1,4 +1,4 @@
-//! One row per station with its readings and gaps, and one row with the spans common to all three.
+//! One row per station with its readings and gaps, and one row with the spans common to all.
 
 use egui::{Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{GridMark, Plot};
@@ -13,11 +13,9 @@ use crate::app::state::State;
 use crate::app::theme;
 use resect_core::analysis::Analysis;
 use resect_core::network::PerStation;
-use resect_core::palette;
 use resect_core::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
+use resect_tools::palette;
 
-/// Number of rows: stations 1 to 3, and all three together.
-const ROWS: usize = 4;
 /// Letter size of a row's name, as a share of the row's height.
 const LETTERS: f32 = 0.76;
 /// Ticks further apart than this are drawn singly (points); closer ones are drawn as density, in columns of the second width (points).
@@ -34,25 +32,27 @@ pub fn ui(
     times: &Times,
     commands: &mut Commands,
 ) {
+    // One for each station, and one for all together.
+    let rows = analysis.pipeline.filtered.len() + 1;
     // A name higher than its row would not be drawn.
-    let size = (LETTERS * strip.height() / ROWS as f32).clamp(8.0, 11.0);
+    let size = (LETTERS * strip.height() / rows as f32).clamp(8.0, 11.0);
     let axis = bare_axis()
         .tick_label_font(egui::FontId::proportional(size))
-        .formatter(|mark, _| name(ROWS as f64 - mark.value))
+        .formatter(move |mark, _| name(rows as f64 - mark.value, rows))
         .label_spacing(8.0..=10.0);
     let plot = Plot::new(("intervals", open.id))
-        .y_grid_spacer(|_| {
+        .y_grid_spacer(move |_| {
             let middle = |row| GridMark { value: f64::from(row) + 0.5, step_size: 1.0 };
-            (0..ROWS as i32).map(middle).collect()
+            (0..rows as i32).map(middle).collect()
         })
         .show_grid([true, false])
         .label_formatter(|_| None);
     let name = "readings, silences and intervals over time";
-    let time_plot = TimePlot { strip, name, times, y_bounds: [0.0, ROWS as f64] };
+    let time_plot = TimePlot { strip, name, times, y_bounds: [0.0, rows as f64] };
     let shown = time_plot.show(ui, plot, axis, commands, |_| {});
     let filtered = analysis.pipeline.filtered.as_ref();
     let chart = Chart { open, state, times, filtered, shown };
-    for station in (0..3).filter(|station| state.scene.visibility.stations[*station]) {
+    for station in state.visible_stations() {
         chart.station(ui, station);
     }
     chart.common(ui);
@@ -61,10 +61,14 @@ pub fn ui(
     chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(TimeCommand::PickInPlot));
 }
 
-fn name(row: f64) -> String {
+fn name(row: f64, rows: usize) -> String {
     match row as usize {
-        station @ 0..3 => format!("station {}", station + 1),
-        _ => "all three".to_owned(),
+        station if station + 1 < rows => format!("station {}", station + 1),
+        _ => match rows - 1 {
+            2 => "both".to_owned(),
+            3 => "all three".to_owned(),
+            stations => format!("all {stations}"),
+        },
     }
 }
 
@@ -80,9 +84,14 @@ struct Chart<'a> {
 impl Chart<'_> {
     fn row(&self, row: usize) -> Rangef {
         let frame = self.shown.frame();
-        let height = frame.height() / ROWS as f32;
+        let height = frame.height() / self.rows() as f32;
         let top = frame.top() + row as f32 * height;
         Rangef::new(top, top + height).shrink(0.12 * height)
+    }
+
+    /// Returns the number of rows: the stations, and all together.
+    fn rows(&self) -> usize {
+        self.filtered.len() + 1
     }
 
     fn points_per_s(&self) -> f64 {
@@ -146,7 +155,7 @@ impl Chart<'_> {
     fn ticks(&self, ui: &egui::Ui, painter: &egui::Painter, station: usize) {
         let own = &self.open.plots.readings.stations[station];
         let row = self.row(station);
-        let colour = theme::rgb(palette::STATIONS[station]);
+        let colour = theme::rgb(palette::station(station));
         for index in own.within(self.times.window_s) {
             let x = self.shown.x(own.time_s[index]);
             if self.filtered[station].rejected[index].is_none() && !own.is_left_out(index) {
@@ -178,7 +187,7 @@ impl Chart<'_> {
             })
             .collect();
         let most = ends.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1).max(1);
-        let colour = theme::rgb(palette::STATIONS[station]);
+        let colour = theme::rgb(palette::station(station));
         let mut quads = Quads::default();
         for (column, pair) in ends.windows(2).enumerate().filter(|(_, pair)| pair[0] < pair[1]) {
             let share = (pair[1] - pair[0]) as f32 / most as f32;
@@ -207,7 +216,7 @@ impl Chart<'_> {
     fn common(&self, ui: &egui::Ui) {
         let painter = self.shown.painter(ui);
         let gaps = &self.open.plots.gaps;
-        let (row, kept) = (ROWS - 1, theme::rgb(palette::fate(SampleFate::Kept)));
+        let (row, kept) = (self.rows() - 1, theme::rgb(palette::fate(SampleFate::Kept)));
         self.spans(ui, &painter, row, &gaps.kept, |quads, rect| {
             quads.add(rect, kept.gamma_multiply(0.75));
         });
@@ -237,7 +246,7 @@ impl Chart<'_> {
     fn hover(&self, ui: &egui::Ui) {
         let Some(at) = self.shown.pointer(ui) else { return };
         let frame = self.shown.frame();
-        let row = ((at.y - frame.top()) / frame.height() * ROWS as f32) as usize;
+        let row = ((at.y - frame.top()) / frame.height() * self.rows() as f32) as usize;
         let time_s = self.shown.transform.value_from_position(at).x;
         let gaps = &self.open.plots.gaps;
         let silences = |station: usize| {
@@ -245,7 +254,7 @@ impl Chart<'_> {
             let span = self.length_and_span(silent);
             Some(format!("station {} silent for {span}", station + 1))
         };
-        let text = if row < 3 {
+        let text = if row + 1 < self.rows() {
             silences(row)
         } else if let Some(kept) = under(&gaps.kept, time_s) {
             Some(format!("kept interval: {}", self.length_and_span(kept)))
@@ -253,7 +262,7 @@ impl Chart<'_> {
             let tau_l = self.state.settings().pipeline.thresholds.tau_l_seconds;
             Some(format!("too short (τ_l {tau_l} s): {}", self.length_and_span(short)))
         } else {
-            let silent: Vec<String> = (0..3).filter_map(silences).collect();
+            let silent: Vec<String> = (0..self.filtered.len()).filter_map(silences).collect();
             (!silent.is_empty()).then(|| format!("no interval\n{}", silent.join("\n")))
         };
         if let Some(text) = text {
@@ -269,7 +278,7 @@ impl Chart<'_> {
 
     /// Returns the reading whose tick is near; `None` if ticks are not drawn singly.
     fn reading_at(&self, at: Pos2) -> Option<Picked> {
-        let station = (0..3).find(|station| self.row(*station).contains(at.y))?;
+        let station = (0..self.filtered.len()).find(|station| self.row(*station).contains(at.y))?;
         if !self.state.scene.visibility.stations[station] || !self.ticks_stand_alone(station) {
             return None;
         }

@@ -8,11 +8,12 @@ use super::super::time_plot::still;
 use super::super::{LABELS, log_axis};
 use super::gap_thresholds::GapThresholds;
 use crate::app::model::OpenDeployment;
+use crate::app::plots::rates::in_a_row;
 use crate::app::prepared::gaps::LogHistogram;
 use crate::app::state::State;
 use crate::app::theme;
-use resect_core::palette;
 use resect_core::pipeline::SampleFate;
+use resect_tools::palette;
 
 /// Height of the line above each chart, and of its text; handles are below the text (points).
 const TITLE: f32 = 21.0;
@@ -37,14 +38,13 @@ pub fn ui(
     // Shows both charts if there is room; a low pane has the first chart, and only the count of the second.
     let of_two = ui.available_height() / 2.0 - TITLE - 4.0;
     let height = if of_two < LEAST { ui.available_height() - 2.0 * TITLE - 4.0 } else { of_two };
-    let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    let counted = "Number of silences by length and station; above: silences of stations 1 / 2 / 3 that are \
+    let longer = in_a_row(&gaps.outages.map(Vec::len));
+    let counted = "Number of silences by length and station; above: silences of stations 1 / 2 / … that are \
                    longer than τ_s";
     let short_of = |threshold: &Threshold<'_>| threshold.symbol.to_owned();
     title(ui, ["silences", ">"], [tau_s.label(), short_of(tau_s)], &longer, counted);
-    let stations: Vec<(&LogHistogram, Color32)> = (0..3)
-        .filter(|station| state.scene.visibility.stations[*station])
-        .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
+    let stations: Vec<(&LogHistogram, Color32)> = (state.visible_stations())
+        .map(|station| (&gaps.lengths[station], theme::rgb(palette::station(station))))
         .collect();
     let silences = Distribution { name: "silences", threshold: tau_s.value, series: &stations };
     let (transform, frame) = silences.show(ui, open.id, height, |_| 1.0);

@@ -2,23 +2,17 @@
 
 use super::centred::CentredTriplets;
 use super::levenberg_marquardt::Minimum;
-use crate::geometry::{LevelTransform, wrap_to_pi};
-
-/// Two solutions with a smaller distance are the same minimum (m). Source: the paper uses this limit for its prior (Vaidis et al.
-/// 2022).
-pub const SAME_TRANSLATION_M: f64 = 0.05;
-/// Two solutions with a smaller difference of yaw are the same minimum (rad). Source: the paper uses this limit for its prior
-/// (Vaidis et al. 2022).
-pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
+use crate::geometry::LevelTransform;
+use crate::network::PerStation;
 
 /// A minimum of the cost.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Basin {
-    pub station1_from_station: [LevelTransform; 3],
+    pub station1_from_station: PerStation<LevelTransform>,
     /// Mean squared inter-prism error (m²): the paper's `cost_function_2`.
     pub mean_square_m2: f64,
-    /// Mean height of prism 1 above prisms 2 and 3 in this solution (m).
-    pub height_differences_m: [f64; 2],
+    /// Mean height of station 1's prism above that of each station in this solution (m); zero for station 1.
+    pub height_differences_m: PerStation<f64>,
 }
 
 impl Basin {
@@ -32,19 +26,11 @@ impl Basin {
     }
 }
 
-/// Returns true if two solutions are the same minimum.
-pub fn same_solution(a: &[LevelTransform], b: &[LevelTransform]) -> bool {
-    a.iter().zip(b).all(|(a, b)| {
-        (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
-            && wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
-    })
-}
-
 /// Returns a minimum as a solution with its cost.
 pub fn basin(data: &CentredTriplets, minimum: &Minimum) -> Basin {
     Basin {
         station1_from_station: data.transforms(&minimum.parameters),
-        mean_square_m2: minimum.normal.cost / (3 * data.len()) as f64,
+        mean_square_m2: data.mean_square_m2(minimum.normal.cost),
         height_differences_m: data.height_differences_m(&minimum.parameters),
     }
 }

@@ -9,22 +9,43 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 
 use super::compression::{CONSTANT, Factor};
 use super::{Parameters, SquaredCost};
+use crate::network::Station;
 
 /// Singular values below this fraction of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Returns one prior for each combination of the two pairs' height solutions, one to four.
+/// Returns one prior for each combination of the height solutions of the pairs with station 1: up to two to the power of their
+/// number.
 pub fn closed_form_priors(cost: &SquaredCost) -> Vec<Parameters> {
-    let [of_2, of_3] = [0, 1].map(|pair| pair_solutions(&cost.factor(pair)));
-    let mut priors = Vec::with_capacity(of_2.len() * of_3.len());
-    for a in &of_2 {
-        for b in &of_3 {
-            priors.push(Parameters::from_column_slice(&[
-                a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3],
-            ]));
-        }
+    let mut priors: Vec<Vec<f64>> = vec![Vec::new()];
+    for station in cost.network.unknown_stations() {
+        let poses = poses(cost, station);
+        priors = (priors.iter())
+            .flat_map(|prior| poses.iter().map(move |pose| [prior, &pose[..]].concat()))
+            .collect();
     }
-    priors
+    priors.into_iter().map(Parameters::from_vec).collect()
+}
+
+/// Returns one or two poses (x, y, z, yaw) of a station's centred frame by its pair with station 1.
+fn poses(cost: &SquaredCost, station: Station) -> Vec<[f64; 4]> {
+    let Some(index) = cost.network.index_of(Station::FIRST, station) else {
+        return vec![[0.0; 4]];
+    };
+    let factor = cost.factor(index);
+    if cost.network.pairs[index].is_shared() {
+        return vec![shared_prism_pose(&factor)];
+    }
+    pair_solutions(&factor)
+}
+
+/// Returns the pose of a station that follows the prism of station 1: the alignment of two tracks about their centroids.
+///
+/// The cost is 2 (cos ψ g₀ + sin ψ g₁) and a constant, with the products g of columns of the triangle.
+fn shared_prism_pose(factor: &Factor) -> [f64; 4] {
+    let [by_cos, by_sin] =
+        [0, 1].map(|column| SVector::from(factor[column]).dot(&SVector::from(factor[CONSTANT])));
+    [0.0, 0.0, 0.0, (-by_sin).atan2(-by_cos)]
 }
 
 /// Returns one or two poses (x, y, z, yaw) of a station's centred frame, which differ in z.
@@ -92,7 +113,7 @@ fn height_solutions(factor: &Factor, x: f64, y: f64, yaw: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::inter_prism::CentredTriplets;
+    use crate::calibration::inter_prism::{CentredTriplets, PrismNetwork};
     use crate::geometry::LevelTransform;
     use crate::pipeline::Triplets;
     use nalgebra::{Rotation3, Vector3};
@@ -121,9 +142,9 @@ mod tests {
                 points[station].push(truth[station].inverse().apply(&placed));
             }
         }
-        let distances = crate::deployment::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances = crate::deployment::pairwise_distances(&rig);
         let triplets = Triplets::new(vec![0.0; 200], vec![0; 200], points);
-        let data = CentredTriplets::new(&triplets, distances);
+        let data = CentredTriplets::new(&triplets, &PrismNetwork::of_own_prisms(distances));
         let best = closed_form_priors(&SquaredCost::of(&data))
             .iter()
             .map(|prior| data.transforms(prior))

@@ -4,11 +4,13 @@
 //! t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) with m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). So Σ (…)² = ‖Φ m‖² = ‖T m‖²
 //! with the triangle T of Φ = Q T, and no later cost depends on n. Householder's QR keeps the precision that a Gram matrix ΦᵀΦ
 //! would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost). Rows are processed in chunks, so the memory is bounded.
+//!
+//! For stations that follow the same prism, the three coordinates of q_a − R q_b − t are linear in five of the same monomials.
 
 use multiversion::multiversion;
 
 use super::CentredTriplets;
-use crate::deployment::PAIRS;
+use super::prism_network::FollowedPair;
 
 /// Number of monomials m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). The constant one is last, so the first eight
 /// columns of the triangle are that of the problem without the constraints between the monomials.
@@ -24,22 +26,30 @@ pub type Factor = [[f64; MONOMIALS]; MONOMIALS];
 
 type MonomialRows = [[f64; CHUNK]; MONOMIALS];
 
-/// Returns the triangle of pair 12, 13 or 23 (m²).
-pub fn compress(data: &CentredTriplets, pair: usize) -> Factor {
-    let (a, b) = PAIRS[pair];
-    let lists = [a, b].map(|s| data.coordinates[s].each_ref().map(Vec::as_slice));
-    reduce_all(&lists, data.inter_prism_m[pair])
+/// Returns the triangle of a pair (m²; m if both stations follow the same prism).
+pub fn compress(data: &CentredTriplets, pair: &FollowedPair) -> Factor {
+    let lists = [pair.stations.first, pair.stations.second]
+        .map(|station| data.coordinates[station].each_ref().map(Vec::as_slice));
+    reduce_all(&lists, pair.distance_m, pair.is_shared())
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn reduce_all(lists: &[[&[f64]; 3]; 2], distance_m: f64) -> Factor {
+fn reduce_all(lists: &[[&[f64]; 3]; 2], distance_m: f64, is_shared: bool) -> Factor {
     let mut factor = [[0.0; MONOMIALS]; MONOMIALS];
     let mut rows = [[0.0; CHUNK]; MONOMIALS];
     let count = lists[0][0].len();
     for start in (0..count).step_by(CHUNK) {
         let end = count.min(start + CHUNK);
-        fill(&mut rows, &lists.map(|list| list.map(|axis| &axis[start..end])), distance_m);
-        reduce(&mut factor, &mut rows);
+        let some = lists.map(|list| list.map(|axis| &axis[start..end]));
+        if is_shared {
+            for axis in 0..3 {
+                fill_coordinate(&mut rows, &some, axis);
+                reduce(&mut factor, &mut rows);
+            }
+        } else {
+            fill(&mut rows, &some, distance_m);
+            reduce(&mut factor, &mut rows);
+        }
     }
     factor
 }
@@ -63,6 +73,24 @@ fn fill(rows: &mut MonomialRows, [a, b]: &[[&[f64]; 3]; 2], distance_m: f64) {
     }
     for column in rows {
         column[count..].fill(0.0);
+    }
+}
+
+/// Fills in the rows of one coordinate of q_a − R q_b − t at some instants, then zeros.
+#[inline(always)]
+fn fill_coordinate(rows: &mut MonomialRows, [a, b]: &[[&[f64]; 3]; 2], axis: usize) {
+    let count = a[0].len();
+    for column in rows.iter_mut() {
+        column.fill(0.0);
+    }
+    for i in 0..count {
+        let (bx, by) = (b[0][i], b[1][i]);
+        match axis {
+            0 => (rows[0][i], rows[1][i], rows[CONSTANT][i]) = (-bx, by, a[0][i]),
+            1 => (rows[0][i], rows[1][i], rows[CONSTANT][i]) = (-by, -bx, a[1][i]),
+            _ => rows[CONSTANT][i] = a[2][i] - b[2][i],
+        }
+        rows[2 + axis][i] = -1.0;
     }
 }
 
@@ -105,20 +133,25 @@ fn dot(a: &[f64; CHUNK], b: &[f64; CHUNK]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_equations::tests::irregular;
+    use super::super::distance_pass::tests::{irregular, irregular_shared};
     use super::*;
     use nalgebra::DMatrix;
 
     /// Triangle of all rows at once, by nalgebra's QR.
-    fn one_shot(data: &CentredTriplets, pair: usize) -> DMatrix<f64> {
-        let (a, b) = PAIRS[pair];
-        let mut tall = DMatrix::zeros(data.len(), MONOMIALS);
-        for i in 0..data.len() {
-            let mut rows = [[0.0; CHUNK]; MONOMIALS];
-            let lists = [a, b].map(|s| data.coordinates[s].each_ref().map(|axis| &axis[i..i + 1]));
-            fill(&mut rows, &lists, data.inter_prism_m[pair]);
+    fn one_shot(data: &CentredTriplets, pair: &FollowedPair) -> DMatrix<f64> {
+        let mut tall = DMatrix::zeros(pair.residuals() * data.len(), MONOMIALS);
+        let mut rows = [[0.0; CHUNK]; MONOMIALS];
+        for row in 0..tall.nrows() {
+            let (i, axis) = (row / pair.residuals(), row % pair.residuals());
+            let lists = [pair.stations.first, pair.stations.second]
+                .map(|s| data.coordinates[s].each_ref().map(|axis| &axis[i..i + 1]));
+            if pair.is_shared() {
+                fill_coordinate(&mut rows, &lists, axis);
+            } else {
+                fill(&mut rows, &lists, pair.distance_m);
+            }
             for column in 0..MONOMIALS {
-                tall[(i, column)] = rows[column][0];
+                tall[(row, column)] = rows[column][0];
             }
         }
         tall.qr().r()
@@ -129,7 +162,7 @@ mod tests {
     fn chunk_by_chunk_gives_the_triangle_of_all_at_once() {
         for count in [10, CHUNK - 1, CHUNK, CHUNK + 1, 1000] {
             let (data, _) = irregular(count);
-            for pair in 0..3 {
+            for pair in &data.network.pairs {
                 let (streamed, whole) = (compress(&data, pair), one_shot(&data, pair));
                 for column in 0..MONOMIALS {
                     let size = whole.column(column).norm();
@@ -141,6 +174,21 @@ mod tests {
                         );
                     }
                 }
+            }
+        }
+    }
+
+    /// The triangle of a shared prism has three columns of zeros, so only its products are unique.
+    #[test]
+    fn the_products_of_a_shared_prism_are_those_of_all_rows() {
+        for count in [10, CHUNK + 1, 1000] {
+            let (data, _) = irregular_shared(count);
+            for pair in data.network.pairs.iter().filter(|pair| pair.is_shared()) {
+                let streamed = compress(&data, pair);
+                let streamed = DMatrix::from_fn(MONOMIALS, MONOMIALS, |i, j| streamed[j][i]);
+                let (streamed, whole) = (streamed.tr_mul(&streamed), one_shot(&data, pair));
+                let whole = whole.tr_mul(&whole);
+                assert!((streamed - &whole).amax() < 1e-12 * whole.amax());
             }
         }
     }

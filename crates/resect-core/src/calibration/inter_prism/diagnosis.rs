@@ -1,9 +1,12 @@
 //! Verdict of method D, with its reasons.
 
+use nalgebra::Vector3;
+
 use super::drive_shape::PlanView;
 use super::mirror::Choice;
 use super::motion_in_words::{TrackAxes, describe};
 use super::observability::{Hold, Observability};
+use super::prism_network::UNKNOWNS_PER_STATION;
 use super::uncertainty::Uncertainty;
 use super::{CentredTriplets, Minimum, Parameters};
 use crate::calibration::checks::{
@@ -42,7 +45,7 @@ pub struct DiagnosisInput<'a> {
     pub choice: &'a Choice,
     /// Answer and its σ.
     pub station1_from_station: &'a PerStation<RigidTransform>,
-    pub sigma: Option<[TransformSigma; 2]>,
+    pub sigma: Option<PerStation<TransformSigma>>,
     /// Poses when the control points were measured; `None` if they are those of the answer.
     pub survey: Option<&'a SurveyPoses>,
 }
@@ -67,7 +70,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     }
     let at_survey = match evidence.survey {
         Some(survey) => Some((survey.transforms(), survey.sigma())),
-        None => evidence.sigma.map(|sigma| (evidence.station1_from_station.clone(), sigma)),
+        None => evidence.sigma.clone().map(|sigma| (evidence.station1_from_station.clone(), sigma)),
     };
     let control_points = at_survey.and_then(|(transforms, sigma)| {
         control_points_contradict(evidence.deployment, &transforms, &sigma)
@@ -82,7 +85,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
     let direction = describe(&TrackAxes::of(thinned), &uncertainty.weakest, false);
     let advice = observability.advice;
     // The weakest direction is judged at the track. The values of σ are for the stations, which may be far away.
-    let largest_m = evidence.sigma.map_or(f64::INFINITY, |sigma| {
+    let largest_m = evidence.sigma.as_ref().map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
@@ -104,7 +107,7 @@ pub fn judge(evidence: &DiagnosisInput<'_>, findings: &mut Vec<Finding>) -> Verd
 
 /// Returns the finding that the shape of the drive leaves directions unobservable or weak.
 fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
-    let DiagnosisInput { observability, rival, .. } = *evidence;
+    let DiagnosisInput { observability, rival, .. } = evidence;
     let open = if evidence.uncertainty.has_control_points {
         OpenDirections::HeldByControlPoints(observability.open_to_drive())
     } else {
@@ -119,7 +122,7 @@ fn plan(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
         }
         PlanView::Circle { radius_m, driven_rad, .. } => drive_circle(open, radius_m, driven_rad),
         PlanView::TwoLegs { corner_m, turn_rad } => {
-            let cost_ratio = rival.map(|(_, cost_ratio)| cost_ratio);
+            let cost_ratio = rival.as_ref().map(|(_, cost_ratio)| *cost_ratio);
             let cost_ratio = cost_ratio.filter(|cost_ratio| *cost_ratio < NOTABLE_RIVAL);
             drive_two_legs(open, [corner_m.x, corner_m.y], turn_rad, cost_ratio)
         }
@@ -146,16 +149,15 @@ fn rival(evidence: &DiagnosisInput<'_>) -> Option<Finding> {
     if evidence.uncertainty.has_control_points {
         return None;
     }
-    let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
+    let (rival, cost_ratio) = evidence.rival.as_ref().filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
+    let apart_m = |rival: &Parameters| {
+        let apart = rival - &evidence.answer.parameters;
+        let stations = apart.as_slice().chunks_exact(UNKNOWNS_PER_STATION);
+        stations.map(|p| Vector3::new(p[0], p[1], p[2]).norm()).fold(0.0, f64::max)
+    };
     // The rival's heights may be mirrored too; that difference is not counted.
-    let apart_m = [rival, evidence.thinned.mirrored_in_height(&rival, [true, true])]
-        .map(|rival| {
-            let apart = rival - evidence.answer.parameters;
-            apart.fixed_rows::<3>(0).norm().max(apart.fixed_rows::<3>(4).norm())
-        })
-        .into_iter()
-        .fold(f64::INFINITY, f64::min);
-    Some(rival_minimum(apart_m, cost_ratio))
+    let apart_m = apart_m(rival).min(apart_m(&evidence.thinned.mirrored_in_height(rival)));
+    Some(rival_minimum(apart_m, *cost_ratio))
 }
 
 /// Returns the finding that errors are larger than noise, interpolation and the distances explain.

@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::CentredTriplets;
+use crate::network::Station;
 use crate::statistics;
 use crate::statistics::{central_sigma, median};
 
@@ -98,24 +99,25 @@ impl DriveShape {
 
     /// Classifies the drive. `data` may be thinned, but must be in order of time and have few outliers.
     pub fn of(data: &CentredTriplets) -> Self {
-        let heights_m = quantiles(&data.coordinates[0][2], [0.01, 0.99]);
-        let tilt_rad = [1, 2].map(|station| {
-            let apart = (data.coordinates[0][2].iter())
-                .zip(&data.coordinates[station][2])
-                .map(|(first, other)| first - other);
-            central_sigma(apart).unwrap_or(0.0) / data.inter_prism_m[station - 1]
+        let [_, _, first_m] = &data.coordinates[Station::FIRST];
+        let heights_m = quantiles(first_m, [0.01, 0.99]);
+        let tilt_rad = data.network.unknown_stations().filter_map(|station| {
+            let distance_m = data.network.from_station1_m(station);
+            let [_, _, other_m] = &data.coordinates[station];
+            let apart = first_m.iter().zip(other_m).map(|(first, other)| first - other);
+            (distance_m > 0.0).then(|| central_sigma(apart).unwrap_or(0.0) / distance_m)
         });
         Self {
             plan: plan(data),
             relief_m: heights_m[1] - heights_m[0],
-            tilt_rad: tilt_rad[0].max(tilt_rad[1]),
+            tilt_rad: tilt_rad.fold(0.0, f64::max),
         }
     }
 }
 
 fn plan(data: &CentredTriplets) -> PlanView {
-    let Some(chords) = chords(&data.coordinates[0]) else { return PlanView::Standing };
-    let centroid_m = data.centre_m[0].xy();
+    let Some(chords) = chords(&data.coordinates[Station::FIRST]) else { return PlanView::Standing };
+    let centroid_m = data.centre_m[Station::FIRST].xy();
     straight_line(&chords)
         .or_else(|| two_legs(&chords, centroid_m))
         .or_else(|| circle(&chords, centroid_m))
@@ -292,6 +294,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
+    use crate::calibration::inter_prism::PrismNetwork;
     use crate::pipeline::Triplets;
 
     /// Shape of a drive of a level rig along segments of (length, curvature). It has a point every decimetre, with a millimetre of
@@ -316,7 +319,8 @@ mod tests {
             vec![0; count],
             [points.clone(), points.clone(), points],
         );
-        DriveShape::of(&CentredTriplets::new(&triplets, [1.0; 3]))
+        let network = PrismNetwork::of_own_prisms([1.0; 3]);
+        DriveShape::of(&CentredTriplets::new(&triplets, &network))
     }
 
     /// Segment of a tight turn by an angle (rad): sixteen points.

@@ -4,14 +4,13 @@
 use crate::deployment::findings::outliers::{
     outliers_left_out, outliers_shift_answer, span_left_out,
 };
-use crate::network::PerStation;
+use crate::network::{PerStation, Station};
 use nalgebra::Vector3;
 
-use super::{CentredTriplets, Minimum, NormalEquations};
-use crate::calibration::each_distance_error_m;
+use super::{CentredTriplets, Minimum, NormalEquations, Parameters, PrismNetwork};
 use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
-use crate::geometry::RigidTransform;
+use crate::geometry::LevelTransform;
 use crate::statistics::median;
 
 /// A triplet is a gross outlier if one of its distances exceeds both limits: this error (m), and the multiple [`WILD_TIMES`].
@@ -31,15 +30,15 @@ const MOST: f64 = 0.6;
 /// Smallest bias that is reported (m); it must also exceed the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
-/// Returns the indices of the inliers, from the errors of each triplet's three distances (m).
-pub fn fitting(errors_m: impl Iterator<Item = [f64; 3]>) -> Vec<usize> {
+/// Returns the indices of the inliers, from the errors of each triplet's distances (m).
+pub fn fitting<E: IntoIterator<Item = f64>>(errors_m: impl Iterator<Item = E>) -> Vec<usize> {
     let worst_m: Vec<f64> = errors_m.map(worst).collect();
     let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
     (0..worst_m.len()).filter(|i| worst_m[*i] < limit_m).collect()
 }
 
-fn worst(pairs: [f64; 3]) -> f64 {
-    pairs.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
+fn worst(errors_m: impl IntoIterator<Item = f64>) -> f64 {
+    errors_m.into_iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
 }
 
 /// Returns the limit of a triplet's worst error (m).
@@ -47,9 +46,19 @@ fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
     Some(WILD_M.max(WILD_TIMES * median(worst_m)?))
 }
 
-/// Groups a list of all distance errors by triplet.
-fn in_triplets(errors_m: &[f64]) -> impl Iterator<Item = [f64; 3]> + '_ {
-    errors_m.chunks_exact(3).map(|pairs| [pairs[0], pairs[1], pairs[2]])
+/// Returns the worst error of each triplet, from the errors of its pairs (m).
+fn worst_by_triplet<'a>(
+    data: &CentredTriplets,
+    errors_m: &'a [f64],
+) -> impl Iterator<Item = f64> + use<'a> {
+    errors_m.chunks_exact(data.network.pairs.len()).map(|errors_m| worst(errors_m.iter().copied()))
+}
+
+/// Returns the triplets that are not gross outliers.
+pub fn inliers(data: &CentredTriplets, answer: &Parameters) -> CentredTriplets {
+    let errors_m = data.distance_errors_m(answer);
+    let errors_m = errors_m.chunks_exact(data.network.pairs.len());
+    data.select(&fitting(errors_m.map(|errors_m| errors_m.iter().copied())))
 }
 
 /// Returns findings about the outliers that a robust answer rejects; doubts if they are many, or consecutive.
@@ -89,10 +98,19 @@ fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
 /// Returns the indices of the triplets that fit an answer, from points by station (m, each in its station's frame).
 pub fn fitting_triplets(
     points_m: &PerStation<Vec<Vector3<f64>>>,
-    station1_from_station: &PerStation<RigidTransform>,
-    inter_prism_m: &[f64; 3],
+    station1_from_station: &PerStation<LevelTransform>,
+    network: &PrismNetwork,
 ) -> Vec<usize> {
-    fitting(each_distance_error_m(points_m, station1_from_station, inter_prism_m))
+    let count = points_m[Station::FIRST].len();
+    let mut placed_m = vec![Vector3::zeros(); points_m.len()];
+    let worst_m = (0..count).map(|index| {
+        let stations = points_m.iter().zip(station1_from_station);
+        for (placed_m, (points_m, transform)) in placed_m.iter_mut().zip(stations) {
+            *placed_m = transform.apply(&points_m[index]);
+        }
+        [worst(network.errors_m(&placed_m))]
+    });
+    fitting(worst_m)
 }
 
 /// Returns the finding that gross outliers bias a least-squares answer by more than its σ.
@@ -102,35 +120,36 @@ pub fn pull(
     data: &CentredTriplets,
     thinned: &CentredTriplets,
     answer: &Minimum,
-    sigma: Option<&[TransformSigma; 2]>,
+    sigma: Option<&PerStation<TransformSigma>>,
 ) -> Option<Finding> {
     let some_m = thinned.distance_errors_m(&answer.parameters);
-    let limit_m = limit_m(in_triplets(&some_m).map(worst))?;
+    let limit_m = limit_m(worst_by_triplet(thinned, &some_m))?;
     // All triplets are examined only if their mean square shows more than noise: outliers that do not affect it cause no bias.
     let (fitting_m2, count) = some_m
         .iter()
         .filter(|error| error.abs() < limit_m)
         .fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
-    let mean_square_m2 = answer.normal.cost / (3 * data.len()) as f64;
+    let mean_square_m2 = data.mean_square_m2(answer.normal.cost);
     if mean_square_m2 < LONG_TAIL * fitting_m2 / f64::from(count.max(1)) {
         return None;
     }
     let errors_m = data.distance_errors_m(&answer.parameters);
-    let is_wild = |(index, pairs): (usize, [f64; 3])| (worst(pairs) >= limit_m).then_some(index);
-    let wild: Vec<usize> = in_triplets(&errors_m).enumerate().filter_map(is_wild).collect();
+    let is_wild = |(index, worst_m): (usize, f64)| (worst_m >= limit_m).then_some(index);
+    let wild: Vec<usize> =
+        worst_by_triplet(data, &errors_m).enumerate().filter_map(is_wild).collect();
     if wild.is_empty() || wild.len() > data.len() / 2 {
         return None;
     }
     // One Gauss–Newton step to the answer without them.
     let theirs = NormalEquations::at(&data.select(&wild), &answer.parameters);
-    let rest = (answer.normal.matrix - theirs.matrix).cholesky()?;
-    let without = answer.parameters - rest.solve(&(answer.normal.gradient - theirs.gradient));
+    let rest = (&answer.normal.matrix - theirs.matrix).cholesky()?;
+    let without = &answer.parameters - rest.solve(&(&answer.normal.gradient - theirs.gradient));
     let (with, without) = (data.transforms(&answer.parameters), data.transforms(&without));
     let (mut pull_m, mut sigmas) = (0.0_f64, 0.0_f64);
-    for slot in 0..2 {
-        let moved = with[slot + 1].translation_m - without[slot + 1].translation_m;
+    for station in data.network.unknown_stations() {
+        let moved = with[station].translation_m - without[station].translation_m;
         pull_m = pull_m.max(moved.norm());
-        let sigma_m = sigma.map_or(f64::INFINITY, |sigma| sigma[slot].translation_m.norm());
+        let sigma_m = sigma.map_or(f64::INFINITY, |sigma| sigma[station].translation_m.norm());
         sigmas = sigmas.max(moved.norm() / sigma_m);
     }
     (pull_m > NOTABLE_PULL_M && sigmas > 1.0).then(|| {
@@ -142,7 +161,7 @@ pub fn pull(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::FindingKind;
+    use crate::deployment::kinds;
 
     #[test]
     fn wild_ones_are_told_from_chords() {
@@ -152,7 +171,7 @@ mod tests {
         let kept = fitting(errors_m.into_iter());
         assert!(kept.contains(&4) && !kept.contains(&7));
         assert_eq!(kept.len(), 29);
-        assert!(fitting(std::iter::empty()).is_empty());
+        assert!(fitting(std::iter::empty::<[f64; 3]>()).is_empty());
     }
 
     #[test]
@@ -166,7 +185,7 @@ mod tests {
         assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));
         let run = verdicts(&|i| !(600..900).contains(&i));
         assert_eq!(run[1].0, Verdict::Weak);
-        assert_eq!(run[1].1.kind, FindingKind::SpanLeftOut);
+        assert_eq!(run[1].1.kind, kinds::SPAN_LEFT_OUT);
         let span_s = ["from", "to"].map(|name| run[1].1.value(name).expect("a span").round());
         assert_eq!(span_s, [152.0, 198.0], "{run:?}");
     }

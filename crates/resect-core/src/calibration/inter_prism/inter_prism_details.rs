@@ -5,7 +5,7 @@ use super::mirror_twin::Mirror;
 use super::observability::Observability;
 use super::prior_search::PriorSearch;
 
-/// Details of an answer from inter-prism distances: of method D, or of a joint estimate of three prisms.
+/// Details of an answer from inter-prism distances: of method D, or of a joint estimate of several prisms.
 #[derive(Clone, Debug)]
 pub struct InterPrismDetails {
     /// Minimum of the answer.

@@ -4,13 +4,14 @@ use super::mirror::Choice;
 use super::published::{self, Published};
 use super::used::Used;
 use super::{
-    CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, basin, gross_errors, same_solution,
+    CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, PrismNetwork, basin, gross_errors,
+    same_solution,
 };
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{Basin, Verdict};
 use crate::deployment::findings::answers::other_minimum_fits_better;
-use crate::deployment::{ControlPointSet, Finding, Rig};
-use crate::geometry::RigidTransform;
+use crate::deployment::{ControlPointSet, Finding};
+use crate::network::PerStation;
 
 /// The published method's solution on the corrected readings, with the joint estimate as its answer.
 pub struct JointAnswer {
@@ -27,6 +28,7 @@ impl JointAnswer {
     /// The doubt that the joint estimate is the right minimum: the corrections exchanged answer and twin.
     pub fn doubt(&self) -> Option<(Verdict, Finding)> {
         self.fits_better
+            .as_ref()
             .and(self.solution.choice.mirror.cost_ratio)
             .map(|cost_ratio| (Verdict::Ambiguous, other_minimum_fits_better(cost_ratio)))
     }
@@ -37,7 +39,7 @@ impl JointAnswer {
 /// The estimate has converged. A drive that does not determine the answer by itself has no other minimum to choose.
 pub fn solve(
     estimate: &JointEstimate,
-    rig: &Rig,
+    (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
     control_points: &[ControlPointSet],
     used: &Used<'_>,
     is_determined_by_drive: bool,
@@ -46,31 +48,28 @@ pub fn solve(
     let (time_s, interval) = used.instants();
     let mut points_m = used.points_m();
     estimate.correct(&time_s, &interval, &mut points_m);
-    let inter_prism_m =
-        estimate.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
-    let rig = Rig { inter_prism_m, ..rig.clone() };
+    let network = &network.with_estimates(estimate);
     // Gross outliers must not move the minima.
-    let placed = level.map(|level| RigidTransform::from(*level));
-    let fitting = gross_errors::fitting_triplets(&points_m, &placed, &inter_prism_m);
+    let fitting = gross_errors::fitting_triplets(&points_m, level, network);
     let mut kept_s = None;
     if fitting.len() >= FEWEST_TRIPLETS {
         kept_s = Some(fitting.iter().map(|i| time_s[*i]).collect());
         points_m.iter_mut().for_each(|points| keep(points, &fitting));
     }
-    let data = CentredTriplets::from_points(points_m, inter_prism_m);
-    let mut solution = published::solve(&rig, control_points, &data, None);
-    let parameters = data.parameters(level.as_slice());
+    let data = CentredTriplets::from_points(points_m, network);
+    let mut solution = published::solve(heights_m, control_points, &data, None);
+    let parameters = data.parameters(level);
     let normal = NormalEquations::at(&data, &parameters);
     solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let answer = basin(&data, &solution.answer);
-    let other = solution.choice.answer;
-    let same = |basin: &Basin| same_solution(&basin.station1_from_station, level.as_slice());
+    let other = solution.choice.answer.clone();
+    let same = |basin: &Basin| same_solution(&basin.station1_from_station, level);
     if let Some(own) = solution.basins.iter_mut().find(|basin| same(basin)) {
-        *own = answer;
+        own.clone_from(&answer);
     }
     // Cost ratios are relative to the joint estimate's cost in all tables and sentences.
     if !is_determined_by_drive {
-        solution.basins = vec![answer];
+        solution.basins = vec![answer.clone()];
         solution.choice = Choice::of_control_points(answer);
         return JointAnswer { solution, data, kept_s, fits_better: None };
     }
@@ -78,9 +77,9 @@ pub fn solve(
         solution.choice = solution.choice.with_answer(answer);
         return JointAnswer { solution, data, kept_s, fits_better: None };
     }
-    solution.choice.answer = answer;
-    solution.choice.mirror.twin = Some(other);
     solution.choice.mirror.cost_ratio = Some(other.mean_square_m2 / answer.mean_square_m2);
+    solution.choice.mirror.twin = Some(other.clone());
+    solution.choice.answer = answer;
     // These findings are about the other minimum.
     solution.choice.findings.clear();
     JointAnswer { solution, data, kept_s, fits_better: Some(other) }

@@ -6,14 +6,18 @@
 
 use super::levenberg_marquardt::{FINE_M, ROUGH_M};
 use super::search::search;
-use super::{CentredTriplets, Minimum, Parameters, SquaredCost, basin, minimise, same_solution};
+use super::{CentredTriplets, Minimum, Parameters, PrismNetwork, SquaredCost, basin, minimise};
 use crate::calibration::Basin;
+use crate::network::{PerStation, Prism, Station};
 
 /// Number of triplets, evenly spread, for the search and the list of minima. Compressing all 20 000 triplets of an hour's drive
 /// would take as long as all other computations.
 pub const THINNED: usize = 1024;
 /// Minima with more than this many times the lowest cost fit thirty times worse and are not rivals.
 const HOPELESS: f64 = 1000.0;
+/// Most priors of the search. Three stations have at most seven. More stations have up to two to the power of their number, of which
+/// only those with the lowest cost can lead to the lowest minimum and its twin.
+const MOST_PRIORS: usize = 16;
 /// A twin within this is the answer itself (m): prisms at equal heights.
 pub const SAME_TWIN_M: f64 = 1e-3;
 
@@ -32,9 +36,10 @@ impl Minima {
     /// the thinned ones.
     pub fn basins(&self, data: &CentredTriplets) -> Vec<Basin> {
         let lowest = basin(data, &self.lowest);
+        let least_m2 = lowest.mean_square_m2;
         let others = self.others.iter().map(|(parameters, cost_ratio)| Basin {
             station1_from_station: data.transforms(parameters),
-            mean_square_m2: cost_ratio * lowest.mean_square_m2,
+            mean_square_m2: cost_ratio * least_m2,
             height_differences_m: data.height_differences_m(parameters),
         });
         let twin = self.twin.as_ref().map(|twin| basin(data, twin));
@@ -50,13 +55,12 @@ pub fn find(
     squared: &SquaredCost,
     priors: &[Parameters],
 ) -> Minima {
-    let same =
-        |a: &Parameters, b: &Parameters| same_solution(&data.transforms(a), &data.transforms(b));
-    let candidates = search(squared, &with_all_heights(data, priors), same);
+    let same = |a: &Parameters, b: &Parameters| data.are_same(a, b);
+    let candidates = search(squared, &with_all_heights(data, squared, priors), same);
     let least = candidates[0].normal.cost;
     let mut minima: Vec<Minimum> = Vec::new();
     for candidate in candidates.iter().filter(|m| m.normal.cost <= HOPELESS * least) {
-        let exact = minimise(thinned, candidate.parameters, ROUGH_M);
+        let exact = minimise(thinned, candidate.parameters.clone(), ROUGH_M);
         // Two minima of the squared cost can converge to one of the exact cost.
         if !minima.iter().any(|known| same(&known.parameters, &exact.parameters)) {
             minima.push(exact);
@@ -64,53 +68,83 @@ pub fn find(
     }
     minima.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
 
-    let lowest = minimise(data, minima[0].parameters, FINE_M);
+    let lowest = minimise(data, minima[0].parameters.clone(), FINE_M);
     let heights = data.height_differences_m(&lowest.parameters);
     let opposite = |m: &&Minimum| {
         let other = data.height_differences_m(&m.parameters);
-        heights[0] * other[0] + heights[1] * other[1] < 0.0
+        heights.iter().zip(&other).map(|(own, other)| own * other).sum::<f64>() < 0.0
     };
-    let mirrored = minima[1..].iter().find(opposite).map(|m| m.parameters);
+    let mirrored = minima[1..].iter().find(opposite).map(|m| m.parameters.clone());
     let twin_start =
-        mirrored.unwrap_or_else(|| data.mirrored_in_height(&lowest.parameters, [true, true]));
+        mirrored.clone().unwrap_or_else(|| data.mirrored_in_height(&lowest.parameters));
     let twin = minimise(data, twin_start, ROUGH_M);
-    let twin = ((twin.parameters - lowest.parameters).amax() > SAME_TWIN_M).then_some(twin);
+    let twin = ((&twin.parameters - &lowest.parameters).amax() > SAME_TWIN_M).then_some(twin);
 
     // In a valley, the same descent converges to another point on other data, so the start of the twin is excluded as well.
     let known = |p: &Parameters| {
-        Some(*p) == mirrored
+        Some(p) == mirrored.as_ref()
             || same(p, &lowest.parameters)
-            || twin.is_some_and(|twin| same(p, &twin.parameters))
+            || twin.as_ref().is_some_and(|twin| same(p, &twin.parameters))
     };
     let least = minima[0].normal.cost.max(f64::MIN_POSITIVE);
     let others = minima[1..]
         .iter()
         .filter(|m| !known(&m.parameters))
-        .map(|m| (m.parameters, m.normal.cost / least))
+        .map(|m| (m.parameters.clone(), m.normal.cost / least))
         .collect();
     Minima { lowest, twin, others }
 }
 
 /// Returns the priors, and copies of the first one with the signs of heights that none of them has.
-fn with_all_heights(data: &CentredTriplets, priors: &[Parameters]) -> Vec<Parameters> {
-    let signs = |p: &Parameters| data.height_differences_m(p).map(|h| h < 0.0);
+fn with_all_heights(
+    data: &CentredTriplets,
+    squared: &SquaredCost,
+    priors: &[Parameters],
+) -> Vec<Parameters> {
+    let signs = |p: &Parameters| data.height_differences_m(p).map(|h| *h < 0.0);
     let mut starts = priors.to_vec();
-    for flips in [[true, true], [true, false], [false, true]] {
-        let mirrored = data.mirrored_in_height(&priors[0], flips);
+    for flips in height_flips(&data.network) {
+        let mirrored = data.flipped(&priors[0], &flips);
         if !priors.iter().any(|prior| signs(prior) == signs(&mirrored)) {
             starts.push(mirrored);
         }
     }
+    if starts.len() > MOST_PRIORS {
+        let costs_m2 = starts.into_iter().map(|start| (squared.at(&start).cost, start));
+        let mut by_cost: Vec<(f64, Parameters)> = costs_m2.collect();
+        by_cost.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts = by_cost.into_iter().take(MOST_PRIORS).map(|(_, start)| start).collect();
+    }
     starts
+}
+
+/// Returns all choices of prisms whose heights are flipped, all of them first. Stations that follow the same prism flip together, and
+/// those that follow the prism of station 1 do not flip.
+fn height_flips(network: &PrismNetwork) -> Vec<PerStation<bool>> {
+    let prisms = &network.prism_of_station;
+    let mut flipped: Vec<Prism> = Vec::new();
+    for prism in prisms {
+        if *prism != prisms[Station::FIRST] && !flipped.contains(prism) {
+            flipped.push(*prism);
+        }
+    }
+    let choice = |bits: usize| {
+        prisms.map(|prism| {
+            let place = flipped.iter().position(|other| other == prism);
+            place.is_some_and(|place| bits >> (flipped.len() - 1 - place) & 1 == 1)
+        })
+    };
+    (1..1_usize << flipped.len()).rev().map(choice).collect()
 }
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::closed_form_priors;
+    use super::super::{closed_form_priors, same_solution};
     use super::*;
     use crate::geometry::LevelTransform;
+    use crate::network::{Number, PerPair};
     use crate::pipeline::{PipelineSettings, Triplets};
-    use crate::simulation::{Preset, simulate};
+    use crate::simulated_drives::{self, Preset};
     use nalgebra::{Rotation3, Vector3};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -138,16 +172,34 @@ pub(super) mod tests {
                 })
                 .collect()
         });
-        let distances = crate::deployment::PAIRS.map(|(a, b)| (rig[a] - rig[b]).norm());
+        let distances = crate::deployment::pairwise_distances(&rig);
         let triplets =
             Triplets::new((0..400).map(|i| f64::from(i) * 0.1).collect(), vec![0; 400], points);
-        CentredTriplets::new(&triplets, distances)
+        CentredTriplets::new(&triplets, &PrismNetwork::of_own_prisms(distances))
     }
 
     fn simulated(preset: Preset, seed: u64) -> CentredTriplets {
-        let deployment = simulate(preset, seed).readings();
+        let deployment = simulated_drives::simulated(preset, seed);
         let triplets = crate::pipeline::run(&deployment, &PipelineSettings::default()).triplets;
-        CentredTriplets::new(&triplets, deployment.rig.expect("simulated").inter_prism_m)
+        let rig = deployment.rig.expect("simulated");
+        CentredTriplets::new(&triplets, &PrismNetwork::of_own_prisms(rig.inter_prism_m))
+    }
+
+    #[test]
+    fn stations_of_one_prism_flip_together() {
+        let network = |prisms: &[usize]| {
+            let prisms = prisms.iter().map(|prism| Prism::at(*prism)).collect();
+            PrismNetwork::new(prisms, &PerPair::repeat(6, 1.0))
+        };
+        let bits = |prisms: &[usize]| -> Vec<Vec<bool>> {
+            height_flips(&network(prisms)).iter().map(|flips| flips.as_slice().to_vec()).collect()
+        };
+        assert_eq!(
+            bits(&[0, 1, 2]),
+            [[false, true, true], [false, true, false], [false, false, true]]
+        );
+        assert_eq!(bits(&[1, 0, 1, 0]), [[false, true, false, true]]);
+        assert!(bits(&[0, 0]).is_empty());
     }
 
     /// Rotating the rig by −90° and shifting the stations to match fits two legs at a right angle as well. The reason is that
@@ -155,18 +207,18 @@ pub(super) mod tests {
     #[test]
     fn two_legs_have_a_rival_that_is_found_from_any_prior() {
         let data = two_legs(std::f64::consts::FRAC_PI_2);
-        let truth = data.parameters(&[LevelTransform::IDENTITY; 3]);
+        let truth = data.parameters(&[LevelTransform::IDENTITY; 3].into());
         let thinned = data.thinned(THINNED);
         let squared = SquaredCost::of(&thinned);
         let poor = Parameters::from_column_slice(&[0.5, 0.3, 0.2, 0.1, -0.4, 0.6, 0.1, -0.1]);
-        for prior in [truth, data.mirrored_in_plane(&truth, 1.0), poor] {
+        for prior in [truth.clone(), data.mirrored_in_plane(&truth, 1.0), poor] {
             let found = find(&data, &thinned, &squared, &[prior]);
-            let (rival, cost_ratio) = *found.others.first().expect("two legs");
+            let (rival, cost_ratio) = found.others.first().expect("two legs").clone();
             assert!(cost_ratio < 2.0, "{cost_ratio}");
             let twin = found.twin.expect("level ground").parameters;
             let near = |p: &Parameters| {
-                let flipped = data.mirrored_in_height(p, [true, true]);
-                (p - truth).amax().min((flipped - truth).amax()) < 0.02
+                let flipped = data.mirrored_in_height(p);
+                (p - &truth).amax().min((flipped - &truth).amax()) < 0.02
             };
             let candidates = [found.lowest.parameters, twin, rival];
             assert!(candidates.iter().any(near), "{candidates:?}");
@@ -184,10 +236,10 @@ pub(super) mod tests {
                 let poor = [3.0, -2.0, 1.0, yaws[0], -1.0, 4.0, -2.0, yaws[1]];
                 let prior = Parameters::from_column_slice(&poor);
                 let found = find(&data, &thinned, &squared, &[prior]);
-                assert!((found.lowest.parameters - good.lowest.parameters).amax() < 1e-6);
+                assert!((&found.lowest.parameters - &good.lowest.parameters).amax() < 1e-6);
                 assert_eq!(found.others.len(), good.others.len(), "{preset:?}");
                 for (a, b) in found.others.iter().zip(&good.others) {
-                    assert!((a.0 - b.0).amax() < 1e-3, "{preset:?}: {a:?} {b:?}");
+                    assert!((&a.0 - &b.0).amax() < 1e-3, "{preset:?}: {a:?} {b:?}");
                 }
             }
         }
@@ -204,7 +256,7 @@ pub(super) mod tests {
             let mut random = ChaCha8Rng::seed_from_u64(9);
             let mut ended = 0;
             for _ in 0..2000 {
-                let start = Parameters::from_fn(|k, _| {
+                let start = Parameters::from_fn(data.network.unknowns(), |k, _| {
                     let within = if k % 4 == 3 { std::f64::consts::PI } else { 2.0 };
                     random.random_range(-within..within)
                 });

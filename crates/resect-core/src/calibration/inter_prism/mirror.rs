@@ -1,7 +1,7 @@
 //! Choice between an answer and its mirror twin.
 //!
-//! On level ground all distances stay the same when the prisms of stations 2 and 3 are mirrored in the horizontal plane through
-//! prism 1. The stations then move vertically by twice the height difference. The heights of the prisms on the rig or control
+//! On level ground all distances stay the same when the prisms of the other stations are mirrored in the horizontal plane through
+//! station 1's prism. The stations then move vertically by twice the height difference. The heights of the prisms on the rig or control
 //! points exclude one of the two. If the vehicle pitched and rolled, the cost excludes it.
 
 use crate::calibration::misfits::control_points_apart_m;
@@ -10,8 +10,9 @@ use crate::deployment::findings::mirror::{
     MirrorWitness, mirror_needs_witness, mirror_ruled_out, mirror_same_height, mirror_twin,
     mirror_witness_contradicted,
 };
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::RigidTransform;
+use crate::network::PerStation;
 
 /// Cost ratio from which the cost alone decides: a clock offset or a wrong distance can change a ratio by tens of per cent.
 pub const DECISIVE_COST_RATIO: f64 = 2.0;
@@ -23,6 +24,7 @@ const LEVEL_RIG_M: f64 = 1e-3;
 const DECISIVE_FIT_RATIO: f64 = 2.0;
 
 /// The chosen answer, with its reasons.
+#[derive(Clone)]
 pub struct Choice {
     pub answer: Basin,
     /// True if the answer is the twin, not the lowest minimum.
@@ -53,14 +55,17 @@ impl Choice {
 }
 
 /// Chooses between the lowest minimum and its twin.
+///
+/// `heights_m` are the heights of station 1's prism above that of each station by a reading of the rig (m).
 pub fn choose(
-    rig: &Rig,
+    heights_m: Option<&PerStation<f64>>,
     control_points: &[ControlPointSet],
     lowest: Basin,
     twin: Option<Basin>,
 ) -> Choice {
     let Some(twin) = twin else {
-        let height_m = lowest.height_differences_m.map(f64::abs).into_iter().fold(0.0, f64::max);
+        let heights_m = lowest.height_differences_m.iter().copied();
+        let height_m = heights_m.map(f64::abs).fold(0.0, f64::max);
         let (resolved_by, finding) = if height_m < LEVEL_RIG_M {
             (ResolvedBy::Nothing, mirror_same_height())
         } else {
@@ -70,7 +75,7 @@ pub fn choose(
         let findings = vec![finding];
         return Choice { answer: lowest, twin_is_real: false, mirror, findings, ambiguous: false };
     };
-    let (witness, twin_is_real) = if let Some(decided) = by_rig(rig, &lowest, &twin) {
+    let (witness, twin_is_real) = if let Some(decided) = by_rig(heights_m, &lowest, &twin) {
         (ResolvedBy::Rig, decided)
     } else if let Some(decided) = by_control_points(control_points, &lowest, &twin) {
         (ResolvedBy::ControlPoints, decided)
@@ -91,13 +96,9 @@ fn is_decisive(answer: &Basin, twin: &Basin) -> bool {
 /// Returns the choice that a kind of data made, with its findings.
 fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin) -> Choice {
     let cost_ratio = other.mean_square_m2 / answer.mean_square_m2;
-    let apart_m = (1..3)
-        .map(|s| {
-            (answer.station1_from_station[s].translation_m
-                - other.station1_from_station[s].translation_m)
-                .z
-                .abs()
-        })
+    let apart_m = (answer.station1_from_station.iter())
+        .zip(&other.station1_from_station)
+        .map(|(answer, other)| (answer.translation_m - other.translation_m).z.abs())
         .fold(0.0, f64::max);
     let decisive = match witness {
         ResolvedBy::Rig => MirrorWitness::Rig,
@@ -118,10 +119,11 @@ fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin)
 }
 
 /// Returns true if the rig's heights fit the twin better, false if the lowest minimum; `None` if undecided.
-fn by_rig(rig: &Rig, lowest: &Basin, twin: &Basin) -> Option<bool> {
-    let heights = rig.height_differences_m()?;
+fn by_rig(heights_m: Option<&PerStation<f64>>, lowest: &Basin, twin: &Basin) -> Option<bool> {
+    let heights_m = heights_m?;
     let misfit = |basin: &Basin| {
-        (0..2).map(|i| (basin.height_differences_m[i] - heights[i]).powi(2)).sum::<f64>().sqrt()
+        let both = basin.height_differences_m.iter().zip(heights_m);
+        both.map(|(found, measured)| (found - measured).powi(2)).sum::<f64>().sqrt()
     };
     better(misfit(lowest), misfit(twin))
 }
@@ -133,7 +135,7 @@ fn by_control_points(
     twin: &Basin,
 ) -> Option<bool> {
     let misfit = |basin: &Basin| {
-        let transforms = basin.station1_from_station.map(RigidTransform::from).into();
+        let transforms = basin.station1_from_station.map(|level| RigidTransform::from(*level));
         control_points_apart_m(control_points, &transforms)
     };
     better(misfit(lowest)?, misfit(twin)?)
@@ -153,53 +155,48 @@ fn better(lowest: f64, twin: f64) -> Option<bool> {
 mod tests {
     use super::*;
     use crate::geometry::LevelTransform;
-    use nalgebra::Vector3;
+    use crate::network::{Number, Station};
 
     fn basin(height_m: f64, mean_square_m2: f64) -> Basin {
         Basin {
-            station1_from_station: [LevelTransform::IDENTITY; 3],
+            station1_from_station: [LevelTransform::IDENTITY; 3].into(),
             mean_square_m2,
-            height_differences_m: [height_m, height_m],
+            height_differences_m: [0.0, height_m, height_m].into(),
         }
     }
 
-    fn rig(prism1_above_m: Option<f64>) -> Rig {
-        Rig {
-            inter_prism_m: [1.0; 3],
-            prisms_m: prism1_above_m
-                .map(|h| [Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
-            inter_antenna_m: None,
-            in_vehicle_m: None,
-        }
+    /// Heights of a rig whose prism 1 is this high above both others.
+    fn heights(prism1_above_m: f64) -> PerStation<f64> {
+        [0.0, prism1_above_m, prism1_above_m].into()
     }
 
     #[test]
     fn the_rig_overrules_a_slightly_lower_cost() {
-        let choice = choose(&rig(Some(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 1.3)));
+        let choice = choose(Some(&heights(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 1.3)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Rig);
-        assert_eq!(choice.answer.height_differences_m[0], 0.38);
+        assert_eq!(choice.answer.height_differences_m[Station::at(1)], 0.38);
         assert!(!choice.ambiguous);
     }
 
     #[test]
     fn the_rig_against_a_clear_cost_is_ambiguous() {
-        let choice = choose(&rig(Some(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 9.0)));
+        let choice = choose(Some(&heights(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 9.0)));
         assert!(choice.ambiguous);
     }
 
     #[test]
     fn without_a_witness_equal_costs_stay_ambiguous_and_unequal_ones_decide() {
-        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 1.1)));
+        let choice = choose(None, &[], basin(0.4, 1.0), Some(basin(-0.4, 1.1)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
         assert!(choice.ambiguous);
-        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
+        let choice = choose(None, &[], basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Cost);
         assert!(!choice.ambiguous);
     }
 
     #[test]
     fn a_corrected_answer_is_what_the_twin_is_compared_with() {
-        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 8.0)));
+        let choice = choose(None, &[], basin(0.4, 1.0), Some(basin(-0.4, 8.0)));
         let corrected = choice.with_answer(basin(0.41, 2.0));
         assert_eq!(corrected.mirror.cost_ratio, Some(4.0));
         assert_eq!(corrected.findings[0].value("cost_ratio"), Some(4.0));
@@ -210,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_flat_rig_is_no_witness() {
-        let choice = choose(&rig(Some(0.0)), &[], basin(0.1, 1.0), Some(basin(-0.1, 1.1)));
+        let choice = choose(Some(&heights(0.0)), &[], basin(0.1, 1.0), Some(basin(-0.1, 1.1)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
     }
 }

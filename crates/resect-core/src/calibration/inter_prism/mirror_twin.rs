@@ -26,7 +26,7 @@ impl ResolvedBy {
 }
 
 /// Second solution of method D on level ground, and the data that excludes it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
     /// The twin; `None` if it is not a separate minimum.
     pub twin: Option<Basin>,

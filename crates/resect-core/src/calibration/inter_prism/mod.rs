@@ -1,21 +1,22 @@
 //! Method D: the dynamic inter-prism calibration.
 //!
-//! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of stations 2 and 3 (Vaidis
-//! et al. 2022, eq. (3)).
+//! Minimises Σ (‖T_a q_a − T_b q_b‖ − d_ab)² over the translation and yaw of all stations but the first (Vaidis et al. 2022, eq. (3),
+//! with three stations). The sum is over the triplets and the pairs of stations of a [`prism_network`]. Stations that follow the
+//! same prism have ‖T_a q_a − T_b q_b‖² instead.
 //!
 //! Steps of the solution:
 //!
 //! 1. [`squared_cost`] compresses thinned triplets to a cost that does not depend on their number.
 //! 2. [`closed_form`] or [`prior_search`] computes a prior.
 //! 3. [`search`] finds all minima of the compressed cost.
-//! 4. [`minima`] refines them on the exact cost, the best one and its mirror twin on all triplets. [`normal_equations`] is the one
+//! 4. [`minima`] refines them on the exact cost, the best one and its mirror twin on all triplets. [`distance_pass`] is the one
 //!    fused pass over the data.
 //! 5. [`mirror`] decides between the two.
 //! 6. [`uncertainty`], [`observability`] and [`drive_shape`] evaluate the answer.
 //! 7. [`diagnosis`] judges it.
 //!
 //! The [`clock_check`] detects clock offsets that bias the answer. [`mod@solve`] runs method D. [`mod@solve_jointly`] runs the
-//! joint estimate of three prisms, whose minima and verdict are computed by the same steps ([`joint_answer`]). [`mod@foresee`]
+//! joint estimate of several prisms, whose minima and verdict are computed by the same steps ([`joint_answer`]). [`mod@foresee`]
 //! predicts an answer before the drive.
 
 mod basin;
@@ -24,7 +25,9 @@ mod clock_check;
 mod closed_form;
 mod compression;
 mod diagnosis;
+mod distance_pass;
 pub mod drive_shape;
+mod first_solution;
 mod foresee;
 pub mod gross_errors;
 mod inter_prism_details;
@@ -34,11 +37,15 @@ mod minima;
 mod mirror;
 mod mirror_twin;
 mod motion_in_words;
+#[cfg(test)]
+mod networks_tests;
 mod normal_equations;
 pub mod observability;
 mod pair_sums;
 mod prior_search;
+mod prism_network;
 mod published;
+mod same_solution;
 mod search;
 mod solve;
 mod solve_jointly;
@@ -49,18 +56,22 @@ mod unjudged;
 mod used;
 mod valley;
 
+pub use basin::Basin;
 use basin::basin;
-pub use basin::{Basin, SAME_TRANSLATION_M, SAME_YAW_RAD, same_solution};
 use centred::FEWEST_TRIPLETS;
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
+pub use distance_pass::distance_pulls;
+pub use first_solution::{FirstSolution, StartingPoint};
 pub use foresee::{Foreseen, foresee};
 pub use inter_prism_details::InterPrismDetails;
 pub use levenberg_marquardt::{Minimum, minimise};
 pub use mirror::DECISIVE_COST_RATIO;
 pub use mirror_twin::{Mirror, ResolvedBy};
-pub use normal_equations::{NormalEquations, distance_pulls};
+pub use normal_equations::NormalEquations;
 pub use prior_search::{PriorSearch, SearchRun};
+pub use prism_network::{FollowedPair, PrismNetwork};
+pub use same_solution::{SAME_TRANSLATION_M, SAME_YAW_RAD, same_solution};
 pub use solve::solve;
 pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;

@@ -1,13 +1,15 @@
-//! Descriptions of motions of stations 2 and 3 to which the distances are insensitive, in a surveyor's words.
+//! Descriptions of motions of the stations to which the distances are insensitive, in a surveyor's words.
 //!
 //! Motions are centred parameters with yaw in metres at the track's radius, so that their components are comparable.
 
-use nalgebra::SVector;
+use nalgebra::{DVector, Vector2};
 
 use super::CentredTriplets;
+use super::prism_network::UNKNOWNS_PER_STATION;
+use crate::network::Station;
 
-/// Direction in (x, y, z, yaw) of stations 2 and 3, relative to the centroids of their tracks; of any length.
-pub type PoseDirection = SVector<f64, 8>;
+/// Direction in (x, y, z, yaw) of station 2, then of each further one, relative to the centroids of their tracks; of any length.
+pub type PoseDirection = DVector<f64>;
 
 /// Smallest share of the largest component that is described.
 const SAID: f64 = 0.5;
@@ -48,7 +50,7 @@ pub struct TrackAxes {
 
 impl TrackAxes {
     pub fn of(data: &CentredTriplets) -> Self {
-        let [x, y, _] = &data.coordinates[0];
+        let [x, y, _] = &data.coordinates[Station::FIRST];
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for (x, y) in x.iter().zip(y) {
             xx += x * x;
@@ -62,42 +64,35 @@ impl TrackAxes {
     }
 }
 
-/// A component of a motion: its size for stations 2 and 3 (m), and true if both move in the same direction.
+/// A component of a motion: its size for each station but the first (m), or its vector in plan.
 struct Share {
     part: MotionComponent,
-    amounts: [f64; 2],
-    together: bool,
+    vectors_m: Vec<Vector2<f64>>,
 }
 
 impl Share {
     fn largest(&self) -> f64 {
-        self.amounts[0].max(self.amounts[1])
+        self.vectors_m.iter().map(Vector2::norm).fold(0.0, f64::max)
     }
 }
 
 /// Returns the components of a motion, the largest first.
 fn shares(axes: &TrackAxes, motion: &PoseDirection) -> Vec<Share> {
     let [ax, ay] = axes.along;
-    let level = [0, 4].map(|at| [motion[at], motion[at + 1]]);
-    let one = |part, [second, third]: [f64; 2]| Share {
-        part,
-        amounts: [second.abs(), third.abs()],
-        together: second * third >= 0.0,
+    let share = |part, vector_m: &dyn Fn(&[f64]) -> Vector2<f64>| {
+        let stations = motion.as_slice().chunks_exact(UNKNOWNS_PER_STATION);
+        Share { part, vectors_m: stations.map(vector_m).collect() }
     };
+    let size = |size_m: f64| Vector2::new(size_m, 0.0);
     let mut shares = vec![
-        one(MotionComponent::Height, [motion[2], motion[6]]),
-        one(MotionComponent::Turn, [motion[3], motion[7]]),
+        share(MotionComponent::Height, &|p| size(p[2])),
+        share(MotionComponent::Turn, &|p| size(p[3])),
     ];
     if axes.long {
-        shares.push(one(MotionComponent::Along, level.map(|[x, y]| ax * x + ay * y)));
-        shares.push(one(MotionComponent::Across, level.map(|[x, y]| ax * y - ay * x)));
+        shares.push(share(MotionComponent::Along, &|p| size(ax * p[0] + ay * p[1])));
+        shares.push(share(MotionComponent::Across, &|p| size(ax * p[1] - ay * p[0])));
     } else {
-        let [second, third] = level;
-        shares.push(Share {
-            part: MotionComponent::Level,
-            amounts: level.map(|[x, y]| x.hypot(y)),
-            together: second[0] * third[0] + second[1] * third[1] >= 0.0,
-        });
+        shares.push(share(MotionComponent::Level, &|p| Vector2::new(p[0], p[1])));
     }
     shares.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
     shares
@@ -125,13 +120,28 @@ pub fn describe(axes: &TrackAxes, motion: &PoseDirection, free: bool) -> String 
 fn phrase(share: &Share, said: f64, free: bool) -> String {
     let (verb, rest) = share.part.verb();
     let can = if free { "can " } else { "" };
-    match share.amounts.map(|amount| amount >= said) {
-        [true, true] if share.together => format!("stations 2 and 3 {can}{verb}{rest} together"),
-        [true, true] => format!("stations 2 and 3 {can}{verb}{rest} in opposite directions"),
-        [second, _] => {
-            let (station, ending) = (if second { 2 } else { 3 }, if free { "" } else { "s" });
-            format!("station {station} {can}{verb}{ending}{rest}")
-        }
+    let (numbers, vectors_m): (Vec<usize>, Vec<Vector2<f64>>) = (share.vectors_m.iter())
+        .enumerate()
+        .filter(|(_, vector_m)| vector_m.norm() >= said)
+        .map(|(slot, vector_m)| (slot + 2, vector_m))
+        .unzip();
+    let stations = stations_in_words(&numbers);
+    if numbers.len() == 1 {
+        let ending = if free { "" } else { "s" };
+        return format!("{stations} {can}{verb}{ending}{rest}");
+    }
+    let is_together = vectors_m.iter().all(|vector_m| vectors_m[0].dot(vector_m) >= 0.0);
+    let how = if is_together { "together" } else { "in opposite directions" };
+    format!("{stations} {can}{verb}{rest} {how}")
+}
+
+/// Returns some stations by their numbers, such as "station 2", or "stations 2, 3 and 4".
+pub fn stations_in_words(numbers: &[usize]) -> String {
+    let labels: Vec<String> = numbers.iter().map(usize::to_string).collect();
+    match labels.as_slice() {
+        [] => String::new(),
+        [only] => format!("station {only}"),
+        [most @ .., last] => format!("stations {} and {last}", most.join(", ")),
     }
 }
 
@@ -139,8 +149,9 @@ fn phrase(share: &Share, said: f64, free: bool) -> String {
 mod tests {
     use super::*;
 
-    fn words(motion: [f64; 8], long: bool, free: bool) -> String {
-        describe(&TrackAxes { along: [0.0, 1.0], long }, &PoseDirection::from(motion), free)
+    fn words<const N: usize>(motion: [f64; N], long: bool, free: bool) -> String {
+        let motion = PoseDirection::from_column_slice(&motion);
+        describe(&TrackAxes { along: [0.0, 1.0], long }, &motion, free)
     }
 
     #[test]
@@ -173,5 +184,7 @@ mod tests {
         }
         let free = words([0.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0], true, true);
         assert_eq!(free, "station 2 can slide along the track");
+        let of_four = [0.0, 0.1, 0.7, 0.0, 0.1, 0.0, 0.6, 0.2, 0.0, 0.0, 0.7, 0.0];
+        assert_eq!(words(of_four, true, false), "stations 2, 3 and 4 shift vertically together");
     }
 }

@@ -2,16 +2,19 @@
 //!
 //! Directions are in centred parameters with yaw in metres at the track's radius, so that each component is a displacement of the
 //! track's points. Jointly unobservable directions (three of eight on a straight line) span a space without a preferred basis. The
-//! simplest motions in that space are reported: one station sliding, or both swinging as if the rig had another orientation.
+//! simplest motions in that space are reported: one station sliding, or all swinging as if the rig had another orientation.
 
 use nalgebra::{Vector2, Vector3};
 
 use super::drive_shape::{DriveShape, PlanView};
-use super::motion_in_words::{MotionComponent, PoseDirection, TrackAxes, describe, leading_part};
+use super::motion_in_words::{
+    MotionComponent, PoseDirection, TrackAxes, describe, leading_part, stations_in_words,
+};
+use super::prism_network::{UNKNOWNS_PER_STATION, first_unknown};
 use super::uncertainty::{FREE_DIRECTION, Uncertainty};
-use super::{CentredTriplets, Parameters, gross_errors};
+use super::{CentredTriplets, Parameters};
 use crate::calibration::checks::{FREE_SIGMA_M, WEAK_SIGMA_M};
-use crate::geometry::LevelTransform;
+use crate::network::{PerStation, Station};
 
 /// Eigenvalue over the largest below which a direction is weak. An error outside σ, such as a bias of the distances, has ten
 /// times the effect there as in the best direction. Measured: drives such as an L reach 5e-3, drives with bends 2e-2.
@@ -24,8 +27,8 @@ const NEW: f64 = 0.3;
 /// Observability of an answer.
 #[derive(Clone, Debug)]
 pub struct Observability {
-    /// Eight independent directions, from the least observable to the best.
-    pub directions: [Direction; 8],
+    /// As many independent directions as unknowns, from the least observable to the best.
+    pub directions: Vec<Direction>,
     pub drive: DriveShape,
     /// Advice on the next drive, to improve the least observable direction.
     pub advice: &'static str,
@@ -33,7 +36,7 @@ pub struct Observability {
     pub track_radius_m: f64,
 }
 
-/// One direction of a joint error of stations 2 and 3.
+/// One direction of a joint error of all stations but the first.
 #[derive(Clone, Debug)]
 pub struct Direction {
     /// Information along it over that along the best direction.
@@ -42,8 +45,8 @@ pub struct Direction {
     pub sigma_m: Option<f64>,
     pub hold: Hold,
     pub words: String,
-    /// Motion of stations 2 and 3 along this direction.
-    pub motion: [StationMotion; 2],
+    /// Motion of each station along this direction; zero of station 1.
+    pub motion: PerStation<StationMotion>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,13 +103,6 @@ impl Observability {
     }
 }
 
-/// Returns the triplets that are not gross outliers.
-pub fn fitting(data: &CentredTriplets, answer: &Parameters) -> CentredTriplets {
-    let errors_m = data.distance_errors_m(answer);
-    let pairs = errors_m.chunks(3).map(|pairs| [pairs[0], pairs[1], pairs[2]]);
-    data.select(&gross_errors::fitting(pairs))
-}
-
 /// Computes the observability of an answer. `data` are inliers in order of time.
 pub fn observe(
     data: &CentredTriplets,
@@ -119,13 +115,15 @@ pub fn observe(
     motions.sort_by(|a, b| a.relative.total_cmp(&b.relative));
     let degenerate = uncertainty.weakest_sigma_m > FREE_SIGMA_M;
     let is_by_drive = !uncertainty.has_control_points;
-    let mut rank = 0..8;
-    let directions = motions.map(|Named { motion, relative, free, swing }| {
-        let sigma_m = uncertainty
-            .centred_m2
-            .map(|covariance| motion.dot(&(covariance * motion)).max(0.0).sqrt());
+    let advice = advice(&drive.plan, leading_part(&axes, &motions[0].motion));
+    let swinging: Vec<usize> = data.network.unknown_stations().map(Station::number).collect();
+    let swinging = stations_in_words(&swinging);
+    let direction = |(rank, Named { motion, relative, free, swing }): (usize, Named)| {
+        let covariance_m2 = uncertainty.centred_m2.as_ref();
+        let sigma_m = covariance_m2
+            .map(|covariance_m2| motion.dot(&(covariance_m2 * &motion)).max(0.0).sqrt());
         // A degenerate answer has an unobservable direction even if no eigenvalue shows it.
-        let first = rank.next() == Some(0);
+        let first = rank == 0;
         let hold = if is_by_drive && free || sigma_m > Some(FREE_SIGMA_M) || first && degenerate {
             Hold::Free
         } else if is_by_drive && relative < WEAK_DIRECTION || sigma_m > Some(WEAK_SIGMA_M) {
@@ -135,17 +133,17 @@ pub fn observe(
         };
         let words = swing.map_or_else(
             || describe(&axes, &motion, hold == Hold::Free),
-            |swing| format!("stations 2 and 3 can rotate {swing}"),
+            |swing| format!("{swinging} can rotate {swing}"),
         );
         let at_stations = at_the_stations(data, answer, &motion, uncertainty.radius_m);
         Direction { relative, sigma_m, hold, words, motion: at_stations }
-    });
-    let advice = advice(&drive.plan, leading_part(&axes, &motions[0].motion));
+    };
+    let directions = motions.into_iter().enumerate().map(direction).collect();
     Observability { directions, drive, advice, track_radius_m: uncertainty.radius_m }
 }
 
 /// A motion of length one, before its description.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Named {
     motion: PoseDirection,
     relative: f64,
@@ -155,7 +153,7 @@ struct Named {
 }
 
 /// Returns the eigenvectors of JᵀJ, with the simplest motions in place of those that are jointly unobservable.
-fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> [Named; 8] {
+fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> Vec<Named> {
     let spectrum = &uncertainty.spectrum;
     let largest = spectrum.eigenvalues.max();
     let eigen = |k: usize| {
@@ -163,12 +161,13 @@ fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> 
         let motion = spectrum.eigenvectors.column(k).into_owned();
         Named { motion, relative, free: relative <= FREE_DIRECTION, swing: None }
     };
-    let mut motions: [Named; 8] = std::array::from_fn(eigen);
-    let free: Vec<PoseDirection> = motions.iter().filter(|m| m.free).map(|m| m.motion).collect();
+    let mut motions: Vec<Named> = (0..answer.len()).map(eigen).collect();
+    let free: Vec<PoseDirection> =
+        motions.iter().filter(|m| m.free).map(|m| m.motion.clone()).collect();
     if free.len() > 1 {
         let plain = plainest(&free, &candidates(axes, answer));
         for (named, (motion, swing)) in motions.iter_mut().filter(|m| m.free).zip(plain) {
-            let resists: f64 = (0..8)
+            let resists: f64 = (0..answer.len())
                 .map(|k| {
                     let part = spectrum.eigenvectors.column(k).dot(&motion);
                     spectrum.eigenvalues[k] * part * part
@@ -183,29 +182,17 @@ fn motions(axes: &TrackAxes, answer: &Parameters, uncertainty: &Uncertainty) -> 
 /// Returns simple motions, the simplest first, with a description of each swing.
 fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(PoseDirection, Option<&'static str>)> {
     let [ax, ay] = axes.along;
-    let level = |at: usize, x: f64, y: f64| {
-        let mut motion = PoseDirection::zeros();
-        (motion[at], motion[at + 1]) = (x, y);
-        motion
-    };
-    let single = |at: usize| {
-        let mut motion = PoseDirection::zeros();
-        motion[at] = 1.0;
-        motion
-    };
-    let mut candidates: Vec<_> = [
-        level(0, ax, ay),
-        level(4, ax, ay),
-        single(3),
-        single(7),
-        single(2),
-        single(6),
-        level(0, -ay, ax),
-        level(4, -ay, ax),
-    ]
-    .map(|motion| (motion, None))
-    .into();
-    // If the rig never rotates, its orientation on the vehicle is unobservable: both stations move about prism 1 with it.
+    let simple =
+        [[ax, ay, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 0.0], [-ay, ax, 0.0, 0.0]];
+    let mut candidates = Vec::new();
+    for pose in simple {
+        for first in (0..answer.len()).step_by(UNKNOWNS_PER_STATION) {
+            let mut motion = PoseDirection::zeros(answer.len());
+            motion.fixed_rows_mut::<UNKNOWNS_PER_STATION>(first).copy_from_slice(&pose);
+            candidates.push((motion, None));
+        }
+    }
+    // If the rig never rotates, its orientation on the vehicle is unobservable: all stations move about station 1's prism with it.
     for (axis, words) in [
         (Vector3::new(ax, ay, 0.0), "about the track, like a roll of the rig"),
         (Vector3::z(), "about the vertical, like a yaw of the rig"),
@@ -214,10 +201,10 @@ fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(PoseDirection, Opti
             "about the horizontal across the track, like a pitch of the rig",
         ),
     ] {
-        let mut motion = PoseDirection::zeros();
-        for at in [0, 4] {
-            let from_prism_1_m = answer.fixed_rows::<3>(at).into_owned();
-            motion.fixed_rows_mut::<3>(at).copy_from(&axis.cross(&from_prism_1_m));
+        let mut motion = PoseDirection::zeros(answer.len());
+        for first in (0..answer.len()).step_by(UNKNOWNS_PER_STATION) {
+            let from_prism_1_m = answer.fixed_rows::<3>(first).into_owned();
+            motion.fixed_rows_mut::<3>(first).copy_from(&axis.cross(&from_prism_1_m));
         }
         candidates.extend(motion.try_normalize(1e-6).map(|motion| (motion, Some(words))));
     }
@@ -232,10 +219,11 @@ fn plainest(
     let mut said: Vec<PoseDirection> = Vec::new();
     let mut chosen = Vec::new();
     let unsaid = |motion: &PoseDirection, said: &[PoseDirection]| {
-        said.iter().fold(*motion, |rest, one| rest - one * one.dot(motion))
+        said.iter().fold(motion.clone(), |rest, one| rest - one * one.dot(motion))
     };
     for (candidate, swing) in candidates {
-        let inside: PoseDirection = free.iter().map(|one| one * one.dot(candidate)).sum();
+        let inside = (free.iter())
+            .fold(PoseDirection::zeros(candidate.len()), |sum, one| sum + one * one.dot(candidate));
         let rest = unsaid(&inside, &said);
         if chosen.len() < free.len() && inside.norm() > INSIDE && rest.norm() > NEW {
             said.push(rest.normalize());
@@ -258,13 +246,15 @@ fn at_the_stations(
     answer: &Parameters,
     motion: &PoseDirection,
     radius_m: f64,
-) -> [StationMotion; 2] {
-    [0, 1].map(|slot| {
-        let yaw_rad = motion[4 * slot + 3] / radius_m;
-        let station_from_centroid = LevelTransform::new(Vector3::zeros(), answer[4 * slot + 3])
-            .rotate(&-data.centre_m[slot + 1]);
+) -> PerStation<StationMotion> {
+    data.centre_m.map_each(|station, centre_m| {
+        let Some(first) = first_unknown(station) else {
+            return StationMotion { translation_m: Vector3::zeros(), yaw_rad: 0.0 };
+        };
+        let yaw_rad = motion[first + 3] / radius_m;
+        let station_from_centroid = data.pose(answer, station).rotate(&-centre_m);
         let turned = Vector2::new(-station_from_centroid.y, station_from_centroid.x) * yaw_rad;
-        let translation_m = motion.fixed_rows::<3>(4 * slot) + turned.push(0.0);
+        let translation_m = motion.fixed_rows::<3>(first) + turned.push(0.0);
         StationMotion { translation_m, yaw_rad }
     })
 }

@@ -1,13 +1,15 @@
-//! Normal equations of method D from sums over the residuals of each pair of prisms.
+//! Normal equations of method D from sums over the residuals of each pair of stations.
 //!
 //! A residual r of the pair (a, b) has the derivatives +u and −u with respect to the translations of stations a and b, and +a and
-//! −b with respect to their yaws. In pairs 12 and 13 station a is station 1, which is fixed; only pair 23 has unknowns of both
-//! stations. The 8×8 normal matrix follows from the sums of products of (u, a, b, r). `L` rows are stored side by side, for vector
-//! instructions.
+//! −b with respect to their yaws. Station 1 has no unknowns; it is always station a. The normal matrix follows from the sums of
+//! products of (u, a, b, r). `L` rows are stored side by side, for vector instructions.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::DVector;
 
+use super::NormalEquations;
+use super::prism_network::first_unknown;
 use crate::linear_algebra::sums::{multiply_add, sum_lanes};
+use crate::network::StationPair;
 
 /// `L` residuals r of one pair and their derivatives.
 pub struct PairRows<const L: usize> {
@@ -77,8 +79,8 @@ impl<const L: usize> PairSums<L> {
         total
     }
 
-    /// Adds rows; `moving` is true if station a has unknowns (pair 23). A solver needs the products, a covariance needs the
-    /// gradient and the plain sums.
+    /// Adds rows; `moving` is true if station a has unknowns. A solver needs the products, a covariance needs the gradient and the
+    /// plain sums.
     #[inline(always)]
     pub fn add<const FOR_SOLVER: bool>(&mut self, rows: &PairRows<L>, moving: bool) {
         for i in 0..3 {
@@ -118,76 +120,68 @@ impl<const L: usize> PairSums<L> {
     }
 }
 
-/// Returns the index of the first parameter of the pair's station b.
-fn first_of_b(pair: usize) -> usize {
-    if pair == 0 { 0 } else { 4 }
-}
-
-/// Returns the cost: rᵀr of the three pairs.
-pub fn cost(sums: &[PairSums<1>; 3]) -> f64 {
-    sums.iter().map(|s| s.rr[0]).sum()
-}
-
-/// Returns JᵀJ of the three pairs.
-pub fn matrix(sums: &[PairSums<1>; 3]) -> SMatrix<f64, 8, 8> {
-    let mut matrix = SMatrix::<f64, 8, 8>::zeros();
-    for (pair, s) in sums.iter().enumerate() {
-        let uu = |i: usize, j: usize| s.uu[[[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]][0];
-        let at = first_of_b(pair);
-        for i in 0..3 {
-            for j in 0..3 {
-                matrix[(at + i, at + j)] += uu(i, j);
-            }
-            matrix[(at + i, at + 3)] += s.ub[i][0];
-        }
-        matrix[(at + 3, at + 3)] += s.bb[0];
-        if pair == 2 {
+impl PairSums<1> {
+    /// Adds JᵀJ (the upper triangle), Jᵀr and rᵀr of a pair to those of the network.
+    pub fn add_to(&self, pair: StationPair, normal: &mut NormalEquations) {
+        let of_b = first_unknown(pair.second).expect("station b is not station 1");
+        self.add_station(of_b, &self.ub, self.bb[0], normal);
+        if let Some(of_a) = first_unknown(pair.first) {
+            self.add_station(of_a, &self.ua, self.aa[0], normal);
+            let order = normal.gradient.len();
+            let matrix = normal.matrix.as_mut_slice();
             for i in 0..3 {
                 for j in 0..3 {
-                    matrix[(i, j)] += uu(i, j);
-                    matrix[(i, 4 + j)] -= uu(i, j);
+                    matrix[(of_b + j) * order + of_a + i] -= self.uu(i, j);
                 }
-                matrix[(i, 3)] += s.ua[i][0];
-                matrix[(i, 7)] -= s.ub[i][0];
-                matrix[(3, 4 + i)] -= s.ua[i][0];
+                matrix[(of_b + 3) * order + of_a + i] -= self.ub[i][0];
+                matrix[(of_b + i) * order + of_a + 3] -= self.ua[i][0];
             }
-            matrix[(3, 3)] += s.aa[0];
-            matrix[(3, 7)] -= s.ab[0];
+            matrix[(of_b + 3) * order + of_a + 3] -= self.ab[0];
         }
+        add_row(normal.gradient.as_mut_slice(), pair, (&self.ur, &self.ar, &self.br));
+        normal.cost += self.rr[0];
     }
-    matrix.fill_lower_triangle_with_upper_triangle();
-    matrix
-}
 
-/// Returns Jᵀr of the three pairs.
-pub fn gradient(sums: &[PairSums<1>; 3]) -> SVector<f64, 8> {
-    let mut total = SVector::zeros();
-    for (pair, s) in sums.iter().enumerate() {
-        add_row(&mut total, pair, &s.ur, &s.ar, &s.br);
-    }
-    total
-}
-
-/// Returns Σ ∂r/∂p of each pair.
-pub fn by_pair(sums: &[PairSums<1>; 3]) -> [SVector<f64, 8>; 3] {
-    std::array::from_fn(|pair| {
-        let mut row = SVector::zeros();
-        add_row(&mut row, pair, &sums[pair].u, &sums[pair].a, &sums[pair].b);
-        row
-    })
-}
-
-/// Adds a sum of rows of J.
-fn add_row(row: &mut SVector<f64, 8>, pair: usize, u: &[[f64; 1]; 3], a: &[f64; 1], b: &[f64; 1]) {
-    let at = first_of_b(pair);
-    for i in 0..3 {
-        row[at + i] -= u[i][0];
-    }
-    row[at + 3] -= b[0];
-    if pair == 2 {
+    /// Adds the block of one station, from the products of its yaw's derivative with the others and with itself.
+    fn add_station(
+        &self,
+        first: usize,
+        by_yaw: &[[f64; 1]; 3],
+        yaw_yaw: f64,
+        normal: &mut NormalEquations,
+    ) {
+        let order = normal.gradient.len();
+        let matrix = normal.matrix.as_mut_slice();
         for i in 0..3 {
-            row[i] += u[i][0];
+            for j in 0..3 {
+                matrix[(first + j) * order + first + i] += self.uu(i, j);
+            }
+            matrix[(first + 3) * order + first + i] += by_yaw[i][0];
         }
-        row[3] += a[0];
+        matrix[(first + 3) * order + first + 3] += yaw_yaw;
+    }
+
+    fn uu(&self, i: usize, j: usize) -> f64 {
+        self.uu[[[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]][0]
+    }
+
+    /// Adds Σ ∂r/∂p of a pair to a vector by unknown.
+    pub fn add_pull(&self, pair: StationPair, pull: &mut DVector<f64>) {
+        add_row(pull.as_mut_slice(), pair, (&self.u, &self.a, &self.b));
+    }
+}
+
+/// Adds a sum of rows of J, from the sums for the translations and for the yaws of stations a and b.
+fn add_row(row: &mut [f64], pair: StationPair, (u, a, b): (&[[f64; 1]; 3], &[f64; 1], &[f64; 1])) {
+    let of_b = first_unknown(pair.second).expect("station b is not station 1");
+    for i in 0..3 {
+        row[of_b + i] -= u[i][0];
+    }
+    row[of_b + 3] -= b[0];
+    if let Some(of_a) = first_unknown(pair.first) {
+        for i in 0..3 {
+            row[of_a + i] += u[i][0];
+        }
+        row[of_a + 3] += a[0];
     }
 }

@@ -6,9 +6,9 @@
 //! with (Vaidis et al. 2022, section "Dynamic methods", "Search of prior").
 
 use super::levenberg_marquardt::ROUGH_M;
-use super::{CentredTriplets, FEWEST_TRIPLETS, minimise, same_solution};
-use crate::calibration::distance_errors_m;
-use crate::geometry::{LevelTransform, RigidTransform, align_level};
+use super::{CentredTriplets, FEWEST_TRIPLETS, PrismNetwork, minimise, same_solution};
+use crate::geometry::{LevelTransform, align_level};
+use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -22,12 +22,12 @@ const AGREEING_RUNS: usize = 3;
 const HIGHEST_LIMIT_M_PER_S: f64 = 10.0;
 
 /// Solution for one speed limit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SearchRun {
     pub tau_v_m_per_s: f64,
     /// Triplets slower than τ_v.
     pub triplets: usize,
-    pub station1_from_station: [LevelTransform; 3],
+    pub station1_from_station: PerStation<LevelTransform>,
     /// Root mean square distance error of those triplets (m): the square root of the minimised cost.
     pub rms_m: f64,
     /// Median of |distance error| over all triplets (m).
@@ -49,26 +49,22 @@ pub struct PriorSearch {
     pub steps: [Vec<SearchRun>; 2],
     /// The best run of each step; `None` if no run had enough triplets.
     pub best: [Option<usize>; 2],
-    pub chosen: [LevelTransform; 3],
+    pub chosen: PerStation<LevelTransform>,
     /// True if the best runs of both steps have three agreeing runs.
     pub agreed: bool,
 }
 
 /// Runs both steps over all triplets.
-pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
+pub fn search(triplets: &Triplets, network: &PrismNetwork) -> PriorSearch {
     let mut by_speed: Vec<usize> = (0..triplets.len()).collect();
     by_speed.sort_by(|a, b| triplets.speed_m_per_s[*a].total_cmp(&triplets.speed_m_per_s[*b]));
-    let data = CentredTriplets::new(triplets, inter_prism_m).select(&by_speed);
-    let points = &triplets.points_m;
-    let aligned = |station: usize| {
-        align_level(&points[0], &points[station]).unwrap_or(LevelTransform::IDENTITY)
-    };
-    let first_guess = [LevelTransform::IDENTITY, aligned(1), aligned(2)];
+    let data = CentredTriplets::new(triplets, network).select(&by_speed);
+    let first_guess = aligned(triplets);
 
     let slower_than = |limit: f64| by_speed.partition_point(|i| triplets.speed_m_per_s[*i] < limit);
-    let step = |prior: [LevelTransform; 3], chained: bool| {
+    let step = |prior: &PerStation<LevelTransform>, chained: bool| {
         let mut runs: Vec<SearchRun> = Vec::new();
-        let mut prior = prior;
+        let mut prior = prior.clone();
         let mut limit = FIRST_LIMIT_M_PER_S;
         loop {
             let count = slower_than(limit);
@@ -76,12 +72,12 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
                 let subset = data.first(count);
                 let minimum = minimise(&subset, data.parameters(&prior), ROUGH_M);
                 let found = data.transforms(&minimum.parameters);
-                let metric_m = metric_m(triplets, &found, &inter_prism_m);
+                let metric_m = metric_m(triplets, network, &found);
                 runs.push(SearchRun {
                     tau_v_m_per_s: limit,
                     triplets: count,
-                    station1_from_station: found,
-                    rms_m: (minimum.normal.cost / (3 * count) as f64).sqrt(),
+                    station1_from_station: found.clone(),
+                    rms_m: subset.mean_square_m2(minimum.normal.cost).sqrt(),
                     metric_m,
                     agreeing: 0,
                 });
@@ -95,20 +91,20 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
             limit += LIMIT_STEP_M_PER_S;
         }
         for index in 0..runs.len() {
-            let this = runs[index].station1_from_station;
+            let this = &runs[index].station1_from_station;
             let same =
-                runs.iter().filter(|r| same_solution(&r.station1_from_station, &this)).count();
+                runs.iter().filter(|r| same_solution(&r.station1_from_station, this)).count();
             runs[index].agreeing = same - 1;
         }
         runs
     };
 
-    let first = step(first_guess, true);
+    let first = step(&first_guess, true);
     let first_best = best_run(&first);
-    let best = first_best.map_or(first_guess, |(run, _)| first[run].station1_from_station);
-    let second = step(best, false);
+    let best = first_best.map_or(first_guess, |(run, _)| first[run].station1_from_station.clone());
+    let second = step(&best, false);
     let second_best = best_run(&second);
-    let chosen = second_best.map_or(best, |(run, _)| second[run].station1_from_station);
+    let chosen = second_best.map_or(best, |(run, _)| second[run].station1_from_station.clone());
     PriorSearch {
         steps: [first, second],
         best: [first_best, second_best].map(|best| best.map(|(run, _)| run)),
@@ -129,14 +125,31 @@ fn best_run(runs: &[SearchRun]) -> Option<(usize, bool)> {
         .or_else(|| best(&|_| true).map(|run| (run, false)))
 }
 
+/// Returns the point-to-point alignment of each station's track to station 1's.
+fn aligned(triplets: &Triplets) -> PerStation<LevelTransform> {
+    let reference = &triplets.points_m[Station::FIRST];
+    triplets.points_m.map_each(|station, points| {
+        let aligned = (station != Station::FIRST).then(|| align_level(reference, points)).flatten();
+        aligned.unwrap_or(LevelTransform::IDENTITY)
+    })
+}
+
+/// Returns the median of |distance error| over all triplets (m).
 fn metric_m(
     triplets: &Triplets,
-    transforms: &[LevelTransform; 3],
-    inter_prism_m: &[f64; 3],
+    network: &PrismNetwork,
+    station1_from_station: &PerStation<LevelTransform>,
 ) -> f64 {
-    let transforms = transforms.map(RigidTransform::from).into();
-    let [a, b, c] = distance_errors_m(triplets, &transforms, inter_prism_m);
-    median(a.into_iter().chain(b).chain(c).map(f64::abs)).unwrap_or(f64::INFINITY)
+    let errors_m = (0..triplets.len()).flat_map(|index| {
+        let placed_m: Vec<_> = triplets
+            .points_m
+            .iter()
+            .zip(station1_from_station)
+            .map(|(points, transform)| transform.apply(&points[index]))
+            .collect();
+        network.errors_m(&placed_m).map(f64::abs).collect::<Vec<_>>()
+    });
+    median(errors_m).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]
@@ -148,7 +161,7 @@ mod tests {
         SearchRun {
             tau_v_m_per_s: 0.1,
             triplets: 10,
-            station1_from_station: [LevelTransform::IDENTITY, moved, moved],
+            station1_from_station: [LevelTransform::IDENTITY, moved, moved].into(),
             rms_m: metric_m,
             metric_m,
             agreeing,

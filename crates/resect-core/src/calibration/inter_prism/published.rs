@@ -10,10 +10,12 @@ use super::{
     prior_search, same_solution,
 };
 use crate::calibration::Basin;
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding};
+use crate::network::PerStation;
 use crate::stopwatch::Stopwatch;
 
 /// Solution of the published method on some triplets.
+#[derive(Clone)]
 pub struct Published {
     pub thinned: CentredTriplets,
     /// The published answer on all of the data: the lowest minimum, or its mirror twin if that is the real one.
@@ -28,8 +30,10 @@ pub struct Published {
 }
 
 /// Solves by the published method, from the closed-form priors, and from a search of the prior if `search` has triplets for it.
+///
+/// `heights_m` are the heights of station 1's prism above that of each station by a reading of the rig (m).
 pub fn solve(
-    rig: &Rig,
+    heights_m: Option<&PerStation<f64>>,
     control_points: &[ControlPointSet],
     data: &CentredTriplets,
     search: Option<&Used<'_>>,
@@ -42,7 +46,7 @@ pub fn solve(
     let priors = match search {
         None => closed_form_priors(&squared),
         Some(used) => {
-            let search = prior_search::search(&used.triplets(), rig.inter_prism_m);
+            let search = prior_search::search(&used.triplets(), &data.network);
             if !search.agreed {
                 findings.push(prior_search_unconfirmed());
             }
@@ -58,7 +62,7 @@ pub fn solve(
     let basins = minima.basins(data);
     let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
-        rig,
+        heights_m,
         control_points,
         basin(data, &lowest),
         twin.as_ref().map(|twin| basin(data, twin)),
@@ -68,7 +72,7 @@ pub fn solve(
         _ => lowest,
     };
     findings.extend(prior_search.as_ref().and_then(|search| astray(search, &choice)));
-    let rival = others.first().copied();
+    let rival = others.first().cloned();
     Published { thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
 }
 
@@ -78,8 +82,11 @@ fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
     if same_solution(&search.chosen, answer) {
         return None;
     }
-    let apart_m = (1..3)
-        .map(|s| (search.chosen[s].translation_m - answer[s].translation_m).norm())
+    let apart_m = search
+        .chosen
+        .iter()
+        .zip(answer)
+        .map(|(chosen, answer)| (chosen.translation_m - answer.translation_m).norm())
         .fold(0.0, f64::max);
     Some(prior_search_elsewhere(apart_m))
 }

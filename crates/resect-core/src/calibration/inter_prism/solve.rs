@@ -1,33 +1,26 @@
 //! Method D: from triplets to an answer with its verdict.
 
-use super::unjudged::{UnjudgedAnswer, required_rig};
+use super::unjudged::UnjudgedAnswer;
 use super::used::Used;
-use super::{InterPrismDetails, clock_check, gross_errors, published};
+use super::{FirstSolution, InterPrismDetails, clock_check, gross_errors};
 use crate::calibration::method_answer::MethodAnswer;
-use crate::calibration::{
-    CalibrationError, CalibrationSettings, Method, Offer, PriorMethod, clocks_in_words,
-};
+use crate::calibration::{CalibrationError, CalibrationSettings, Method, clocks_in_words};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
 /// Calibrates by the inter-prism distances, as published.
 pub fn solve(
+    first: FirstSolution<'_>,
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
-    offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<InterPrismDetails>, CalibrationError> {
-    let rig = required_rig(deployment, triplets, offer)?;
+    let FirstSolution { network, data, published, .. } = first;
     let used = Used::all(triplets);
-    let data = used.centred(rig.inter_prism_m);
-    let search = (settings.prior == PriorMethod::Search).then_some(&used);
-    let points = deployment.comparable_control_points();
-    let published = published::solve(rig, points, &data, search);
-    progress.check()?;
     let prior_ms = published.prior_ms;
-    let plain = published.choice.answer.station1_from_station;
+    let plain = published.choice.answer.station1_from_station.clone();
     let ((mut answer, pull), suspected) = rayon::join(
         || {
             let answer = UnjudgedAnswer::published(published, &data, &used, settings);
@@ -38,7 +31,7 @@ pub fn solve(
         },
         || {
             let sigma_m = settings.published_distance_sigma_m();
-            clock_check::suspected_clocks(triplets, &plain, &rig.inter_prism_m, sigma_m)
+            clock_check::suspected_clocks(triplets, &plain, &network, sigma_m)
         },
     );
     drop(data);
@@ -46,7 +39,7 @@ pub fn solve(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
-    let covariance = answer.uncertainty.covariance;
+    let covariance = answer.uncertainty.covariance.clone();
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
         judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));

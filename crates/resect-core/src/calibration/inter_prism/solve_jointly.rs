@@ -1,16 +1,20 @@
-//! The joint estimate of three prisms: from the published answer to the estimate from the readings, with its verdict.
+//! The joint estimate of several prisms: from the published answer to the estimate from the readings, with its verdict.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::joint_answer::{self, JointAnswer};
 use super::published::{self, Published};
 use super::uncertainty::Uncertainty;
-use super::unjudged::{UnjudgedAnswer, required_rig};
+use super::unjudged::UnjudgedAnswer;
 use super::used::Used;
 use super::{
-    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, gross_errors, observability, uncertainty,
+    CentredTriplets, FEWEST_TRIPLETS, FirstSolution, InterPrismDetails, PrismNetwork,
+    StartingPoint, gross_errors, uncertainty,
 };
-use crate::calibration::joint::{self, JointEstimate, JointInput, RigDistances, SolverStatus};
+use crate::calibration::joint::{
+    self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
+};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
@@ -25,46 +29,51 @@ use crate::progress::{Cancelled, Progress};
 /// Most rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
 
-/// Calibrates by the joint estimate of three prisms. If it fails, the answer is that of method D.
+/// Calibrates by the joint estimate of several prisms. If it fails, the answer is that of method D.
 pub fn solve_jointly(
+    start: StartingPoint<'_>,
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
-    let rig = required_rig(deployment, triplets, offer)?;
+    let StartingPoint { rig, network, published } = start;
+    let layout = &Arc::new(Layout::new(&offer.followed));
     let (screened, survey) = rayon::join(
-        || screened(deployment, rig, triplets, settings, progress),
-        || joint::survey_adjustment::of_deployment(deployment, settings),
+        || screened(published, deployment, (rig, &network), triplets, settings, progress),
+        || joint::survey_adjustment::of_deployment(deployment, layout, settings),
     );
     let (published, data, used) = screened?;
     let prior_ms = published.prior_ms;
-    let plain = published.choice.answer.station1_from_station;
+    let plain = published.choice.answer.station1_from_station.clone();
     let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
-    let start = if is_determined_by_drive { Some(plain.into()) } else { by_survey() };
+    let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
+                layout,
                 published: &start,
-                rig: Some(RigDistances::new(rig, settings.evidence.rig)),
+                rig: RigDistances::new(rig, layout, settings.evidence.rig),
                 survey: survey.clone(),
                 is_determined_by_drive,
                 sizes: &sizes,
             };
-            estimate(&input, (deployment, rig), &used, progress)?
+            let heights_m = network.height_differences_m(rig);
+            estimate(&input, deployment, (&network, heights_m.as_ref()), &used, progress)?
         }
         None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
     let (estimate, evaluated) = match estimated {
         Ok(estimated) => estimated,
         Err(failure) => {
-            let published = super::solve::solve(deployment, triplets, settings, offer, progress)?;
+            let first = FirstSolution::new(deployment, triplets, settings, offer, progress)?;
+            let published = super::solve::solve(first, deployment, triplets, settings, progress)?;
             return Ok(published.in_place_of_joint(failure));
         }
     };
@@ -82,7 +91,7 @@ pub fn solve_jointly(
     Ok(MethodAnswer {
         method: Method::Joint,
         station1_from_station: answer.station1_from_station.clone(),
-        covariance: answer.uncertainty.covariance,
+        covariance: answer.uncertainty.covariance.clone(),
         judgement,
         checked_by: Vec::new(),
         details: (Ok(estimate), answer.into_details(observability)),
@@ -90,33 +99,34 @@ pub fn solve_jointly(
     })
 }
 
-/// Returns the published answer without gross outliers, which no robust loss makes harmless.
+/// Returns the published answer without gross outliers, which no robust loss makes harmless. It begins with that on all triplets.
 fn screened<'a>(
+    mut published: Published,
     deployment: &Deployment,
-    rig: &Rig,
+    (rig, network): (&Rig, &PrismNetwork),
     triplets: &'a Triplets,
     settings: &CalibrationSettings,
     progress: &Progress,
 ) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
     let points = deployment.comparable_control_points();
+    let heights_m = network.height_differences_m(rig);
     let solve = |used: &Used<'_>, data: &CentredTriplets| {
         let search = (settings.prior == PriorMethod::Search).then_some(used);
-        published::solve(rig, points, data, search)
+        published::solve(heights_m.as_ref(), points, data, search)
     };
     let mut used = Used::all(triplets);
-    let mut data = used.centred(rig.inter_prism_m);
-    let mut published = solve(&used, &data);
-    progress.check()?;
+    let mut data = used.centred(network);
     for _ in 0..MOST_SCREENINGS {
-        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from).into();
-        let kept = gross_errors::fitting_triplets(&triplets.points_m, &answer, &rig.inter_prism_m);
+        let answer = &published.choice.answer.station1_from_station;
+        let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, network);
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
         }
         used = Used::some(triplets, kept);
         drop(data);
-        data = used.centred(rig.inter_prism_m);
+        data = used.centred(network);
         published = solve(&used, &data);
+        progress.check()?;
     }
     Ok((published, data, used))
 }
@@ -127,24 +137,26 @@ fn screened<'a>(
 /// readings are corrected, the iteration starts again there, and its result stands if it stays.
 fn estimate(
     input: &JointInput<'_>,
-    (deployment, rig): (&Deployment, &Rig),
+    deployment: &Deployment,
+    (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
     used: &Used<'_>,
     progress: &Progress,
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
     let points = deployment.comparable_control_points();
     let estimate_from = |published: &PerStation<LevelTransform>| {
-        let input = JointInput { published, survey: input.survey.clone(), ..*input };
+        let input = JointInput { published, ..input.clone() };
         let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
         progress.check()?;
         Ok(estimate.map_err(JointFailure::from).map(|estimate| {
+            let known = (network, heights_m);
             let evaluated =
-                joint_answer::solve(&estimate, rig, points, used, input.is_determined_by_drive);
+                joint_answer::solve(&estimate, known, points, used, input.is_determined_by_drive);
             (estimate, evaluated)
         }))
     };
     let first = estimate_from(input.published)?;
     let Ok((_, JointAnswer { fits_better: Some(other), .. })) = &first else { return Ok(first) };
-    let again = estimate_from(&other.station1_from_station.into())?;
+    let again = estimate_from(&other.station1_from_station)?;
     let stays = matches!(&again, Ok((_, evaluated)) if evaluated.fits_better.is_none());
     Ok(if stays { again } else { first })
 }
@@ -162,11 +174,12 @@ fn replace(
     let findings = std::mem::replace(&mut answer.published, solution).findings;
     answer.published.findings = findings;
     let Published { thinned, answer: minimum, .. } = &answer.published;
-    answer.fitting = observability::fitting(thinned, &minimum.parameters);
+    answer.fitting = gross_errors::inliers(thinned, &minimum.parameters);
     let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    let covariance = estimate.covariance.clone();
     answer.uncertainty = Uncertainty {
         has_control_points: estimate.survey.is_some(),
-        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance)
+        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, covariance)
     };
     let placed = estimate.station1_from_station.map(|level| RigidTransform::from(*level));
     let mut doubts = Vec::new();

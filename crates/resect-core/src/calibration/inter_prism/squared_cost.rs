@@ -2,7 +2,8 @@
 //! number of triplets ([`super::compression`]).
 //!
 //! Near a good fit (‖e‖² − d²)/2d is the distance error itself, so the minima are close to those of the exact cost; far away the
-//! cost grows faster. It is used to find the minima, which are then refined on the exact cost.
+//! cost grows faster. It is used to find the minima, which are then refined on the exact cost. The cost of a shared prism is the
+//! exact one.
 
 use multiversion::multiversion;
 use nalgebra::Vector3;
@@ -10,7 +11,9 @@ use nalgebra::Vector3;
 use super::compression::{CONSTANT, Factor, MONOMIALS, compress};
 use super::levenberg_marquardt::track_radius_m;
 use super::pair_sums::{PairRows, PairSums};
-use super::{CentredTriplets, NormalEquations, Parameters};
+use super::prism_network::UNKNOWNS_PER_STATION;
+use super::{CentredTriplets, NormalEquations, Parameters, PrismNetwork};
+use crate::network::{MOST_STATIONS, Number};
 
 /// Number of rows that are processed together, and the nine rows padded with zeros to a multiple of it.
 const LANES: usize = 4;
@@ -21,19 +24,24 @@ type Column = [f64; ROWS];
 /// The compressed triplets, for the search.
 #[derive(Clone, Debug)]
 pub struct SquaredCost {
-    /// Columns of the triangles of pairs 12, 13 and 23, over 2d (m).
-    columns: [[Column; MONOMIALS]; 3],
-    pub inter_prism_m: [f64; 3],
+    /// Columns of the triangle of each pair, over 2d (m).
+    columns: Vec<[Column; MONOMIALS]>,
+    pub network: PrismNetwork,
     /// Displacement by a radian of yaw (m).
     pub radius_m: f64,
 }
 
 impl SquaredCost {
     pub fn of(data: &CentredTriplets) -> Self {
-        let columns = std::array::from_fn(|pair| {
-            padded(&compress(data, pair), 0.5 / data.inter_prism_m[pair])
+        let columns = data.network.pairs.iter().map(|pair| {
+            let scale = if pair.is_shared() { 1.0 } else { 0.5 / pair.distance_m };
+            padded(&compress(data, pair), scale)
         });
-        Self { columns, inter_prism_m: data.inter_prism_m, radius_m: track_radius_m(data) }
+        Self {
+            columns: columns.collect(),
+            network: data.network.clone(),
+            radius_m: track_radius_m(data),
+        }
     }
 
     /// Returns the triangle of a pair, over 2d (m).
@@ -42,7 +50,26 @@ impl SquaredCost {
     }
 
     pub fn at(&self, parameters: &Parameters) -> NormalEquations {
-        NormalEquations::of(&sums(&self.columns, parameters))
+        let mut normal = NormalEquations::zeros(parameters.len());
+        self.evaluate(parameters, &mut normal);
+        normal
+    }
+
+    /// Replaces the normal equations by those at some parameters.
+    pub fn evaluate(&self, parameters: &Parameters, normal: &mut NormalEquations) {
+        normal.clear();
+        let mut poses = [FramePose::FIRST; MOST_STATIONS];
+        let unknowns = parameters.as_slice().chunks_exact(UNKNOWNS_PER_STATION);
+        for (pose, p) in poses[1..].iter_mut().zip(unknowns) {
+            *pose = FramePose::of(p);
+        }
+        for (columns, pair) in self.columns.iter().zip(&self.network.pairs) {
+            let a = &poses[pair.stations.first.index()];
+            let b = a.relative(&poses[pair.stations.second.index()]);
+            let moving = pair.stations.first.index() > 0;
+            sums(columns, a, &b, moving).add_to(pair.stations, normal);
+        }
+        normal.matrix.fill_lower_triangle_with_upper_triangle();
     }
 }
 
@@ -50,44 +77,44 @@ fn padded(factor: &Factor, scale: f64) -> [Column; MONOMIALS] {
     factor.map(|column| std::array::from_fn(|row| column.get(row).map_or(0.0, |v| scale * v)))
 }
 
-/// Pose (ψ, t) of frame b in frame a.
+/// Pose (ψ, t) of one frame in another.
+#[derive(Clone, Copy)]
 struct FramePose {
     sin: f64,
     cos: f64,
     t: Vector3<f64>,
 }
 
+impl FramePose {
+    /// Station 1 in its own frame.
+    const FIRST: Self = Self { sin: 0.0, cos: 1.0, t: Vector3::new(0.0, 0.0, 0.0) };
+
+    fn of(p: &[f64]) -> Self {
+        let (sin, cos) = p[3].sin_cos();
+        Self { sin, cos, t: Vector3::new(p[0], p[1], p[2]) }
+    }
+
+    /// Returns the pose of another frame in this one: ψ = ψ_b − ψ_a and t = R_aᵀ(t_b − t_a).
+    fn relative(&self, other: &Self) -> Self {
+        let apart = other.t - self.t;
+        Self {
+            sin: other.sin * self.cos - other.cos * self.sin,
+            cos: other.cos * self.cos + other.sin * self.sin,
+            t: Vector3::new(
+                self.cos * apart.x + self.sin * apart.y,
+                self.cos * apart.y - self.sin * apart.x,
+                apart.z,
+            ),
+        }
+    }
+}
+
 // Code inside `sums` consists of plain loops in functions that are always inlined: closures and iterators would be compiled for the
 // oldest processor.
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [PairSums<1>; 3] {
-    let t = [Vector3::new(p[0], p[1], p[2]), Vector3::new(p[4], p[5], p[6])];
-    let [(sin_2, cos_2), (sin_3, cos_3)] = [p[3].sin_cos(), p[7].sin_cos()];
-    // Pair 23 has the relative pose, ψ = ψ3 − ψ2 and t = R2ᵀ(t3 − t2).
-    let apart = t[1] - t[0];
-    let relative = FramePose {
-        sin: sin_3 * cos_2 - cos_3 * sin_2,
-        cos: cos_3 * cos_2 + sin_3 * sin_2,
-        t: Vector3::new(
-            cos_2 * apart.x + sin_2 * apart.y,
-            cos_2 * apart.y - sin_2 * apart.x,
-            apart.z,
-        ),
-    };
-    let still = FramePose { sin: 0.0, cos: 1.0, t: Vector3::zeros() };
-    let of_2 = FramePose { sin: sin_2, cos: cos_2, t: t[0] };
-    let of_3 = FramePose { sin: sin_3, cos: cos_3, t: t[1] };
-    [
-        pair(&columns[0], &still, &of_2, false),
-        pair(&columns[1], &still, &of_3, false),
-        pair(&columns[2], &of_2, &relative, true),
-    ]
-}
-
 /// Returns the sums of a pair. Station a has the rotation of `a` in frame 1, and station b the pose `b` in frame a.
-#[inline(always)]
-fn pair(columns: &[Column; MONOMIALS], a: &FramePose, b: &FramePose, moving: bool) -> PairSums<1> {
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
+fn sums(columns: &[Column; MONOMIALS], a: &FramePose, b: &FramePose, moving: bool) -> PairSums<1> {
     let mut sums = PairSums::<LANES>::ZERO;
     for start in (0..ROWS).step_by(LANES) {
         sums.add::<true>(&rows(columns, start, a, b), moving);
@@ -136,33 +163,48 @@ fn rows(
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_equations::tests::irregular;
+    use super::super::distance_pass::tests::{irregular, irregular_shared};
     use super::*;
-    use crate::deployment::PAIRS;
+    use crate::calibration::inter_prism::prism_network::FollowedPair;
     use crate::geometry::LevelTransform;
+    use crate::network::Station;
+    use nalgebra::DVector;
 
-    /// Σ (‖e‖² − d²)²/(2d)², computed triplet by triplet.
+    /// (‖e‖² − d²)/2d of each pair of different prisms, and e of each shared one in the frame of station a, triplet by triplet.
+    fn squared_residuals(data: &CentredTriplets, parameters: &Parameters) -> Vec<f64> {
+        let mut residuals = Vec::new();
+        for i in 0..data.len() {
+            let placed_m = data.placed_m(parameters, i);
+            for FollowedPair { stations, distance_m: d, prisms } in &data.network.pairs {
+                let e = placed_m[stations.first] - placed_m[stations.second];
+                match prisms {
+                    Some(_) => residuals.push((e.norm_squared() - d * d) / (2.0 * d)),
+                    None => {
+                        let station1_from_a = data.pose(parameters, stations.first);
+                        let turn = LevelTransform::new(Vector3::zeros(), -station1_from_a.yaw_rad);
+                        residuals.extend(turn.rotate(&e).iter());
+                    }
+                }
+            }
+        }
+        residuals
+    }
+
+    /// Sum of their squares.
     fn direct(data: &CentredTriplets, parameters: &Parameters) -> f64 {
-        let errors = data.distance_errors_m(parameters);
-        errors
-            .iter()
-            .enumerate()
-            .map(|(i, error)| {
-                let d = data.inter_prism_m[i % PAIRS.len()];
-                (((error + d).powi(2) - d * d) / (2.0 * d)).powi(2)
-            })
-            .sum()
+        squared_residuals(data, parameters).iter().map(|residual| residual * residual).sum()
     }
 
     #[test]
     fn the_cost_is_that_of_the_triplets_one_by_one() {
-        let (data, parameters) = irregular(700);
-        let cost = SquaredCost::of(&data);
-        for turn in 0..20 {
-            let turned = data.turned(&parameters, f64::from(turn));
-            let expected = direct(&data, &turned);
-            let found = cost.at(&turned).cost;
-            assert!((found - expected).abs() < 1e-9 * expected, "{found} instead of {expected}");
+        for (data, parameters) in [irregular(700), irregular_shared(700)] {
+            let cost = SquaredCost::of(&data);
+            for turn in 0..20 {
+                let turned = data.turned(&parameters, f64::from(turn));
+                let expected = direct(&data, &turned);
+                let found = cost.at(&turned).cost;
+                assert!((found - expected).abs() < 1e-9 * expected, "{found}, not {expected}");
+            }
         }
     }
 
@@ -171,10 +213,7 @@ mod tests {
     fn a_good_fit_keeps_its_digits() {
         let (mut data, parameters) = irregular(700);
         // Prisms 2 and 3 at a known distance from prism 1, to a millimetre.
-        let poses = [0, 4].map(|at| {
-            let moved = Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
-            LevelTransform::new(moved, parameters[at + 3]).inverse()
-        });
+        let poses = [1, 2].map(|s| data.pose(&parameters, Station::at(s)).inverse());
         for i in 0..data.len() {
             let at = Vector3::from_fn(|axis, _| data.coordinates[0][axis][i]);
             let heading = 0.3 * i as f64;
@@ -188,7 +227,7 @@ mod tests {
                 }
             }
         }
-        data.inter_prism_m = [0.8, 0.8, 0.8 * 0.9 * 2.0 * 0.95_f64.sin()];
+        data.network = PrismNetwork::of_own_prisms([0.8, 0.8, 0.8 * 0.9 * 2.0 * 0.95_f64.sin()]);
         let cost = SquaredCost::of(&data);
         let (found, expected) = (cost.at(&parameters).cost, direct(&data, &parameters));
         assert!(expected < 0.01, "{expected}");
@@ -197,40 +236,34 @@ mod tests {
 
     #[test]
     fn gradient_and_matrix_match_numerical_differences() {
-        let (data, parameters) = irregular(100);
-        let cost = SquaredCost::of(&data);
-        let normal = cost.at(&parameters);
-        let step = 1e-5;
-        let shifted = |k: usize, by: f64| {
-            let mut p = parameters;
-            p[k] += by;
-            p
-        };
-        for k in 0..8 {
-            let (above, below) = (cost.at(&shifted(k, step)), cost.at(&shifted(k, -step)));
-            let numerical = (above.cost - below.cost) / (4.0 * step);
-            let scale = normal.gradient.amax();
-            assert!((numerical - normal.gradient[k]).abs() < 1e-6 * scale, "parameter {k}");
-        }
-        // JᵀJ from the rows of J by differences of residuals, weighted like those of the triplets.
-        let residuals = |p: &Parameters| {
-            let errors = data.distance_errors_m(p);
-            nalgebra::DVector::from_iterator(
-                errors.len(),
-                errors.iter().enumerate().map(|(i, error)| {
-                    let d = data.inter_prism_m[i % PAIRS.len()];
-                    ((error + d).powi(2) - d * d) / (2.0 * d)
-                }),
-            )
-        };
-        let by: Vec<_> = (0..8)
-            .map(|k| (residuals(&shifted(k, step)) - residuals(&shifted(k, -step))) / (2.0 * step))
-            .collect();
-        for i in 0..8 {
-            for j in 0..8 {
-                let expected = by[i].dot(&by[j]);
-                let scale = (by[i].norm_squared() * by[j].norm_squared()).sqrt();
-                assert!((normal.matrix[(i, j)] - expected).abs() < 1e-6 * scale, "{i}, {j}");
+        for (data, parameters) in [irregular(100), irregular_shared(100)] {
+            let cost = SquaredCost::of(&data);
+            let normal = cost.at(&parameters);
+            let step = 1e-5;
+            let shifted = |k: usize, by: f64| {
+                let mut p = parameters.clone();
+                p[k] += by;
+                p
+            };
+            for k in 0..parameters.len() {
+                let (above, below) = (cost.at(&shifted(k, step)), cost.at(&shifted(k, -step)));
+                let numerical = (above.cost - below.cost) / (4.0 * step);
+                let scale = normal.gradient.amax();
+                assert!((numerical - normal.gradient[k]).abs() < 1e-6 * scale, "parameter {k}");
+            }
+            // JᵀJ from the rows of J by differences of residuals, weighted like those of the triplets.
+            let residuals = |p: &Parameters| DVector::from_vec(squared_residuals(&data, p));
+            let by: Vec<_> = (0..parameters.len())
+                .map(|k| {
+                    (residuals(&shifted(k, step)) - residuals(&shifted(k, -step))) / (2.0 * step)
+                })
+                .collect();
+            for i in 0..by.len() {
+                for j in 0..by.len() {
+                    let expected = by[i].dot(&by[j]);
+                    let scale = (by[i].norm_squared() * by[j].norm_squared()).sqrt();
+                    assert!((normal.matrix[(i, j)] - expected).abs() < 1e-6 * scale, "{i}, {j}");
+                }
             }
         }
     }

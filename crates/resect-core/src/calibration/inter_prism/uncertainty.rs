@@ -4,10 +4,12 @@
 //! is therefore several times too small. The [`sandwich`] assumes only that blocks of consecutive time are independent. Errors of
 //! the inter-prism distances affect every triplet alike, so no residual shows them; they are propagated with their own σ.
 
-use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
+use super::prism_network::{UNKNOWNS_PER_STATION, first_unknown};
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
+use crate::network::PerStation;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
 
@@ -22,24 +24,26 @@ pub const FREE_DIRECTION: f64 = 1e-4;
 
 /// Covariance of the answer and observability of its directions.
 pub struct Uncertainty {
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 to station 1's frame (m, rad); `None` if a direction is unobservable.
-    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Covariance of (x, y, z, yaw) of station 2 to station 1's frame, then of each further one (m, rad); `None` if a direction is
+    /// unobservable.
+    pub covariance: Option<DMatrix<f64>>,
     /// Covariance of the centred parameters, yaw in metres at the radius (m²); `None` if a direction is unobservable.
-    pub centred_m2: Option<SMatrix<f64, 8, 8>>,
+    pub centred_m2: Option<DMatrix<f64>>,
     /// Eigenvalues and eigenvectors of JᵀJ in the same units, without outlier triplets.
-    pub spectrum: SymmetricEigen<f64, Const<8>>,
+    pub spectrum: SymmetricEigen<f64, Dyn>,
     /// True if control points determine the answer with the drive: then σ tells what is weak, and not the shape of the drive.
     pub has_control_points: bool,
     /// Radius of the track: displacement by a radian of yaw (m).
     pub radius_m: f64,
     /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
-    pub weakest: SVector<f64, 8>,
+    pub weakest: DVector<f64>,
     /// Standard deviation along it (m); infinite if unobservable.
     pub weakest_sigma_m: f64,
 }
 
 impl Uncertainty {
-    pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
+    /// Returns the standard deviations of each station's transform; zero of station 1.
+    pub fn sigma(&self) -> Option<PerStation<TransformSigma>> {
         self.covariance.as_ref().map(TransformSigma::of_covariance)
     }
 }
@@ -61,7 +65,7 @@ pub fn estimate(
     let spectrum = spectrum(fitting, &answer.parameters, radius_m);
     let free = |spectrum| free(spectrum, radius_m);
     let inverse = is_held(&spectrum)
-        .then(|| normal.matrix.cholesky())
+        .then(|| normal.matrix.clone().cholesky())
         .flatten()
         .map(|cholesky| cholesky.inverse());
     let Some(inverse) = inverse else {
@@ -71,13 +75,10 @@ pub fn estimate(
     let mut centred = if blocks.len() >= FEWEST_BLOCKS {
         let each = blocks.iter().map(|block| {
             let own = NormalEquations::over(data, &answer.parameters, block.clone());
-            Block {
-                information: DMatrix::from_column_slice(8, 8, own.matrix.as_slice()),
-                gradient: DVector::from_column_slice(own.gradient.as_slice()),
-            }
+            Block { information: own.matrix, gradient: own.gradient }
         });
         match sandwich::covariance(&each.collect::<Vec<_>>(), None) {
-            Some(found) => SMatrix::from_column_slice(found.as_slice()),
+            Some(found) => found,
             None => return free(spectrum),
         }
     } else {
@@ -85,21 +86,22 @@ pub fn estimate(
         // triplets as readings.
         let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
         let independent = (duration_s * READINGS_HZ).clamp(3.0, data.len() as f64);
-        let degrees = (3.0 * independent - 8.0).max(1.0);
+        let (residuals, unknowns) = (data.network.residuals(), data.network.unknowns());
+        let degrees = (residuals as f64 * independent - unknowns as f64).max(1.0);
         let variance = normal.cost / data.len() as f64 * independent / degrees;
-        inverse * variance * (data.len() as f64 / independent)
+        &inverse * variance * (data.len() as f64 / independent)
     };
-    for pull in distance_pulls(data, &answer.parameters) {
-        let moved = inverse * pull * settings.published_distance_sigma_m();
-        centred += moved * moved.transpose();
+    for (_, pull) in distance_pulls(data, &answer.parameters) {
+        let moved = &inverse * pull * settings.published_distance_sigma_m();
+        centred += &moved * moved.transpose();
     }
 
     if centred.iter().any(|entry| !entry.is_finite()) {
         return free(spectrum);
     }
 
-    let covariance = at_the_stations(data, &answer.parameters) * centred;
-    let covariance = covariance * at_the_stations(data, &answer.parameters).transpose();
+    let jacobian = at_the_stations(data, &answer.parameters);
+    let covariance = &jacobian * &centred * jacobian.transpose();
     known(covariance, centred, spectrum, radius_m)
 }
 
@@ -108,13 +110,14 @@ pub fn of_covariance(
     data: &CentredTriplets,
     fitting: &CentredTriplets,
     answer: &Minimum,
-    covariance: SMatrix<f64, 8, 8>,
+    covariance: DMatrix<f64>,
 ) -> Uncertainty {
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
     let spectrum = spectrum(fitting, &answer.parameters, radius_m);
     // This matrix has ones on its diagonal, so it is invertible.
     let back = at_the_stations(data, &answer.parameters).try_inverse().expect("a shear");
-    known(covariance, back * covariance * back.transpose(), spectrum, radius_m)
+    let centred = &back * &covariance * back.transpose();
+    known(covariance, centred, spectrum, radius_m)
 }
 
 /// Predicts the uncertainty of an answer before it is estimated, from triplets at the true state. Observability is computed from
@@ -122,7 +125,7 @@ pub fn of_covariance(
 pub fn foreseen(
     data: &CentredTriplets,
     answer: &Minimum,
-    covariance: Option<SMatrix<f64, 8, 8>>,
+    covariance: Option<DMatrix<f64>>,
 ) -> Uncertainty {
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
     let spectrum = spectrum(data, &answer.parameters, radius_m);
@@ -132,11 +135,11 @@ pub fn foreseen(
     }
 }
 
-fn is_held(spectrum: &SymmetricEigen<f64, Const<8>>) -> bool {
+fn is_held(spectrum: &SymmetricEigen<f64, Dyn>) -> bool {
     spectrum.eigenvalues.min() > FREE_DIRECTION * spectrum.eigenvalues.max()
 }
 
-fn free(spectrum: SymmetricEigen<f64, Const<8>>, radius_m: f64) -> Uncertainty {
+fn free(spectrum: SymmetricEigen<f64, Dyn>, radius_m: f64) -> Uncertainty {
     Uncertainty {
         covariance: None,
         centred_m2: None,
@@ -149,14 +152,14 @@ fn free(spectrum: SymmetricEigen<f64, Const<8>>, radius_m: f64) -> Uncertainty {
 }
 
 fn known(
-    covariance: SMatrix<f64, 8, 8>,
-    centred: SMatrix<f64, 8, 8>,
-    spectrum: SymmetricEigen<f64, Const<8>>,
+    covariance: DMatrix<f64>,
+    centred: DMatrix<f64>,
+    spectrum: SymmetricEigen<f64, Dyn>,
     radius_m: f64,
 ) -> Uncertainty {
-    let unscale = yaw_in_metres(1.0 / radius_m);
-    let centred_m2 = unscale * centred * unscale;
-    let in_metres = centred_m2.symmetric_eigen();
+    let unscale = yaw_in_metres(centred.nrows(), 1.0 / radius_m);
+    let centred_m2 = &unscale * centred * &unscale;
+    let in_metres = centred_m2.clone().symmetric_eigen();
     let worst = in_metres.eigenvalues.imax();
     Uncertainty {
         covariance: Some(covariance),
@@ -174,14 +177,14 @@ fn spectrum(
     fitting: &CentredTriplets,
     parameters: &Parameters,
     radius_m: f64,
-) -> SymmetricEigen<f64, Const<8>> {
-    let scale = yaw_in_metres(radius_m);
-    (scale * NormalEquations::at(fitting, parameters).matrix * scale).symmetric_eigen()
+) -> SymmetricEigen<f64, Dyn> {
+    let scale = yaw_in_metres(parameters.len(), radius_m);
+    (&scale * NormalEquations::at(fitting, parameters).matrix * &scale).symmetric_eigen()
 }
 
 /// Returns the diagonal matrix that divides yaws by a radius (m).
-fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
-    SMatrix::from_fn(|i, j| match (i == j, i % 4) {
+fn yaw_in_metres(unknowns: usize, radius_m: f64) -> DMatrix<f64> {
+    DMatrix::from_fn(unknowns, unknowns, |i, j| match (i == j, i % UNKNOWNS_PER_STATION) {
         (true, 3) => 1.0 / radius_m,
         (true, _) => 1.0,
         _ => 0.0,
@@ -189,13 +192,14 @@ fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
 }
 
 /// Jacobian of (translation, yaw) with respect to the centred parameters: t = t' − R c + const, so ∂t/∂ψ = −R' c.
-fn at_the_stations(data: &CentredTriplets, parameters: &Parameters) -> SMatrix<f64, 8, 8> {
-    let transforms = data.transforms(parameters);
-    let mut jacobian = SMatrix::<f64, 8, 8>::identity();
-    for slot in 0..2 {
-        let turned = transforms[slot + 1].rotate(&data.centre_m[slot + 1]);
-        jacobian[(4 * slot, 4 * slot + 3)] = turned.y;
-        jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
+fn at_the_stations(data: &CentredTriplets, parameters: &Parameters) -> DMatrix<f64> {
+    let mut jacobian = DMatrix::identity(parameters.len(), parameters.len());
+    for (station, centre_m) in data.centre_m.each() {
+        if let Some(first) = first_unknown(station) {
+            let turned = data.pose(parameters, station).rotate(centre_m);
+            jacobian[(first, first + 3)] = turned.y;
+            jacobian[(first + 1, first + 3)] = -turned.x;
+        }
     }
     jacobian
 }

@@ -5,35 +5,42 @@ use super::observability::{self, Observability};
 use super::published::Published;
 use super::uncertainty::{self, Uncertainty};
 use super::used::Used;
-use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch};
+use super::{
+    CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch, PrismNetwork, gross_errors,
+};
 use crate::calibration::joint::SurveyPoses;
 use crate::calibration::judgement::Judgement;
 use crate::calibration::method::why_no_triplets;
-use crate::calibration::{CalibrationError, CalibrationSettings, Method, Offer, Targets};
+use crate::calibration::{CalibrationError, CalibrationSettings, Method, Offer};
 use crate::deployment::{Deployment, Rig};
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{PerStation, Prism};
 use crate::pipeline::Triplets;
 
-/// Returns the rig, if the deployment has all data that the method needs.
+/// Returns the rig and the network of its prisms, if the deployment has all data that the method needs.
 pub fn required_rig<'a>(
     deployment: &'a Deployment,
     triplets: &Triplets,
     offer: &Offer,
-) -> Result<&'a Rig, CalibrationError> {
+) -> Result<(&'a Rig, PrismNetwork), CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
         let why = why_no_triplets(deployment);
         return Err(CalibrationError::NoTriplets { deployment: name(), why });
     }
-    if offer.targets == Targets::OnePrism {
+    if Prism::is_one(&offer.followed) {
         return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
     }
     if triplets.len() < FEWEST_TRIPLETS {
         let (found, needed) = (triplets.len(), FEWEST_TRIPLETS);
         return Err(CalibrationError::TooFewTriplets { deployment: name(), found, needed });
     }
-    deployment.rig.as_ref().ok_or_else(|| CalibrationError::NoRig { deployment: name() })
+    let no_rig = || CalibrationError::NoRig { deployment: name() };
+    let rig = deployment.rig.as_ref().ok_or_else(no_rig)?;
+    if offer.lack(Method::InterPrism).is_some() {
+        return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
+    }
+    Ok((rig, PrismNetwork::new(offer.followed.clone(), &rig.inter_prism_m)))
 }
 
 /// An answer without its verdict.
@@ -55,17 +62,18 @@ impl UnjudgedAnswer {
         settings: &CalibrationSettings,
     ) -> Self {
         let (time_s, interval) = used.instants();
-        let fitting = observability::fitting(&published.thinned, &published.answer.parameters);
+        let fitting = gross_errors::inliers(&published.thinned, &published.answer.parameters);
         let answer = &published.answer;
         let uncertainty =
             uncertainty::estimate(data, &fitting, &time_s, &interval, answer, settings);
-        let plain = published.choice.answer.station1_from_station;
+        let level = &published.choice.answer.station1_from_station;
+        let station1_from_station = level.map(|level| RigidTransform::from(*level));
         Self {
             prior_search: published.prior_search.take(),
             published,
             fitting,
             uncertainty,
-            station1_from_station: plain.map(RigidTransform::from).into(),
+            station1_from_station,
         }
     }
 
@@ -87,7 +95,7 @@ impl UnjudgedAnswer {
             deployment,
             thinned: &self.published.thinned,
             answer: &self.published.answer,
-            rival: self.published.rival,
+            rival: self.published.rival.clone(),
             uncertainty: &self.uncertainty,
             observability,
             choice: &self.published.choice,

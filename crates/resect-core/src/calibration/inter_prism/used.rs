@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
-use super::CentredTriplets;
+use super::{CentredTriplets, PrismNetwork};
 use crate::network::PerStation;
 use crate::pipeline::Triplets;
 
@@ -36,10 +36,10 @@ impl<'a> Used<'a> {
         }
     }
 
-    pub fn centred(&self, inter_prism_m: [f64; 3]) -> CentredTriplets {
+    pub fn centred(&self, network: &PrismNetwork) -> CentredTriplets {
         match &self.kept {
-            Some(kept) => CentredTriplets::some(self.all, kept, inter_prism_m),
-            None => CentredTriplets::new(self.all, inter_prism_m),
+            Some(kept) => CentredTriplets::some(self.all, kept, network),
+            None => CentredTriplets::new(self.all, network),
         }
     }
 

@@ -5,6 +5,7 @@
 //! minimises the cost across the direction of travel and checks for a ridge.
 
 use super::levenberg_marquardt::descend;
+use super::prism_network::UNKNOWNS_PER_STATION;
 use super::{Minimum, NormalEquations, Parameters, SquaredCost};
 use crate::geometry::wrap_to_pi;
 
@@ -19,15 +20,14 @@ const MOST_PASSES: usize = 20;
 
 pub fn one_valley(cost: &SquaredCost, a: &Minimum, b: &Minimum) -> bool {
     let ceiling = RIDGE * a.normal.cost.max(b.normal.cost);
-    let mut at = a.parameters;
+    let mut at = a.parameters.clone();
     (1..STEPS).all(|step| {
-        let mut ahead = b.parameters - at;
-        for yaw in [3, 7] {
-            ahead[yaw] = wrap_to_pi(ahead[yaw]);
+        let mut ahead = &b.parameters - &at;
+        for yaw in ahead.iter_mut().skip(3).step_by(UNKNOWNS_PER_STATION) {
+            *yaw = wrap_to_pi(*yaw);
         }
-        let start = at + ahead / (STEPS + 1 - step) as f64;
-        let floor = floor_across(cost, start, &ahead);
-        at = floor.parameters;
+        let start = &at + &ahead / (STEPS + 1 - step) as f64;
+        at = floor_across(cost, start, &ahead).parameters;
         cost.at(&at).cost <= ceiling
     })
 }
@@ -35,18 +35,19 @@ pub fn one_valley(cost: &SquaredCost, a: &Minimum, b: &Minimum) -> bool {
 /// Returns the minimum in the plane through `start` across a direction. A stiff spring constrains the motion to the plane.
 fn floor_across(cost: &SquaredCost, start: Parameters, direction: &Parameters) -> Minimum {
     // In metres: a radian of yaw moves the track by its radius.
-    let metric = Parameters::from_fn(|k, _| if k % 4 == 3 { cost.radius_m.powi(2) } else { 1.0 });
+    let metric = Parameters::from_fn(start.len(), |k, _| {
+        if k % UNKNOWNS_PER_STATION == 3 { cost.radius_m.powi(2) } else { 1.0 }
+    });
     let across = direction.component_mul(&metric);
-    let across = across / direction.dot(&across).sqrt();
+    let across = &across / direction.dot(&across).sqrt();
     let stiffness = 1e3 * cost.at(&start).matrix.trace();
-    let held = |p: &Parameters| {
-        let NormalEquations { matrix, gradient, cost } = cost.at(p);
-        let off = across.dot(&(p - start));
-        NormalEquations {
-            matrix: matrix + stiffness * across * across.transpose(),
-            gradient: gradient + stiffness * off * across,
-            cost: cost + stiffness * off * off,
-        }
+    let along_start = across.dot(&start);
+    let held = |p: &Parameters, normal: &mut NormalEquations| {
+        cost.evaluate(p, normal);
+        let off = across.dot(p) - along_start;
+        normal.matrix.ger(stiffness, &across, &across, 1.0);
+        normal.gradient.axpy(stiffness * off, &across, 1.0);
+        normal.cost += stiffness * off * off;
     };
     descend(held, cost.radius_m, start, TOLERANCE_M, MOST_PASSES)
 }
@@ -60,18 +61,18 @@ mod tests {
     use nalgebra::{Rotation3, Vector3};
 
     fn minimum(cost: &SquaredCost, start: Parameters) -> Minimum {
-        descend(|p| cost.at(p), cost.radius_m, start, TOLERANCE_M, 40)
+        descend(|p, normal| cost.evaluate(p, normal), cost.radius_m, start, TOLERANCE_M, 40)
     }
 
     #[test]
     fn a_straight_drive_is_one_valley() {
         let data = two_legs(0.0);
         let cost = SquaredCost::of(&data);
-        let truth = data.parameters(&[LevelTransform::IDENTITY; 3]);
+        let truth = data.parameters(&[LevelTransform::IDENTITY; 3].into());
         // The rig can roll about the track: prisms 2 and 3 rotate about prism 1.
         let rolled = |angle: f64| {
             let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), angle);
-            let mut p = truth;
+            let mut p = truth.clone();
             for at in [0, 4] {
                 let t: Vector3<f64> = roll * truth.fixed_rows::<3>(at);
                 p.fixed_rows_mut::<3>(at).copy_from(&t);
@@ -87,12 +88,12 @@ mod tests {
     fn rivals_and_twins_have_a_ridge_between_them() {
         let data = two_legs(std::f64::consts::FRAC_PI_2);
         let cost = SquaredCost::of(&data);
-        let truth = minimum(&cost, data.parameters(&[LevelTransform::IDENTITY; 3]));
-        let twin = minimum(&cost, data.mirrored_in_height(&truth.parameters, [true; 2]));
+        let truth = minimum(&cost, data.parameters(&[LevelTransform::IDENTITY; 3].into()));
+        let twin = minimum(&cost, data.mirrored_in_height(&truth.parameters));
         let rival = minimum(&cost, data.turned(&truth.parameters, std::f64::consts::PI));
         for other in [twin, rival] {
             assert!(other.normal.cost < 2.0 * truth.normal.cost);
-            assert!((other.parameters - truth.parameters).amax() > 0.3);
+            assert!((&other.parameters - &truth.parameters).amax() > 0.3);
             assert!(!one_valley(&cost, &truth, &other));
             assert!(!one_valley(&cost, &other, &truth));
         }

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::block_jacobians::BlockJacobians;
@@ -17,32 +17,33 @@ use super::drive::Drive;
 use super::motion_band::BlockEquations;
 use super::priors::Priors;
 use super::random_walks::{SlowMatrix, SlowPrecisions};
-use super::state_vector::{BlockVector, CONSTANTS, ConstantsMatrix, SLOW, StateVector};
+use super::state_vector::{BlockVector, Constants, ConstantsMatrix, Layout, Slow, StateVector};
 
 /// A matrix of slow states by constants.
-pub type SlowByConstants = SMatrix<f64, SLOW, CONSTANTS>;
+pub type SlowByConstants = DMatrix<f64>;
 
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
 /// Blocks whose rows are stored (11 MB with the factor; an hour of a usual drive).
 pub const MOST_STORED_BLOCKS: usize = 2 * CHUNK;
 
-/// `K` right-hand sides or solutions: rows for the slow states of each block, and for the constants.
+/// A right-hand side or a solution: slow states of each block, and the constants.
 #[derive(Clone, Debug)]
-pub struct ChainVectors<const K: usize> {
-    pub slow: Vec<SMatrix<f64, SLOW, K>>,
-    pub constants: SMatrix<f64, CONSTANTS, K>,
+pub struct ChainVector {
+    pub slow: Vec<Slow>,
+    pub constants: Constants,
 }
 
-impl<const K: usize> ChainVectors<K> {
-    pub fn zeros(blocks: usize) -> Self {
-        Self { slow: vec![SMatrix::zeros(); blocks], constants: SMatrix::zeros() }
+impl ChainVector {
+    pub fn zeros(layout: &Layout, blocks: usize) -> Self {
+        let slow = vec![Slow::zeros(layout.slow()); blocks];
+        Self { slow, constants: Constants::zeros(layout.constants) }
     }
 
-    /// The same columns times a factor.
+    /// The same vector times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let slow = self.slow.iter().map(|slow| slow * factor).collect();
-        Self { slow, constants: self.constants * factor }
+        Self { slow, constants: &self.constants * factor }
     }
 }
 
@@ -67,7 +68,7 @@ pub struct ChainMatrix {
 /// Normal matrix and gradient at the linearisation point, from the data without the priors.
 pub struct ChainEquations {
     pub matrix: Arc<ChainMatrix>,
-    pub gradient: ChainVectors<1>,
+    pub gradient: ChainVector,
 }
 
 impl ChainEquations {
@@ -81,7 +82,7 @@ impl ChainEquations {
         priors: &Priors,
         precisions: &SlowPrecisions,
         state: &StateVector,
-    ) -> ChainVectors<1> {
+    ) -> ChainVector {
         let mut gradient = self.gradient.clone(); // (20)
         gradient.constants += priors.gradient(&state.constants);
         for (block, slow) in gradient.slow.iter_mut().enumerate() {
@@ -93,7 +94,8 @@ impl ChainEquations {
 
 impl ChainMatrix {
     pub fn new(blocks: Vec<BlockEquations>, jacobians: BlockJacobians) -> Self {
-        let constants = ConstantsMatrix::zeros();
+        let size = jacobians.drive().layout.constants;
+        let constants = ConstantsMatrix::zeros(size, size);
         let mut matrix = Self { blocks, jacobians, stored: Vec::new(), constants };
         for chunk in matrix.chunks() {
             let rows: Vec<(ChainRow, ConstantsMatrix)> =
@@ -106,7 +108,7 @@ impl ChainMatrix {
             }
         }
         // Rounding must not make it asymmetric.
-        matrix.constants = 0.5 * (matrix.constants + matrix.constants.transpose());
+        matrix.constants = 0.5 * (&matrix.constants + matrix.constants.transpose());
         matrix
     }
 
@@ -135,31 +137,32 @@ impl ChainMatrix {
         // Products with a stored transpose are several times faster than `tr_mul`.
         let (own_by_constants, own_by_slow) = self.jacobians.of_block(index);
         let (by_slow, by_constants) = (own_by_slow.transpose(), own_by_constants.transpose());
-        let mut product = block.information * own_by_constants;
-        let mut upper = SlowMatrix::zeros();
-        if self.jacobians.is_coupled_to_next(index) {
+        let mut product = &block.information * own_by_constants;
+        let upper = if self.jacobians.is_coupled_to_next(index) {
             let (next_by_constants, next_by_slow) = self.jacobians.of_block(index + 1);
-            product += block.with_next * next_by_constants;
-            upper = by_slow * (block.with_next * next_by_slow);
-        }
+            product += &block.with_next * next_by_constants;
+            &by_slow * (&block.with_next * next_by_slow)
+        } else {
+            SlowMatrix::zeros(by_slow.nrows(), by_slow.nrows())
+        };
         let before = index.checked_sub(1);
         if let Some(before) = before.filter(|before| self.jacobians.is_coupled_to_next(*before)) {
             let before_by_constants = self.jacobians.of_block(before).0;
             product += self.blocks[before].with_next.transpose() * before_by_constants;
         }
-        let diagonal = by_slow * (block.information * own_by_slow);
-        (ChainRow { diagonal, upper, border: by_slow * product }, by_constants * product)
+        let diagonal = &by_slow * (&block.information * own_by_slow);
+        (ChainRow { diagonal, upper, border: by_slow * &product }, by_constants * product)
     }
 
     /// Gradients of the blocks' unknowns at the linearisation point.
     pub fn block_gradients(&self) -> impl Iterator<Item = BlockVector> {
-        self.blocks.iter().map(|block| block.gradient)
+        self.blocks.iter().map(|block| block.gradient.clone())
     }
 
     /// Gradient of constants and slow states, from that of the blocks' unknowns.
-    pub fn gradient(&self, block_gradients: impl Iterator<Item = BlockVector>) -> ChainVectors<1> {
+    pub fn gradient(&self, block_gradients: impl Iterator<Item = BlockVector>) -> ChainVector {
         // (20)
-        let mut gradient = ChainVectors::zeros(self.len());
+        let mut gradient = ChainVector::zeros(&self.jacobians.drive().layout, self.len());
         for (index, block_gradient) in block_gradients.enumerate() {
             let (by_constants, by_slow) = self.jacobians.of_block(index);
             gradient.slow[index] = by_slow.tr_mul(&block_gradient);
@@ -168,40 +171,27 @@ impl ChainMatrix {
         gradient
     }
 
-    /// Rows of `HX` for the slow states of each block.
-    pub fn multiply_slow<const K: usize>(&self, x: &ChainVectors<K>) -> Vec<SMatrix<f64, SLOW, K>> {
-        let mut product: Vec<SMatrix<f64, SLOW, K>> = Vec::with_capacity(self.len());
-        let mut by_before = SMatrix::zeros();
+    /// Returns `Hx` of each of some vectors.
+    pub fn multiply(&self, all: &[ChainVector]) -> Vec<ChainVector> {
+        let layout = &self.jacobians.drive().layout;
+        let mut products = vec![ChainVector::zeros(layout, self.len()); all.len()];
+        for (x, product) in all.iter().zip(&mut products) {
+            product.constants = &self.constants * &x.constants;
+        }
         for chunk in self.chunks() {
             for (block, row) in chunk.clone().zip(self.rows(chunk).iter()) {
-                let slow = &x.slow[block];
-                let mut own = row.diagonal * slow + row.border * x.constants + by_before;
-                if let Some(next) = x.slow.get(block + 1) {
-                    own += row.upper * next;
+                for (x, product) in all.iter().zip(&mut products) {
+                    let slow = &x.slow[block];
+                    product.constants += row.border.tr_mul(slow);
+                    product.slow[block] += &row.diagonal * slow + &row.border * &x.constants;
+                    if let Some(next) = x.slow.get(block + 1) {
+                        product.slow[block] += &row.upper * next;
+                        product.slow[block + 1] += row.upper.tr_mul(slow);
+                    }
                 }
-                by_before = row.upper.tr_mul(slow);
-                product.push(own);
             }
         }
-        product
-    }
-
-    /// Returns `XᵀHX`.
-    pub fn quadratic_form<const K: usize>(&self, x: &ChainVectors<K>) -> SMatrix<f64, K, K> {
-        let constants = &x.constants;
-        let mut sum = constants.tr_mul(&(self.constants * constants));
-        for chunk in self.chunks() {
-            for (block, row) in chunk.clone().zip(self.rows(chunk).iter()) {
-                let slow = &x.slow[block];
-                let mut across = row.border * constants;
-                if let Some(next) = x.slow.get(block + 1) {
-                    across += row.upper * next;
-                }
-                let across = slow.tr_mul(&across);
-                sum += slow.tr_mul(&(row.diagonal * slow)) + across + across.transpose();
-            }
-        }
-        sum
+        products
     }
 }
 
@@ -215,7 +205,7 @@ pub(super) mod tests {
             blocks: matrix.blocks.clone(),
             jacobians: matrix.jacobians.clone(),
             stored: Vec::new(),
-            constants: matrix.constants,
+            constants: matrix.constants.clone(),
         }
     }
 }

@@ -5,17 +5,18 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::joint_estimate::JointEstimate;
-use super::station_model::{Sight, StationModel};
+use super::sight::Sight;
+use super::station_model::StationModel;
 use crate::calibration::{Clock, velocity_m_per_s};
-use crate::network::PerStation;
+use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;
 
 impl JointEstimate {
-    /// Clock offsets and drifts of stations 2 and 3.
-    pub fn clocks(&self) -> [Clock; 2] {
-        std::array::from_fn(|slot| Clock {
-            offset_s: self.clock_offsets_s[slot].value,
-            drift: self.clock_drifts[slot].value,
+    /// Clock offsets and drifts; zero for station 1.
+    pub fn clocks(&self) -> PerStation<Clock> {
+        self.clock_offsets_s.zip(&self.clock_drifts(), |offset_s, drift| Clock {
+            offset_s: offset_s.value,
+            drift: drift.value,
         })
     }
 
@@ -33,13 +34,14 @@ impl JointEstimate {
         interval: &[u32],
         points_m: &mut PerStation<Vec<Vector3<f64>>>,
     ) {
-        for (station, points_m) in points_m.iter_mut().enumerate() {
+        let drifts = self.clock_drifts();
+        for (station, points_m) in points_m.numbers().zip(points_m.iter_mut()) {
             let velocity_m_per_s = velocity_m_per_s(time_s, interval, points_m, 1);
             let model = self.level_model(station);
             for (point_m, (time_s, velocity)) in
                 points_m.iter_mut().zip(time_s.iter().zip(&velocity_m_per_s))
             {
-                let offset_s = self.clock_offset_s(station, *time_s);
+                let offset_s = self.clock_offset_s(station, drifts[station].value, *time_s);
                 let sight = Sight::to(point_m);
                 let across: Vector3<f64> = velocity - sight.along * sight.along.dot(velocity);
                 let moved_m = velocity * offset_s + across * model.latency_s;
@@ -49,27 +51,16 @@ impl JointEstimate {
     }
 
     /// Clock offset of a station at an instant (s).
-    fn clock_offset_s(&self, station: usize, time_s: f64) -> f64 {
-        let Some(slot) = station.checked_sub(1) else { return 0.0 };
+    fn clock_offset_s(&self, station: Station, drift: f64, time_s: f64) -> f64 {
         let drive = self.drives.iter().rfind(|drive| drive.span_s[0] <= time_s);
         let Some(drive) = drive.or(self.drives.first()) else { return 0.0 };
         let since_s = time_s - 0.5 * (drive.span_s[0] + drive.span_s[1]);
-        drive.offsets_s[slot].value + self.clock_drifts[slot].value * since_s
+        drive.offsets_s[station].value + drift * since_s
     }
 
-    /// The model of a station in its own level frame, without clock errors.
-    fn level_model(&self, station: usize) -> StationModel {
-        let [x, y] = self.leans_rad[station].map(|lean| lean.value);
-        StationModel {
-            rotation: *nalgebra::Rotation3::new(Vector3::new(x, y, 0.0)).matrix(),
-            position_m: Vector3::zeros(),
-            offset_m: self.range_offsets_m[station].value,
-            scale: self.range_scales[station].value,
-            index_rad: self.indices_rad[station].value,
-            collimation_rad: self.collimations_rad[station].value,
-            latency_s: self.latencies_s[station].value,
-            clock_offset_s: 0.0,
-            clock_drift: 0.0,
-        }
+    /// The model of a station in its own level frame.
+    fn level_model(&self, station: Station) -> StationModel {
+        let (layout, constants) = (self.layout(), &self.solution.state.constants);
+        StationModel::new(layout, constants, station).in_own_level_frame(layout, constants, station)
     }
 }

@@ -4,8 +4,10 @@
 //! elsewhere, and has a jump. Nothing else in the estimate depends on that. Once the estimate is solved, the motion across the cut is
 //! estimated again from the readings of both sides, and used for instants near it.
 
+use nalgebra::DVector;
+
 use super::drive::{Drive, Segment};
-use super::equations::SegmentEquations;
+use super::equations::{RobustWeights, SegmentEquations};
 use super::knot_grid::KnotGrid;
 use super::linearisation::{Linearisation, Weighting, eliminate_motion};
 use super::motion_band::{MotionBand, Rows};
@@ -20,10 +22,10 @@ const REWEIGHTED_STEPS: usize = 4;
 const FIXED_STEPS: usize = 2;
 
 /// The motion across a cut.
-pub struct CutMotion<const LOCAL: usize, const ROW: usize> {
+pub struct CutMotion {
     pub grid: KnotGrid,
     pub coefficients_m: Vec<f64>,
-    pub band: MotionBand<LOCAL, ROW>,
+    pub band: MotionBand,
 }
 
 /// Start and end of the motion across the cut after a segment (s); `None` without a cut.
@@ -36,29 +38,29 @@ pub fn cut_span_s(drive: &Drive, index: usize) -> Option<[f64; 2]> {
 
 /// Estimates the motion across the cut after a segment, everything else being constant; `None` without a cut, or if the normal matrix
 /// is not positive definite.
-pub fn estimate_cut_motion<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+pub fn estimate_cut_motion(
     linearisation: &Linearisation<'_>,
     weighting: &Weighting,
     index: usize,
-) -> Option<CutMotion<LOCAL, ROW>> {
+) -> Option<CutMotion> {
     let sides = linearisation.drive.segments.get(index..index + 2)?;
     let grid = sides[0].grid.across_cut(&sides[1].grid)?;
     let readings = sides[0].readings.zip(&sides[1].readings, |before, after| {
         let both = before.iter().chain(after);
         both.filter(|reading| grid.contains(reading.time_s)).cloned().collect()
     });
-    let mut coefficients_m = initial_coefficients_m::<LOCAL>(linearisation, &grid, index);
+    let mut coefficients_m = initial_coefficients_m(linearisation, &grid, index);
     let segment = Segment { grid, readings, middle_s: sides[0].middle_s };
     // The last block before the cut, and the first after it.
     let next = linearisation.first_blocks[index + 1];
     let blocks = next - 1..next + 1;
-    let mut rows = Rows::<LOCAL, MOTION>::default();
-    let mut fixed: Option<Vec<f64>> = None;
+    let mut rows = Rows::default();
+    let mut fixed: Option<RobustWeights> = None;
     for step in 0..REWEIGHTED_STEPS + FIXED_STEPS {
-        let point = linearisation.point::<LOCAL>(&segment, blocks.clone(), &coefficients_m);
-        let own = weighting.with_fixed(fixed.as_deref());
+        let point = linearisation.point(&segment, blocks.clone(), &coefficients_m);
+        let own = weighting.with_fixed(fixed.as_ref());
         let SegmentEquations { band, weights, .. } =
-            eliminate_motion(&segment, &point, &own, std::mem::take(&mut rows))?;
+            eliminate_motion(&segment, &point, &own, false, std::mem::take(&mut rows))?;
         let step_m = band.motion_step(&[]);
         coefficients_m.iter_mut().zip(&step_m).for_each(|(value, step_m)| *value -= step_m);
         rows = band.into_rows();
@@ -67,26 +69,28 @@ pub fn estimate_cut_motion<const LOCAL: usize, const ROW: usize, const MOTION: u
             fixed = Some(with_weights_of_sides(weights, sides, of_sides, &segment));
         }
     }
-    let point = linearisation.point::<LOCAL>(&segment, blocks, &coefficients_m);
-    let own = weighting.with_fixed(fixed.as_deref());
-    let SegmentEquations { band, .. } = eliminate_motion(&segment, &point, &own, Rows::default())?;
+    let point = linearisation.point(&segment, blocks, &coefficients_m);
+    let own = weighting.with_fixed(fixed.as_ref());
+    let SegmentEquations { band, .. } =
+        eliminate_motion(&segment, &point, &own, true, Rows::default())?;
     Some(CutMotion { grid: segment.grid, coefficients_m, band })
 }
 
 /// Replaces the weights beyond [`REWEIGHTED_KNOTS`] by those of the sides, so that the motions agree there. Nearer to the cut each side
 /// saw only half of the readings.
 fn with_weights_of_sides(
-    mut weights: Vec<f64>,
+    weights: RobustWeights,
     sides: &[Segment],
-    of_sides: Option<&[Vec<f64>]>,
+    of_sides: Option<&[RobustWeights]>,
     segment: &Segment,
-) -> Vec<f64> {
+) -> RobustWeights {
     let Some(of_sides) = of_sides else { return weights };
+    let mut weights = weights.to_vec();
     let cut_s = sides[0].grid.end_s;
     let is_far = |time_s: f64| (time_s - cut_s).abs() > REWEIGHTED_KNOTS * segment.grid.knot_s;
     let mut remaining = weights.iter_mut();
     let mut first = [0; 2];
-    for station in 0..3 {
+    for station in segment.readings.numbers() {
         for (side, (own, of_side)) in sides.iter().zip(of_sides).enumerate() {
             let readings = &own.readings[station];
             let weighted = readings.iter().zip(&of_side[first[side]..]);
@@ -109,30 +113,32 @@ fn with_weights_of_sides(
             *weight = *of_side;
         }
     }
-    weights
+    weights.into()
 }
 
 /// Coefficients of splines through the motion on both sides of the cut after a segment (m).
-fn initial_coefficients_m<const LOCAL: usize>(
+fn initial_coefficients_m(
     linearisation: &Linearisation<'_>,
     grid: &KnotGrid,
     index: usize,
 ) -> Vec<f64> {
     let cut_s = linearisation.drive.segments[index].grid.end_s;
-    let position_m = |time_s: f64| -> [f64; LOCAL] {
+    let local = 3 * linearisation.layout().prisms();
+    let position_m = |time_s: f64| -> DVector<f64> {
         let side = if time_s <= cut_s { index } else { index + 1 };
         let weights = linearisation.drive.segments[side].grid.weights(time_s);
-        let knots_m = &linearisation.state.coefficients_m[side][LOCAL * weights.first..];
-        std::array::from_fn(|i| {
+        let knots_m = &linearisation.state.coefficients_m[side][local * weights.first..];
+        DVector::from_fn(local, |i, _| {
             let factors = weights.position.iter().enumerate();
-            factors.map(|(k, factor)| factor * knots_m[LOCAL * k + i]).sum()
+            factors.map(|(k, factor)| factor * knots_m[local * k + i]).sum()
         })
     };
-    let coefficients = |knot: usize| {
+    let mut coefficients_m = Vec::with_capacity(local * grid.knots);
+    for knot in 0..grid.knots {
         let time_s = grid.knot_time_s(knot);
         // A spline differs from its coefficients by its curvature (Schoenberg 1946).
         let [before, at, after] = [-1.0, 0.0, 1.0].map(|k| position_m(time_s + k * grid.knot_s));
-        (0..LOCAL).map(move |i| at[i] - (before[i] - 2.0 * at[i] + after[i]) / 6.0)
-    };
-    (0..grid.knots).flat_map(coefficients).collect()
+        coefficients_m.extend((&at - (before - 2.0 * &at + after) / 6.0).iter());
+    }
+    coefficients_m
 }

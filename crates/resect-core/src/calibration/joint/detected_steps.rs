@@ -55,10 +55,10 @@ fn most_significant_step(
     state: &StateVector,
 ) -> Option<StationStep> {
     let drive = normal.drive();
-    let precisions = SlowPrecisions::new(&priors.slow, &drive.block_times_s)?;
+    let precisions = SlowPrecisions::of_drive(&priors.slow, drive)?;
     let right = normal.gradient_with_priors(priors, &precisions, state);
     let (factor, step) =
-        ChainFactor::new(&normal.matrix, &priors.information(), &precisions, right)?;
+        ChainFactor::new(&normal.matrix, &priors.information(), &precisions, &right)?;
     let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
     let slow: Vec<Slow> = solved.collect();
     step_search(&factor, &precisions, &slow, priors, drive, state).most_significant_step()
@@ -74,7 +74,7 @@ pub fn measured_steps(
 ) -> Vec<StationStep> {
     let (station_steps, clock_steps) = (Vec::new(), Vec::new());
     let without_steps = SlowPriors { station_steps, clock_steps, ..priors.slow.clone() };
-    let Some(precisions) = SlowPrecisions::new(&without_steps, &drive.block_times_s) else {
+    let Some(precisions) = SlowPrecisions::of_drive(&without_steps, drive) else {
         return steps.to_vec();
     };
     let search = step_search(factor, &precisions, &state.slow, priors, drive, state);
@@ -90,15 +90,16 @@ fn step_search<'a>(
     slow: &'a [Slow],
     priors: &'a Priors,
     drive: &'a Drive,
-    state: &StateVector,
+    state: &'a StateVector,
 ) -> StepSearch<'a> {
     StepSearch {
+        layout: &drive.layout,
         factor,
         precisions,
         slow,
         block_times_s: &drive.block_times_s,
         known_blocks: [&priors.slow.station_steps, &priors.slow.clock_steps],
-        positions_m: [0, 1].map(|slot| state.constants.fixed_rows::<3>(4 * slot).into()),
+        constants: &state.constants,
         settling: priors.own_settling,
     }
 }

@@ -1,12 +1,14 @@
 //! The readings of a drive by segment, and the mean sights of its blocks.
 
 use super::knot_grid::{KnotGrid, segment_grids};
-use super::state_vector::{Constants, Slow, StateVector};
-use super::station_model::{MeanSight, Sight, StationModel};
-use crate::network::PerStation;
+use super::sight::Sight;
+use super::state_vector::{Constants, Layout, Slow, StateVector};
+use super::station_model::{MeanSight, StationModel};
+use crate::network::{Number, PerStation};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Lengths of a block that are tried (s): longer ones where the data determines a direction so weakly that six seconds leave the
 /// normal matrix singular, at last the whole segment.
@@ -40,6 +42,7 @@ pub struct Segment {
 /// The readings of a drive by segment, and what its blocks have in common.
 #[derive(Clone, Debug)]
 pub struct Drive {
+    pub layout: Arc<Layout>,
     pub segments: Vec<Segment>,
     /// Mean sights of the stations, by block over all segments.
     pub mean_sights: Vec<PerStation<MeanSight>>,
@@ -52,13 +55,14 @@ pub struct Drive {
 
 impl Drive {
     /// Segments with blocks of about `block_s`; `None` without a segment that all stations observe.
-    pub fn new(triplets: &Triplets, block_s: f64) -> Option<Self> {
+    pub fn new(layout: &Arc<Layout>, triplets: &Triplets, block_s: f64) -> Option<Self> {
         let knot_s =
             triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
         if !(0.01..=2.0).contains(&knot_s) {
             return None;
         }
         let mut drive = Self {
+            layout: Arc::clone(layout),
             segments: Vec::new(),
             mean_sights: Vec::new(),
             block_times_s: Vec::new(),
@@ -80,8 +84,8 @@ impl Drive {
                 drive.mean_sights.push(readings.map(|readings| {
                     let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
                     let all = readings.iter().map(Reading::sight);
-                    MeanSight::of(of_block.map(Reading::sight))
-                        .or_else(|| MeanSight::of(all))
+                    MeanSight::of(layout, of_block.map(Reading::sight))
+                        .or_else(|| MeanSight::of(layout, all))
                         .unwrap_or_default()
                 }));
                 drive.block_times_s.push(grid.block_time_s(block));
@@ -116,6 +120,7 @@ impl Drive {
         let blocks =
             || taken.iter().flat_map(|index| first_blocks[*index]..first_blocks[*index + 1]);
         Self {
+            layout: Arc::clone(&self.layout),
             segments: taken.iter().map(|index| self.segments[*index].clone()).collect(),
             mean_sights: blocks().map(|block| self.mean_sights[block].clone()).collect(),
             block_times_s: blocks().map(|block| self.block_times_s[block]).collect(),
@@ -140,37 +145,30 @@ impl Drive {
     }
 
     /// The state in which the iteration starts: splines through the triplets, and slow states of zero.
-    pub fn initial_state(
-        &self,
-        triplets: &Triplets,
-        constants: &Constants,
-        prisms: usize,
-    ) -> StateVector {
-        let stations = [0, 1, 2].map(|station| StationModel::new(constants, station));
+    pub fn initial_state(&self, triplets: &Triplets, constants: &Constants) -> StateVector {
         StateVector {
-            constants: *constants,
-            slow: vec![Slow::zeros(); self.mean_sights.len()],
-            coefficients_m: self.coefficients_m(triplets, &stations, prisms),
+            constants: constants.clone(),
+            slow: vec![Slow::zeros(self.layout.slow()); self.mean_sights.len()],
+            coefficients_m: self.coefficients_m(triplets, constants),
         }
     }
 
     /// Coefficients of splines through the triplets (m), by segment.
-    fn coefficients_m(
-        &self,
-        triplets: &Triplets,
-        stations: &[StationModel; 3],
-        prisms: usize,
-    ) -> Vec<Vec<f64>> {
+    fn coefficients_m(&self, triplets: &Triplets, constants: &Constants) -> Vec<Vec<f64>> {
+        let stations = StationModel::all(&self.layout, constants);
+        let followers = (0..self.layout.prisms()).filter_map(|prism| self.layout.follower(prism));
+        let followers: Vec<_> = followers.collect();
         let of_segment = |segment: &Segment| {
             let grid = &segment.grid;
-            let mut coefficients_m = Vec::with_capacity(grid.knots * 3 * prisms);
+            let mut coefficients_m = Vec::with_capacity(grid.knots * 3 * followers.len());
             for knot in 0..grid.knots {
                 let time_s = grid.knot_time_s(knot).clamp(grid.start_s, grid.end_s);
                 let after = triplets.time_s.partition_point(|t| *t < time_s);
                 let index = after.min(triplets.len() - 1);
-                for (prism, station) in stations.iter().enumerate().take(prisms) {
-                    let own_m = triplets.points_m[prism][index];
-                    coefficients_m.extend((station.rotation * own_m + station.position_m).iter());
+                for station in &followers {
+                    let own_m = triplets.points_m[*station][index];
+                    let model = &stations[station.index()];
+                    coefficients_m.extend((model.rotation * own_m + model.position_m).iter());
                 }
             }
             coefficients_m

@@ -1,17 +1,21 @@
 //! Normal equations of one segment at a linearisation point.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use std::sync::Arc;
+
+use nalgebra::Vector3;
 
 use super::drive::{Reading, Segment};
 use super::knot_grid::{KnotGrid, ORDER};
 use super::loss::{robust_loss, robust_weight};
-use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows};
+use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows, band_shape};
 use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
     jerk_factors, jerk_residuals,
 };
-use super::state_vector::BLOCK_DISTANCES;
-use crate::deployment::PAIRS;
+use crate::network::{PerStation, Station};
+
+/// Robust weights of a segment's readings and then of its jerks, in their order. Steps with fixed weights share them.
+pub type RobustWeights = Arc<[f64]>;
 
 /// Noise levels and robust weights of a segment's equations.
 #[derive(Clone, Copy)]
@@ -19,19 +23,19 @@ pub struct SegmentWeighting<'a> {
     pub levels: NoiseLevels,
     /// Redundancy number of a reading: the share of its error that remains in the residual.
     pub redundancy: f64,
-    /// Fixed robust weights of readings and then of jerks, in their order; `None` while they are re-estimated.
-    pub fixed: Option<&'a [f64]>,
+    /// Fixed robust weights; `None` while they are re-estimated.
+    pub fixed: Option<&'a RobustWeights>,
 }
 
 /// Sums of squared residuals by kind of noise, and their expectation before anything is fitted.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct ResidualSquares {
     pub observed: [f64; PROBES],
     pub expected: [f64; PROBES],
     /// Squares that the fitted motion absorbs, estimated by random probes (Girard 1989).
     pub absorbed: [f64; PROBES],
     /// Observed and expected squares of ranges, horizontal and vertical angles, by station.
-    pub by_station: [[SquareSum; 3]; 3],
+    pub by_station: PerStation<[SquareSum; 3]>,
 }
 
 /// Sum of squared residuals, and its expectation before anything is fitted.
@@ -48,6 +52,10 @@ pub const STAMPS: usize = 2;
 pub const JERKS: usize = 3;
 
 impl ResidualSquares {
+    pub fn zeros(stations: usize) -> Self {
+        Self { by_station: PerStation::repeat(stations, Default::default()), ..Self::default() }
+    }
+
     pub fn add(&mut self, other: &Self) {
         for kind in 0..PROBES {
             self.observed[kind] += other.observed[kind];
@@ -69,75 +77,86 @@ impl ResidualSquares {
 }
 
 /// The equations of a segment, before or after the motion is eliminated. Rows of a long drive are not stored.
-pub struct SegmentEquations<const LOCAL: usize, const ROW: usize> {
-    pub band: MotionBand<LOCAL, ROW>,
+pub struct SegmentEquations {
+    pub band: MotionBand,
     pub squares: ResidualSquares,
     /// Cost of the equations (σ²), with the robust loss unless the weights are fixed.
     pub cost: f64,
-    /// Robust weights of readings and then of jerks.
-    pub weights: Vec<f64>,
+    pub weights: RobustWeights,
 }
 
-/// Linearises a segment; reuses the memory of `rows`.
-pub fn equations<const LOCAL: usize, const ROW: usize>(
+/// Linearises a segment; reuses the memory of `rows`. Without blocks the equations are for a step of the motion alone.
+pub fn equations(
     segment: &Segment,
     point: &LinearisationPoint<'_>,
     weighting: &SegmentWeighting<'_>,
-    rows: Rows<LOCAL, ROW>,
-) -> SegmentEquations<LOCAL, ROW> {
-    let grid = &segment.grid;
-    let mut builder = EquationsBuilder::<LOCAL, ROW> {
-        band: MotionBand::new(rows, grid.knots, grid.first_knots()),
-        squares: ResidualSquares::default(),
+    has_blocks: bool,
+    rows: Rows,
+) -> SegmentEquations {
+    let (grid, layout) = (&segment.grid, point.layout);
+    let block = if has_blocks { layout.block() } else { 0 };
+    let shape = band_shape(3 * layout.prisms(), block);
+    let mut builder = EquationsBuilder {
+        band: MotionBand::new(rows, shape, block, grid.knots, grid.first_knots()),
+        squares: ResidualSquares::zeros(layout.stations()),
         cost: 0.0,
         weights: Vec::new(),
+        weighted: 0,
         point,
         weighting,
         signs: RandomSigns(0x5eed),
     };
-    for (station, readings) in segment.readings.iter().enumerate() {
+    for (station, readings) in segment.readings.each() {
         for reading in readings {
             builder.add_reading(grid, station, reading);
         }
     }
-    if let Some(distances_m) = point.distances_m {
-        builder.add_distances(grid, &distances_m);
+    if layout.pairs() > 0 {
+        builder.add_distances(grid);
     }
     builder.add_jerks(grid);
     let EquationsBuilder { band, squares, cost, weights, .. } = builder;
+    let weights = weighting.fixed.map_or_else(|| weights.into(), Arc::clone);
     SegmentEquations { band, squares, cost, weights }
 }
 
-struct EquationsBuilder<'a, const LOCAL: usize, const ROW: usize> {
-    band: MotionBand<LOCAL, ROW>,
+struct EquationsBuilder<'a> {
+    band: MotionBand,
     squares: ResidualSquares,
     cost: f64,
+    /// Weights while they are re-estimated.
     weights: Vec<f64>,
+    /// Number of equations that have their weight.
+    weighted: usize,
     point: &'a LinearisationPoint<'a>,
     weighting: &'a SegmentWeighting<'a>,
     signs: RandomSigns,
 }
 
-impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
+impl EquationsBuilder<'_> {
     /// Returns the fixed weight, or the robust weight of a squared residual in σ², which is the mean of `numbers` squares. Adds the
     /// cost.
     fn weight(&mut self, square: f64, numbers: f64) -> f64 {
         let (weight, loss) = match self.weighting.fixed {
             Some(fixed) => {
-                let weight = fixed[self.weights.len()];
+                let weight = fixed[self.weighted];
                 (weight, weight * square)
             }
-            None => (robust_weight(square), robust_loss(square)),
+            None => {
+                let weight = robust_weight(square);
+                self.weights.push(weight);
+                (weight, robust_loss(square))
+            }
         };
+        self.weighted += 1;
         self.cost += numbers * loss; // (14)
-        self.weights.push(weight);
         weight
     }
 
     /// Adds range and two angles of a reading, with the noise of its stamp.
-    fn add_reading(&mut self, grid: &KnotGrid, station: usize, reading: &Reading) {
+    fn add_reading(&mut self, grid: &KnotGrid, station: Station, reading: &Reading) {
         let levels = &self.weighting.levels;
-        let residual = ReadingResidual::new::<LOCAL>(grid, self.point, levels, station, reading);
+        let residual = ReadingResidual::new(grid, self.point, levels, station, reading);
         let ReadingResidual { weights, axes, residual_m, information, block, .. } = &residual;
         let knots = KnotFactors { first: weights.first, factors: &weights.position };
         let first = 3 * residual.prism;
@@ -168,19 +187,19 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
                 sum.expected += expected;
             }
             let values = axes * gain * (weight * self.signs.next());
-            self.band.add_probe(knots, first, kind, &values);
+            self.band.add_probe(knots, first, kind, values.as_slice());
         }
         let normal = axes * information * axes.transpose() * weight;
         let gradient = axes * weighted_m * weight;
-        self.band.add(knots, first, &normal, &gradient);
-        if !MotionBand::<LOCAL, ROW>::HAS_BLOCKS {
+        self.band.add_prism(knots, first, &normal, &gradient);
+        if !self.band.has_blocks() {
             return;
         }
-        let columns = residual.block_jacobian(station);
+        let columns = residual.block_jacobian(self.point.layout, station);
         for (i, (column, jacobian)) in columns.iter().flatten().enumerate() {
             let values = normal * jacobian;
             let unknown = BlockUnknown { block: *block, column: *column };
-            self.band.add_border(knots, first, unknown, &values);
+            self.band.add_border(knots, first, unknown, values.as_slice());
             let block = &mut self.band.blocks[*block];
             block.gradient[*column] += jacobian.dot(&gradient);
             for (other, other_jacobian) in columns[..=i].iter().flatten() {
@@ -194,56 +213,70 @@ impl<const LOCAL: usize, const ROW: usize> EquationsBuilder<'_, LOCAL, ROW> {
     }
 
     /// Adds the distances of the rig as constraints on the splines, once a knot.
-    fn add_distances(&mut self, grid: &KnotGrid, distances_m: &[f64; 3]) {
-        const PRISMS: usize = 9;
+    fn add_distances(&mut self, grid: &KnotGrid) {
+        let layout = self.point.layout;
+        let local = 3 * layout.prisms();
         let precision = self.weighting.levels.distance_m.powi(-2);
+        let (mut information, mut gradient) = (vec![0.0; local * local], vec![0.0; local]);
         for time_s in distance_times_s(grid) {
             let weights = grid.weights(time_s);
             let knots = KnotFactors { first: weights.first, factors: &weights.position };
             let block = grid.block_at(time_s);
-            let mut information = SMatrix::<f64, PRISMS, PRISMS>::zeros();
-            let mut gradient = SVector::<f64, PRISMS>::zeros();
-            for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            information.fill(0.0);
+            gradient.fill(0.0);
+            for (pair, (a, b)) in layout.pairs_of_places().enumerate() {
+                let distance_m = self.point.distances_m[pair];
                 let (along, residual_m) =
-                    distance_residual::<LOCAL>(self.point, &weights, (a, b), distances_m[pair]);
+                    distance_residual(self.point, &weights, (a, b), distance_m);
                 self.cost += precision * residual_m * residual_m; // (14)
-                let mut jacobian = SVector::<f64, PRISMS>::zeros();
-                jacobian.fixed_rows_mut::<3>(3 * a).copy_from(&along);
-                jacobian.fixed_rows_mut::<3>(3 * b).copy_from(&-along);
-                information.ger(precision, &jacobian, &jacobian, 1.0);
-                gradient.axpy(precision * residual_m, &jacobian, 1.0);
-                if !MotionBand::<LOCAL, ROW>::HAS_BLOCKS {
+                let jacobian = [(3 * a, along), (3 * b, -along)];
+                let weighted = jacobian.map(|(first, along)| (first, along * precision));
+                for (row, by_row) in &weighted {
+                    for i in 0..3 {
+                        for (column, by_column) in &jacobian {
+                            let row = &mut information[local * (row + i) + column..][..3];
+                            (0..3).for_each(|j| row[j] += by_row[i] * by_column[j]);
+                        }
+                        gradient[row + i] += by_row[i] * residual_m;
+                    }
+                }
+                if !self.band.has_blocks() {
                     continue;
                 }
-                let column = BLOCK_DISTANCES + pair;
-                let values = jacobian * -precision;
-                self.band.add_border(knots, 0, BlockUnknown { block, column }, &values);
+                let column = layout.block_distances() + pair;
+                for (first, by_distance) in weighted {
+                    let unknown = BlockUnknown { block, column };
+                    self.band.add_border(knots, first, unknown, (-by_distance).as_slice());
+                }
                 let block = &mut self.band.blocks[block];
                 block.information[(column, column)] += precision;
                 block.gradient[column] -= precision * residual_m;
             }
-            self.band.add(knots, 0, &information, &gradient);
+            self.band.add_knot(knots, &information, &gradient);
         }
     }
 
     /// Adds the smoothness prior of the motion: one equation a coordinate and knot.
     fn add_jerks(&mut self, grid: &KnotGrid) {
         let factors = jerk_factors(grid, &self.weighting.levels);
+        let local = 3 * self.point.layout.prisms();
+        let (mut residuals, mut values) = (vec![0.0; local], vec![0.0; local]);
         for first in 0..grid.knots - (ORDER - 1) {
-            let residuals = jerk_residuals::<LOCAL>(self.point, first, &factors);
+            jerk_residuals(self.point, first, &factors, &mut residuals);
             let knots = KnotFactors { first, factors: &factors };
             // Vehicles start and stop: their jerks are weighted robustly.
             let square = residuals.iter().map(|residual| residual * residual).sum::<f64>();
-            let weight = self.weight(square / LOCAL as f64, LOCAL as f64);
+            let weight = self.weight(square / local as f64, local as f64);
             // (17). The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
             // like noise of stamps.
             self.squares.observed[JERKS] += square;
-            self.squares.expected[JERKS] += LOCAL as f64;
+            self.squares.expected[JERKS] += local as f64;
             if self.weighting.fixed.is_none() {
-                let values = SVector::<f64, LOCAL>::from_fn(|_, _| self.signs.next());
+                values.fill_with(|| self.signs.next());
                 self.band.add_probe(knots, 0, JERKS, &values);
             }
-            self.band.add_each(knots, weight, &residuals.map(|residual| weight * residual));
+            residuals.iter_mut().for_each(|residual| *residual *= weight);
+            self.band.add_each(knots, weight, &residuals);
         }
     }
 }

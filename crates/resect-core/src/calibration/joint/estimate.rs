@@ -11,17 +11,17 @@ use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
 use super::marginal_likelihood::{choose_processes, likeliest_clocks_s2};
-use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
 use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::residuals::NoiseLevels;
 use super::solver_status::SolverStatus;
-use super::state_vector::{CLOCKS, Constants, ConstantsMatrix, DISTANCES, StateVector};
+use super::state_vector::{Constants, ConstantsMatrix, Layout, StateVector};
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{PosesByDistances, SurveyEvidence};
 use super::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};
+use super::unknown::DISTANCE;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::network::PerStation;
@@ -64,11 +64,14 @@ const DIVERGED_M: f64 = 30.0;
 const CONVERGED: f64 = 4e-3;
 
 /// Input of the joint estimate beside the readings of the drive.
+#[derive(Clone)]
 pub struct JointInput<'a> {
+    /// The network and its unknowns.
+    pub layout: &'a Arc<Layout>,
     /// The answer of a published method, from which the iteration starts.
     pub published: &'a PerStation<LevelTransform>,
-    /// The distances of the rig; `None` where all stations follow one prism.
-    pub rig: Option<RigDistances>,
+    /// The distances between the followed prisms.
+    pub rig: RigDistances,
     /// The control points, if they are evidence.
     pub survey: Option<Arc<Survey>>,
     /// True if the drive alone determines the answer; otherwise the survey is used from the first step on.
@@ -107,14 +110,12 @@ pub fn estimate<'a>(
     input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Result<JointEstimate, Trace>, Cancelled> {
-    let solve = match input.rig {
-        Some(_) => solve::<RIG, RIG_ROW, RIG_MOTION_ROW>,
-        None => solve::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
-    };
     let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
     let survey_first = !input.is_determined_by_drive;
     for block_s in BLOCK_LENGTHS_S {
-        let Some(drive) = Drive::new(&triplets(), block_s).map(Arc::new) else { break };
+        let Some(drive) = Drive::new(input.layout, &triplets(), block_s).map(Arc::new) else {
+            break;
+        };
         let mut attempt = |event: TraceEvent, survey_first: bool| {
             trace.add_event(event);
             let drive = Arc::clone(&drive);
@@ -150,7 +151,7 @@ pub fn estimate<'a>(
 ///
 /// The survey is used from the first step on, or once the drive alone is nearly solved: a set-up that changed in between would
 /// otherwise look like outliers of the drive.
-fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+fn solve(
     drive: Arc<Drive>,
     triplets: Cow<'_, Triplets>,
     input: &JointInput<'_>,
@@ -158,33 +159,32 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     trace: &mut Trace,
     progress: &Progress,
 ) -> Result<JointEstimate, AttemptEnd> {
-    let JointInput { published, rig, survey, sizes, .. } = input;
-    let mean = prior_mean(published, rig.as_ref().map(|rig| &rig.measured_m));
-    let mut priors = Priors::new(sizes, &mean, rig.as_ref(), &triplets.restarts_s);
+    let JointInput { layout, published, rig, survey, sizes, .. } = input;
+    let mean = prior_mean(layout, published, &rig.measured_m);
+    let mut priors = Priors::new(layout, sizes, &mean, rig, &triplets.restarts_s);
     let survey = survey.as_ref();
-    let mut pending_survey = survey.and_then(|survey| SurveyEvidence::new(survey, sizes, &mean));
+    let mut pending_survey =
+        survey.and_then(|survey| SurveyEvidence::new(layout, survey, sizes, &mean));
     if survey_first {
         priors.survey = pending_survey.take();
     }
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
-    let (weighting, mut state) =
-        learn_noise::<LOCAL, ROW, MOTION>(&sample, &triplets, &priors, trace, progress)?;
+    let (weighting, mut state) = learn_noise(&sample, &triplets, &priors, trace, progress)?;
     let is_sampled = sample.segments.len() < drive.segments.len();
     if is_sampled {
-        state = drive.initial_state(&triplets, &state.constants, LOCAL / 3);
+        state = drive.initial_state(&triplets, &state.constants);
     }
     drop(triplets);
     if is_sampled {
         for _ in 0..MOTION_STEPS {
-            step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?
-                .ok_or_else(not_definite)?;
+            step_motion(&drive, &mut state, &weighting, progress)?.ok_or_else(not_definite)?;
             trace.add_row(TraceRow::of_motion(weighting.levels));
         }
     }
     // The whole drive determines the constants better than its sample: the first step may be that much longer.
     let near_sigmas = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
     let (steps, buffers, iterations, before) = (Vec::new(), RowBuffers::default(), 0, None);
-    let mut iteration = Iteration::<LOCAL, ROW> {
+    let mut iteration = Iteration {
         drive,
         sizes,
         progress,
@@ -207,7 +207,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
 }
 
 /// The state of the iteration.
-struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
+struct Iteration<'a> {
     drive: Arc<Drive>,
     sizes: &'a ErrorSizes,
     progress: &'a Progress,
@@ -216,7 +216,7 @@ struct Iteration<'a, const LOCAL: usize, const ROW: usize> {
     state: StateVector,
     /// Detected steps of stations and clocks.
     steps: Vec<StationStep>,
-    buffers: RowBuffers<LOCAL, ROW>,
+    buffers: RowBuffers,
     iterations: usize,
     before: Option<StateBefore>,
     /// The survey until the drive alone is nearly solved.
@@ -231,12 +231,9 @@ struct StateBefore {
     share: f64,
 }
 
-impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
+impl Iteration<'_> {
     /// Steps with robust weights that follow the residuals, until the searches find no further slow change. Returns the last step.
-    fn step_reweighted(
-        &mut self,
-        near_sigmas: f64,
-    ) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
+    fn step_reweighted(&mut self, near_sigmas: f64) -> Result<GaussNewtonStep, AttemptEnd> {
         let mut searches = 0;
         loop {
             let mut step = self.linearise()?;
@@ -260,8 +257,8 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     /// Steps with the robust weights of `step`, until the last step is small. Returns it.
     fn step_with_fixed_weights(
         &mut self,
-        mut step: GaussNewtonStep<LOCAL, ROW>,
-    ) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
+        mut step: GaussNewtonStep,
+    ) -> Result<GaussNewtonStep, AttemptEnd> {
         if self.iterations >= MOST_ITERATIONS {
             return Err(SolverStatus::TooManySteps.into());
         }
@@ -298,7 +295,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     }
 
     /// Linearises at the state; before that, goes back as long as the last step has raised the cost.
-    fn linearise(&mut self) -> Result<GaussNewtonStep<LOCAL, ROW>, AttemptEnd> {
+    fn linearise(&mut self) -> Result<GaussNewtonStep, AttemptEnd> {
         loop {
             let step = self.linearise_here()?;
             let Some(before) = &self.before else { return step.ok_or_else(not_definite) };
@@ -321,7 +318,7 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         }
     }
 
-    fn linearise_here(&mut self) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+    fn linearise_here(&mut self) -> Result<Option<GaussNewtonStep>, Cancelled> {
         let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
@@ -329,18 +326,19 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     /// Applies a step, and adds its row with some changes; fails if the estimate has diverged.
     fn apply(
         &mut self,
-        step: &GaussNewtonStep<LOCAL, ROW>,
+        step: &GaussNewtonStep,
         change_row: impl FnOnce(&mut TraceRow),
     ) -> Result<(), AttemptEnd> {
         let last_share = self.before.as_ref().map_or(1.0, |before| before.share);
         self.take_share(step, (2.0 * last_share).min(1.0), change_row);
-        let has_diverged = has_diverged(&self.state.constants, &self.priors.mean);
+        let moved = self.priors.layout.moved();
+        let has_diverged = has_diverged(&self.state.constants, &self.priors.mean, moved);
         if has_diverged { Err(SolverStatus::Diverged.into()) } else { Ok(()) }
     }
 
     fn take_share(
         &mut self,
-        step: &GaussNewtonStep<LOCAL, ROW>,
+        step: &GaussNewtonStep,
         share: f64,
         change_row: impl FnOnce(&mut TraceRow),
     ) {
@@ -358,13 +356,13 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
     /// Estimates the variances of slow states and detects steps, then solves again.
     fn search_slow_changes(
         &mut self,
-        step: &mut GaussNewtonStep<LOCAL, ROW>,
+        step: &mut GaussNewtonStep,
         is_last: bool,
     ) -> Result<(), AttemptEnd> {
         let Self { state, priors, progress, trace, .. } = self;
         // A smaller size is a statement of the user, which is tested elsewhere.
         if self.sizes.clock_offset_s >= ErrorSizes::default().clock_offset_s {
-            let constants = state.constants - step.step.constants;
+            let constants = &state.constants - &step.step.constants;
             let covariance = step.factor.constants_covariance();
             let widened = priors.widen_clock_offsets(&constants, &covariance);
             widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
@@ -387,31 +385,30 @@ impl<const LOCAL: usize, const ROW: usize> Iteration<'_, LOCAL, ROW> {
         step.solve_again(state, priors).ok_or_else(not_definite)
     }
 
-    fn summarise(self, step: &GaussNewtonStep<LOCAL, ROW>) -> JointEstimate {
+    fn summarise(self, step: &GaussNewtonStep) -> JointEstimate {
         let Self { drive, state, weighting, priors, sizes, steps, iterations, .. } = self;
         let steps = measured_steps(&steps, &step.factor, &priors, &drive, &state);
-        let prisms = LOCAL / 3;
-        let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
+        let solution = Solution { drive, state, weighting, priors, sizes: *sizes };
         JointEstimate { steps, iterations, ..step.summary(solution) }
     }
 }
 
 /// Adds the survey to the priors and widens that of a changed set-up.
-fn add_survey<const LOCAL: usize, const ROW: usize>(
-    step: &mut GaussNewtonStep<LOCAL, ROW>,
+fn add_survey(
+    step: &mut GaussNewtonStep,
     pending: &mut Option<SurveyEvidence>,
     state: &StateVector,
     priors: &mut Priors,
     trace: &mut Trace,
 ) -> Result<(), AttemptEnd> {
     if let Some(survey) = pending.take() {
-        let by_distances = (LOCAL == 9 && priors.distances_are_evidence)
+        let by_distances = (priors.layout.pairs() > 0 && priors.distances_are_evidence)
             .then(|| poses_by_distances(&step.factor.constants_covariance(), priors));
         priors.survey = Some(survey.with_distances(by_distances));
         trace.add_event(TraceEvent::SurveyAdded);
         step.solve_again(state, priors).ok_or_else(not_definite)?;
     }
-    let constants = state.constants - step.step.constants;
+    let constants = &state.constants - &step.step.constants;
     let covariance = step.factor.constants_covariance();
     let survey = priors.survey.as_ref();
     let changed = survey.and_then(|survey| survey.with_detected_change(&constants, &covariance));
@@ -425,19 +422,20 @@ fn add_survey<const LOCAL: usize, const ROW: usize>(
 
 /// Change of the poses for errors of the measured distances, by the covariance of the constants by the drive alone.
 fn poses_by_distances(covariance: &ConstantsMatrix, priors: &Priors) -> PosesByDistances {
-    let information = priors.own_information();
-    let by_distances = covariance * information.fixed_columns::<3>(DISTANCES);
-    by_distances.fixed_rows::<8>(0).into_owned()
+    let layout = &priors.layout;
+    let distances: Vec<usize> = layout.indices(&DISTANCE).collect();
+    let by_distances = covariance * priors.own_information().select_columns(&distances);
+    by_distances.rows(0, layout.poses()).into_owned()
 }
 
-fn has_diverged(constants: &Constants, mean: &Constants) -> bool {
-    let distances_m = [0, 1].map(|slot| (constants - mean).fixed_rows::<3>(4 * slot).norm());
+fn has_diverged(constants: &Constants, mean: &Constants, slots: usize) -> bool {
+    let moved = constants - mean;
     // NaN has diverged, too.
-    !distances_m.into_iter().all(|distance_m| distance_m < DIVERGED_M)
+    !(0..slots).all(|slot| moved.fixed_rows::<3>(4 * slot).norm() < DIVERGED_M)
 }
 
 /// Estimates noise levels on a sample of the drive; returns them with the state of the sample.
-fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+fn learn_noise(
     sample: &Arc<Drive>,
     triplets: &Triplets,
     priors: &Priors,
@@ -445,15 +443,15 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     progress: &Progress,
 ) -> Result<(Weighting, StateVector), AttemptEnd> {
     let mut priors = priors.clone();
-    for index in 0..CLOCKS {
+    for index in 0..priors.layout.poses() {
         let sigma = if index % 4 == 3 { SAMPLE_PRIOR_RAD } else { SAMPLE_PRIOR_M };
         priors.precision[index] = sigma.powi(-2);
     }
-    let squares = ResidualSquares::default();
+    let squares = ResidualSquares::zeros(priors.layout.stations());
     let levels = NoiseLevels { distance_m: priors.observed_distance_m, ..FIRST_LEVELS };
     let mut weighting = Weighting { levels, redundancy: 0.5, fixed: None, squares };
-    let mut state = sample.initial_state(triplets, &priors.mean, LOCAL / 3);
-    let mut buffers = RowBuffers::<LOCAL, ROW>::default();
+    let mut state = sample.initial_state(triplets, &priors.mean);
+    let mut buffers = RowBuffers::default();
     for (index, is_whole_step) in SAMPLE_STEPS.into_iter().enumerate() {
         let squares = if is_whole_step {
             let step =
@@ -465,7 +463,7 @@ fn learn_noise<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             buffers = step.into_buffers();
             squares
         } else {
-            let squares = step_motion::<LOCAL, MOTION>(sample, &mut state, &weighting, progress)?;
+            let squares = step_motion(sample, &mut state, &weighting, progress)?;
             trace.add_row(TraceRow::of_motion(weighting.levels));
             squares.ok_or_else(not_definite)?
         };
@@ -484,13 +482,13 @@ mod tests {
 
     #[test]
     fn divergence_is_a_distance_from_the_published_answer() {
-        let mean = Constants::zeros();
-        let mut constants = mean;
+        let mean = Constants::zeros(8);
+        let mut constants = mean.clone();
         constants[4] = 29.0;
-        assert!(!has_diverged(&constants, &mean));
+        assert!(!has_diverged(&constants, &mean, 2));
         for far in [31.0, -4e15, f64::NAN, f64::INFINITY] {
             constants[5] = far;
-            assert!(has_diverged(&constants, &mean), "{far}");
+            assert!(has_diverged(&constants, &mean, 2), "{far}");
         }
     }
 }

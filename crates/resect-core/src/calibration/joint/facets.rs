@@ -5,11 +5,13 @@
 //! solution for their Jacobian, and H the normal matrix of the data. `ε_F` is a Fourier series of the incidence, the azimuth of a station
 //! in the frame of the rig.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::chain::ChainVector;
 use super::drive::{Drive, Segment};
-use super::state_vector::{SLOW, SLOW_ACROSS, SLOW_RANGES, StateVector};
+use super::state_vector::{Layout, StateVector};
 use super::station_model::StationModel;
+use crate::network::{Number, PerStation, Station};
 
 /// Root mean squares of errors that repeat with the incidence: along the sight, across it and upward (m). Measured: on the
 /// published drives.
@@ -19,73 +21,79 @@ const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
 /// Instants of a block at which the incidence is taken.
 const INSTANTS: usize = 8;
 
-/// Cosine and sine of the incidence on each station's prism by order, as means over a block.
-type IncidenceTerms = [[[f64; 2]; ORDERS.len()]; 3];
+/// Cosine and sine of the incidence on a station's prism by order, as means over a block.
+type IncidenceTerms = [[f64; 2]; ORDERS.len()];
 
-/// Covariance of the poses by the errors of the prisms of a rig; `information` is H S by block, without the constants.
+/// Covariance of the poses by the errors of the prisms of a rig; `information` is H S, a vector for each coordinate of the poses.
 pub fn facet_covariance(
     drive: &Drive,
     state: &StateVector,
-    information: &[SMatrix<f64, SLOW, 8>],
-) -> SMatrix<f64, 8, 8> {
-    let mut effects = vec![SVector::<f64, 8>::zeros(); 3 * 3 * ORDERS.len() * 2];
-    for (terms, by_slow) in incidence_terms(drive, state).iter().zip(information) {
-        let mut effect = effects.iter_mut();
-        for (station, terms) in terms.iter().enumerate() {
-            let across = SLOW_ACROSS + 2 * station;
-            for (row, rms_m) in
-                [SLOW_RANGES + station, across, across + 1].into_iter().zip(FACETS_M)
-            {
-                let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
-                for (term, effect) in terms.as_flattened().iter().zip(effect.by_ref()) {
-                    *effect += by_slow.row(row).transpose() * (sigma_m * term);
-                }
+    information: &[ChainVector],
+) -> DMatrix<f64> {
+    let layout = &drive.layout;
+    let terms = incidence_terms(drive, state);
+    let mut covariance = DMatrix::zeros(information.len(), information.len());
+    for station in (0..layout.stations()).map(Station::at) {
+        for (row, rms_m) in slow_errors(layout, station).into_iter().zip(FACETS_M) {
+            let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
+            for term in 0..2 * ORDERS.len() {
+                let of_block = |block: usize| terms[block][station].as_flattened()[term];
+                let effect = DVector::<f64>::from_fn(information.len(), |k, _| {
+                    let slow = information[k].slow.iter().enumerate();
+                    slow.map(|(block, slow)| slow[row] * (sigma_m * of_block(block))).sum::<f64>()
+                });
+                covariance += &effect * effect.transpose();
             }
         }
     }
-    effects.iter().map(|effect| effect * effect.transpose()).sum()
+    covariance
 }
 
-/// The terms of all blocks.
-fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<IncidenceTerms> {
-    let positions_m =
-        [0, 1, 2].map(|station| StationModel::new(&state.constants, station).position_m);
-    let segments = drive.segments.iter().zip(&state.coefficients_m);
-    segments
-        .flat_map(|(segment, coefficients_m)| {
-            (0..segment.grid.blocks)
-                .map(move |block| of_block(segment, coefficients_m, block, &positions_m))
-        })
-        .collect()
+/// Indices of a station's slow errors along the sight, across it and upward.
+fn slow_errors(layout: &Layout, station: Station) -> [usize; 3] {
+    let across = layout.slow_across() + 2 * station.index();
+    [layout.slow_ranges() + station.index(), across, across + 1]
+}
+
+/// The terms of all blocks by station.
+fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<IncidenceTerms>> {
+    let stations = StationModel::all(&drive.layout, &state.constants).into_iter();
+    let stations_m: PerStation<Vector3<f64>> = stations.map(|model| model.position_m).collect();
+    let mut terms = Vec::new();
+    for (segment, coefficients_m) in drive.segments.iter().zip(&state.coefficients_m) {
+        for block in 0..segment.grid.blocks {
+            terms.push(of_block(&drive.layout, segment, coefficients_m, block, &stations_m));
+        }
+    }
+    terms
 }
 
 fn of_block(
+    layout: &Layout,
     segment: &Segment,
     coefficients_m: &[f64],
     block: usize,
-    stations_m: &[Vector3<f64>; 3],
-) -> IncidenceTerms {
-    let grid = &segment.grid;
+    stations_m: &PerStation<Vector3<f64>>,
+) -> PerStation<IncidenceTerms> {
+    let (grid, local) = (&segment.grid, 3 * layout.prisms());
     let block_s = (grid.end_s - grid.start_s) / grid.blocks as f64;
-    let mut terms = IncidenceTerms::default();
+    let mut terms = stations_m.map(|_| IncidenceTerms::default());
     for instant in 0..INSTANTS {
         let along = (instant as f64 + 0.5) / INSTANTS as f64;
         let weights = grid.weights(grid.start_s + (block as f64 + along) * block_s);
         let prism_m = |prism: usize| -> Vector3<f64> {
             let at = |knot: usize| {
-                Vector3::from_column_slice(
-                    &coefficients_m[9 * (weights.first + knot) + 3 * prism..][..3],
-                )
+                let first = local * (weights.first + knot) + 3 * prism;
+                Vector3::from_column_slice(&coefficients_m[first..first + 3])
             };
             (0..4).map(|knot| at(knot) * weights.position[knot]).sum()
         };
-        let prisms_m = [0, 1, 2].map(prism_m);
-        let axis = prisms_m[1] - prisms_m[0];
+        let axis = prism_m(1) - prism_m(0);
         let heading_rad = axis.y.atan2(axis.x);
-        for (station, terms) in terms.iter_mut().enumerate() {
-            let sight = stations_m[station] - prisms_m[station];
+        for (station, station_m) in stations_m.each() {
+            let sight = station_m - prism_m(layout.prism_of(station));
             let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
-            for (term, order) in terms.iter_mut().zip(ORDERS) {
+            for (term, order) in terms[station].iter_mut().zip(ORDERS) {
                 let (sin, cos) = (order * incidence_rad).sin_cos();
                 term[0] += cos / INSTANTS as f64;
                 term[1] += sin / INSTANTS as f64;
@@ -99,6 +107,7 @@ fn of_block(
 mod tests {
     use super::super::knot_grid::segment_grids;
     use super::super::state_vector::Constants;
+    use super::super::state_vector::tests::layout;
     use super::*;
 
     /// Variance of the first pose by errors of station 1's ranges (m²), each of which moves it by the same amount in every block, for
@@ -114,7 +123,9 @@ mod tests {
             (0..grid.knots).flat_map(|knot| rig_m(rate_rad_per_s * grid.knot_time_s(knot)));
         let coefficients_m: Vec<f64> = coefficients_m.flatten().collect();
         let blocks = grid.blocks;
+        let layout = layout(3);
         let mut drive = Drive {
+            layout: layout.clone(),
             segments: Vec::new(),
             mean_sights: Vec::new(),
             block_times_s: Vec::new(),
@@ -123,13 +134,13 @@ mod tests {
         };
         drive.segments.push(Segment { grid, readings: Default::default(), middle_s: 0.0 });
         let state = StateVector {
-            constants: Constants::zeros(),
+            constants: Constants::zeros(layout.constants),
             slow: Vec::new(),
             coefficients_m: vec![coefficients_m],
         };
-        let mut information = SMatrix::<f64, SLOW, 8>::zeros();
-        information[(SLOW_RANGES, 0)] = 1.0;
-        let covariance = facet_covariance(&drive, &state, &vec![information; blocks]);
+        let mut information = vec![ChainVector::zeros(&layout, blocks); 8];
+        information[0].slow.iter_mut().for_each(|slow| slow[layout.slow_ranges()] = 1.0);
+        let covariance = facet_covariance(&drive, &state, &information);
         (covariance[(0, 0)], blocks)
     }
 

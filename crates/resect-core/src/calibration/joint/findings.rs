@@ -2,11 +2,12 @@
 
 use super::instrument_errors::{InstrumentError, instrument_errors};
 use super::joint_estimate::{JointEstimate, LargestSource};
-use super::state_vector::{CLOCKS, DISTANCES, DRIFTS, LATENCIES};
 use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::{StationStep, StepSize};
+use super::unknown::{DISTANCE, Owner};
 use crate::calibration::Verdict;
-use crate::calibration::{Estimate, Quantity, clocks_in_words};
+use crate::calibration::{Estimate, clocks_in_words};
+use crate::deployment::Finding;
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
     distance_estimated, distance_implausible, distances_implausible, errors_implausible,
@@ -14,7 +15,7 @@ use crate::deployment::findings::instruments::{
     set_up_change_undecided, set_up_changed, stated_error_contradicted, station_errors_implausible,
     station_moved, uncertainty_sources,
 };
-use crate::deployment::{Finding, pair_label};
+use crate::network::{Number, Pair, PerPair, PerStation, Station};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
 /// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
@@ -33,15 +34,19 @@ const LARGEST_WANDER_M: f64 = 0.005;
 const STEP_MARGIN_S: f64 = 20.0;
 
 /// Reports the estimated distances that differ significantly from those measured on the vehicle (m).
-pub fn distances(joint: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
-    let estimated = joint.distances_m.iter().flatten().zip(inter_prism_m).enumerate();
+pub fn distances(joint: &JointEstimate, inter_prism_m: &PerPair<f64>) -> Vec<Finding> {
+    let estimated = joint.distances_m().into_iter().flatten().enumerate();
+    let estimated = estimated.map(|(place, distance)| {
+        let pair = joint.layout().pair(Pair::at(place));
+        (pair, distance, inter_prism_m[pair])
+    });
     estimated
-        .filter(|(_, (distance, measured_m))| {
-            distance.sigmas_from(**measured_m).abs() > SUPPORTED_SIGMAS
+        .filter(|(_, distance, measured_m)| {
+            distance.sigmas_from(*measured_m).abs() > SUPPORTED_SIGMAS
         })
-        .map(|(pair, (distance, measured_m))| {
+        .map(|(pair, distance, measured_m)| {
             let is_notable = (distance.value - measured_m).abs() > NOTABLE_DISTANCE_M;
-            distance_estimated(pair, *measured_m, distance, is_notable)
+            distance_estimated(pair.index(), measured_m, &distance, is_notable)
         })
         .collect()
 }
@@ -49,23 +54,24 @@ pub fn distances(joint: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding
 /// Describes noise, clocks, significant instrument errors, and the largest sources of σ.
 pub fn findings(joint: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(joint)];
-    findings.extend(clocks_in_words::clocks(&joint.clock_offsets_s, &joint.clock_drifts));
+    findings.extend(clocks_in_words::clocks(&joint.clock_offsets_s, &joint.clock_drifts()));
     for (number, drive) in joint.drives.iter().enumerate().skip(1) {
-        let clocks =
-            clocks_in_words::clocks(&drive.offsets_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
+        let unknown = drive.offsets_s.map(|_| Estimate { value: 0.0, sigma: 1.0 });
+        let clocks = clocks_in_words::clocks(&drive.offsets_s, &unknown);
         let context = format!("drive {}", number + 1);
         findings.extend(clocks.into_iter().map(|finding| finding.within(&context)));
     }
     let significant = instrument_errors(joint).into_iter().filter(InstrumentError::is_significant);
     findings.extend(significant.map(|error| with_name(&error, instrument_error)));
-    findings.extend([1, 2].map(|station| largest_sources(joint, station)));
+    let moved = joint.clock_offsets_s.numbers().filter_map(Station::slot);
+    findings.extend(moved.map(|slot| largest_sources(joint, slot)));
     findings
 }
 
 /// Describes the change of one station's set-up between the survey and the drive, which the estimate models.
 pub fn set_up_change(joint: &JointEstimate) -> Option<Finding> {
     let change = joint.set_up_change()?;
-    Some(set_up_changed(change.station?, &change.turned_rad, &change.moved_length_m()))
+    Some(set_up_changed(change.station?.index(), &change.turned_rad, &change.moved_length_m()))
 }
 
 /// Lists evidence against the estimate, each with the best verdict that it allows.
@@ -84,21 +90,21 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
             }));
         }
     }
-    for pair in 0..3 {
-        let sigmas = conflict.sigmas[DISTANCES + pair].abs();
-        if joint.distances_m.is_some() && sigmas > CRITICAL_SIGMAS {
+    for (place, index) in joint.layout().indices(&DISTANCE).enumerate() {
+        let sigmas = conflict.sigmas[index].abs();
+        if sigmas > CRITICAL_SIGMAS {
             has_conflict = true;
-            let off_m = conflict.change[DISTANCES + pair];
-            doubt(distance_implausible(pair, off_m, joint.sizes.inter_prism_m, sigmas));
+            let (off_m, pair) = (conflict.change[index], joint.layout().pair(Pair::at(place)));
+            doubt(distance_implausible(pair.index(), off_m, joint.sizes.inter_prism_m, sigmas));
         }
     }
-    if !has_conflict
-        && joint.distances_m.is_some()
-        && conflict.distances_sigmas > CRITICAL_STATION_SIGMAS
-    {
+    if !has_conflict && conflict.distances_sigmas > CRITICAL_STATION_SIGMAS {
         has_conflict = true;
-        let off_m = [0, 1, 2].map(|pair| conflict.change[DISTANCES + pair]);
-        doubt(distances_implausible(off_m, conflict.distances_sigmas));
+        let distances = joint.layout().indices(&DISTANCE).enumerate();
+        let off_m = distances
+            .map(|(place, index)| (joint.layout().pair(Pair::at(place)), conflict.change[index]));
+        let off_m: Vec<(Pair, f64)> = off_m.collect();
+        doubt(distances_implausible(&off_m, conflict.distances_sigmas));
     }
     for stated_size_conflict in &joint.stated_size_conflicts {
         if stated_size_conflict.sigmas.abs() > CRITICAL_SIGMAS {
@@ -106,10 +112,10 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
             doubt(stated_size(stated_size_conflict, joint));
         }
     }
-    for (station, sigmas) in conflict.station_sigmas.into_iter().enumerate() {
-        if sigmas > CRITICAL_STATION_SIGMAS {
+    for (station, sigmas) in conflict.station_sigmas.each() {
+        if *sigmas > CRITICAL_STATION_SIGMAS {
             has_conflict = true;
-            doubt(station_errors_implausible(station, sigmas));
+            doubt(station_errors_implausible(station.index(), *sigmas));
         }
     }
     if !has_conflict && conflict.all_sigmas > CRITICAL_ALL_SIGMAS {
@@ -130,7 +136,7 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     }
     doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
     doubts.extend(
-        clocks_in_words::implausible_drifts(&joint.clock_drifts, &jumping_clocks(joint), true)
+        clocks_in_words::implausible_drifts(&joint.clock_drifts(), &jumping_clocks(joint), true)
             .into_iter()
             .map(|finding| (Verdict::Weak, finding)),
     );
@@ -139,11 +145,11 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
 
 /// Returns what a constructor of findings makes of an instrument's error.
 fn with_name(error: &InstrumentError, finding: impl FnOnce(&NamedError<'_>) -> Finding) -> Finding {
-    let InstrumentError { station, kind, estimate, prior_sigma, .. } = *error;
+    let InstrumentError { station, unknown, estimate, prior_sigma, .. } = *error;
     finding(&NamedError {
-        sentence: &kind.sentence(station),
-        station: Some(station),
-        quantity: kind.quantity(),
+        sentence: &unknown.sentence_of(&station.to_string()),
+        station: Some(station.index()),
+        quantity: unknown.quantity,
         estimate,
         prior_sigma,
     })
@@ -151,35 +157,20 @@ fn with_name(error: &InstrumentError, finding: impl FnOnce(&NamedError<'_>) -> F
 
 /// The finding of an error that the data shows to be larger than stated.
 fn stated_size(conflict: &StatedSizeConflict, joint: &JointEstimate) -> Finding {
-    let StatedSizeConflict { index, estimate, sigmas } = *conflict;
-    let of_instruments = instrument_errors(joint);
-    if let Some(error) = of_instruments.into_iter().find(|error| error.index == index) {
-        let error = InstrumentError { estimate, ..error };
-        return with_name(&error, |named| stated_error_contradicted(named, sigmas));
-    }
-    let sizes = &joint.sizes;
-    let (sentence, quantity, prior_sigma) = match index {
-        CLOCKS..DRIFTS => {
-            let sentence = format!("station {}'s stamps are late by", index - CLOCKS + 2);
-            (sentence, Quantity::Time, sizes.clock_offset_s)
-        }
-        DRIFTS..LATENCIES => {
-            let sentence = format!("station {}'s clock drifts by", index - DRIFTS + 2);
-            (sentence, Quantity::Drift, sizes.clock_drift)
-        }
-        _ => {
-            let pair = pair_label(index - DISTANCES);
-            let sentence = format!("the distance between prisms {pair} is off by");
-            (sentence, Quantity::Length, sizes.inter_prism_m)
-        }
+    let StatedSizeConflict { unknown, owner, estimate, sigmas } = *conflict;
+    let named = NamedError {
+        sentence: &unknown.sentence_of(&joint.layout().owner_in_words(unknown, owner)),
+        station: (unknown.owner == Owner::Station).then_some(owner),
+        quantity: unknown.quantity,
+        estimate,
+        prior_sigma: unknown.prior.map_or(0.0, |prior| (prior.sigma)(&joint.sizes)),
     };
-    let named = NamedError { sentence: &sentence, station: None, quantity, estimate, prior_sigma };
     stated_error_contradicted(&named, sigmas)
 }
 
-/// Returns true for each of the clocks of stations 2 and 3 that has a step.
-fn jumping_clocks(joint: &JointEstimate) -> [bool; 2] {
-    [1, 2].map(|station| {
+/// Returns true for each clock that has a step.
+fn jumping_clocks(joint: &JointEstimate) -> PerStation<bool> {
+    PerStation::from_fn(joint.layout().stations(), |station| {
         let of_it =
             |step: &StationStep| matches!(step.size, StepSize::Clock(_)) && step.station == station;
         joint.steps.iter().any(of_it)
@@ -191,7 +182,7 @@ fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding
     let is_usual = joint.is_usual(step);
     let time_s = joint.step_time_s(step);
     let context = StepContext {
-        station: step.station,
+        station: step.station.index(),
         when: &joint.describe_time(step),
         is_usual,
         span_s: (!step.slowly).then_some([time_s - STEP_MARGIN_S, time_s + STEP_MARGIN_S]),
@@ -206,14 +197,13 @@ fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding
     (if is_usual { Verdict::Good } else { Verdict::Weak }, finding)
 }
 
-/// The largest sources of σ of station 2 or 3 (1 or 2).
-fn largest_sources(joint: &JointEstimate, station: usize) -> Finding {
+/// The largest sources of σ of the station of a slot.
+fn largest_sources(joint: &JointEstimate, slot: usize) -> Finding {
     let sources = [0, 1, 2, 3].map(|axis| {
-        let LargestSource { name, sigma, total_sigma } =
-            joint.largest_source(4 * (station - 1) + axis);
+        let LargestSource { name, sigma, total_sigma } = joint.largest_source(4 * slot + axis);
         UncertaintySource { source: name, part: sigma, whole: total_sigma }
     });
-    uncertainty_sources(station, sources)
+    uncertainty_sources(slot + 1, sources)
 }
 
 fn noise(joint: &JointEstimate) -> Finding {

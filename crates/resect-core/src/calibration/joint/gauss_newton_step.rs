@@ -6,10 +6,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::block_jacobians::BlockJacobians;
-use super::chain::{ChainEquations, ChainMatrix, ChainVectors};
+use super::chain::{ChainEquations, ChainMatrix, ChainVector};
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
-use super::equations::{ResidualSquares, SegmentEquations, SegmentWeighting};
+use super::equations::{ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting};
 use super::gradients::gradients;
 use super::linearisation::{Linearisation, Weighting, eliminate_motion};
 use super::motion_band::{BlockEquations, MotionBand, Rows};
@@ -21,44 +21,44 @@ use super::trace::{SolverPhase, TraceRow};
 use crate::progress::{Cancelled, Progress};
 
 /// Memory for the rows of each segment, reused by the next step: allocating it takes as long as filling it.
-pub type RowBuffers<const LOCAL: usize, const ROW: usize> = Vec<Rows<LOCAL, ROW>>;
+pub type RowBuffers = Vec<Rows>;
 
 /// The normal equations at a state, and their solution.
-pub struct GaussNewtonStep<const LOCAL: usize, const ROW: usize> {
-    pub segments: Vec<SegmentEquations<LOCAL, ROW>>,
+pub struct GaussNewtonStep {
+    pub segments: Vec<SegmentEquations>,
     /// Noise levels of the linearisation, with which rows that are not stored are recomputed.
     levels: NoiseLevels,
     pub normal: ChainEquations,
     pub slow_precisions: SlowPrecisions,
     pub factor: ChainFactor,
     /// The step of constants and slow states, to be subtracted.
-    pub step: ChainVectors<1>,
+    pub step: ChainVector,
     /// Squared length of the step in units of the data's information (σ²), by which convergence is judged.
     pub squared_length: f64,
     /// True if the normal matrix is positive definite only with tighter priors of slow states, so that σ is too small.
     pub is_stiffer: bool,
 }
 
-impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+impl GaussNewtonStep {
     /// Linearises at a state and solves; `None` if a normal matrix is not positive definite.
     pub fn new(
         drive: &Arc<Drive>,
         state: &StateVector,
         weighting: &Weighting,
         priors: &Priors,
-        buffers: &mut RowBuffers<LOCAL, ROW>,
+        buffers: &mut RowBuffers,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let jacobians = BlockJacobians::new(drive, &state.constants);
         let linearisation = Linearisation::new(state, &jacobians);
         let stored = drive.stored_segments();
         buffers.resize_with(drive.segments.len(), Rows::default);
-        let eliminate = |shared: &mut Rows<LOCAL, ROW>, (index, own): (usize, &mut Rows<_, _>)| {
+        let eliminate = |shared: &mut Rows, (index, own): (usize, &mut Rows)| {
             progress.check()?;
             let rows = if index < stored { own } else { shared };
-            let (segment, point) = linearisation.segment::<LOCAL>(index);
+            let (segment, point) = linearisation.segment(index);
             let mut eliminated =
-                eliminate_motion(segment, &point, &weighting.of_segment(index), take(rows));
+                eliminate_motion(segment, &point, &weighting.of_segment(index), true, take(rows));
             if let Some(eliminated) = eliminated.as_mut().filter(|_| index >= stored) {
                 *rows = eliminated.band.take_rows();
             }
@@ -90,18 +90,18 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
 
     /// Sums of squared residuals over all segments.
     pub fn squares(&self) -> ResidualSquares {
-        let mut squares = ResidualSquares::default();
+        let mut squares = ResidualSquares::zeros(self.normal.drive().layout.stations());
         self.segments.iter().for_each(|segment| squares.add(&segment.squares));
         squares
     }
 
     /// Robust weights by segment.
-    pub fn weights(&self) -> Vec<Vec<f64>> {
-        self.segments.iter().map(|segment| segment.weights.clone()).collect()
+    pub fn weights(&self) -> Vec<RobustWeights> {
+        self.segments.iter().map(|segment| Arc::clone(&segment.weights)).collect()
     }
 
     /// Returns the memory of the rows.
-    pub fn into_buffers(self) -> RowBuffers<LOCAL, ROW> {
+    pub fn into_buffers(self) -> RowBuffers {
         self.segments.into_iter().map(|segment| segment.band.into_rows()).collect()
     }
 
@@ -132,7 +132,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
     }
 
     /// The weighting with which a segment was eliminated; nothing else depends on the redundancy then.
-    fn weighting_of<'a>(&self, segment: &'a SegmentEquations<LOCAL, ROW>) -> SegmentWeighting<'a> {
+    fn weighting_of<'a>(&self, segment: &'a SegmentEquations) -> SegmentWeighting<'a> {
         SegmentWeighting { levels: self.levels, redundancy: 1.0, fixed: Some(&segment.weights) }
     }
 
@@ -148,15 +148,15 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let segments = self.segments.par_iter_mut().enumerate();
         let block_gradients = segments.map(|(index, eliminated)| {
             progress.check()?;
-            let (segment, point) = linearisation.segment::<LOCAL>(index);
-            let sums = gradients::<LOCAL>(segment, &point, levels, &eliminated.weights);
+            let (segment, point) = linearisation.segment(index);
+            let sums = gradients(segment, &point, levels, &eliminated.weights);
             Ok(eliminated.band.replace_gradient(sums.knots, sums.blocks))
         });
         let block_gradients: Vec<Vec<BlockVector>> =
             block_gradients.collect::<Result<_, Cancelled>>()?;
         self.normal.gradient = self.normal.matrix.gradient(block_gradients.into_iter().flatten());
         let right = self.normal.gradient_with_priors(priors, &self.slow_precisions, state);
-        self.step = self.factor.solve(right.clone());
+        self.step = self.factor.solve_one(&right);
         self.squared_length = squared_length(&self.factor, &self.step, &right, priors);
         Ok(())
     }
@@ -175,17 +175,17 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
     pub fn map_segments<T: Send>(
         &self,
         state: &StateVector,
-        map: impl Fn(usize, &MotionBand<LOCAL, ROW>) -> T + Sync,
+        map: impl Fn(usize, &MotionBand) -> T + Sync,
     ) -> Vec<Option<T>> {
         let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
-        let map_one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+        let map_one = |rows: &mut Rows, index: usize| {
             let eliminated = &self.segments[index];
             if eliminated.band.has_rows() {
                 return Some(map(index, &eliminated.band));
             }
-            let (segment, point) = linearisation.segment::<LOCAL>(index);
+            let (segment, point) = linearisation.segment(index);
             let weighting = self.weighting_of(eliminated);
-            let again = eliminate_motion(segment, &point, &weighting, take(rows))?;
+            let again = eliminate_motion(segment, &point, &weighting, true, take(rows))?;
             let mapped = map(index, &again.band);
             *rows = again.band.into_rows();
             Some(mapped)
@@ -209,20 +209,20 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         let step = &self.step.scaled(share);
         let block_step = |block: usize| -> BlockVector {
             let (by_constants, by_slow) = self.normal.matrix.jacobians.of_block(block);
-            by_constants * step.constants + by_slow * step.slow[block] // (19)
+            by_constants * &step.constants + by_slow * &step.slow[block] // (19)
         };
         let mut all_m = take(&mut state.coefficients_m);
         let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
-        let apply = |rows: &mut Rows<LOCAL, ROW>, (index, own_m): (usize, &mut Vec<f64>)| {
+        let apply = |rows: &mut Rows, (index, own_m): (usize, &mut Vec<f64>)| {
             let eliminated = &self.segments[index];
             let block_steps: Vec<BlockVector> =
                 linearisation.blocks(index).map(block_step).collect();
             let motion_step = if eliminated.band.has_rows() {
                 eliminated.band.motion_step(&block_steps)
             } else {
-                let (segment, point) = linearisation.segment_with::<LOCAL>(index, own_m);
+                let (segment, point) = linearisation.segment_with(index, own_m);
                 let weighting = self.weighting_of(eliminated);
-                let again = eliminate_motion(segment, &point, &weighting, take(rows));
+                let again = eliminate_motion(segment, &point, &weighting, true, take(rows));
                 // The same matrix was positive definite before.
                 let Some(again) = again else { return };
                 let motion_step = again.band.motion_step(&block_steps);
@@ -233,7 +233,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         };
         all_m.par_iter_mut().enumerate().for_each_init(Rows::default, apply);
         state.coefficients_m = all_m;
-        state.constants -= step.constants;
+        state.constants -= &step.constants;
         state.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
     }
 }
@@ -241,7 +241,7 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
 struct ChainSolution {
     slow_precisions: SlowPrecisions,
     factor: ChainFactor,
-    step: ChainVectors<1>,
+    step: ChainVector,
     squared_length: f64,
     is_stiffer: bool,
 }
@@ -252,10 +252,10 @@ fn solve_chain(
     state: &StateVector,
     priors: &Priors,
 ) -> Option<ChainSolution> {
-    let slow_precisions = SlowPrecisions::new(&priors.slow, &normal.drive().block_times_s)?;
+    let slow_precisions = SlowPrecisions::of_drive(&priors.slow, normal.drive())?;
     let right = normal.gradient_with_priors(priors, &slow_precisions, state);
     let solve = |precisions: &SlowPrecisions| {
-        ChainFactor::new(&normal.matrix, &priors.information(), precisions, right.clone())
+        ChainFactor::new(&normal.matrix, &priors.information(), precisions, &right)
     };
     // Far from the solution the slow states may be unobservable, and are constrained.
     let solved = solve(&slow_precisions);
@@ -268,19 +268,19 @@ fn solve_chain(
 /// Returns the squared length of a step by the normal matrix of data and survey: its product with the right-hand side less the priors' part.
 fn squared_length(
     factor: &ChainFactor,
-    step: &ChainVectors<1>,
-    right: &ChainVectors<1>,
+    step: &ChainVector,
+    right: &ChainVector,
     priors: &Priors,
 ) -> f64 {
-    let by_data = right.constants - priors.own_information() * step.constants;
+    let by_data = &right.constants - priors.own_information() * &step.constants;
     let of_block = |(block, slow): (usize, &Slow)| {
-        slow.dot(&(right.slow[block] - factor.priors.multiply(&step.slow, block)))
+        slow.dot(&(&right.slow[block] - factor.priors.multiply(&step.slow, block)))
     };
     step.constants.dot(&by_data) + step.slow.iter().enumerate().map(of_block).sum::<f64>() // (21)
 }
 
 /// Takes one step of the motion alone, and returns the squared residuals before it; `None` if a normal matrix is not positive definite.
-pub fn step_motion<const LOCAL: usize, const ROW: usize>(
+pub fn step_motion(
     drive: &Arc<Drive>,
     state: &mut StateVector,
     weighting: &Weighting,
@@ -288,11 +288,12 @@ pub fn step_motion<const LOCAL: usize, const ROW: usize>(
 ) -> Result<Option<ResidualSquares>, Cancelled> {
     let jacobians = BlockJacobians::new(drive, &state.constants);
     let linearisation = Linearisation::new(state, &jacobians);
-    let step = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+    let step = |rows: &mut Rows, index: usize| {
         progress.check()?;
-        let (segment, point) = linearisation.segment::<LOCAL>(index);
+        let (segment, point) = linearisation.segment(index);
         let weighting = weighting.of_segment(index);
-        let Some(eliminated) = eliminate_motion(segment, &point, &weighting, take(rows)) else {
+        let eliminated = eliminate_motion(segment, &point, &weighting, false, take(rows));
+        let Some(eliminated) = eliminated else {
             return Ok(None);
         };
         let step = eliminated.band.motion_step(&[]);
@@ -302,7 +303,7 @@ pub fn step_motion<const LOCAL: usize, const ROW: usize>(
     let indices = (0..drive.segments.len()).into_par_iter();
     let steps: Vec<_> = indices.map_init(Rows::default, step).collect::<Result<_, Cancelled>>()?;
     let Some(steps) = steps.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
-    let mut squares = ResidualSquares::default();
+    let mut squares = ResidualSquares::zeros(drive.layout.stations());
     for (coefficients_m, (step, own)) in state.coefficients_m.iter_mut().zip(&steps) {
         coefficients_m.iter_mut().zip(step).for_each(|(value, step)| *value -= step);
         squares.add(own);

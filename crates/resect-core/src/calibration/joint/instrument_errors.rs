@@ -1,18 +1,17 @@
 //! The estimated errors of instruments, one by one.
 
-use super::instrument_error_kind::InstrumentErrorKind;
 use super::joint_estimate::JointEstimate;
-use super::state_vector::{COLLIMATIONS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
+use super::unknown::Unknown;
 use crate::calibration::{Estimate, SUPPORTED_SIGMAS};
+use crate::network::{Number, Station};
 
 /// A significant error has a prior σ that the data reduced to this share.
 const SIGNIFICANT_REDUCTION: f64 = 0.8;
 
 /// An estimated error of an instrument.
 pub struct InstrumentError {
-    /// The station, 0 to 2.
-    pub station: usize,
-    pub kind: InstrumentErrorKind,
+    pub station: Station,
+    pub unknown: &'static Unknown,
     /// Index among the constants.
     pub index: usize,
     pub estimate: Estimate,
@@ -30,26 +29,12 @@ impl InstrumentError {
 
 /// Lists all errors, station by station.
 pub fn instrument_errors(joint: &JointEstimate) -> Vec<InstrumentError> {
-    let sizes = &joint.sizes;
-    let mut errors = Vec::new();
-    for station in 0..3 {
-        let mut add = |kind, index, estimate, prior_sigma| {
-            errors.push(InstrumentError { station, kind, index, estimate, prior_sigma });
-        };
-        let offset = joint.range_offsets_m[station];
-        add(InstrumentErrorKind::RangeOffset, OFFSETS + station, offset, sizes.range_offset_m);
-        let scale = joint.range_scales[station];
-        add(InstrumentErrorKind::RangeScale, SCALES + station, scale, sizes.range_scale);
-        let vertical_index = joint.indices_rad[station];
-        add(InstrumentErrorKind::Index, INDICES + station, vertical_index, sizes.index_rad);
-        let sight = joint.collimations_rad[station];
-        add(InstrumentErrorKind::Collimation, COLLIMATIONS + station, sight, sizes.collimation_rad);
-        let latency = joint.latencies_s[station];
-        add(InstrumentErrorKind::Latency, LATENCIES + station, latency, sizes.latency_s);
-        for (axis, lean) in joint.leans_rad[station].into_iter().enumerate() {
-            let index = LEANS + 2 * station + axis;
-            add(InstrumentErrorKind::Lean(axis), index, lean, sizes.lean_rad);
-        }
-    }
-    errors
+    let of_station = |station: Station| {
+        joint.layout().of_instrument(station).map(move |(unknown, index)| {
+            let prior_sigma = unknown.prior.map_or(0.0, |prior| (prior.sigma)(&joint.sizes));
+            let estimate = joint.constants[index];
+            InstrumentError { station, unknown, index, estimate, prior_sigma }
+        })
+    };
+    (0..joint.layout().stations()).map(Station::at).flat_map(of_station).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::detected_steps::is_usual;
 use super::prior_conflict::PriorConflict;
@@ -10,38 +10,34 @@ use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
 use super::reliability::GroupReliability;
 use super::residuals::NoiseLevels;
+use super::state_vector::{Layout, by_station};
 use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{SetUpChange, SurveyEvidence};
 use super::trace::Trace;
+use super::unknown::{CLOCK_DRIFT, DISTANCE, Unknown};
 use crate::calibration::{ErrorSizes, Estimate, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::PerStation;
+use crate::network::{Number, Pair, PerPair, PerStation};
 
 /// The result of a joint estimate that converged.
 #[derive(Clone, Debug)]
 pub struct JointEstimate {
     /// Mean poses of the stations' level frames over the drive, in station 1's.
     pub station1_from_station: PerStation<LevelTransform>,
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-    pub covariance: SMatrix<f64, 8, 8>,
+    /// Covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+    pub covariance: DMatrix<f64>,
     /// Contribution of each source to these variances.
-    pub budget: Vec<(&'static str, SVector<f64, 8>)>,
+    pub budget: Vec<(&'static str, DVector<f64>)>,
     /// Reliability of each group of readings: the drive's by station, those of control points by station, the rig's distances.
     pub reliability: Vec<GroupReliability>,
-    /// Time offsets of stations 2 and 3 from station 1 in the middle of the first drive (s).
-    pub clock_offsets_s: [Estimate; 2],
+    /// Time offsets from station 1 in the middle of the first drive (s); zero for station 1.
+    pub clock_offsets_s: PerStation<Estimate>,
     /// Clock offsets of each drive, where several were solved together.
     pub drives: Vec<DriveClocks>,
-    pub clock_drifts: [Estimate; 2],
-    pub latencies_s: [Estimate; 3],
-    pub distances_m: Option<[Estimate; 3]>,
-    pub leans_rad: [[Estimate; 2]; 3],
-    pub range_offsets_m: [Estimate; 3],
-    pub range_scales: [Estimate; 3],
-    pub indices_rad: [Estimate; 3],
-    pub collimations_rad: [Estimate; 3],
+    /// Estimates of the constants, by index.
+    pub(super) constants: Vec<Estimate>,
     pub(super) prior_conflict: PriorConflict,
     /// Tests of error sizes that the user reduced below those of instruments in the field.
     pub(super) stated_size_conflicts: Vec<StatedSizeConflict>,
@@ -68,8 +64,8 @@ pub struct JointEstimate {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurveyPoses {
     pub station1_from_station: PerStation<LevelTransform>,
-    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-    pub covariance: SMatrix<f64, 8, 8>,
+    /// Covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+    pub covariance: DMatrix<f64>,
     /// The significant change of a set-up until the drive.
     pub change: Option<SetUpChange>,
     /// True if a station may have moved since, but the difference is not significant.
@@ -82,19 +78,19 @@ impl SurveyPoses {
         self.station1_from_station.map(|level| RigidTransform::from(*level))
     }
 
-    /// Returns the standard deviations of the transforms of stations 2 and 3.
-    pub fn sigma(&self) -> [TransformSigma; 2] {
+    /// Returns the standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
         TransformSigma::of_covariance(&self.covariance)
     }
 }
 
 /// The clock offsets of one drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DriveClocks {
     /// Start and end of the drive (s).
     pub span_s: [f64; 2],
-    /// Mean time offsets of stations 2 and 3 from station 1 (s).
-    pub offsets_s: [Estimate; 2],
+    /// Mean time offsets from station 1 (s); zero for station 1.
+    pub offsets_s: PerStation<Estimate>,
 }
 
 /// The largest source of a standard deviation.
@@ -107,7 +103,33 @@ pub struct LargestSource {
 }
 
 impl JointEstimate {
-    /// Returns the largest source of σ of a coordinate: (x, y, z, yaw) of station 2, then of station 3.
+    /// The network and its unknowns.
+    pub fn layout(&self) -> &Layout {
+        self.solution.layout()
+    }
+
+    /// Returns the estimates of an unknown, by owner.
+    pub fn estimates(&self, unknown: &Unknown) -> impl Iterator<Item = Estimate> {
+        self.layout().indices(unknown).map(|index| self.constants[index])
+    }
+
+    /// Returns the clock drifts; zero for station 1.
+    pub fn clock_drifts(&self) -> PerStation<Estimate> {
+        by_station(Estimate { value: 0.0, sigma: 0.0 }, self.estimates(&CLOCK_DRIFT))
+    }
+
+    /// Returns the distances of the followed prisms (m); `None` for one prism.
+    pub fn distances_m(&self) -> Option<PerPair<Estimate>> {
+        Some(self.estimates(&DISTANCE).collect()).filter(|all: &PerPair<Estimate>| !all.is_empty())
+    }
+
+    /// Returns the distance of two prisms of the rig (m); `None` if it is not estimated.
+    pub fn distance_m(&self, prisms: Pair) -> Option<Estimate> {
+        let place = (0..self.layout().pairs()).find(|k| self.layout().pair(Pair::at(*k)) == prisms);
+        place.and_then(|place| self.estimates(&DISTANCE).nth(place))
+    }
+
+    /// Returns the largest source of σ of a coordinate: (x, y, z, yaw) of station 2, then of the next ones.
     pub fn largest_source(&self, coordinate: usize) -> LargestSource {
         let by_variance = self.budget.iter();
         let largest = by_variance.max_by(|a, b| a.1[coordinate].total_cmp(&b.1[coordinate]));
@@ -154,12 +176,8 @@ impl JointEstimate {
         self.survey.as_ref()?.change.as_ref()
     }
 
-    /// Standard deviations of the transforms of stations 2 and 3.
-    pub fn sigma(&self) -> [TransformSigma; 2] {
-        let sigma = self.covariance.diagonal().map(f64::sqrt);
-        [0, 1].map(|slot| TransformSigma {
-            translation_m: sigma.fixed_rows::<3>(4 * slot).into(),
-            yaw_rad: sigma[4 * slot + 3],
-        })
+    /// Standard deviations of the transforms; zeros for station 1.
+    pub fn sigma(&self) -> PerStation<TransformSigma> {
+        TransformSigma::of_covariance(&self.covariance)
     }
 }

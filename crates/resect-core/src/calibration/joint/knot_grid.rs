@@ -5,11 +5,10 @@
 
 use std::ops::Range;
 
-use crate::linear_algebra::bordered_band::BANDWIDTH;
 use crate::statistics::median;
 
 /// Coefficients on which an instant depends. Textbook: the order of a cubic spline.
-pub const ORDER: usize = BANDWIDTH;
+pub const ORDER: usize = 4;
 
 /// The splines reach this far beyond their segments (s), because clock offsets shift the readings.
 const MARGIN_S: f64 = 0.25;

@@ -4,11 +4,14 @@ use std::ops::Range;
 
 use super::block_jacobians::BlockJacobians;
 use super::drive::{Drive, Segment};
-use super::equations::{ResidualSquares, SegmentEquations, SegmentWeighting, equations};
+use super::equations::{
+    ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting, equations,
+};
 use super::motion_band::Rows;
 use super::residuals::{LinearisationPoint, NoiseLevels};
-use super::state_vector::{BlockVector, DISTANCES, StateVector};
+use super::state_vector::{BlockVector, Layout, StateVector};
 use super::station_model::StationModel;
+use super::unknown::DISTANCE;
 
 /// Noise levels and robust weights of all equations.
 #[derive(Clone, Debug)]
@@ -17,7 +20,7 @@ pub struct Weighting {
     /// Mean redundancy number of a reading.
     pub redundancy: f64,
     /// Fixed robust weights by segment; `None` while they are re-estimated.
-    pub fixed: Option<Vec<Vec<f64>>>,
+    pub fixed: Option<Vec<RobustWeights>>,
     /// Squared residuals of the step that fixed the weights; zeros before.
     pub squares: ResidualSquares,
 }
@@ -25,23 +28,25 @@ pub struct Weighting {
 impl Weighting {
     /// The weighting of one segment of the drive.
     pub fn of_segment(&self, index: usize) -> SegmentWeighting<'_> {
-        self.with_fixed(self.fixed.as_ref().map(|fixed| &fixed[index][..]))
+        self.with_fixed(self.fixed.as_ref().map(|fixed| &fixed[index]))
     }
 
     /// The weighting of any segment, with these robust weights.
-    pub fn with_fixed<'a>(&self, fixed: Option<&'a [f64]>) -> SegmentWeighting<'a> {
+    pub fn with_fixed<'a>(&self, fixed: Option<&'a RobustWeights>) -> SegmentWeighting<'a> {
         SegmentWeighting { levels: self.levels, redundancy: self.redundancy, fixed }
     }
 }
 
-/// Linearises a segment and eliminates its motion; `None` if its normal matrix is not positive definite. Reuses the memory of `rows`.
-pub fn eliminate_motion<const LOCAL: usize, const ROW: usize>(
+/// Linearises a segment and eliminates its motion; `None` if its normal matrix is not positive definite. Reuses the memory of `rows`. Without
+/// blocks it is for a step of the motion alone.
+pub fn eliminate_motion(
     segment: &Segment,
     point: &LinearisationPoint<'_>,
     weighting: &SegmentWeighting<'_>,
-    rows: Rows<LOCAL, ROW>,
-) -> Option<SegmentEquations<LOCAL, ROW>> {
-    let mut eliminated = equations(segment, point, weighting, rows);
+    has_blocks: bool,
+    rows: Rows,
+) -> Option<SegmentEquations> {
+    let mut eliminated = equations(segment, point, weighting, has_blocks, rows);
     let is_definite = eliminated.band.eliminate();
     eliminated.squares.absorbed = eliminated.band.absorbed;
     is_definite.then_some(eliminated)
@@ -51,7 +56,8 @@ pub fn eliminate_motion<const LOCAL: usize, const ROW: usize>(
 pub struct Linearisation<'a> {
     pub drive: &'a Drive,
     pub state: &'a StateVector,
-    stations: [StationModel; 3],
+    stations: Vec<StationModel>,
+    distances_m: Vec<f64>,
     slow: Vec<BlockVector>,
     pub first_blocks: Vec<usize>,
 }
@@ -59,30 +65,35 @@ pub struct Linearisation<'a> {
 impl<'a> Linearisation<'a> {
     pub fn new(state: &'a StateVector, jacobians: &'a BlockJacobians) -> Self {
         let drive = jacobians.drive();
-        let blocks = state.slow.iter().enumerate();
+        let (layout, blocks) = (&drive.layout, state.slow.iter().enumerate());
         Self {
             drive,
             state,
-            stations: [0, 1, 2].map(|station| StationModel::new(&state.constants, station)),
+            stations: StationModel::all(layout, &state.constants),
+            distances_m: layout.indices(&DISTANCE).map(|index| state.constants[index]).collect(),
             // (3), (5)
             slow: blocks.map(|(block, slow)| jacobians.of_block(block).1 * slow).collect(),
             first_blocks: drive.first_blocks(),
         }
     }
 
+    pub fn layout(&self) -> &'a Layout {
+        &self.drive.layout
+    }
+
     /// A segment with its linearisation point.
-    pub fn segment<const LOCAL: usize>(&self, index: usize) -> (&Segment, LinearisationPoint<'_>) {
-        self.segment_with::<LOCAL>(index, &self.state.coefficients_m[index])
+    pub fn segment(&self, index: usize) -> (&Segment, LinearisationPoint<'_>) {
+        self.segment_with(index, &self.state.coefficients_m[index])
     }
 
     /// A segment with its linearisation point at other coefficients (m).
-    pub fn segment_with<'b, const LOCAL: usize>(
+    pub fn segment_with<'b>(
         &'b self,
         index: usize,
         coefficients_m: &'b [f64],
     ) -> (&'b Segment, LinearisationPoint<'b>) {
         let segment = &self.drive.segments[index];
-        let point = self.point::<LOCAL>(segment, self.blocks(index), coefficients_m);
+        let point = self.point(segment, self.blocks(index), coefficients_m);
         (segment, point)
     }
 
@@ -92,16 +103,16 @@ impl<'a> Linearisation<'a> {
     }
 
     /// The linearisation point of any segment, whose blocks are these of the drive.
-    pub fn point<'b, const LOCAL: usize>(
+    pub fn point<'b>(
         &'b self,
         segment: &Segment,
         blocks: Range<usize>,
         coefficients_m: &'b [f64],
     ) -> LinearisationPoint<'b> {
-        let distances_m = self.state.constants.fixed_rows::<3>(DISTANCES);
         LinearisationPoint {
+            layout: &self.drive.layout,
             stations: &self.stations,
-            distances_m: (LOCAL == 9).then(|| [distances_m[0], distances_m[1], distances_m[2]]),
+            distances_m: &self.distances_m,
             middle_s: segment.middle_s,
             slow: &self.slow[blocks],
             coefficients_m,

@@ -5,14 +5,14 @@
 
 use rayon::prelude::*;
 
-use super::chain::{ChainEquations, ChainRow, ChainVectors};
-use super::chain_factor::ChainElimination;
+use super::chain::{ChainEquations, ChainRow, ChainVector};
+use super::chain_factor::{ChainElimination, chain_shape};
 use super::priors::Priors;
 use super::random_walks::{
     GaussMarkov, PROCESS_SIGMAS_M, PROCESS_TIMES_S, SlowPrecisions, SlowPriors,
 };
-use super::state_vector::{CONSTANTS, Constants, SLOW, Slow, StateVector};
-use crate::linear_algebra::block_tridiagonal::forward_substitute;
+use super::state_vector::{Constants, Slow, StateVector};
+use crate::linear_algebra::bordered_rows::{RowShape, forward_substitute};
 use crate::progress::{Cancelled, Progress};
 
 /// Multiples of the prior variance of the clocks' random walks that are tried. Field: up to 6 ms in a drive, as of clocks that a time
@@ -150,11 +150,10 @@ fn minus_two_ln_likelihoods(
     progress: &Progress,
 ) -> Result<Vec<Option<f64>>, Cancelled> {
     let precisions: Vec<Option<SlowPrecisions>> =
-        tried.iter().map(|slow| SlowPrecisions::new(slow, &normal.drive().block_times_s)).collect();
-    let gradient = &normal.gradient;
+        tried.iter().map(|slow| SlowPrecisions::of_drive(slow, normal.drive())).collect();
     let mut likelihoods: Vec<Option<MarginalLikelihood<'_>>> = precisions
         .par_iter()
-        .map(|slow| Some(MarginalLikelihood::new(slow.as_ref()?, gradient, priors, state)))
+        .map(|slow| Some(MarginalLikelihood::new(slow.as_ref()?, normal, priors, state)))
         .collect();
     for chunk in normal.matrix.chunks() {
         progress.check()?;
@@ -172,12 +171,13 @@ fn minus_two_ln_likelihoods(
 /// The marginal likelihood, as far as the chain has been eliminated.
 struct MarginalLikelihood<'a> {
     slow_precisions: &'a SlowPrecisions,
-    data_gradient: &'a ChainVectors<1>,
+    data_gradient: &'a ChainVector,
     slow: &'a [Slow],
+    shape: RowShape,
     elimination: ChainElimination<'a>,
     /// Gradient of the next block and of the constants, after elimination of the blocks before.
-    own: [[f64; 1]; SLOW],
-    constants: [[f64; 1]; CONSTANTS],
+    own: Slow,
+    constants: Vec<f64>,
     /// The last term of (18).
     explained: f64,
     /// `sᵀ P_s s`.
@@ -187,40 +187,46 @@ struct MarginalLikelihood<'a> {
 impl<'a> MarginalLikelihood<'a> {
     fn new(
         slow_precisions: &'a SlowPrecisions,
-        data_gradient: &'a ChainVectors<1>,
+        normal: &'a ChainEquations,
         priors: &Priors,
         state: &'a StateVector,
     ) -> Self {
-        let constants = data_gradient.constants + priors.gradient(&state.constants);
+        let (shape, data_gradient) = (chain_shape(&normal.drive().layout), &normal.gradient);
+        let gradient = &data_gradient.constants + priors.gradient(&state.constants);
+        let mut constants = gradient.as_slice().to_vec();
+        constants.resize(shape.border, 0.0);
         let mut likelihood = Self {
             slow_precisions,
             data_gradient,
             slow: &state.slow,
-            elimination: ChainElimination::new(slow_precisions),
-            own: [[0.0]; SLOW],
-            constants: constants.transpose().data.0,
+            shape,
+            elimination: ChainElimination::new(shape, slow_precisions),
+            own: Slow::zeros(shape.size),
+            constants,
             explained: 0.0,
             prior_square: 0.0,
         };
-        likelihood.own = likelihood.gradient(0).unwrap_or([[0.0]; SLOW]);
+        likelihood.own = likelihood.gradient(0).unwrap_or_else(|| Slow::zeros(shape.size));
         likelihood
     }
 
     /// Gradient of a block's slow states; adds their prior square.
-    fn gradient(&mut self, block: usize) -> Option<[[f64; 1]; SLOW]> {
+    fn gradient(&mut self, block: usize) -> Option<Slow> {
         let slow = self.slow.get(block)?;
         let prior_gradient = self.slow_precisions.multiply(self.slow, block);
         self.prior_square += slow.dot(&prior_gradient);
-        Some((self.data_gradient.slow[block] + prior_gradient).transpose().data.0)
+        Some(prior_gradient + &self.data_gradient.slow[block])
     }
 
     /// Eliminates the next block; `None` if it is not positive definite.
     fn eliminate(&mut self, row: &ChainRow, block: usize) -> Option<()> {
-        let mut next = self.gradient(block + 1);
+        let next = self.gradient(block + 1);
+        let mut next = next.unwrap_or_else(|| Slow::zeros(self.shape.size));
         let rows = self.elimination.eliminate(row, block)?;
-        forward_substitute(rows, &mut self.own, next.as_mut(), &mut self.constants);
-        self.explained += self.own.iter().map(|[value]| value * value).sum::<f64>();
-        self.own = next.unwrap_or(self.own);
+        let (own, after) = (self.own.as_mut_slice(), next.as_mut_slice());
+        forward_substitute(rows, self.shape, own, after, &mut self.constants);
+        self.explained += self.own.norm_squared();
+        self.own = next;
         Some(())
     }
 
@@ -228,7 +234,7 @@ impl<'a> MarginalLikelihood<'a> {
     fn cost(self, normal: &ChainEquations, priors: &Priors) -> Option<f64> {
         let corner = &normal.matrix.constants;
         let (factor, ln_determinant) = self.elimination.constants(corner, &priors.information())?;
-        let gradient = Constants::from_column_slice(self.constants.as_flattened());
+        let gradient = Constants::from_column_slice(&self.constants[..corner.ncols()]);
         let explained = self.explained + gradient.dot(&factor.solve(&gradient));
         Some(ln_determinant + self.prior_square - explained) // (18)
     }

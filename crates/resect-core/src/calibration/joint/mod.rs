@@ -5,17 +5,21 @@
 //! and in tables and JSON.
 //!
 //! # State vector
+//! Each station i follows one of the prisms; several may follow the same one. Sizes are those of three stations with a prism each.
+//!
 //! | symbol | size | content | prior | code |
 //! |---|---|---|---|---|
-//! | θ | 36 a deployment | positions `o_i` = (x, y, z) (m) and yaws `ψ_i` (rad) of stations 2 and 3 | none | [`state_vector`] |
-//! | | | clock offsets `Δt_i` (s) and drifts `Δf_i` of stations 2 and 3; latencies `λ_i` of the angles (s) | N(0, σ²) | [`priors`] |
+//! | θ | 36 a deployment | positions `o_i` = (x, y, z) (m) and yaws `ψ_i` (rad) of all stations but the first | none | [`unknown`] |
+//! | | | clock offsets `Δt_i` (s) and drifts `Δf_i` of these stations; latencies `λ_i` of the angles (s) | N(0, σ²) | [`priors`] |
 //! | | | distances `d_jl` of prisms j and l (m) | N(measured, σ²), correlated by the prism constant of their reading (10 mm) | |
 //! | | | leans `η_i`, `ξ_i` of the stations about their own x and y (rad) | N(earth's curvature, σ²); zero mean for station 1 | |
 //! | | | range offsets `a_i` (m) and scales `k_i`, vertical index errors `ι_i` and collimation errors `κ_i` (rad) | N(0, σ²) | |
-//! | `s_b` | 19 a block b | changes of (x, y, z, yaw) of stations 2 and 3 and of their clocks | (10) | [`random_walks`] |
-//! | | | errors of the sights of stations 1 to 3 along, across and upward (m) | (11) | |
-//! | Δθ | 14 | poses of stations 2 and 3 and leans, survey less drive | N(0, D): settling, and σ² of a lean | [`survey_change`] |
-//! | `c_n` | 9 or 3 a knot n | coefficients of uniform cubic B-splines of three prisms, or of the one that all stations follow (m) | (9) | [`knot_grid`] |
+//! | `s_b` | 19 a block b | changes of (x, y, z, yaw) and of the clocks of all stations but the first | (10) | [`random_walks`] |
+//! | | | errors of the sights of the stations along, across and upward (m) | (11) | |
+//! | Δθ | 14 | poses of all stations but the first and leans, survey less drive | N(0, D): settling, and σ² of a lean | [`survey_change`] |
+//! | `c_n` | 9 a knot n | coefficients of uniform cubic B-splines of the prisms (m) | (9) | [`knot_grid`] |
+//!
+//! The rows of [`unknown`] are the kinds of θ. [`state_vector`] computes the index of each from them and from the network.
 //!
 //! The standard deviations σ of the priors are the [`ErrorSizes`](super::ErrorSizes). A distance that is no evidence has 0.1 m. The reference is
 //! station 1's level frame: its position, yaw and clock are zero, while its leans, latency and instrument errors are estimated. a, k, ι
@@ -44,7 +48,7 @@
 //! q(t′) = Σ B_n(t′) c_n                                                                       (4)
 //! ```
 //!
-//! For stations 2 and 3, `sᵗ_ib` (s) and the displacement `sᵒ_ib` (m) are rows of `J_s s_b` (19); for station 1 they are zero. The block b is
+//! For all stations but the first, `sᵗ_ib` (s) and the displacement `sᵒ_ib` (m) are rows of `J_s s_b` (19); for station 1 they are zero. The block b is
 //! that of t′ without `sᵗ_ib`. The angles are older than the range by `λ_i`, during which the prism moves with its velocity across the
 //! sight `v⊥`. The residual in the axes `A = R_i [e_ρ e_h e_v]` is ([`residuals`])
 //!
@@ -100,7 +104,7 @@
 //!   + Σ_knots (‖q_j − q_l‖ − d_jl)² / σ_rig² + (θ − θ₀)ᵀ P (θ − θ₀) + sᵀ P_s s + (12)         (14)
 //! ```
 //!
-//! with 3 instead of 9 for one prism, and the mean redundancy number r of a reading (16). Fixed weights replace `ℓ(m)` by `w m`. P is the
+//! with three coordinates a prism instead of 9, and the mean redundancy number r of a reading (16). Fixed weights replace `ℓ(m)` by `w m`. P is the
 //! precision of the priors of θ, zero for the transforms; θ₀ are their means; `P_s` is the precision of (10) and (11).
 //!
 //! # Noise levels
@@ -131,7 +135,7 @@
 //! ```
 //!
 //! # Elimination
-//! 1. The readings of a block depend on θ and `s_b` through 14 unknowns `u_b`: shifts and clock offsets of stations 2 and 3, latencies, distances
+//! 1. The readings of a block depend on θ and `s_b` through 14 unknowns `u_b`: shifts and clock offsets of all stations but the first, latencies, distances
 //!    ([`block_jacobians`]):
 //!
 //!    ```text
@@ -141,7 +145,7 @@
 //! 2. The motion c is eliminated from each segment, a banded matrix with the columns of `u_b` as border ([`equations`], [`motion_band`]). Its Schur complement
 //!    couples each block to the next.
 //! 3. With `J_θ` and `J_s` it becomes a block tridiagonal matrix in `s_b` with θ as border, the [`chain`], to which the priors are added. The slow
-//!    states are eliminated from the first block on, which leaves 36 equations for θ ([`chain_factor`]). If the matrix is not positive
+//!    states are eliminated from the first block on, which leaves equations for θ ([`chain_factor`]). If the matrix is not positive
 //!    definite, it is factorised with a millionfold `P_s`.
 //! 4. Back substitution gives `s_b`, then c ([`gauss_newton_step`]).
 //!
@@ -154,11 +158,11 @@
 //!
 //! | change | Jacobian |
 //! |---|---|
-//! | positions of stations 2 and 3, clock offsets, latencies, distances | of each reading |
+//! | positions, clock offsets, latencies, distances | of each reading |
 //! | slow changes and slow errors | of each reading, because `sᵒ_ib` is defined by the mean sight of the block |
 //! | drifts | at the middle of the block |
 //! | yaws, leans, range offsets, scales, vertical index and collimation errors | one shift of the station, by the mean sight of the block |
-//! | the same errors of station 1 | the opposite shift of stations 2 and 3; leans and collimation rotate their points about station 1 |
+//! | the same errors of station 1 | the opposite shift of all others; leans and collimation rotate their points about station 1 |
 //!
 //! Changes of A, v and `v⊥` with the state are neglected in all Jacobians. The information that sights differ within a block is not used.
 //!
@@ -249,12 +253,11 @@
 //! | [`prism_motion`], [`knot_covariance`], [`cut_motion`] | the motion at any instant with its covariance |
 //! | [`mod@predict`] | the covariance before a drive |
 //!
-//! A new instrument error has a place in [`state_vector`], [`station_model`], [`block_jacobians`], [`priors`], [`summary`], [`joint_estimate`],
-//! [`prior_conflict`], [`instrument_errors`] and [`corrected_triplets`].
+//! A new error of the instruments is a row of [`unknown`].
 //!
 //! # Names
-//! `x_by_y` is the Jacobian of x with respect to y. Slots 0 and 1 are stations 2 and 3. Gauss–Newton steps are subtracted. `information` is an inverse
-//! covariance, `precision` 1/σ² of a prior. A knot has `LOCAL` coefficients.
+//! `x_by_y` is the Jacobian of x with respect to y. Slots 0, 1, … are stations 2, 3, …. Gauss–Newton steps are subtracted. `information` is an inverse
+//! covariance, `precision` 1/σ² of a prior.
 
 mod block_jacobians;
 mod chain;
@@ -270,7 +273,6 @@ mod facets;
 pub mod findings;
 mod gauss_newton_step;
 mod gradients;
-mod instrument_error_kind;
 pub mod instrument_errors;
 mod joint_estimate;
 mod knot_covariance;
@@ -288,6 +290,7 @@ mod random_walks;
 pub mod reliability;
 mod residuals;
 mod settling;
+mod sight;
 mod solver_status;
 mod state_vector;
 mod stated_size_conflict;
@@ -300,6 +303,7 @@ pub mod survey_adjustment;
 mod survey_change;
 mod survey_elimination;
 mod trace;
+pub mod unknown;
 
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
@@ -309,7 +313,9 @@ pub use self::random_walks::GaussMarkov;
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };
+pub use self::sight::Sight;
 pub use self::solver_status::SolverStatus;
+pub use self::state_vector::Layout;
 pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;

@@ -4,40 +4,38 @@
 //! as two blocks is enough: the remainder of a block is added to the next but one when that begins. This is exact for
 //! changes that all blocks have in common, and nearly so for others. The result is a block tridiagonal matrix over the blocks ([`super::chain`]).
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::knot_grid::ORDER;
-use super::state_vector::{BLOCK, BlockVector};
-use crate::linear_algebra::bordered_band::{
-    RIGHT_HAND_SIDE, add_border_gram, back_substitute, factorise, forward_substitute, update,
+use super::state_vector::BlockVector;
+use crate::linear_algebra::bordered_rows::{
+    RowShape, add_border_gram, back_substitute, factorise, forward_substitute, update,
 };
 
 /// Kinds of noise whose redundancy is estimated by random probes.
 pub const PROBES: usize = 4;
 /// Columns of the border: the gradient, probes, blocks with even indices, and blocks with odd indices.
+const GRADIENT: usize = 0;
 const FIRST_PROBE: usize = 1;
 pub const FIRST_BLOCK: usize = 8;
-/// Width of the border, and of one for a step of the motion alone.
-pub const BORDER: usize = FIRST_BLOCK + 2 * BLOCK;
-pub const MOTION_BORDER: usize = FIRST_BLOCK;
-/// Coefficients of a knot and lengths of a row, for a rig of three prisms and for one prism; shorter rows are for steps of the motion
-/// alone.
-pub const RIG: usize = 9;
-pub const RIG_ROW: usize = ORDER * RIG + BORDER;
-pub const RIG_MOTION_ROW: usize = ORDER * RIG + MOTION_BORDER;
-pub const PRISM: usize = 3;
-pub const PRISM_ROW: usize = ORDER * PRISM + BORDER;
-pub const PRISM_MOTION_ROW: usize = ORDER * PRISM + MOTION_BORDER;
 
-pub type BlockMatrix = SMatrix<f64, BLOCK, BLOCK>;
+pub type BlockMatrix = DMatrix<f64>;
 
-/// Rows of a band by knot, as [`bordered_band`](crate::linear_algebra::bordered_band) factorises them.
-pub type Rows<const LOCAL: usize, const ROW: usize> = Vec<[[f64; ROW]; LOCAL]>;
+/// Rows of a band by knot, as [`bordered_rows`](crate::linear_algebra::bordered_rows) factorises them.
+pub type Rows = Vec<f64>;
 
-/// Normal equations of one segment: `LOCAL` coefficients a knot, `ROW` = 4 × `LOCAL` + [`BORDER`] or + [`MOTION_BORDER`].
-pub struct MotionBand<const LOCAL: usize, const ROW: usize> {
+/// Shape of a block row: a knot with some coefficients, and a border for blocks with so many unknowns.
+pub fn band_shape(local: usize, block: usize) -> RowShape {
+    RowShape { size: local, blocks: ORDER, border: (FIRST_BLOCK + 2 * block).next_multiple_of(4) }
+}
+
+/// Normal equations of one segment.
+pub struct MotionBand {
     /// The upper triangle, and after elimination its factor.
-    rows: Rows<LOCAL, ROW>,
+    rows: Rows,
+    shape: RowShape,
+    /// Number of unknowns of a block; zero for a step of the motion alone.
+    block: usize,
     /// The first knot of each block.
     first_knots: Vec<usize>,
     pub blocks: Vec<BlockEquations>,
@@ -49,7 +47,7 @@ pub struct MotionBand<const LOCAL: usize, const ROW: usize> {
 #[derive(Clone, Debug)]
 pub struct BlockEquations {
     pub information: BlockMatrix,
-    /// Coupling of the block to the next one (rows of this block, columns of the next).
+    /// Coupling of the block to the next one of the segment (rows of this block, columns of the next); empty for the last one.
     pub with_next: BlockMatrix,
     pub gradient: BlockVector,
 }
@@ -70,63 +68,111 @@ pub struct BlockUnknown {
 }
 
 impl BlockEquations {
-    pub const ZERO: Self = Self {
-        information: BlockMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; BLOCK]; BLOCK])),
-        with_next: BlockMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; BLOCK]; BLOCK])),
-        gradient: BlockVector::from_array_storage(nalgebra::ArrayStorage([[0.0; BLOCK]; 1])),
-    };
+    fn zeros(size: usize) -> Self {
+        Self {
+            information: BlockMatrix::zeros(size, size),
+            with_next: BlockMatrix::zeros(size, size),
+            gradient: BlockVector::zeros(size),
+        }
+    }
 }
 
-impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
-    const WIDTH: usize = ROW - ORDER * LOCAL;
-    /// False for a step of the motion alone.
-    pub const HAS_BLOCKS: bool = Self::WIDTH > MOTION_BORDER;
-
+impl MotionBand {
     /// Returns a band without equations that reuses the memory of `rows`; blocks begin at `first_knots`, the first at 0.
-    pub fn new(mut rows: Rows<LOCAL, ROW>, knots: usize, first_knots: Vec<usize>) -> Self {
+    pub fn new(
+        mut rows: Rows,
+        shape: RowShape,
+        block: usize,
+        knots: usize,
+        first_knots: Vec<usize>,
+    ) -> Self {
         rows.clear();
-        rows.resize(knots, [[0.0; ROW]; LOCAL]);
-        let blocks = vec![BlockEquations::ZERO; first_knots.len()];
-        Self { rows, first_knots, blocks, absorbed: [0.0; PROBES] }
+        rows.resize(knots * shape.numbers(), 0.0);
+        let mut blocks = vec![BlockEquations::zeros(block); first_knots.len()];
+        if let Some(last) = blocks.last_mut() {
+            last.with_next = BlockMatrix::zeros(0, 0);
+        }
+        Self { rows, shape, block, first_knots, blocks, absorbed: [0.0; PROBES] }
     }
 
-    pub fn into_rows(self) -> Rows<LOCAL, ROW> {
+    /// Returns false for a step of the motion alone.
+    pub fn has_blocks(&self) -> bool {
+        self.block > 0
+    }
+
+    pub fn into_rows(self) -> Rows {
         self.rows
     }
 
     /// Takes the rows out, to reuse their memory; the normal equations of the blocks stay.
-    pub fn take_rows(&mut self) -> Rows<LOCAL, ROW> {
+    pub fn take_rows(&mut self) -> Rows {
         std::mem::take(&mut self.rows)
     }
 
     /// Rows by knot: after elimination the Cholesky factor, and the coupling of each knot to the next knots and the border.
-    pub fn rows(&self) -> &Rows<LOCAL, ROW> {
-        &self.rows
+    pub fn knots(&self) -> impl ExactSizeIterator<Item = &[f64]> + DoubleEndedIterator {
+        self.rows.chunks_exact(self.shape.numbers())
+    }
+
+    pub fn shape(&self) -> RowShape {
+        self.shape
+    }
+
+    /// Number of unknowns of a block; zero for a step of the motion alone.
+    pub fn block(&self) -> usize {
+        self.block
     }
 
     pub fn has_rows(&self) -> bool {
         !self.rows.is_empty()
     }
 
-    /// Adds equations of `SIZE` unknowns of each of four knots, from coefficient `offset` on: information matrix and gradient.
-    pub fn add<const SIZE: usize>(
+    /// The numbers of a coefficient of a knot.
+    fn row(&mut self, knot: usize, coefficient: usize) -> &mut [f64] {
+        let width = self.shape.width();
+        &mut self.rows[width * (self.shape.size * knot + coefficient)..][..width]
+    }
+
+    /// Adds equations of the coordinates of one prism, from coefficient `first` of each of four knots on: information matrix and gradient.
+    pub fn add_prism(
         &mut self,
-        KnotFactors { first, factors }: KnotFactors<'_>,
-        offset: usize,
-        information: &SMatrix<f64, SIZE, SIZE>,
-        gradient: &SVector<f64, SIZE>,
+        knots: KnotFactors<'_>,
+        first: usize,
+        information: &Matrix3<f64>,
+        gradient: &Vector3<f64>,
     ) {
+        let information: [[f64; 3]; 3] = information.transpose().into();
+        self.add(knots, first, information.as_flattened(), gradient.as_ref());
+    }
+
+    /// Adds equations of all coefficients of each of four knots: information matrix by rows, and gradient.
+    pub fn add_knot(&mut self, knots: KnotFactors<'_>, information: &[f64], gradient: &[f64]) {
+        self.add(knots, 0, information, gradient);
+    }
+
+    #[inline(always)]
+    fn add(
+        &mut self,
+        KnotFactors { first: first_knot, factors }: KnotFactors<'_>,
+        first: usize,
+        information: &[f64],
+        gradient: &[f64],
+    ) {
+        let RowShape { size: local, .. } = self.shape;
+        let right = self.shape.first_of_border() + GRADIENT;
+        let size = gradient.len();
         for k in 0..ORDER {
-            for i in 0..SIZE {
-                let row = &mut self.rows[first + k][offset + i];
+            for i in 0..size {
+                let of_row = &information[size * i..][..size];
+                let row = self.row(first_knot + k, first + i);
                 for l in k..ORDER {
                     let both = factors[k] * factors[l];
-                    let block = &mut row[LOCAL * (l - k) + offset..][..SIZE];
-                    for j in 0..SIZE {
-                        block[j] += both * information[(i, j)];
+                    let block = &mut row[local * (l - k) + first..][..size];
+                    for (sum, value) in block.iter_mut().zip(of_row) {
+                        *sum += both * value;
                     }
                 }
-                row[ORDER * LOCAL + RIGHT_HAND_SIDE] += factors[k] * gradient[i];
+                row[right] += factors[k] * gradient[i];
             }
         }
     }
@@ -136,56 +182,62 @@ impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
         &mut self,
         KnotFactors { first, factors }: KnotFactors<'_>,
         precision: f64,
-        gradient: &[f64; LOCAL],
+        gradient: &[f64],
     ) {
+        let local = self.shape.size;
+        let right = self.shape.first_of_border() + GRADIENT;
         for k in 0..ORDER {
-            for l in k..ORDER {
-                let both = precision * factors[k] * factors[l];
-                for (i, row) in self.rows[first + k].iter_mut().enumerate() {
-                    row[LOCAL * (l - k) + i] += both;
+            for (i, value) in gradient.iter().enumerate() {
+                let row = self.row(first + k, i);
+                for l in k..ORDER {
+                    row[local * (l - k) + i] += precision * factors[k] * factors[l];
                 }
-            }
-            for (row, value) in self.rows[first + k].iter_mut().zip(gradient) {
-                row[ORDER * LOCAL + RIGHT_HAND_SIDE] += factors[k] * value;
+                row[right] += factors[k] * value;
             }
         }
     }
 
-    /// Adds the coupling of `SIZE` unknowns of each of four knots to an unknown of a block.
-    pub fn add_border<const SIZE: usize>(
+    /// Adds the coupling of some unknowns of each of four knots, from coefficient `first` on, to an unknown of a block.
+    pub fn add_border(
         &mut self,
         knots: KnotFactors<'_>,
-        offset: usize,
+        first: usize,
         BlockUnknown { block, column }: BlockUnknown,
-        values: &SVector<f64, SIZE>,
+        values: &[f64],
     ) {
-        self.add_column(knots, offset, FIRST_BLOCK + BLOCK * (block % 2) + column, values);
+        self.add_column(knots, first, self.first_column(block) + column, values);
     }
 
     /// Adds to a probe.
-    pub fn add_probe<const SIZE: usize>(
+    pub fn add_probe(
         &mut self,
         knots: KnotFactors<'_>,
-        offset: usize,
+        first: usize,
         probe: usize,
-        values: &SVector<f64, SIZE>,
+        values: &[f64],
     ) {
-        self.add_column(knots, offset, FIRST_PROBE + probe, values);
+        self.add_column(knots, first, FIRST_PROBE + probe, values);
     }
 
     /// Adds to a column of the border.
-    fn add_column<const SIZE: usize>(
+    fn add_column(
         &mut self,
-        KnotFactors { first, factors }: KnotFactors<'_>,
-        offset: usize,
+        KnotFactors { first: first_knot, factors }: KnotFactors<'_>,
+        first: usize,
         column: usize,
-        values: &SVector<f64, SIZE>,
+        values: &[f64],
     ) {
-        for k in 0..ORDER {
-            for i in 0..SIZE {
-                self.rows[first + k][offset + i][ORDER * LOCAL + column] += factors[k] * values[i];
+        let column = self.shape.first_of_border() + column;
+        for (k, factor) in factors.iter().enumerate() {
+            for (i, value) in values.iter().enumerate() {
+                self.row(first_knot + k, first + i)[column] += factor * value;
             }
         }
+    }
+
+    /// First column of a block in the border.
+    fn first_column(&self, block: usize) -> usize {
+        FIRST_BLOCK + self.block * (block % 2)
     }
 
     /// Returns the blocks in the two halves of the border at a knot: the last even and the last odd one that has begun.
@@ -200,60 +252,60 @@ impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
 
     /// Eliminates the motion; `false` if its normal matrix is not positive definite.
     pub fn eliminate(&mut self) -> bool {
-        let knots = self.rows.len();
-        let mut gram = [[0.0; BORDER]; BORDER];
+        let shape = self.shape;
+        let knots = self.rows.len() / shape.numbers();
+        let mut rows = self.take_rows();
+        let mut gram = vec![0.0; shape.border * shape.border];
+        let mut is_definite = true;
         for knot in 0..knots {
-            let blocks = self.border_blocks(knot);
-            let last = blocks.into_iter().flatten().max().unwrap_or(0);
-            let next_begins = self.first_knots.get(last + 1).copied().unwrap_or(usize::MAX);
-            let (own, after) = self.rows[knot..].split_first_mut().expect("a knot");
-            if !factorise(own) {
-                return false;
+            let (own, after) = rows[knot * shape.numbers()..].split_at_mut(shape.numbers());
+            is_definite = factorise(own, shape);
+            if !is_definite {
+                break;
             }
-            if let Some(target) = after.first_mut() {
-                update::<LOCAL, ROW, 1>(own, target);
+            for (away, target) in (1..ORDER).zip(after.chunks_exact_mut(shape.numbers())) {
+                update(own, target, shape, away);
             }
-            if let Some(target) = after.get_mut(1) {
-                update::<LOCAL, ROW, 2>(own, target);
-            }
-            if let Some(target) = after.get_mut(2) {
-                update::<LOCAL, ROW, 3>(own, target);
-            }
-            add_border_gram(&mut gram, own);
-            if !Self::HAS_BLOCKS {
-                continue;
-            }
-            let ends =
-                |block: usize| knot + 1 == knots || (block < last && next_begins == knot + 1);
-            for block in last.saturating_sub(1)..=last {
-                if ends(block) {
-                    self.move_to_blocks(block, &mut gram);
-                }
+            add_border_gram(&mut gram, own, shape);
+            if self.has_blocks() {
+                self.move_ended_blocks(knot, knots, &mut gram);
             }
         }
         for (probe, sum) in self.absorbed.iter_mut().enumerate() {
-            *sum = gram[FIRST_PROBE + probe][FIRST_PROBE + probe];
+            *sum = gram[(FIRST_PROBE + probe) * (shape.border + 1)];
         }
-        true
+        self.rows = rows;
+        is_definite
+    }
+
+    /// Moves the blocks that end at a knot from the border to [`MotionBand::blocks`].
+    fn move_ended_blocks(&mut self, knot: usize, knots: usize, gram: &mut [f64]) {
+        let last = self.border_blocks(knot).into_iter().flatten().max().unwrap_or(0);
+        let next_begins = self.first_knots.get(last + 1).copied().unwrap_or(usize::MAX);
+        for block in last.saturating_sub(1)..=last {
+            if knot + 1 == knots || (block < last && next_begins == knot + 1) {
+                self.move_to_blocks(block, gram);
+            }
+        }
     }
 
     /// Moves the Schur complement of a block from the border to [`MotionBand::blocks`]; the next block has the other half.
-    fn move_to_blocks(&mut self, block: usize, gram: &mut [[f64; BORDER]; BORDER]) {
-        let own = FIRST_BLOCK + BLOCK * (block % 2);
-        let other = FIRST_BLOCK + BLOCK * ((block + 1) % 2);
-        let sum = |gram: &[[f64; BORDER]; BORDER], i: usize, j: usize| gram[i.min(j)][i.max(j)];
-        for i in 0..BLOCK {
-            for j in 0..BLOCK {
+    fn move_to_blocks(&mut self, block: usize, gram: &mut [f64]) {
+        let border = self.shape.border;
+        let (own, other) = (self.first_column(block), self.first_column(block + 1));
+        let sum = |gram: &[f64], i: usize, j: usize| gram[border * i.min(j) + i.max(j)];
+        for i in 0..self.block {
+            for j in 0..self.block {
                 self.blocks[block].information[(i, j)] -= sum(gram, own + i, own + j);
                 if block + 1 < self.blocks.len() {
                     self.blocks[block].with_next[(i, j)] -= sum(gram, own + i, other + j);
                 }
             }
-            self.blocks[block].gradient[i] -= sum(gram, own + i, RIGHT_HAND_SIDE);
+            self.blocks[block].gradient[i] -= sum(gram, own + i, GRADIENT);
         }
-        for i in own..own + BLOCK {
-            for j in 0..BORDER {
-                gram[i.min(j)][i.max(j)] = 0.0;
+        for i in own..own + self.block {
+            for j in 0..border {
+                gram[border * i.min(j) + i.max(j)] = 0.0;
             }
         }
     }
@@ -261,18 +313,25 @@ impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
     /// Replaces the gradient of an eliminated band, and returns the gradients of the blocks after elimination.
     pub fn replace_gradient(
         &mut self,
-        mut local: Vec<[f64; LOCAL]>,
+        mut local: Vec<f64>,
         mut block_gradients: Vec<BlockVector>,
     ) -> Vec<BlockVector> {
-        for knot in 0..self.rows.len() {
-            let blocks = self.border_blocks(knot);
-            let mut border = [0.0; BORDER];
-            let (own, after) = local[knot..].split_first_mut().expect("a knot");
-            forward_substitute(&mut self.rows[knot], own, after, &mut border);
-            for block in blocks.into_iter().flatten() {
-                let own = FIRST_BLOCK + BLOCK * (block % 2);
-                let absorbed = BlockVector::from_column_slice(&border[own..own + BLOCK]);
-                block_gradients[block] -= absorbed;
+        let (shape, size) = (self.shape, self.shape.size);
+        let mut border = vec![0.0; shape.border];
+        for knot in 0..local.len() / size {
+            border.fill(0.0);
+            let beyond = local.len().min((knot + ORDER) * size);
+            let (own, after) = local[knot * size..beyond].split_at_mut(size);
+            let rows = &mut self.rows[knot * shape.numbers()..][..shape.numbers()];
+            forward_substitute(rows, shape, own, after, &mut border);
+            for (row, value) in rows.chunks_exact_mut(shape.width()).zip(own) {
+                row[shape.first_of_border() + GRADIENT] = *value;
+            }
+            for block in self.border_blocks(knot).into_iter().flatten() {
+                let absorbed = &border[self.first_column(block)..][..self.block];
+                for (sum, absorbed) in block_gradients[block].iter_mut().zip(absorbed) {
+                    *sum += absorbed;
+                }
             }
         }
         block_gradients
@@ -280,17 +339,21 @@ impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
 
     /// Returns the step of the coefficients for given steps of the blocks; all are to be subtracted.
     pub fn motion_step(&self, block_steps: &[BlockVector]) -> Vec<f64> {
-        let mut step = vec![0.0; self.rows.len() * LOCAL];
-        for knot in (0..self.rows.len()).rev() {
-            let mut border = [0.0; BORDER];
-            border[RIGHT_HAND_SIDE] = -1.0;
-            for block in self.border_blocks(knot).into_iter().flatten().filter(|_| Self::HAS_BLOCKS)
+        let (shape, size) = (self.shape, self.shape.size);
+        let knots = self.rows.len() / shape.numbers();
+        let mut step = vec![0.0; knots * size];
+        let mut border = vec![0.0; shape.border];
+        for (knot, rows) in self.knots().enumerate().rev() {
+            border.fill(0.0);
+            border[GRADIENT] = -1.0;
+            for block in
+                self.border_blocks(knot).into_iter().flatten().filter(|_| self.has_blocks())
             {
-                let own = FIRST_BLOCK + BLOCK * (block % 2);
-                border[own..own + BLOCK].copy_from_slice(block_steps[block].as_slice());
+                border[self.first_column(block)..][..self.block]
+                    .copy_from_slice(block_steps[block].as_slice());
             }
-            let beyond = step.len().min((knot + ORDER) * LOCAL);
-            back_substitute(&self.rows[knot], &border, &mut step[knot * LOCAL..beyond]);
+            let beyond = step.len().min((knot + ORDER) * size);
+            back_substitute(rows, shape, &mut step[knot * size..beyond], &border);
         }
         step
     }
@@ -299,37 +362,39 @@ impl<const LOCAL: usize, const ROW: usize> MotionBand<LOCAL, ROW> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::DVector;
     use rand::{RngExt, SeedableRng};
 
     pub const LOCAL: usize = 3;
-    pub const ROW: usize = ORDER * LOCAL + BORDER;
+    pub const BLOCK: usize = 14;
     pub const KNOTS: usize = 40;
 
     /// A band of random equations in three blocks, and the same equations as a dense normal matrix and gradient, in which the
     /// three blocks are one.
-    pub fn example() -> (MotionBand<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
+    pub fn example() -> (MotionBand, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
-        let mut band = MotionBand::<LOCAL, ROW>::new(Vec::new(), KNOTS, first_knots);
+        let shape = band_shape(LOCAL, BLOCK);
+        let mut band = MotionBand::new(Vec::new(), shape, BLOCK, KNOTS, first_knots);
         let size = KNOTS * LOCAL + BLOCK;
         let (mut full, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
         for first in 0..KNOTS - (ORDER - 1) {
             let block = [0, 13, 26].iter().filter(|begin| **begin <= first).count() - 1;
             for _ in 0..3 {
                 let factors: [f64; ORDER] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
-                let direction = SVector::<f64, LOCAL>::from_fn(|_, _| rng.random_range(-1.0..1.0));
-                let columns = BlockVector::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let direction = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let columns = BlockVector::from_fn(BLOCK, |_, _| rng.random_range(-1.0..1.0));
                 let error: f64 = rng.random_range(-1.0..1.0);
                 let information = direction * direction.transpose();
                 let knots = KnotFactors { first, factors: &factors };
-                band.add(knots, 0, &information, &(direction * error));
+                band.add_prism(knots, 0, &information, &(direction * error));
                 for column in 0..BLOCK {
                     let values = direction * columns[column];
-                    band.add_border(knots, 0, BlockUnknown { block, column }, &values);
+                    let unknown = BlockUnknown { block, column };
+                    band.add_border(knots, 0, unknown, values.as_slice());
                 }
-                band.blocks[block].information += columns * columns.transpose();
-                band.blocks[block].gradient += columns * error;
+                band.blocks[block].information += &columns * columns.transpose();
+                band.blocks[block].gradient += &columns * error;
                 let mut row = DVector::zeros(size);
                 for k in 0..ORDER {
                     for i in 0..LOCAL {
@@ -343,15 +408,13 @@ pub(super) mod tests {
         }
         for knot in 0..KNOTS - (ORDER - 1) {
             let knots = KnotFactors { first: knot, factors: &[0.3, 0.0, 0.0, 0.0] };
-            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
-            band.add(knots, 0, &information, &SVector::zeros());
+            band.add_prism(knots, 0, &Matrix3::identity(), &Vector3::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         for knot in KNOTS - (ORDER - 1)..KNOTS {
             let factors = &[0.0, 0.0, 0.0, 0.3];
-            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
             let knots = KnotFactors { first: knot - (ORDER - 1), factors };
-            band.add(knots, 0, &information, &SVector::zeros());
+            band.add_prism(knots, 0, &Matrix3::identity(), &Vector3::zeros());
             (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
         }
         (band, full, gradient)
@@ -361,10 +424,14 @@ pub(super) mod tests {
     fn the_sum_of_all_blocks_is_the_dense_solution() {
         let (mut band, full, gradient) = example();
         assert!(band.eliminate());
-        let (mut information, mut pull) = (BlockMatrix::zeros(), BlockVector::zeros());
+        let mut information = BlockMatrix::zeros(BLOCK, BLOCK);
+        let mut pull = BlockVector::zeros(BLOCK);
         for block in &band.blocks {
-            information += block.information + block.with_next + block.with_next.transpose();
-            pull += block.gradient;
+            information += &block.information;
+            if !block.with_next.is_empty() {
+                information += &block.with_next + block.with_next.transpose();
+            }
+            pull += &block.gradient;
         }
         let locals = KNOTS * LOCAL;
         let dense = full.clone().cholesky().expect("definite").solve(&gradient);
@@ -372,12 +439,12 @@ pub(super) mod tests {
         let expected = inverse.view((locals, locals), (BLOCK, BLOCK)).into_owned();
         let expected = expected.try_inverse().expect("definite");
         assert!(
-            (information - &expected).amax() < 1e-9 * expected.amax(),
+            (&information - &expected).amax() < 1e-9 * expected.amax(),
             "{information} {expected}"
         );
         let step = information.cholesky().expect("definite").solve(&pull);
-        assert!((step - dense.rows(locals, BLOCK)).amax() < 1e-8, "{step}");
-        let local = band.motion_step(&[step; 3]);
+        assert!((&step - dense.rows(locals, BLOCK)).amax() < 1e-8, "{step}");
+        let local = band.motion_step(&[step.clone(), step.clone(), step]);
         for (found, expected) in local.iter().zip(dense.iter()) {
             assert!((found - expected).abs() < 1e-8, "{found} {expected}");
         }

@@ -9,16 +9,15 @@ use super::equations::ResidualSquares;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
-use super::motion_band::{PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW};
 use super::noise_levels::FIRST_LEVELS;
-use super::priors::Priors;
+use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
 use super::residuals::NoiseLevels;
-use super::state_vector::Constants;
+use super::state_vector::{Constants, Layout};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
-use crate::network::PerStation;
+use crate::network::{PerPair, PerStation};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -51,21 +50,16 @@ impl Default for ExpectedNoise {
 /// estimated and no step is detected. Returns `None` without readings, or if the normal matrix is not positive definite.
 pub fn predict(
     triplets: &Triplets,
-    station1_from_station: &PerStation<LevelTransform>,
-    inter_prism_m: Option<&[f64; 3]>,
+    layout: &Arc<Layout>,
+    (station1_from_station, inter_prism_m): (&PerStation<LevelTransform>, &PerPair<f64>),
     sizes: &ErrorSizes,
     expected: &ExpectedNoise,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let mean = prior_mean(station1_from_station, inter_prism_m);
+    let mean = prior_mean(layout, station1_from_station, inter_prism_m);
     for block_s in BLOCK_LENGTHS_S {
-        let Some(drive) = Drive::new(triplets, block_s) else { return Ok(None) };
-        let drive = Arc::new(drive);
-        let predict = match inter_prism_m {
-            Some(_) => predict_step::<RIG, RIG_ROW, RIG_MOTION_ROW>,
-            None => predict_step::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>,
-        };
-        let estimate = predict(drive, triplets, &mean, sizes, expected, progress)?;
+        let Some(drive) = Drive::new(layout, triplets, block_s) else { return Ok(None) };
+        let estimate = predict_step(Arc::new(drive), triplets, &mean, sizes, expected, progress)?;
         if estimate.is_some() {
             return Ok(estimate);
         }
@@ -73,7 +67,7 @@ pub fn predict(
     Ok(None)
 }
 
-fn predict_step<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
+fn predict_step(
     drive: Arc<Drive>,
     triplets: &Triplets,
     mean: &Constants,
@@ -81,27 +75,29 @@ fn predict_step<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     expected: &ExpectedNoise,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let mut priors = Priors::new(sizes, mean, None, &triplets.restarts_s);
+    let layout = &drive.layout;
+    // Only the information about the distances matters.
+    let rig = RigDistances::exact(PerPair::repeat(layout.pairs(), 0.0));
+    let mut priors = Priors::new(layout, sizes, mean, &rig, &triplets.restarts_s);
     if sizes.ranges_wander {
         priors.slow.ranges = expected.ranges;
         priors.slow.across = expected.across;
         priors.slow.upward = expected.upward;
     }
     // A prediction has no residuals.
-    let (levels, squares) = (expected.levels, ResidualSquares::default());
+    let (levels, squares) = (expected.levels, ResidualSquares::zeros(layout.stations()));
     let weighting = Weighting { levels, redundancy: REDUNDANCY, fixed: None, squares };
-    let mut state = drive.initial_state(triplets, mean, LOCAL / 3);
+    let mut state = drive.initial_state(triplets, mean);
     for _ in 0..MOTION_STEPS {
-        if step_motion::<LOCAL, MOTION>(&drive, &mut state, &weighting, progress)?.is_none() {
+        if step_motion(&drive, &mut state, &weighting, progress)?.is_none() {
             return Ok(None);
         }
     }
-    let mut buffers = RowBuffers::<LOCAL, ROW>::default();
+    let mut buffers = RowBuffers::default();
     let step = GaussNewtonStep::new(&drive, &state, &weighting, &priors, &mut buffers, progress)?;
     // Tighter priors would predict a smaller σ.
     Ok(step.filter(|step| !step.is_stiffer).map(|step| {
-        let prisms = LOCAL / 3;
-        let solution = Solution { drive, state, weighting, priors, sizes: *sizes, prisms };
+        let solution = Solution { drive, state, weighting, priors, sizes: *sizes };
         step.summary(solution)
     }))
 }

@@ -4,12 +4,11 @@
 //! variance P⁻¹ − C. It must not be compared with P⁻¹, which an estimate that the data hardly determines never reaches, nor with C. The
 //! same holds for several constants together (Evans & Moshonov 2006, "Checking for prior-data conflict").
 
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::{DMatrix, DVector};
 
-use super::state_vector::{
-    COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, INDICES, LATENCIES, LEANS,
-    OFFSETS, SCALES,
-};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
+use super::unknown::{DISTANCE, Effect, Owner};
+use crate::network::PerStation;
 
 /// Directions whose prior variance the data reduces by less than this share are not tested.
 pub const LEAST_INFORMATION: f64 = 0.05;
@@ -22,24 +21,29 @@ pub struct PriorConflict {
     /// By constant (σ); zero without a prior, or without information.
     pub sigmas: Constants,
     /// Distances of each station's instrument as a whole, and of all instruments and distances together (σ).
-    pub station_sigmas: [f64; 3],
+    pub station_sigmas: PerStation<f64>,
     pub all_sigmas: f64,
-    /// Distance of the three inter-prism distances as a whole (σ).
+    /// Distance of the inter-prism distances as a whole (σ).
     pub distances_sigmas: f64,
 }
 
 impl PriorConflict {
     /// `change` is from the prior means, `prior` their covariance with zeros for constants without a prior, `covariance` the
     /// posterior one.
-    pub fn new(change: &Constants, prior: &ConstantsMatrix, covariance: &ConstantsMatrix) -> Self {
+    pub fn new(
+        layout: &Layout,
+        change: &Constants,
+        prior: &ConstantsMatrix,
+        covariance: &ConstantsMatrix,
+    ) -> Self {
         let precision = prior.diagonal().map(|p| if p > 0.0 { p.recip() } else { 0.0 });
         let root = precision.map(f64::sqrt);
         // In units of the priors: the covariance P⁻¹ − C of `scaled`, if they are right.
         let scaled = change.component_mul(&root);
-        let expected = ConstantsMatrix::from_fn(|i, j| {
+        let expected = ConstantsMatrix::from_fn(layout.constants, layout.constants, |i, j| {
             (prior[(i, j)] - covariance[(i, j)]) * root[i] * root[j]
         });
-        let sigmas = SVector::from_fn(|k, _| {
+        let sigmas = Constants::from_fn(layout.constants, |k, _| {
             let is_tested = precision[k] > 0.0 && expected[(k, k)] > LEAST_INFORMATION;
             if is_tested { scaled[k] / expected[(k, k)].sqrt() } else { 0.0 }
         });
@@ -48,26 +52,32 @@ impl PriorConflict {
             let expected = DMatrix::from_fn(size, size, |i, j| expected[(indices[i], indices[j])]);
             joint_sigmas(expected, &DVector::from_fn(size, |i, _| scaled[indices[i]]))
         };
-        let station_sigmas = |station: usize| {
-            let lean = LEANS + 2 * station;
-            let single = [LATENCIES, OFFSETS, SCALES, INDICES, COLLIMATIONS];
-            let mut indices = vec![lean, lean + 1];
-            indices.extend(single.map(|first| first + station));
-            joint(&indices)
+        let of_instrument = |station| {
+            let own = layout.of_instrument(station);
+            joint(&own.map(|(_, index)| index).collect::<Vec<usize>>())
         };
-        let all: Vec<usize> = (DISTANCES..CONSTANTS).collect();
+        // Latencies are of the clocks, which other tests judge.
+        let all = layout.each().filter(|(unknown, ..)| {
+            matches!(unknown.owner, Owner::Station | Owner::Pair)
+                && !matches!(unknown.effect, Effect::Latency)
+        });
+        let distances: Vec<usize> = layout.indices(&DISTANCE).collect();
         Self {
-            change: *change,
+            change: change.clone(),
             sigmas,
-            station_sigmas: [0, 1, 2].map(station_sigmas),
-            all_sigmas: joint(&all),
-            distances_sigmas: joint(&all[..3]),
+            station_sigmas: PerStation::from_fn(layout.stations(), of_instrument),
+            all_sigmas: joint(&all.map(|(.., index)| index).collect::<Vec<usize>>()),
+            distances_sigmas: joint(&distances),
         }
     }
 }
 
 /// Returns the quantile of a normal distribution with the probability of the χ² of several numbers (Wilson & Hilferty 1931).
 fn joint_sigmas(covariance: DMatrix<f64>, numbers: &DVector<f64>) -> f64 {
+    // nalgebra does not decompose an empty matrix.
+    if numbers.is_empty() {
+        return 0.0;
+    }
     let eigen = covariance.symmetric_eigen();
     let (mut chi_square, mut freedom) = (0.0, 0.0);
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
@@ -85,21 +95,24 @@ fn joint_sigmas(covariance: DMatrix<f64>, numbers: &DVector<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::state_vector::tests::layout;
+    use super::super::unknown::{RANGE_OFFSET, VERTICAL_INDEX};
     use super::*;
 
     /// A prior of variance 4 and a reading of variance 4 that is off by 10: the estimate moves half way.
     #[test]
     fn a_conflict_is_measured_by_what_the_data_can_change() {
-        let mut prior = ConstantsMatrix::zeros();
-        prior[(INDICES, INDICES)] = 4.0;
-        let mut covariance = ConstantsMatrix::zeros();
-        covariance[(INDICES, INDICES)] = 2.0;
-        let mut change = Constants::zeros();
-        change[INDICES] = 5.0;
-        let conflict = PriorConflict::new(&change, &prior, &covariance);
+        let layout = layout(3);
+        let index = layout.index(&VERTICAL_INDEX, 0);
+        let mut prior = ConstantsMatrix::zeros(layout.constants, layout.constants);
+        let (mut covariance, mut change) = (prior.clone(), Constants::zeros(layout.constants));
+        prior[(index, index)] = 4.0;
+        covariance[(index, index)] = 2.0;
+        change[index] = 5.0;
+        let conflict = PriorConflict::new(&layout, &change, &prior, &covariance);
         // The variances of reading and prior are 8 together.
-        assert!((conflict.sigmas[INDICES] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(conflict.sigmas[OFFSETS], 0.0);
+        assert!((conflict.sigmas[index] - 10.0 / 8.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(conflict.sigmas[layout.index(&RANGE_OFFSET, 0)], 0.0);
     }
 
     #[test]

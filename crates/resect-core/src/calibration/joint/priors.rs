@@ -1,16 +1,20 @@
 //! Priors of the unknowns: mean and precision of the constants, random walks of the slow states.
 
-use nalgebra::{Matrix3, Vector3, Vector4};
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector, Vector4};
 
 use super::constants_prior::precisions;
 use super::prior_conflict::LEAST_INFORMATION;
 use super::random_walks::{GaussMarkov, SlowPriors};
 use super::residuals::{OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M};
 use super::settling::{own_settling, relative_settling};
-use super::state_vector::{CLOCKS, Constants, ConstantsMatrix, DISTANCES, DRIFTS};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use super::survey_change::SurveyEvidence;
+use super::unknown::{CLOCK_OFFSET, DISTANCE};
 use crate::calibration::ErrorSizes;
-use crate::deployment::{PAIRS, Rig};
+use crate::deployment::Rig;
+use crate::network::{Number, PerPair, Station};
 
 /// Standard deviation of a clock offset once the data rejects its prior, and of that of a further drive (s).
 const WIDE_CLOCK_S: f64 = 1.0;
@@ -22,53 +26,58 @@ const RIG_CONSTANT_M: f64 = 0.01;
 /// Standard deviation of a distance that is no evidence (m).
 const UNKNOWN_DISTANCE_M: f64 = 0.1;
 
-/// The inter-prism distances as measured on the vehicle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The distances between the followed prisms as measured on the vehicle.
+#[derive(Clone, Debug, PartialEq)]
 pub struct RigDistances {
-    pub measured_m: [f64; 3],
+    pub measured_m: PerPair<f64>,
     /// Jacobian of the distances by the prism constant of the reading; zeros if the reading is not known.
-    pub by_prism_constant: [f64; 3],
+    pub by_prism_constant: PerPair<f64>,
     /// False if the distances are only where the iteration starts.
     pub are_evidence: bool,
 }
 
 impl RigDistances {
-    /// The distances of a rig, with the geometry of its reading.
-    pub fn new(rig: &Rig, are_evidence: bool) -> Self {
-        let by_prism_constant = rig.prisms_m.map_or([0.0; 3], |prisms_m| {
-            PAIRS.map(|(a, b)| {
-                let along = (prisms_m[a] - prisms_m[b]).normalize();
-                (prisms_m[a].normalize() - prisms_m[b].normalize()).dot(&along)
-            })
-        });
-        Self { measured_m: rig.inter_prism_m, by_prism_constant, are_evidence }
+    /// The distances of a rig between the prisms that are followed, with the geometry of its reading.
+    pub fn new(rig: &Rig, layout: &Layout, are_evidence: bool) -> Self {
+        let pairs = PerPair::from_fn(layout.pairs(), |pair| layout.pair(pair));
+        let by_prism_constant = rig.distances_by_prism_constant();
+        Self {
+            measured_m: pairs.map(|pair| rig.inter_prism_m[*pair]),
+            by_prism_constant: pairs.map(|pair| by_prism_constant[*pair]),
+            are_evidence,
+        }
     }
 
     /// Distances of a reading without a prism constant.
-    pub fn exact(measured_m: &[f64; 3]) -> Self {
-        Self { measured_m: *measured_m, by_prism_constant: [0.0; 3], are_evidence: true }
+    pub fn exact(measured_m: PerPair<f64>) -> Self {
+        let by_prism_constant = measured_m.map(|_| 0.0);
+        Self { measured_m, by_prism_constant, are_evidence: true }
     }
 
     /// Information about the distances (1/m²); `sigma_m` is the standard deviation of each beside the prism constant.
-    fn information(&self, sigma_m: f64) -> Matrix3<f64> {
+    fn information(&self, sigma_m: f64) -> DMatrix<f64> {
         let sigma_m = if self.are_evidence { sigma_m.max(1e-6) } else { UNKNOWN_DISTANCE_M };
-        let by_constant_m = RIG_CONSTANT_M * Vector3::from(self.by_prism_constant);
-        let covariance = Matrix3::from_diagonal_element(sigma_m.powi(2))
-            + by_constant_m * by_constant_m.transpose();
+        let by_constant_m =
+            RIG_CONSTANT_M * DVector::from_column_slice(self.by_prism_constant.as_slice());
+        let pairs = by_constant_m.len();
+        let alone = DMatrix::from_diagonal_element(pairs, pairs, sigma_m.powi(2));
         // Positive definite: a positive diagonal plus a square.
-        covariance.try_inverse().unwrap_or_else(|| Matrix3::from_diagonal_element(sigma_m.powi(-2)))
+        (alone + &by_constant_m * by_constant_m.transpose())
+            .try_inverse()
+            .unwrap_or_else(|| DMatrix::from_diagonal_element(pairs, pairs, sigma_m.powi(-2)))
     }
 }
 
 /// Priors of all unknowns but the motion, and the survey.
 #[derive(Clone, Debug)]
 pub struct Priors {
+    pub layout: Arc<Layout>,
     /// Prior mean of the constants.
     pub mean: Constants,
     /// 1/σ² of each constant; zero without a prior. Those of the distances are replaced by [`Self::distances`].
     pub precision: Constants,
     /// Information about the inter-prism distances (1/m²).
-    pub distances: Matrix3<f64>,
+    pub distances: DMatrix<f64>,
     /// False if the measured distances are only where the iteration starts.
     pub distances_are_evidence: bool,
     /// Standard deviation of an observed distance of the rig, once a knot (m).
@@ -82,15 +91,16 @@ pub struct Priors {
 impl Priors {
     /// The priors at the start of an estimate; `restarts_s` are the starts of further drives (s).
     pub fn new(
+        layout: &Arc<Layout>,
         sizes: &ErrorSizes,
         mean: &Constants,
-        rig: Option<&RigDistances>,
+        rig: &RigDistances,
         restarts_s: &[f64],
     ) -> Self {
         let slow_errors =
             if sizes.ranges_wander { GaussMarkov::SMALLEST } else { GaussMarkov::NONE };
         let slow = SlowPriors {
-            settling: relative_settling(sizes, mean),
+            settling: relative_settling(sizes, mean, layout.moved()),
             clocks_s2: sizes.clock_wander_s.max(1e-7).powi(2),
             ranges: slow_errors,
             across: slow_errors,
@@ -100,15 +110,12 @@ impl Priors {
             station_steps: Vec::new(),
             clock_steps: Vec::new(),
         };
-        let distances = rig.map_or_else(
-            || Matrix3::from_diagonal_element(sizes.inter_prism_m.max(1e-6).powi(-2)),
-            |rig| rig.information(sizes.inter_prism_m),
-        );
         Self {
-            mean: *mean,
-            precision: precisions(sizes),
-            distances,
-            distances_are_evidence: rig.is_none_or(|rig| rig.are_evidence),
+            layout: Arc::clone(layout),
+            mean: mean.clone(),
+            precision: precisions(layout, sizes),
+            distances: rig.information(sizes.inter_prism_m),
+            distances_are_evidence: rig.are_evidence,
             observed_distance_m: if sizes.ranges_wander {
                 OBSERVED_DISTANCE_SIGMA_M
             } else {
@@ -120,15 +127,14 @@ impl Priors {
         }
     }
 
-    /// Widens the priors of clock offsets that the constants reject, and returns their stations (1 or 2); `covariance` is the posterior
-    /// one.
+    /// Widens the priors of clock offsets that the constants reject, and returns their stations; `covariance` is the posterior one.
     pub fn widen_clock_offsets(
         &mut self,
         constants: &Constants,
         covariance: &ConstantsMatrix,
-    ) -> Vec<usize> {
+    ) -> Vec<Station> {
         let mut widened = Vec::new();
-        for index in CLOCKS..DRIFTS {
+        for (slot, index) in self.layout.indices(&CLOCK_OFFSET).enumerate() {
             let prior_s2 = self.precision[index].recip();
             let moved_s2 = prior_s2 - covariance[(index, index)];
             let change_s = constants[index] - self.mean[index];
@@ -138,7 +144,7 @@ impl Priors {
             let wide_precision = WIDE_CLOCK_S.powi(-2);
             if is_tested && is_rejected && self.precision[index] > wide_precision {
                 self.precision[index] = wide_precision;
-                widened.push(index - CLOCKS + 1);
+                widened.push(Station::at(slot + 1));
             }
         }
         widened
@@ -146,45 +152,59 @@ impl Priors {
 
     /// Information of the priors about the constants, without the survey.
     pub fn own_information(&self) -> ConstantsMatrix {
-        let mut information = ConstantsMatrix::from_diagonal(&self.precision);
-        information.fixed_view_mut::<3, 3>(DISTANCES, DISTANCES).copy_from(&self.distances);
-        information
+        self.with_distances(&self.precision, &self.distances)
     }
 
     /// Prior covariance of the constants; zero for those without a prior.
     pub fn covariance(&self) -> ConstantsMatrix {
         let variances =
             self.precision.map(|precision| if precision > 0.0 { precision.recip() } else { 0.0 });
-        let mut covariance = ConstantsMatrix::from_diagonal(&variances);
-        let distances = self.distances.try_inverse().unwrap_or_else(Matrix3::zeros);
-        covariance.fixed_view_mut::<3, 3>(DISTANCES, DISTANCES).copy_from(&distances);
-        covariance
+        let pairs = self.layout.pairs();
+        let distances = self.distances.clone().try_inverse();
+        self.with_distances(&variances, &distances.unwrap_or_else(|| DMatrix::zeros(pairs, pairs)))
+    }
+
+    /// Returns a matrix with this diagonal, and with this part of the distances.
+    fn with_distances(&self, diagonal: &Constants, distances: &DMatrix<f64>) -> ConstantsMatrix {
+        let mut matrix = ConstantsMatrix::from_diagonal(diagonal);
+        for (i, row) in self.layout.indices(&DISTANCE).enumerate() {
+            for (j, column) in self.layout.indices(&DISTANCE).enumerate() {
+                matrix[(row, column)] = distances[(i, j)];
+            }
+        }
+        matrix
     }
 
     /// Information of priors and survey about the constants.
     pub fn information(&self) -> ConstantsMatrix {
-        let survey = self.survey.as_ref().map(|survey| survey.information);
-        self.own_information() + survey.unwrap_or_else(ConstantsMatrix::zeros)
+        let own = self.own_information();
+        match &self.survey {
+            Some(survey) => own + &survey.information,
+            None => own,
+        }
     }
 
     /// Cost of priors and survey (σ²).
     pub fn cost(&self, constants: &Constants) -> f64 {
-        let change = constants - self.mean;
+        let change = constants - &self.mean;
         let survey = self.survey.as_ref().map_or(0.0, |survey| survey.cost(constants));
-        change.dot(&(self.own_information() * change)) + survey // (14)
+        change.dot(&(self.own_information() * &change)) + survey // (14)
     }
 
     /// Gradient of the costs of priors and survey.
     pub fn gradient(&self, constants: &Constants) -> Constants {
-        let survey = self.survey.as_ref().map(|survey| survey.gradient(constants));
-        let own = self.own_information() * (constants - self.mean);
-        own + survey.unwrap_or_else(Constants::zeros)
+        let own = self.own_information() * (constants - &self.mean);
+        match &self.survey {
+            Some(survey) => own + survey.gradient(constants),
+            None => own,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::random_walks::SlowPrecisions;
+    use super::super::state_vector::tests::layout;
     use super::*;
 
     #[test]
@@ -196,10 +216,17 @@ mod tests {
             settling_rad: 0.0,
             ..ErrorSizes::default()
         };
-        let priors = Priors::new(&sizes, &Constants::zeros(), None, &[30.0]);
-        let precisions = SlowPrecisions::new(&priors.slow, &[3.0, 9.0, 40.0]).expect("positive");
-        for block in 0..3 {
-            assert!(precisions.diagonal(block).iter().all(|value| value.is_finite()), "{block}");
+        for stations in 1..5 {
+            let layout = layout(stations);
+            let none = RigDistances::exact(PerPair::repeat(layout.pairs(), 1.0));
+            let mean = Constants::zeros(layout.constants);
+            let priors = Priors::new(&layout, &sizes, &mean, &none, &[30.0]);
+            let precisions = SlowPrecisions::new(&priors.slow, &layout, &[3.0, 9.0, 40.0]);
+            let precisions = precisions.expect("positive");
+            for block in 0..3 {
+                let diagonal = precisions.diagonal(block);
+                assert!(diagonal.iter().all(|value| value.is_finite()), "{stations}, {block}");
+            }
         }
     }
 }

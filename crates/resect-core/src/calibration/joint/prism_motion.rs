@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3, Vector4};
 use rayon::prelude::*;
 
 use super::block_jacobians::station_1_shift_m;
@@ -16,13 +16,12 @@ use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
 use super::knot_covariance::{KnotCovariance, each_knot_covariance};
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
 use super::linearisation::{Linearisation, Weighting};
-use super::motion_band::{
-    MotionBand, PRISM, PRISM_MOTION_ROW, PRISM_ROW, RIG, RIG_MOTION_ROW, RIG_ROW,
-};
+use super::motion_band::MotionBand;
 use super::priors::Priors;
 use super::settling::station_1_by_relative;
-use super::state_vector::{BLOCK, CONSTANTS, SLOW, StateVector};
+use super::state_vector::{Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
+use crate::network::PerPrism;
 use crate::progress::{Cancelled, Progress};
 
 /// The solution of an estimate, from which its motion is evaluated.
@@ -33,27 +32,47 @@ pub struct Solution {
     pub(super) weighting: Weighting,
     pub(super) priors: Priors,
     pub(super) sizes: ErrorSizes,
-    pub(super) prisms: usize,
 }
 
 /// The prisms at one instant: x, y, z of each, in the frame of station 1 as it was set up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MotionInstant<const N: usize> {
+pub struct MotionInstant {
     pub time_s: f64,
-    pub position_m: SVector<f64, N>,
-    pub velocity_m_per_s: SVector<f64, N>,
+    pub position_m: DVector<f64>,
+    pub velocity_m_per_s: DVector<f64>,
     /// Covariances of the positions (m²), and of the velocities (m²/s²).
-    pub position_covariance: SMatrix<f64, N, N>,
-    pub velocity_covariance: SMatrix<f64, N, N>,
+    pub position_covariance: DMatrix<f64>,
+    pub velocity_covariance: DMatrix<f64>,
 }
 
-/// The instants within segments, in order of time.
+/// One prism at one instant, in the frame of station 1 as it was set up.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PrismMotion {
-    /// Instants of the three prisms of a rig.
-    Rig(Vec<MotionInstant<9>>),
-    /// Instants of the one prism that all stations follow.
-    Prism(Vec<MotionInstant<3>>),
+pub struct PrismInstant {
+    pub time_s: f64,
+    pub position_m: Vector3<f64>,
+    pub velocity_m_per_s: Vector3<f64>,
+    /// Covariances of the position (m²), and of the velocity (m²/s²).
+    pub position_covariance: Matrix3<f64>,
+    pub velocity_covariance: Matrix3<f64>,
+}
+
+impl MotionInstant {
+    /// Position of a prism (m), by its place among those that are followed.
+    pub fn prism_m(&self, place: usize) -> Vector3<f64> {
+        self.position_m.fixed_rows::<3>(3 * place).into()
+    }
+
+    /// A prism, by its place among those that are followed.
+    pub fn prism(&self, place: usize) -> PrismInstant {
+        let at = 3 * place;
+        PrismInstant {
+            time_s: self.time_s,
+            position_m: self.prism_m(place),
+            velocity_m_per_s: self.velocity_m_per_s.fixed_rows::<3>(at).into(),
+            position_covariance: self.position_covariance.fixed_view::<3, 3>(at, at).into(),
+            velocity_covariance: self.velocity_covariance.fixed_view::<3, 3>(at, at).into(),
+        }
+    }
 }
 
 /// Jacobian of positions by the constants of a drive, and the covariance of the constants.
@@ -65,14 +84,21 @@ pub struct ConstantsJacobian {
 }
 
 impl Solution {
-    /// The motion at increasing times (s, stamps of station 1).
-    pub fn instants(&self, time_s: &[f64], progress: &Progress) -> Result<PrismMotion, Cancelled> {
-        Ok(if self.prisms == 3 {
-            PrismMotion::Rig(self.instants_of::<RIG, RIG_ROW, RIG_MOTION_ROW>(time_s, progress)?)
-        } else {
-            PrismMotion::Prism(
-                self.instants_of::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>(time_s, progress)?,
-            )
+    /// The network of the solution.
+    pub fn layout(&self) -> &Layout {
+        &self.drive.layout
+    }
+
+    /// The motion at increasing times within segments (s, stamps of station 1).
+    pub fn instants(
+        &self,
+        time_s: &[f64],
+        progress: &Progress,
+    ) -> Result<Vec<MotionInstant>, Cancelled> {
+        let Some(step) = self.linearise(progress)? else { return Ok(Vec::new()) };
+        let frames = self.frames(&step);
+        self.map_instants(&step, time_s, progress, |instant| {
+            motion_instant(&instant, &frames[instant.block])
         })
     }
 
@@ -82,67 +108,31 @@ impl Solution {
         time_s: &[f64],
         progress: &Progress,
     ) -> Result<ConstantsJacobian, Cancelled> {
-        if self.prisms == 3 {
-            self.constants_jacobian_of::<RIG, RIG_ROW, RIG_MOTION_ROW>(time_s, progress)
-        } else {
-            self.constants_jacobian_of::<PRISM, PRISM_ROW, PRISM_MOTION_ROW>(time_s, progress)
-        }
-    }
-
-    fn instants_of<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-        &self,
-        time_s: &[f64],
-        progress: &Progress,
-    ) -> Result<Vec<MotionInstant<LOCAL>>, Cancelled> {
-        let Some(step) = self.linearise::<LOCAL, ROW>(progress)? else { return Ok(Vec::new()) };
-        let frames = self.frames(&step);
-        self.map_instants::<LOCAL, ROW, MOTION, _>(&step, time_s, progress, |instant| {
-            motion_instant::<LOCAL>(&instant, &frames[instant.block])
-        })
-    }
-
-    fn constants_jacobian_of<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-        &self,
-        time_s: &[f64],
-        progress: &Progress,
-    ) -> Result<ConstantsJacobian, Cancelled> {
-        let Some(step) = self.linearise::<LOCAL, ROW>(progress)? else {
+        let Some(step) = self.linearise(progress)? else {
             return Ok(ConstantsJacobian::default());
         };
         let jacobians = &step.normal.matrix.jacobians;
-        let instants =
-            self.map_instants::<LOCAL, ROW, MOTION, _>(&step, time_s, progress, |at| {
-                let mut frame_by_constants = SMatrix::<f64, FRAME, CONSTANTS>::zeros();
-                let by_constants = jacobians.of_block(at.block).0;
-                frame_by_constants.fixed_rows_mut::<BLOCK>(0).copy_from(&by_constants);
-                let station_1_by_constants = jacobians.of_station_1(at.block).0;
-                frame_by_constants.fixed_rows_mut::<6>(BLOCK).copy_from(&station_1_by_constants);
-                let by_knots = jacobian_by_knots(LOCAL, &at.weights.position);
-                let position_m =
-                    &by_knots * DVector::from_column_slice(&at.knots_m[..ORDER * LOCAL]);
-                let frame_by_constants =
-                    DMatrix::from_column_slice(FRAME, CONSTANTS, frame_by_constants.as_slice());
-                let by_frame =
-                    jacobian_by_frame(&(by_knots * &at.covariance.by_block), &position_m);
-                (at.time_s, by_frame * frame_by_constants)
-            })?;
-        let covariance = step.factor.constants_covariance();
-        let covariance = DMatrix::from_column_slice(CONSTANTS, CONSTANTS, covariance.as_slice());
-        Ok(ConstantsJacobian { instants, covariance })
+        let instants = self.map_instants(&step, time_s, progress, |at| {
+            let own = jacobians.of_block(at.block).0;
+            let frame_by_constants = with_station_1(&own, &jacobians.of_station_1(at.block).0);
+            let by_knots = jacobian_by_knots(at.local(), &at.weights.position);
+            let knots_m = DVector::from_column_slice(&at.knots_m[..by_knots.ncols()]);
+            let position_m = &by_knots * knots_m;
+            let by_frame = jacobian_by_frame(&(by_knots * &at.covariance.by_block), &position_m);
+            (at.time_s, by_frame * frame_by_constants)
+        })?;
+        Ok(ConstantsJacobian { instants, covariance: step.factor.constants_covariance() })
     }
 
-    fn linearise<const LOCAL: usize, const ROW: usize>(
-        &self,
-        progress: &Progress,
-    ) -> Result<Option<GaussNewtonStep<LOCAL, ROW>>, Cancelled> {
+    fn linearise(&self, progress: &Progress) -> Result<Option<GaussNewtonStep>, Cancelled> {
         let Self { drive, state, weighting, priors, .. } = self;
         GaussNewtonStep::new(drive, state, weighting, priors, &mut RowBuffers::default(), progress)
     }
 
     /// Maps each of some increasing times that lies within a segment.
-    fn map_instants<const LOCAL: usize, const ROW: usize, const MOTION: usize, T: Send>(
+    fn map_instants<T: Send>(
         &self,
-        step: &GaussNewtonStep<LOCAL, ROW>,
+        step: &GaussNewtonStep,
         time_s: &[f64],
         progress: &Progress,
         map: impl Fn(InstantInput<'_>) -> T + Sync,
@@ -157,8 +147,7 @@ impl Solution {
                 return Ok(None);
             }
             // Without a motion across the cut, each side uses its own.
-            let motion =
-                estimate_cut_motion::<LOCAL, ROW, MOTION>(&linearisation, &self.weighting, index);
+            let motion = estimate_cut_motion(&linearisation, &self.weighting, index);
             Ok(motion.map(|CutMotion { grid, coefficients_m, band }| {
                 let last_block = linearisation.first_blocks[index + 1] - 1;
                 (span_s, map_times(&grid, &coefficients_m, &band, (times_s, last_block), &map))
@@ -167,7 +156,7 @@ impl Solution {
         let cuts = (0..drive.segments.len()).into_par_iter().map(across_cut);
         let cuts: Vec<_> = cuts.collect::<Result<_, Cancelled>>()?;
         let (cut_spans_s, of_cuts): (Vec<_>, Vec<_>) = cuts.into_iter().map(Option::unzip).unzip();
-        let of_segment = |index: usize, band: &MotionBand<LOCAL, ROW>| {
+        let of_segment = |index: usize, band: &MotionBand| {
             let grid = &drive.segments[index].grid;
             let before = index.checked_sub(1).and_then(|k| cut_spans_s[k]);
             let after = cut_spans_s[index];
@@ -186,31 +175,37 @@ impl Solution {
         Ok(mapped.flatten().flatten().collect())
     }
 
-    /// Positions of the prisms of a rig at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m).
+    /// Positions of the followed prisms at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m).
     ///
-    /// Returns `None` outside of all segments, and for one prism. This evaluates the splines without covariance, fast enough for each
-    /// frame of a window. Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
-    pub fn prisms_m(&self, time_s: f64) -> Option<[Vector3<f64>; 3]> {
-        let segments = &self.drive.segments;
+    /// Returns `None` outside of all segments. This evaluates the splines without covariance, fast enough for each frame of a window.
+    /// Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
+    pub fn prisms_m(&self, time_s: f64) -> Option<PerPrism<Vector3<f64>>> {
+        let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
-        let grid = &segments.get(index).filter(|_| self.prisms == 3)?.grid;
+        let grid = &segments.get(index)?.grid;
         if !grid.contains(time_s) {
             return None;
         }
         let first_block: usize = segments[..index].iter().map(|segment| segment.grid.blocks).sum();
         let slow = &self.state.slow[first_block + grid.block_at(time_s)];
-        let settled =
-            station_1_by_relative(&self.sizes, &self.priors.mean).0 * slow.fixed_rows::<8>(0);
+        let settled = settled(&self.station_1_by_relative().0, slow);
         let mean_sight = &self.drive.mean_sights[first_block + grid.block_at(time_s)][0];
-        let shift_m = station_1_shift_m(&self.state.constants, mean_sight, slow);
+        let shift_m = station_1_shift_m(layout, &self.state.constants, mean_sight, slow);
         let weights = grid.weights(time_s);
-        let knots_m = &self.state.coefficients_m[index][9 * weights.first..];
-        Some([0, 1, 2].map(|prism| {
-            let knot_m = |k: usize| Vector3::from_column_slice(&knots_m[9 * k + 3 * prism..][..3]);
-            let position_m =
-                (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>();
-            as_set_up(&(position_m + shift_m), &settled)
-        }))
+        let local = 3 * layout.prisms();
+        let knots_m = &self.state.coefficients_m[index][local * weights.first..];
+        let position_m = |prism: usize| {
+            let knot_m =
+                |k: usize| Vector3::from_column_slice(&knots_m[local * k + 3 * prism..][..3]);
+            (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>()
+        };
+        let prisms = 0..layout.prisms();
+        Some(prisms.map(|prism| as_set_up(&(position_m(prism) + shift_m), &settled)).collect())
+    }
+
+    /// Regression of station 1's own settling on the relative one, and the variance that remains.
+    fn station_1_by_relative(&self) -> (DMatrix<f64>, SMatrix<f64, 4, 4>) {
+        station_1_by_relative(&self.sizes, &self.priors.mean, self.layout().moved())
     }
 
     /// Start and end of each segment (s).
@@ -224,11 +219,8 @@ impl Solution {
     }
 
     /// Pose of station 1 and covariance of each block's frame.
-    fn frames<const LOCAL: usize, const ROW: usize>(
-        &self,
-        step: &GaussNewtonStep<LOCAL, ROW>,
-    ) -> Vec<BlockFrame> {
-        let (station_1_by_slow, remaining) = station_1_by_relative(&self.sizes, &self.priors.mean);
+    fn frames(&self, step: &GaussNewtonStep) -> Vec<BlockFrame> {
+        let (station_1_by_slow, remaining) = self.station_1_by_relative();
         // Settling displaces along x, y, z and rotates about z.
         let by_settling = SMatrix::<f64, 6, 4>::from_fn(|row, component| {
             f64::from(row == if component < 3 { component } else { 5 })
@@ -240,27 +232,38 @@ impl Solution {
         step.factor.each_covariance(|block, slow| {
             let (block_by_constants, block_by_slow) = jacobians.of_block(block);
             let (readings_by_constants, readings_by_slow) = jacobians.of_station_1(block);
-            let mut by_constants = SMatrix::<f64, FRAME, CONSTANTS>::zeros();
-            by_constants.fixed_rows_mut::<BLOCK>(0).copy_from(&block_by_constants);
-            by_constants.fixed_rows_mut::<6>(BLOCK).copy_from(&readings_by_constants);
-            let mut by_slow = SMatrix::<f64, FRAME, SLOW>::zeros();
-            by_slow.fixed_rows_mut::<BLOCK>(0).copy_from(&block_by_slow);
-            by_slow.fixed_rows_mut::<6>(BLOCK).copy_from(&readings_by_slow);
-            let mut settling = by_slow.fixed_view_mut::<6, 8>(BLOCK, 0);
-            settling += by_settling * station_1_by_slow;
-            let across = by_constants * slow.with_constants.transpose() * by_slow.transpose();
-            let mut covariance = by_constants * constants_covariance * by_constants.transpose()
-                + by_slow * slow.own * by_slow.transpose()
-                + across
+            let by_constants = with_station_1(&block_by_constants, &readings_by_constants);
+            let mut by_slow = with_station_1(&block_by_slow, &readings_by_slow);
+            let first = block_by_slow.nrows();
+            let mut settling = by_slow.view_mut((first, 0), (6, station_1_by_slow.ncols()));
+            settling += by_settling * &station_1_by_slow;
+            let across = &by_constants * slow.with_constants.transpose() * by_slow.transpose();
+            let mut covariance = &by_constants * &constants_covariance * by_constants.transpose()
+                + &by_slow * &slow.own * by_slow.transpose()
+                + &across
                 + across.transpose();
-            let mut station_1 = covariance.fixed_view_mut::<6, 6>(BLOCK, BLOCK);
+            let mut station_1 = covariance.view_mut((first, first), (6, 6));
             station_1 += by_settling * remaining * by_settling.transpose() * shares[block];
-            let settled = station_1_by_slow * self.state.slow[block].fixed_rows::<8>(0);
-            let shift = readings_by_slow.fixed_rows::<3>(0) * self.state.slow[block];
-            frames[block] = BlockFrame { shift_m: shift, settled, covariance };
+            let settled = settled(&station_1_by_slow, &self.state.slow[block]);
+            let shift_m = readings_by_slow.rows(0, 3) * &self.state.slow[block];
+            let shift_m = shift_m.fixed_rows::<3>(0).into();
+            frames[block] = BlockFrame { shift_m, settled, covariance };
         });
         frames
     }
+}
+
+/// Rows of a block's unknowns, followed by the six of station 1's readings.
+fn with_station_1(block: &DMatrix<f64>, station_1: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut rows = block.clone().resize_vertically(block.nrows() + station_1.nrows(), 0.0);
+    rows.rows_mut(block.nrows(), station_1.nrows()).copy_from(station_1);
+    rows
+}
+
+/// Settling of station 1 (x, y, z, yaw; m, rad) by the slow states.
+fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
+    let settled = station_1_by_slow * slow.rows(0, station_1_by_slow.ncols());
+    settled.fixed_rows::<4>(0).into()
 }
 
 /// Input of the evaluation at one instant.
@@ -275,10 +278,10 @@ struct InstantInput<'a> {
 }
 
 /// Maps some increasing times of a segment, whose first block has an index in the drive.
-fn map_times<const LOCAL: usize, const ROW: usize, T>(
+fn map_times<T>(
     grid: &KnotGrid,
     coefficients_m: &[f64],
-    band: &MotionBand<LOCAL, ROW>,
+    band: &MotionBand,
     (times_s, first_block): (&[f64], usize),
     map: &impl Fn(InstantInput<'_>) -> T,
 ) -> Vec<T> {
@@ -288,7 +291,7 @@ fn map_times<const LOCAL: usize, const ROW: usize, T>(
     each_knot_covariance(band, |covariance| {
         let is_next = |(weights, _): &mut (SplineWeights, f64)| weights.first == covariance.first;
         while let Some((weights, time_s)) = remaining.pop_if(is_next) {
-            let knots_m = &coefficients_m[LOCAL * weights.first..];
+            let knots_m = &coefficients_m[band.shape().size * weights.first..];
             let block = first_block + grid.block_at(time_s);
             mapped.push(map(InstantInput { time_s, weights, knots_m, covariance, block }));
         }
@@ -307,23 +310,21 @@ fn between(
     &time_s[from..time_s.partition_point(|t| !is_late(*t)).max(from)]
 }
 
-/// Number of a frame's unknowns: those of the block, then displacement (m) and rotation (rad) of station 1 with its readings.
-const FRAME: usize = BLOCK + 6;
-
-/// Settling of station 1 until a block, and the covariance of the frame's unknowns.
-#[derive(Clone)]
+/// Settling of station 1 until a block, and the covariance of the frame's unknowns: those of the block, then displacement (m) and
+/// rotation (rad) of station 1 with its readings.
+#[derive(Clone, Default)]
 struct BlockFrame {
     /// Correction of station 1's slow errors in the positions (m).
     shift_m: Vector3<f64>,
     /// x, y, z (m) and yaw (rad) of station 1 since its set-up.
     settled: Vector4<f64>,
-    covariance: SMatrix<f64, FRAME, FRAME>,
+    covariance: DMatrix<f64>,
 }
 
-impl Default for BlockFrame {
-    fn default() -> Self {
-        let settled = Vector4::zeros();
-        Self { shift_m: Vector3::zeros(), settled, covariance: SMatrix::zeros() }
+impl InstantInput<'_> {
+    /// Coefficients of a knot.
+    fn local(&self) -> usize {
+        self.covariance.covariance.nrows() / ORDER
     }
 }
 
@@ -335,12 +336,12 @@ fn jacobian_by_knots(local: usize, factors: &[f64; ORDER]) -> DMatrix<f64> {
 
 /// Jacobian of prisms at a position (m) by the frame's unknowns, from that by the block's unknowns.
 fn jacobian_by_frame(by_block: &DMatrix<f64>, position_m: &DVector<f64>) -> DMatrix<f64> {
-    let mut jacobian = DMatrix::zeros(position_m.len(), FRAME);
-    jacobian.view_mut((0, 0), (position_m.len(), BLOCK)).copy_from(by_block);
+    let block = by_block.ncols();
+    let mut jacobian = by_block.clone().resize_horizontally(block + 6, 0.0);
     for x in (0..position_m.len()).step_by(3) {
-        let prism_m = Vector3::new(position_m[x], position_m[x + 1], position_m[x + 2]);
-        jacobian.fixed_view_mut::<3, 3>(x, BLOCK).fill_with_identity();
-        jacobian.fixed_view_mut::<3, 3>(x, BLOCK + 3).copy_from(&jacobian_by_rotation(&prism_m));
+        let prism_m = position_m.fixed_rows::<3>(x).into_owned();
+        jacobian.fixed_view_mut::<3, 3>(x, block).fill_with_identity();
+        jacobian.fixed_view_mut::<3, 3>(x, block + 3).copy_from(&jacobian_by_rotation(&prism_m));
     }
     jacobian
 }
@@ -355,44 +356,37 @@ fn jacobian_by_rotation(vector: &Vector3<f64>) -> Matrix3<f64> {
     -vector.cross_matrix()
 }
 
-fn motion_instant<const LOCAL: usize>(
-    input: &InstantInput<'_>,
-    frame: &BlockFrame,
-) -> MotionInstant<LOCAL> {
+fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant {
     let InstantInput { time_s, weights, knots_m, covariance: knots, .. } = input;
+    let local = input.local();
     let value = |factors: &[f64; ORDER]| {
-        SVector::<f64, LOCAL>::from_fn(|i, _| {
-            factors.iter().enumerate().map(|(k, factor)| factor * knots_m[LOCAL * k + i]).sum()
+        DVector::from_fn(local, |i, _| {
+            factors.iter().enumerate().map(|(k, factor)| factor * knots_m[local * k + i]).sum()
         })
     };
     let (spline_m, spline_m_per_s) = (value(&weights.position), value(&weights.velocity));
-    let position_by_knots = jacobian_by_knots(LOCAL, &weights.position);
-    let velocity_by_knots = jacobian_by_knots(LOCAL, &weights.velocity);
-    let position_by_frame = jacobian_by_frame(
-        &(&position_by_knots * &knots.by_block),
-        &DVector::from_column_slice(spline_m.as_slice()),
-    );
-    let mut velocity_by_frame = DMatrix::zeros(LOCAL, FRAME);
+    let position_by_knots = jacobian_by_knots(local, &weights.position);
+    let velocity_by_knots = jacobian_by_knots(local, &weights.velocity);
+    let position_by_frame = jacobian_by_frame(&(&position_by_knots * &knots.by_block), &spline_m);
     let velocity_by_block = &velocity_by_knots * &knots.by_block;
-    velocity_by_frame.view_mut((0, 0), (LOCAL, BLOCK)).copy_from(&velocity_by_block);
-    let (mut position_m, mut velocity_m_per_s) = (spline_m, spline_m_per_s);
-    for x in (0..LOCAL).step_by(3) {
+    let block = velocity_by_block.ncols();
+    let mut velocity_by_frame = velocity_by_block.resize_horizontally(block + 6, 0.0);
+    let (mut position_m, mut velocity_m_per_s) = (spline_m.clone(), spline_m_per_s.clone());
+    for x in (0..local).step_by(3) {
         let seen_m: Vector3<f64> = spline_m.fixed_rows::<3>(x).into_owned();
         let prism_m = as_set_up(&(seen_m + frame.shift_m), &frame.settled);
         position_m.fixed_rows_mut::<3>(x).copy_from(&prism_m);
         let prism_m_per_s: Vector3<f64> = spline_m_per_s.fixed_rows::<3>(x).into_owned();
         let rotated = jacobian_by_rotation(&prism_m_per_s);
-        velocity_by_frame.fixed_view_mut::<3, 3>(x, BLOCK + 3).copy_from(&rotated);
+        velocity_by_frame.fixed_view_mut::<3, 3>(x, block + 3).copy_from(&rotated);
         let by_yaw = Vector3::z().cross(&prism_m_per_s);
         for axis in 0..3 {
             velocity_m_per_s[x + axis] += frame.settled[3] * by_yaw[axis];
         }
     }
-    let frame_covariance = DMatrix::from_column_slice(FRAME, FRAME, frame.covariance.as_slice());
     let covariance = |by_knots: &DMatrix<f64>, by_frame: &DMatrix<f64>| {
-        let total = by_knots * &knots.covariance * by_knots.transpose()
-            + by_frame * &frame_covariance * by_frame.transpose();
-        SMatrix::<f64, LOCAL, LOCAL>::from_column_slice(total.as_slice())
+        by_knots * &knots.covariance * by_knots.transpose()
+            + by_frame * &frame.covariance * by_frame.transpose()
     };
     MotionInstant {
         time_s: *time_s,

@@ -1,13 +1,16 @@
 //! Priors of the slow states: poses and clocks of stations are random walks from block to block, and errors of the sights are
 //! Gauss–Markov processes.
 
-use nalgebra::SMatrix;
+use std::sync::Arc;
 
-use super::state_vector::{SLOW, SLOW_ACROSS, SLOW_CLOCKS, SLOW_RANGES};
+use nalgebra::DMatrix;
 
-pub type SlowMatrix = SMatrix<f64, SLOW, SLOW>;
-/// A matrix of the states that are random walks: poses of stations 2 and 3, and their clocks.
-pub type WalkMatrix = SMatrix<f64, SLOW_RANGES, SLOW_RANGES>;
+use super::drive::Drive;
+use super::state_vector::{Layout, Slow};
+
+pub type SlowMatrix = DMatrix<f64>;
+/// A matrix of the states that are random walks: poses by slot, and clocks by slot.
+pub type WalkMatrix = DMatrix<f64>;
 
 /// Variance of a detected step, as a multiple of that of a whole drive.
 const STEP_MULTIPLE: f64 = 1e4;
@@ -36,9 +39,9 @@ pub const PROCESS_TIMES_S: [f64; 4] = [3.0, 12.0, 50.0, 200.0];
 /// Priors of the slow states.
 #[derive(Clone, Debug)]
 pub struct SlowPriors {
-    /// Variance of the random walks of (x, y, z, yaw) of stations 2 and 3 over a whole drive (m², rad²).
-    pub settling: SMatrix<f64, 8, 8>,
-    /// Variance of the random walks of the clocks of stations 2 and 3 over a whole drive (s²).
+    /// Variance of the random walks of (x, y, z, yaw) by slot over a whole drive (m², rad²).
+    pub settling: DMatrix<f64>,
+    /// Variance of the random walk of each clock over a whole drive (s²).
     pub clocks_s2: f64,
     /// Errors of the ranges, of the sights across, and upward.
     pub ranges: GaussMarkov,
@@ -57,8 +60,9 @@ pub struct SlowPriors {
 /// would need more memory than its readings.
 #[derive(Clone)]
 pub struct SlowPrecisions {
+    layout: Arc<Layout>,
     /// Precision of the random walk of the poses over a whole drive.
-    settling: SMatrix<f64, 8, 8>,
+    settling: DMatrix<f64>,
     transitions: Vec<Transition>,
     pub ln_determinant: f64,
 }
@@ -92,14 +96,14 @@ impl Innovation {
     }
 }
 
-/// The process of a slow state from [`SLOW_RANGES`] on.
-fn process(state: usize) -> usize {
-    state.checked_sub(SLOW_ACROSS).map_or(0, |beyond| 1 + beyond % 2)
-}
-
 impl SlowPrecisions {
+    /// The precision for the blocks of a drive; `None` if a variance is not positive.
+    pub fn of_drive(priors: &SlowPriors, drive: &Drive) -> Option<Self> {
+        Self::new(priors, &drive.layout, &drive.block_times_s)
+    }
+
     /// The precision for blocks at these times (s); `None` if a variance is not positive.
-    pub fn new(priors: &SlowPriors, time_s: &[f64]) -> Option<Self> {
+    pub fn new(priors: &SlowPriors, layout: &Arc<Layout>, time_s: &[f64]) -> Option<Self> {
         let restarts = |block: usize| {
             block > 0
                 && priors
@@ -114,7 +118,7 @@ impl SlowPrecisions {
         let drives = (priors.restarts_s.len() + 1) as f64;
         // A whole drive.
         let whole_s = ((time_s.last()? - time_s.first()? - paused_s) / drives).max(1.0);
-        let factor = priors.settling.cholesky()?;
+        let factor = priors.settling.clone().cholesky()?;
         let (settling, ln_settling) = (factor.inverse(), factor.ln_determinant());
         let mut ln_determinant = 0.0;
         let transition = |block: usize| {
@@ -132,12 +136,13 @@ impl SlowPrecisions {
                 (share(&priors.station_steps), share(&priors.clock_steps));
             let clocks_s2 =
                 if restarts(block) { priors.restarted_s2 } else { clock_share * priors.clocks_s2 };
-            ln_determinant -= ln_settling + 8.0 * pose_share.ln() + 2.0 * clocks_s2.ln();
+            let slots = layout.moved() as f64;
+            ln_determinant -= ln_settling + 4.0 * slots * pose_share.ln() + slots * clocks_s2.ln();
             let since_s = (block > 0).then_some(since_s);
             let processes = [&priors.ranges, &priors.across, &priors.upward]
                 .map(|it| Innovation::new(it, since_s));
-            for state in SLOW_RANGES..SLOW {
-                ln_determinant += processes[process(state)].precision.ln();
+            for state in layout.slow_ranges()..layout.slow() {
+                ln_determinant += processes[process(layout, state)].precision.ln();
             }
             Transition {
                 pose_share,
@@ -147,7 +152,7 @@ impl SlowPrecisions {
             }
         };
         let transitions = (0..time_s.len()).map(transition).collect();
-        Some(Self { settling, transitions, ln_determinant })
+        Some(Self { layout: Arc::clone(layout), settling, transitions, ln_determinant })
     }
 
     /// The precision for standard deviations a thousand times smaller.
@@ -163,55 +168,68 @@ impl SlowPrecisions {
             ..*transition
         };
         let transitions = self.transitions.iter().map(stiffer).collect();
-        Self { settling: self.settling * MORE, transitions, ln_determinant: self.ln_determinant }
+        Self { settling: &self.settling * MORE, transitions, ..self.clone() }
     }
 
     /// Diagonal block of the precision matrix.
     pub fn diagonal(&self, block: usize) -> SlowMatrix {
         let (transition, next) = (self.transitions[block], self.transitions.get(block + 1));
-        let mut own = SlowMatrix::zeros();
-        let mut walk = self.increment_precision(block);
-        if next.is_some() {
-            walk += self.increment_precision(block + 1);
+        let mut own = self.walks(block, 1.0);
+        if let Some(next) = next {
+            self.add_walks(next, 1.0, &mut own);
         }
-        own.fixed_view_mut::<SLOW_RANGES, SLOW_RANGES>(0, 0).copy_from(&walk);
-        for state in SLOW_RANGES..SLOW {
+        for state in self.layout.slow_ranges()..self.layout.slow() {
+            let process = process(&self.layout, state);
             let from_next = next.map_or(0.0, |next| {
-                let Innovation { correlation, precision } = next.processes[process(state)];
+                let Innovation { correlation, precision } = next.processes[process];
                 correlation * correlation * precision
             });
-            own[(state, state)] = transition.processes[process(state)].precision + from_next;
+            own[(state, state)] = transition.processes[process].precision + from_next;
         }
         own
     }
 
     /// Block of the precision matrix right of the diagonal.
     pub fn upper(&self, block: usize) -> SlowMatrix {
-        let mut both = SlowMatrix::zeros();
-        let Some(next) = self.transitions.get(block + 1) else { return both };
-        let walk = -self.increment_precision(block + 1);
-        both.fixed_view_mut::<SLOW_RANGES, SLOW_RANGES>(0, 0).copy_from(&walk);
-        for state in SLOW_RANGES..SLOW {
-            let Innovation { correlation, precision } = next.processes[process(state)];
+        let Some(next) = self.transitions.get(block + 1) else {
+            return SlowMatrix::zeros(self.layout.slow(), self.layout.slow());
+        };
+        let mut both = self.walks(block + 1, -1.0);
+        for state in self.layout.slow_ranges()..self.layout.slow() {
+            let Innovation { correlation, precision } =
+                next.processes[process(&self.layout, state)];
             both[(state, state)] = -correlation * precision;
         }
         both
     }
 
+    /// A matrix of the slow states with the precision of the random walks' increment times a factor.
+    fn walks(&self, block: usize, factor: f64) -> SlowMatrix {
+        let mut matrix = SlowMatrix::zeros(self.layout.slow(), self.layout.slow());
+        self.add_walks(&self.transitions[block], factor, &mut matrix);
+        matrix
+    }
+
+    fn add_walks(&self, transition: &Transition, factor: f64, matrix: &mut DMatrix<f64>) {
+        // (10)
+        let mut poses = matrix.view_mut((0, 0), self.settling.shape());
+        poses += &self.settling * (factor / transition.pose_share);
+        for clock in self.layout.slow_clocks()..self.layout.slow_ranges() {
+            matrix[(clock, clock)] += factor * transition.clock_precision;
+        }
+    }
+
     /// Precision of the random walks' increment to a block from the one before it.
     pub fn increment_precision(&self, block: usize) -> WalkMatrix {
-        // (10)
-        let transition = self.transitions[block];
-        let mut walk = WalkMatrix::zeros();
-        walk.fixed_view_mut::<8, 8>(0, 0).copy_from(&(self.settling / transition.pose_share));
-        (SLOW_CLOCKS..SLOW_RANGES)
-            .for_each(|clock| walk[(clock, clock)] = transition.clock_precision);
+        let mut walk = WalkMatrix::zeros(self.layout.slow_ranges(), self.layout.slow_ranges());
+        self.add_walks(&self.transitions[block], 1.0, &mut walk);
         walk
     }
 
     /// Precision of the random walks' increment from the first block to the last; `None` if it is singular.
     pub fn whole_drive_precision(&self) -> Option<WalkMatrix> {
-        let mut covariance = WalkMatrix::zeros();
+        let mut covariance =
+            WalkMatrix::zeros(self.layout.slow_ranges(), self.layout.slow_ranges());
         for block in 1..self.transitions.len() {
             covariance += self.increment_precision(block).cholesky()?.inverse();
         }
@@ -229,12 +247,8 @@ impl SlowPrecisions {
     }
 
     /// Block row of the product of the precision matrix with slow states.
-    pub fn multiply<const K: usize>(
-        &self,
-        slow: &[SMatrix<f64, SLOW, K>],
-        block: usize,
-    ) -> SMatrix<f64, SLOW, K> {
-        let mut product = self.diagonal(block) * slow[block];
+    pub fn multiply(&self, slow: &[Slow], block: usize) -> Slow {
+        let mut product = self.diagonal(block) * &slow[block];
         if let Some(next) = slow.get(block + 1) {
             product += self.upper(block) * next;
         }
@@ -243,4 +257,9 @@ impl SlowPrecisions {
         }
         product
     }
+}
+
+/// The process of a slow state after the random walks: errors of the ranges, of the sights across, and upward.
+fn process(layout: &Layout, state: usize) -> usize {
+    state.checked_sub(layout.slow_across()).map_or(0, |beyond| 1 + beyond % 2)
 }

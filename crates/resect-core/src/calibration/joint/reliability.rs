@@ -10,25 +10,24 @@
 
 use std::ops::Range;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::equations::{ANGLES, RANGES, ResidualSquares, SquareSum};
 use super::loss::CONSISTENCY;
 use super::prior_conflict::LEAST_INFORMATION;
-use super::state_vector::{
-    COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, INDICES, OFFSETS, SCALES,
-};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use super::survey::SurveyReading;
+use super::unknown::{COLLIMATION, DISTANCE, RANGE_OFFSET, RANGE_SCALE, Unknown, VERTICAL_INDEX};
 use crate::calibration::Quantity;
-use crate::deployment::PAIRS;
+use crate::network::{Number, Pair};
 use crate::statistics::median;
 
 /// Noncentrality of a bias that is detectable (σ). Textbook: a test with a false-alarm rate of 0.1 % detects it with a
 /// probability of 80 % (Baarda 1968).
 const NONCENTRALITY: f64 = 4.13;
 
-/// Change of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-pub type PoseChange = SVector<f64, 8>;
+/// Change of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+pub type PoseChange = DVector<f64>;
 
 /// Kind of a group of readings, with the error that its readings share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +52,7 @@ pub enum GroupKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupReliability {
     pub kind: GroupKind,
-    /// The station, 0 to 2; of a distance of the rig, the pair of prisms.
+    /// The station, from 0; of a distance of the rig, the pair of prisms.
     pub index: usize,
     /// Mean redundancy number of the readings. Stations of a drive share that of ranges, and that of angles. `None` for a group that
     /// repeats the readings of another, and in predictions.
@@ -75,12 +74,12 @@ pub enum NormalisedResidual {
 }
 
 /// A minimal detectable bias and its effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DetectableBias {
     /// In the SI unit of [`GroupKind::quantity`]; the median of readings with biases of their own.
     pub size: f64,
-    /// Effect on stations 2 and 3 if it is not detected; the largest of readings with biases of their own.
-    pub effect: [PoseEffect; 2],
+    /// Effect on stations 2, 3, … if it is not detected; the largest of readings with biases of their own.
+    pub effect: Vec<PoseEffect>,
 }
 
 /// Change of a station's pose.
@@ -142,8 +141,8 @@ impl GroupReliability {
     pub fn subject(&self) -> String {
         match self.kind {
             GroupKind::RigDistance => {
-                let (a, b) = PAIRS[self.index];
-                format!("rig, prisms {} and {}", a + 1, b + 1)
+                let Pair { first, second } = Pair::at(self.index);
+                format!("rig, prisms {first} and {second}")
             }
             _ => format!("station {}", self.index + 1),
         }
@@ -154,8 +153,8 @@ impl GroupReliability {
         let code = self.kind.code();
         match self.kind {
             GroupKind::RigDistance => {
-                let (a, b) = PAIRS[self.index];
-                format!("rig-{}{}-{code}", a + 1, b + 1)
+                let Pair { first, second } = Pair::at(self.index);
+                format!("rig-{first}{second}-{code}")
             }
             _ => format!("station-{}-{code}", self.index + 1),
         }
@@ -182,11 +181,11 @@ impl GroupReliability {
 impl DetectableBias {
     /// `change` is that of the poses.
     fn new(size: f64, change: &PoseChange) -> Self {
-        let effect = [0, 1].map(|slot| PoseEffect {
+        let effect = |slot: usize| PoseEffect {
             position_m: change.fixed_rows::<3>(4 * slot).norm(),
             yaw_rad: change[4 * slot + 3].abs(),
-        });
-        Self { size, effect }
+        };
+        Self { size, effect: (0..change.len() / 4).map(effect).collect() }
     }
 
     /// Largest displacement of a station (m).
@@ -213,13 +212,14 @@ impl SurveyReading {
 
 /// Priors and posterior of the constants.
 pub struct PosteriorMoments<'a> {
+    pub layout: &'a Layout,
     /// Information of the priors.
     pub information: ConstantsMatrix,
     /// Estimate less prior mean.
     pub change: Constants,
     pub covariance: &'a ConstantsMatrix,
-    /// Covariance of the constants with the poses of stations 2 and 3.
-    pub with_poses: &'a SMatrix<f64, CONSTANTS, 8>,
+    /// Covariance of the constants with the poses of stations 2, 3, ….
+    pub with_poses: &'a DMatrix<f64>,
 }
 
 /// Test of the prior of a constant.
@@ -233,7 +233,7 @@ struct PriorTest {
 impl PosteriorMoments<'_> {
     fn test_prior(&self, index: usize) -> PriorTest {
         let own: Constants = self.information.column(index).into_owned();
-        let information = own[index] - own.dot(&(self.covariance * own));
+        let information = own[index] - own.dot(&(self.covariance * &own));
         let redundancy = (information / own[index]).clamp(0.0, 1.0);
         let is_tested = redundancy > LEAST_INFORMATION;
         PriorTest {
@@ -253,52 +253,52 @@ pub fn drive_reliability(
     squares: &ResidualSquares,
 ) -> Vec<GroupReliability> {
     let mut groups = Vec::new();
-    for index in 0..3 {
-        let [ranges, horizontal, vertical] = squares.by_station[index];
-        let rms = |sum: SquareSum, kind: usize| {
+    for (station, [ranges, horizontal, vertical]) in squares.by_station.each() {
+        let index = station.index();
+        let rms = |sum: &SquareSum, kind: usize| {
             let expected = CONSISTENCY * sum.expected * squares.redundancy(kind)?;
             let square = (expected > 0.0).then(|| sum.observed / expected)?;
             Some(NormalisedResidual::RootMeanSquare(square.sqrt()))
         };
-        let mut add = |kind, first: usize, redundancy, residual| {
-            let bias = posterior.test_prior(first + index).bias;
+        let mut add = |kind, unknown: &Unknown, redundancy, residual| {
+            let bias = posterior.test_prior(posterior.layout.index(unknown, index)).bias;
             groups.push(GroupReliability { kind, index, redundancy, residual, bias });
         };
         let [of_ranges, of_angles] = [RANGES, ANGLES].map(|kind| squares.redundancy(kind));
-        add(GroupKind::Ranges, OFFSETS, of_ranges, rms(ranges, RANGES));
-        add(GroupKind::RangeScale, SCALES, None, None);
-        add(GroupKind::HorizontalAngles, COLLIMATIONS, of_angles, rms(horizontal, ANGLES));
-        add(GroupKind::VerticalAngles, INDICES, of_angles, rms(vertical, ANGLES));
+        add(GroupKind::Ranges, &RANGE_OFFSET, of_ranges, rms(ranges, RANGES));
+        add(GroupKind::RangeScale, &RANGE_SCALE, None, None);
+        add(GroupKind::HorizontalAngles, &COLLIMATION, of_angles, rms(horizontal, ANGLES));
+        add(GroupKind::VerticalAngles, &VERTICAL_INDEX, of_angles, rms(vertical, ANGLES));
     }
     groups
 }
 
 /// Reliability of the distances of the rig.
 pub fn rig_reliability(posterior: &PosteriorMoments<'_>) -> Vec<GroupReliability> {
-    let distance = |index: usize| {
-        let PriorTest { redundancy, residual_sigmas, bias } =
-            posterior.test_prior(DISTANCES + index);
+    let distance = |(place, index): (usize, usize)| {
+        let PriorTest { redundancy, residual_sigmas, bias } = posterior.test_prior(index);
         GroupReliability {
             kind: GroupKind::RigDistance,
-            index,
+            index: posterior.layout.pair(Pair::at(place)).index(),
             redundancy: Some(redundancy),
             residual: residual_sigmas.map(NormalisedResidual::Single),
             bias,
         }
     };
-    (0..3).map(distance).collect()
+    posterior.layout.indices(&DISTANCE).enumerate().map(distance).collect()
 }
 
 /// Reliability of the readings of control points, station by station. `pose_change` is the change of the poses for a gradient of the
 /// survey's cost by the constants.
 pub fn control_point_reliability(
     readings: &[SurveyReading],
+    stations: usize,
     pose_change: impl Fn(&Constants) -> PoseChange,
 ) -> Vec<GroupReliability> {
     let mut groups = Vec::new();
-    for index in 0..3 {
+    for index in 0..stations {
         for kind in [GroupKind::ControlPointRanges, GroupKind::ControlPointAngles] {
-            let of_station = readings.iter().filter(|reading| reading.station == index);
+            let of_station = readings.iter().filter(|reading| reading.station.index() == index);
             let numbers: Vec<(&SurveyReading, usize)> = of_station
                 .flat_map(|reading| kind.axes().map(move |axis| (reading, axis)))
                 .collect();
@@ -332,7 +332,8 @@ pub fn control_point_reliability(
 /// Median size and largest effect of biases; `None` without any.
 fn summarise(biases: &[DetectableBias]) -> Option<DetectableBias> {
     let size = median(biases.iter().map(|bias| bias.size))?;
-    let mut effect = [PoseEffect::default(); 2];
+    let slots = biases.first().map_or(0, |bias| bias.effect.len());
+    let mut effect = vec![PoseEffect::default(); slots];
     for bias in biases {
         for (largest, own) in effect.iter_mut().zip(&bias.effect) {
             largest.position_m = largest.position_m.max(own.position_m);

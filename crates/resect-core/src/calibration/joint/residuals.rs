@@ -4,9 +4,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::drive::Reading;
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
-use super::state_vector::{BLOCK_CLOCKS, BLOCK_LATENCIES, BlockVector};
+use super::state_vector::{BlockVector, Layout};
 use super::station_model::StationModel;
 use crate::geometry::ARCSECOND_RAD;
+use crate::network::{Number, Station};
 
 /// Standard deviation of the rig's distances by the flexibility of its masts (m).
 pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
@@ -48,10 +49,12 @@ pub fn stated_range_m(range_m: f64) -> f64 {
 }
 
 /// The state that a segment's residuals depend on.
+#[derive(Clone, Copy)]
 pub struct LinearisationPoint<'a> {
-    pub stations: &'a [StationModel; 3],
-    /// Inter-prism distances (m); `None` where all stations follow one prism.
-    pub distances_m: Option<[f64; 3]>,
+    pub layout: &'a Layout,
+    pub stations: &'a [StationModel],
+    /// Distances of the prisms by pair (m).
+    pub distances_m: &'a [f64],
     /// Middle of the drive (s), from which clock drifts count.
     pub middle_s: f64,
     /// `J_s s` of each block of the segment.
@@ -81,14 +84,14 @@ pub struct ReadingResidual {
 }
 
 impl ReadingResidual {
-    pub fn new<const LOCAL: usize>(
+    pub fn new(
         grid: &KnotGrid,
         point: &LinearisationPoint<'_>,
         levels: &NoiseLevels,
-        station: usize,
+        station: Station,
         reading: &Reading,
     ) -> Self {
-        let model = &point.stations[station];
+        let model = &point.stations[station.index()];
         let sight = &reading.sight();
         // (3)
         let mut offset_s =
@@ -96,18 +99,18 @@ impl ReadingResidual {
         let block = grid.block_at(reading.time_s - offset_s);
         let slow = &point.slow[block];
         let mut prism_m = model.rotation * model.corrected(sight) + model.position_m;
-        if station > 0 {
-            offset_s += slow[BLOCK_CLOCKS + station - 1];
-            prism_m += slow.fixed_rows::<3>(3 * (station - 1));
+        if let Some(slot) = station.slot() {
+            offset_s += slow[point.layout.block_clocks() + slot];
+            prism_m += slow.fixed_rows::<3>(3 * slot);
         }
-        let prism = if LOCAL == 3 { 0 } else { station };
+        let prism = point.layout.prism_of(station);
         let weights = grid.weights(reading.time_s - offset_s);
-        let velocity = spline_value::<LOCAL>(point, &weights, &weights.velocity, prism);
+        let velocity = spline_value(point, &weights, &weights.velocity, prism);
         let axes = model.rotation * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
         let along = axes.column(0).into_owned();
         let velocity_across = velocity - along * along.dot(&velocity);
         // (5)
-        let difference_m = spline_value::<LOCAL>(point, &weights, &weights.position, prism)
+        let difference_m = spline_value(point, &weights, &weights.position, prism)
             - velocity_across * model.latency_s
             - prism_m;
 
@@ -136,21 +139,25 @@ impl ReadingResidual {
     }
 
     /// Jacobian of the residual by the block's unknowns: index and column (station 1's axes).
-    pub fn block_jacobian(&self, station: usize) -> [Option<(usize, Vector3<f64>)>; 5] {
-        let latency = Some((BLOCK_LATENCIES + station, -self.velocity_across));
-        let Some(slot) = station.checked_sub(1) else { return [latency, None, None, None, None] };
+    pub fn block_jacobian(
+        &self,
+        layout: &Layout,
+        station: Station,
+    ) -> [Option<(usize, Vector3<f64>)>; 5] {
+        let latency = Some((layout.block_latencies() + station.index(), -self.velocity_across));
+        let Some(slot) = station.slot() else { return [latency, None, None, None, None] };
         [
             latency,
             Some((3 * slot, -Vector3::x())),
             Some((3 * slot + 1, -Vector3::y())),
             Some((3 * slot + 2, -Vector3::z())),
-            Some((BLOCK_CLOCKS + slot, -self.velocity)),
+            Some((layout.block_clocks() + slot, -self.velocity)),
         ]
     }
 }
 
 /// Position (m) or velocity (m/s) of a prism, by the factors of four knots.
-fn spline_value<const LOCAL: usize>(
+fn spline_value(
     point: &LinearisationPoint<'_>,
     weights: &SplineWeights,
     factors: &[f64; ORDER],
@@ -158,7 +165,7 @@ fn spline_value<const LOCAL: usize>(
 ) -> Vector3<f64> {
     let mut sum = Vector3::zeros();
     for (k, factor) in factors.iter().enumerate() {
-        let first = LOCAL * (weights.first + k) + 3 * prism;
+        let first = 3 * (point.layout.prisms() * (weights.first + k) + prism);
         // (4)
         sum += *factor * Vector3::from_column_slice(&point.coefficients_m[first..first + 3]);
     }
@@ -173,13 +180,13 @@ pub fn distance_times_s(grid: &KnotGrid) -> impl Iterator<Item = f64> + use<> {
 }
 
 /// The unit vector from prism b to prism a, which is the Jacobian of their distance by a, and the residual of the distance (m).
-pub fn distance_residual<const LOCAL: usize>(
+pub fn distance_residual(
     point: &LinearisationPoint<'_>,
     weights: &SplineWeights,
     (a, b): (usize, usize),
     distance_m: f64,
 ) -> (Vector3<f64>, f64) {
-    let prism_m = |prism: usize| spline_value::<LOCAL>(point, weights, &weights.position, prism);
+    let prism_m = |prism: usize| spline_value(point, weights, &weights.position, prism);
     let between = prism_m(a) - prism_m(b);
     let length_m = between.norm().max(1e-9);
     (between / length_m, length_m - distance_m) // (8)
@@ -191,16 +198,16 @@ pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels) -> [f64; ORDER] {
     [-scale, 3.0 * scale, -3.0 * scale, scale] // (9)
 }
 
-/// Jerk of four knots from `first` on, by coordinate, in σ.
-pub fn jerk_residuals<const LOCAL: usize>(
+/// Writes the jerk of four knots from `first` on to `residuals`, by coordinate, in σ.
+pub fn jerk_residuals(
     point: &LinearisationPoint<'_>,
     first: usize,
     factors: &[f64; ORDER],
-) -> [f64; LOCAL] {
-    let mut residuals = [0.0; LOCAL];
-    for (k, factor) in factors.iter().enumerate() {
-        let knot = &point.coefficients_m[LOCAL * (first + k)..][..LOCAL];
+    residuals: &mut [f64],
+) {
+    let local = residuals.len();
+    residuals.fill(0.0);
+    for (knot, factor) in point.coefficients_m[local * first..].chunks_exact(local).zip(factors) {
         residuals.iter_mut().zip(knot).for_each(|(residual, value)| *residual += factor * value);
     }
-    residuals
 }

@@ -16,7 +16,7 @@ pub enum SolverStatus {
     Diverged,
     /// A normal matrix is not positive definite, even with tighter priors.
     NotDefinite,
-    /// No segment of the drive has readings of all three stations.
+    /// No segment of the drive has readings of all stations.
     NoReadings,
     /// The published answer, from which the iteration starts, has an unobservable direction.
     UnobservableStart,

@@ -4,66 +4,74 @@
 //! because the prior does not let it move. So the equations are solved once more with the usual sizes, and the result is compared
 //! with what was stated (a score test: Rao 1948).
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::DMatrix;
 
 use super::chain_factor::ChainFactor;
 use super::constants_prior::precisions;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::prior_conflict::LEAST_INFORMATION;
 use super::priors::Priors;
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, DISTANCES, StateVector};
+use super::state_vector::{Constants, ConstantsMatrix, StateVector};
+use super::unknown::{DISTANCE, Unknown};
 use crate::calibration::{ErrorSizes, Estimate};
 
 /// An error that the data shows to be larger than stated.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct StatedSizeConflict {
-    /// Index of the error among the constants.
-    pub index: usize,
+    pub unknown: &'static Unknown,
+    pub owner: usize,
     /// The error by the data alone.
     pub estimate: Estimate,
     /// Distance of the error from zero, in σ of the data and the stated size.
     pub sigmas: f64,
 }
 
-impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+impl GaussNewtonStep {
     /// Tests all sizes below the usual ones, as far as the data determines the error.
     pub fn stated_size_conflicts(
         &self,
         priors: &Priors,
         state: &StateVector,
     ) -> Vec<StatedSizeConflict> {
-        let usual = precisions(&ErrorSizes::default());
+        let layout = &priors.layout;
+        let usual = precisions(layout, &ErrorSizes::default());
         let looser = priors.precision.zip_map(&usual, f64::min);
         if looser == priors.precision {
             return Vec::new();
         }
-        let loosest = Matrix3::from_diagonal(&looser.fixed_rows::<3>(DISTANCES));
-        let is_looser = looser[DISTANCES] < priors.precision[DISTANCES];
-        let distances = if is_looser { loosest } else { priors.distances };
-        let loose = Priors { precision: looser, distances, ..priors.clone() };
+        let is_looser = |index: &usize| looser[*index] < priors.precision[*index];
+        let distances = match layout.indices(&DISTANCE).next().filter(is_looser) {
+            Some(first) => {
+                DMatrix::from_diagonal_element(layout.pairs(), layout.pairs(), looser[first])
+            }
+            None => priors.distances.clone(),
+        };
+        let loose = Priors { precision: looser.clone(), distances, ..priors.clone() };
         let right = self.normal.gradient_with_priors(&loose, &self.slow_precisions, state);
         let information = loose.information();
         let solution =
-            ChainFactor::new(&self.normal.matrix, &information, &self.slow_precisions, right);
+            ChainFactor::new(&self.normal.matrix, &information, &self.slow_precisions, &right);
         let Some((factor, step)) = solution else { return Vec::new() };
-        let change = state.constants - step.constants - priors.mean;
+        let change = &state.constants - step.constants - &priors.mean;
         let covariance = factor.constants_covariance();
         let stated = &priors.precision;
-        (CLOCKS..CONSTANTS)
-            .filter(|index| looser[*index] < stated[*index])
-            .filter_map(|index| conflict(index, &change, &covariance, &looser, stated))
-            .collect()
+        let conflict = |(unknown, owner, index)| {
+            let (estimate, sigmas) = conflict(index, &change, &covariance, &looser, stated)?;
+            Some(StatedSizeConflict { unknown, owner, estimate, sigmas })
+        };
+        let tested = layout.each().filter(|(.., index)| is_looser(index));
+        tested.filter_map(conflict).collect()
     }
 }
 
-/// Compares one constant with its stated size; `change` from the prior mean and `covariance` are by the looser prior.
+/// Compares one constant with its stated size: its estimate by the data alone, and its distance from zero (σ). `change` from the prior mean and `covariance` are by the looser prior.
 fn conflict(
     index: usize,
     change: &Constants,
-    covariance: &SMatrix<f64, CONSTANTS, CONSTANTS>,
+    covariance: &ConstantsMatrix,
     looser: &Constants,
     stated: &Constants,
-) -> Option<StatedSizeConflict> {
+) -> Option<(Estimate, f64)> {
     let by_data = 1.0 - covariance[(index, index)] * looser[index];
     if by_data < LEAST_INFORMATION {
         return None;
@@ -72,27 +80,23 @@ fn conflict(
     let value = change[index] / by_data;
     let variance = covariance[(index, index)] / by_data;
     let sigmas = value / (variance + stated[index].recip()).sqrt();
-    let estimate = Estimate { value, sigma: variance.sqrt() };
-    Some(StatedSizeConflict { index, estimate, sigmas })
+    Some((Estimate { value, sigma: variance.sqrt() }, sigmas))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::state_vector::INDICES;
     use super::*;
 
     /// A usual prior of variance 4 and a reading of 10 with variance 4, with a stated variance of 5.
     #[test]
     fn a_stated_size_is_compared_with_the_data_alone() {
-        let (mut looser, mut stated) = (Constants::zeros(), Constants::zeros());
-        (looser[INDICES], stated[INDICES]) = (0.25, 0.2);
-        let mut covariance = SMatrix::zeros();
-        covariance[(INDICES, INDICES)] = 2.0;
-        let mut change = Constants::zeros();
-        change[INDICES] = 5.0;
-        let found = conflict(INDICES, &change, &covariance, &looser, &stated).expect("observed");
-        assert!((found.estimate.value - 10.0).abs() < 1e-12);
-        assert!((found.estimate.sigma - 2.0).abs() < 1e-12);
-        assert!((found.sigmas - 10.0 / 3.0).abs() < 1e-12);
+        let constants = |value: f64| Constants::from_vec(vec![0.0, value]);
+        let covariance = ConstantsMatrix::from_diagonal(&constants(2.0));
+        let (looser, stated) = (constants(0.25), constants(0.2));
+        let (estimate, sigmas) =
+            conflict(1, &constants(5.0), &covariance, &looser, &stated).expect("observed");
+        assert!((estimate.value - 10.0).abs() < 1e-12);
+        assert!((estimate.sigma - 2.0).abs() < 1e-12);
+        assert!((sigmas - 10.0 / 3.0).abs() < 1e-12);
     }
 }

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::state_vector::{
-    CLOCKS, COLLIMATIONS, Constants, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
-};
+use super::sight::Sight;
+use super::state_vector::{Constants, Layout};
+use super::unknown::{CLOCK_DRIFT, CLOCK_OFFSET, LATENCY, LEAN_X, LEAN_Y, ReadingError};
+use crate::network::{Number, Station};
 
 /// Radius of the earth (m). Textbook: mean radius.
 pub const EARTH_RADIUS_M: f64 = 6.371e6;
@@ -18,10 +19,8 @@ pub struct StationModel {
     pub rotation: Matrix3<f64>,
     /// Position in station 1's frame (m).
     pub position_m: Vector3<f64>,
-    pub offset_m: f64,
-    pub scale: f64,
-    pub index_rad: f64,
-    pub collimation_rad: f64,
+    /// Errors that displace the readings, with their sizes.
+    reading_errors: Vec<(ReadingError, f64)>,
     /// Age of the angles when the range is measured (s).
     pub latency_s: f64,
     /// Delay of the stamps (s), and its increase per second.
@@ -30,90 +29,94 @@ pub struct StationModel {
 }
 
 impl StationModel {
-    /// The model of a station, 0 to 2, by the constants θ.
-    pub fn new(constants: &Constants, station: usize) -> Self {
-        let lean = LEANS + 2 * station;
-        let lean = Rotation3::new(Vector3::new(constants[lean], constants[lean + 1], 0.0));
-        let slot = station.checked_sub(1);
+    /// The model of a station by the constants θ.
+    pub fn new(layout: &Layout, constants: &Constants, station: Station) -> Self {
+        let own = |unknown| constants[layout.index(unknown, station.index())];
+        let slot = station.slot();
         let yaw_rad = slot.map_or(0.0, |slot| constants[4 * slot + 3]);
         let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+        let of_clock = |unknown| slot.map_or(0.0, |slot| constants[layout.index(unknown, slot)]);
+        let reading_errors = layout
+            .reading_errors()
+            .map(|(error, first)| (error, constants[first + station.index()]))
+            .collect();
         Self {
-            rotation: *(yaw * lean).matrix(), // (2)
+            rotation: *(yaw * lean(own(&LEAN_X), own(&LEAN_Y))).matrix(), // (2)
             position_m: slot
                 .map_or_else(Vector3::zeros, |slot| constants.fixed_rows::<3>(4 * slot).into()),
-            offset_m: constants[OFFSETS + station],
-            scale: constants[SCALES + station],
-            index_rad: constants[INDICES + station],
-            collimation_rad: constants[COLLIMATIONS + station],
-            latency_s: constants[LATENCIES + station],
-            clock_offset_s: slot.map_or(0.0, |slot| constants[CLOCKS + slot]),
-            clock_drift: slot.map_or(0.0, |slot| constants[DRIFTS + slot]),
+            reading_errors,
+            latency_s: own(&LATENCY),
+            clock_offset_s: of_clock(&CLOCK_OFFSET),
+            clock_drift: of_clock(&CLOCK_DRIFT),
         }
     }
 
-    /// Returns the point of a reading without the errors of range, vertical index, collimation and refraction (m, own axes).
+    /// The models of all stations.
+    pub fn all(layout: &Layout, constants: &Constants) -> Vec<Self> {
+        let stations = (0..layout.stations()).map(Station::at);
+        stations.map(|station| Self::new(layout, constants, station)).collect()
+    }
+
+    /// The model in the station's own level frame.
+    pub fn in_own_level_frame(
+        self,
+        layout: &Layout,
+        constants: &Constants,
+        station: Station,
+    ) -> Self {
+        let [x, y] = [&LEAN_X, &LEAN_Y].map(|lean| constants[layout.index(lean, station.index())]);
+        Self { rotation: *lean(x, y).matrix(), position_m: Vector3::zeros(), ..self }
+    }
+
+    /// Returns the point of a reading without the errors of the instrument and refraction (m, own axes).
     pub fn corrected(&self, sight: &Sight) -> Vector3<f64> {
         // (1)
-        let range_m = sight.range_m * (1.0 - self.scale) - self.offset_m;
-        let raised = self.index_rad - 0.5 * REFRACTION * sight.range_m / EARTH_RADIUS_M;
-        sight.along * range_m + sight.up * (raised * sight.range_m)
-            - sight.side * (self.collimation_rad * sight.range_m)
+        let refraction = 0.5 * REFRACTION * sight.range_m / EARTH_RADIUS_M;
+        let mut point_m = sight.along * sight.range_m - sight.up * (refraction * sight.range_m);
+        for (error, size) in &self.reading_errors {
+            point_m += (error.correction_m)(sight) * *size;
+        }
+        point_m
     }
 }
 
-/// A reading's direction in the station's own axes: unit vectors along the sight, to its right, and up.
-#[derive(Clone, Copy, Debug)]
-pub struct Sight {
-    pub range_m: f64,
-    pub along: Vector3<f64>,
-    pub side: Vector3<f64>,
-    pub up: Vector3<f64>,
-}
-
-impl Sight {
-    /// The sight to a point in the station's own frame (m).
-    pub fn to(point_m: &Vector3<f64>) -> Self {
-        let range_m = point_m.norm().max(1e-9);
-        let along = point_m / range_m;
-        let side = along.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
-        Self { range_m, along, side, up: side.cross(&along) }
-    }
+/// Rotation by leans about a station's own x and y (rad).
+fn lean(x_rad: f64, y_rad: f64) -> Rotation3<f64> {
+    Rotation3::new(Vector3::new(x_rad, y_rad, 0.0))
 }
 
 /// Mean of the sights of one station during a block.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct MeanSight {
     /// Means of the unit vectors along the sight, to its right, and up.
     pub along: Vector3<f64>,
     pub side: Vector3<f64>,
     pub up: Vector3<f64>,
-    /// Means of the same vectors times the range (m).
+    /// Mean point (m).
     pub point_m: Vector3<f64>,
-    pub up_m: Vector3<f64>,
-    pub side_m: Vector3<f64>,
+    /// Mean corrections of the point for errors of one (m), in the order of [`Layout::reading_errors`].
+    pub corrections_m: Vec<Vector3<f64>>,
 }
 
 impl MeanSight {
     /// The mean of sights; `None` without any.
-    pub fn of(sights: impl Iterator<Item = Sight>) -> Option<Self> {
-        let mut sum = Self::default();
+    pub fn of(layout: &Layout, sights: impl Iterator<Item = Sight>) -> Option<Self> {
+        let errors: Vec<ReadingError> = layout.reading_errors().map(|(error, _)| error).collect();
+        let mut mean =
+            Self { corrections_m: vec![Vector3::zeros(); errors.len()], ..Self::default() };
         let mut count = 0.0;
         for sight in sights {
-            sum.along += sight.along;
-            sum.side += sight.side;
-            sum.up += sight.up;
-            sum.point_m += sight.along * sight.range_m;
-            sum.up_m += sight.up * sight.range_m;
-            sum.side_m += sight.side * sight.range_m;
+            mean.along += sight.along;
+            mean.side += sight.side;
+            mean.up += sight.up;
+            mean.point_m += sight.along * sight.range_m;
+            for (sum, error) in mean.corrections_m.iter_mut().zip(&errors) {
+                *sum += (error.correction_m)(&sight);
+            }
             count += 1.0;
         }
-        (count > 0.0).then(|| Self {
-            along: sum.along / count,
-            side: sum.side / count,
-            up: sum.up / count,
-            point_m: sum.point_m / count,
-            up_m: sum.up_m / count,
-            side_m: sum.side_m / count,
-        })
+        let vectors = [&mut mean.along, &mut mean.side, &mut mean.up, &mut mean.point_m];
+        vectors.into_iter().chain(&mut mean.corrections_m).for_each(|sum| *sum /= count);
+        (count > 0.0).then_some(mean)
     }
 }

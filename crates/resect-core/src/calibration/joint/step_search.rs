@@ -2,18 +2,19 @@
 //!
 //! Slow states are random walks from block to block. How far the data pulls an increment beyond its prior follows from its smoothed
 //! value and covariance (de Jong & Penzer 1998, "Diagnosing shocks in time series"), so one factorisation tests all times. A step
-//! of a station has four parameters, one of station 1 acting through the other two; a step of a clock has one. The step with the
+//! of a station has four parameters, one of station 1 acting through all others; a step of a clock has one. The step with the
 //! largest χ² is detected.
 
-use nalgebra::{SVector, Vector3, Vector4};
+use nalgebra::{DVector, Vector4};
 use rayon::prelude::*;
 
-use super::chain::ChainVectors;
+use super::chain::ChainVector;
 use super::chain_factor::ChainFactor;
 use super::random_walks::{SlowPrecisions, WalkMatrix};
-use super::state_vector::Slow;
-use super::step_fit::{STEPPING, fit, step_jacobians};
+use super::state_vector::{Constants, Layout, Slow};
+use super::step_fit::{fit, step_jacobians};
 use crate::calibration::Estimate;
+use crate::network::{Number, Station};
 
 /// Critical χ² of a step of a station at any time of a drive (4 degrees of freedom).
 const STATION_CHI_SQUARE: f64 = 28.0;
@@ -27,13 +28,12 @@ const STEP_SETTLING: f64 = 9.0;
 /// The same multiple once a step is detected, so that it is measured in all directions.
 const DETECTED: f64 = 1e6;
 /// Variance of a clock's step beside which the data must determine it (s²).
-const STEP_CLOCK_S2: SVector<f64, 1> = SVector::<f64, 1>::new(25e-6);
+const STEP_CLOCK_S2: f64 = 25e-6;
 
 /// A step of a station, or of its clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StationStep {
-    /// The station, 0 to 2.
-    pub station: usize,
+    pub station: Station,
     /// The first block after the step.
     pub block: usize,
     /// Time of the step, after the middle of the first block (s).
@@ -62,6 +62,7 @@ impl StationStep {
 
 /// Input of the search.
 pub struct StepSearch<'a> {
+    pub layout: &'a Layout,
     pub factor: &'a ChainFactor,
     pub precisions: &'a SlowPrecisions,
     /// Slow states of each block at the solution.
@@ -69,8 +70,7 @@ pub struct StepSearch<'a> {
     pub block_times_s: &'a [f64],
     /// First blocks after the known steps of stations, and of clocks.
     pub known_blocks: [&'a [usize]; 2],
-    /// Vectors from station 1 to stations 2 and 3 (m).
-    pub positions_m: [Vector3<f64>; 2],
+    pub constants: &'a Constants,
     /// Variances of one station's settling over a drive (x, y, z, yaw; m², rad²).
     pub settling: Vector4<f64>,
 }
@@ -93,27 +93,40 @@ impl StepSearch<'_> {
         let [before_s, after_s] = [self.block_times_s[block - 1], self.block_times_s[block]];
         let after_s = 0.5 * (before_s + after_s) - self.block_times_s[0];
         let mut best: Option<(f64, StationStep)> = None;
-        let mut offer = |significance: f64, station: usize, size: StepSize| {
+        let mut offer = |significance: f64, station: Station, size: StepSize| {
             if best.as_ref().is_none_or(|(other, _)| significance > *other) {
                 let step = StationStep { station, block, after_s, slowly: false, size };
                 best = Some((significance, step));
             }
         };
-        for station in 0..3 {
-            let (by_pose, by_clock) = step_jacobians(station, &self.positions_m);
-            if !is_moved
-                && let Some((chi_square, size)) =
-                    fit(&by_pose, &normal, &right, &(self.settling * STEP_SETTLING))
-            {
-                offer(chi_square / STATION_CHI_SQUARE, station, station_size(size));
+        for station in self.stations() {
+            let (by_pose, by_clock) = self.jacobians(station);
+            let by_pose =
+                (!is_moved).then(|| fit(&by_pose, &normal, &right, &self.settling(STEP_SETTLING)));
+            if let Some((chi_square, size)) = by_pose.flatten() {
+                offer(chi_square / STATION_CHI_SQUARE, station, station_size(&size));
             }
-            if !is_late
-                && let Some((chi_square, [by_s])) = fit(&by_clock, &normal, &right, &STEP_CLOCK_S2)
-            {
-                offer(chi_square / CLOCK_CHI_SQUARE, station, StepSize::Clock(by_s));
+            let by_clock = (!is_late).then(|| fit(&by_clock, &normal, &right, &[STEP_CLOCK_S2]));
+            if let Some((chi_square, size)) = by_clock.flatten() {
+                offer(chi_square / CLOCK_CHI_SQUARE, station, StepSize::Clock(size[0]));
             }
         }
         best
+    }
+
+    fn stations(&self) -> impl Iterator<Item = Station> + use<> {
+        // A single station has nothing that it moves against.
+        let moved = self.layout.moved();
+        (0..self.layout.stations()).map(Station::at).filter(move |_| moved > 0)
+    }
+
+    fn jacobians(&self, station: Station) -> (WalkMatrix, WalkMatrix) {
+        step_jacobians(self.layout, station, self.constants)
+    }
+
+    /// A multiple of the variances of settling.
+    fn settling(&self, multiple: f64) -> [f64; 4] {
+        (self.settling * multiple).into()
     }
 
     /// Returns the most significant drift of a station from the first block of the drive to the last.
@@ -122,16 +135,16 @@ impl StepSearch<'_> {
         let precision = self.precisions.whole_drive_precision()?;
         let covariance = self.increment_covariance(0, last);
         let (normal, right) = self.without_prior(0, last, &precision, &covariance);
-        let drift = |station: usize| {
-            let by_pose = step_jacobians(station, &self.positions_m).0;
-            let (chi_square, size) = fit(&by_pose, &normal, &right, &self.settling)?;
-            let size = station_size(size);
+        let drift = |station: Station| {
+            let (chi_square, size) =
+                fit(&self.jacobians(station).0, &normal, &right, &self.settling(1.0))?;
+            let size = station_size(&size);
             Some((
                 chi_square,
                 StationStep { station, block: last, after_s: 0.0, slowly: true, size },
             ))
         };
-        let largest = (0..3).filter_map(drift).max_by(|a, b| a.0.total_cmp(&b.0));
+        let largest = self.stations().filter_map(drift).max_by(|a, b| a.0.total_cmp(&b.0));
         largest.filter(|(chi_square, _)| *chi_square > DRIFT_CHI_SQUARE).map(|(_, drift)| drift)
     }
 
@@ -144,10 +157,14 @@ impl StepSearch<'_> {
         to: usize,
         precision: &WalkMatrix,
         covariance: &WalkMatrix,
-    ) -> (WalkMatrix, SVector<f64, STEPPING>) {
-        let increment = self.slow[to] - self.slow[from];
-        let right = precision * increment.fixed_rows::<STEPPING>(0);
+    ) -> (WalkMatrix, DVector<f64>) {
+        let right = precision * self.increment(from, to);
         (precision - precision * covariance * precision, right) // (24)
+    }
+
+    /// Change of the states that may step from a block to a later one.
+    fn increment(&self, from: usize, to: usize) -> DVector<f64> {
+        (&self.slow[to] - &self.slow[from]).rows(0, self.layout.slow_ranges()).into_owned()
     }
 
     /// Returns a step with its size by a solution whose priors allow it; the search's own priors do not.
@@ -156,15 +173,14 @@ impl StepSearch<'_> {
         let covariance = self.increment_covariance(step.block - 1, step.block)
             + self.precisions.increment_precision(step.block).cholesky()?.inverse();
         let precision = covariance.cholesky()?.inverse();
-        let increment = self.slow[step.block] - self.slow[step.block - 1];
-        let right = precision * increment.fixed_rows::<STEPPING>(0);
-        let (by_pose, by_clock) = step_jacobians(step.station, &self.positions_m);
+        let right = &precision * self.increment(step.block - 1, step.block);
+        let (by_pose, by_clock) = self.jacobians(step.station);
         let size = match step.size {
             StepSize::Station { .. } => {
-                station_size(fit(&by_pose, &precision, &right, &(self.settling * DETECTED))?.1)
+                station_size(&fit(&by_pose, &precision, &right, &self.settling(DETECTED))?.1)
             }
             StepSize::Clock(_) => {
-                StepSize::Clock(fit(&by_clock, &precision, &right, &STEP_CLOCK_S2)?.1[0])
+                StepSize::Clock(fit(&by_clock, &precision, &right, &[STEP_CLOCK_S2])?.1[0])
             }
         };
         Some(StationStep { size, ..step.clone() })
@@ -172,16 +188,21 @@ impl StepSearch<'_> {
 
     /// Covariance of the increment from a block to a later one, with priors and data.
     fn increment_covariance(&self, from: usize, to: usize) -> WalkMatrix {
-        let mut differences = ChainVectors::<STEPPING>::zeros(self.block_times_s.len());
-        for k in 0..STEPPING {
-            differences.slow[to][(k, k)] = 1.0;
-            differences.slow[from][(k, k)] = -1.0;
-        }
-        let solution = self.factor.solve(differences);
-        (solution.slow[to] - solution.slow[from]).fixed_rows::<STEPPING>(0).into_owned()
+        let walks = self.layout.slow_ranges();
+        let blocks = self.block_times_s.len();
+        let difference = |k: usize| {
+            let mut difference = ChainVector::zeros(self.layout, blocks);
+            difference.slow[to][k] = 1.0;
+            difference.slow[from][k] = -1.0;
+            difference
+        };
+        let solutions = self.factor.solve(&(0..walks).map(difference).collect::<Vec<_>>());
+        WalkMatrix::from_fn(walks, walks, |i, k| {
+            solutions[k].slow[to][i] - solutions[k].slow[from][i]
+        })
     }
 }
 
-fn station_size([x_m, y_m, z_m, turned_rad]: [Estimate; 4]) -> StepSize {
-    StepSize::Station { turned_rad, moved_m: [x_m, y_m, z_m] }
+fn station_size(size: &[Estimate]) -> StepSize {
+    StepSize::Station { turned_rad: size[3], moved_m: [size[0], size[1], size[2]] }
 }

@@ -1,11 +1,10 @@
 //! The joint estimate of a last step: values, covariance, and variance budget.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
-use super::chain::ChainVectors;
+use super::chain::ChainVector;
 use super::facets::facet_covariance;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
@@ -17,50 +16,36 @@ use super::reliability::{
     GroupReliability, PosteriorMoments, control_point_reliability, drive_reliability,
     rig_reliability,
 };
-use super::state_vector::{
-    CLOCKS, COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, DISTANCES, DRIFTS, INDICES,
-    LATENCIES, LEANS, OFFSETS, SCALES, SLOW, SLOW_ACROSS, SLOW_CLOCKS, SLOW_RANGES,
-};
+use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station, level_transforms};
 use super::trace::Trace;
+use super::unknown::CLOCK_OFFSET;
 use crate::calibration::{ErrorSizes, Estimate};
-use crate::geometry::LevelTransform;
-use crate::network::PerStation;
 
-/// Groups of constants in the variance budget.
-const BUDGET_GROUPS: [(&str, Range<usize>); 8] = [
-    ("clocks", CLOCKS..LATENCIES),
-    ("latencies", LATENCIES..DISTANCES),
-    ("inter-prism distances", DISTANCES..LEANS),
-    ("leans", LEANS..OFFSETS),
-    ("range offsets", OFFSETS..SCALES),
-    ("range scales", SCALES..INDICES),
-    ("vertical indices", INDICES..COLLIMATIONS),
-    ("collimations", COLLIMATIONS..CONSTANTS),
-];
-
-impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
+impl GaussNewtonStep {
     /// Summarises a solution; the caller sets steps, iterations and the rows of the trace.
     pub fn summary(&self, solution: Solution) -> JointEstimate {
-        let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, prisms, .. } =
-            &solution;
-        let is_rig = *prisms == 3;
-        let blocks = state.slow.len();
+        let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
+        let layout = solution.layout();
         // Mean poses of the stations over the drive.
-        let poses = DriveMean { constants: 0, slow: 0, blocks: (0..blocks).collect() };
-        let pose_sensitivity = self.factor.solve(poses.jacobian::<8>(blocks));
-        let covariance = poses.of(&pose_sensitivity);
-        let states = ChainVectors::<1> { slow: state.slow.clone(), constants: state.constants };
-        let mean: SVector<f64, 8> = poses.of(&states);
+        let poses = DriveMean {
+            constants: (0..layout.poses()).collect(),
+            slow: 0,
+            blocks: (0..state.slow.len()).collect(),
+        };
+        let pose_sensitivity = self.factor.solve(&poses.jacobian(layout, state.slow.len()));
+        let covariance = poses.of_all(&pose_sensitivity);
+        let states = ChainVector { slow: state.slow.clone(), constants: state.constants.clone() };
         // Variance of a random walk's mean about its start is a third of that of its end.
-        let settling = priors.slow.settling / 3.0;
+        let settling = &priors.slow.settling / 3.0;
+        let information = self.normal.matrix.multiply(&pose_sensitivity);
         // One prism has no heading.
-        let facets = if is_rig && sizes.ranges_wander {
-            let information = self.normal.matrix.multiply_slow(&pose_sensitivity);
+        let facets = if layout.prisms() > 1 && sizes.ranges_wander {
             facet_covariance(&solution.drive, state, &information)
         } else {
-            SMatrix::zeros()
+            DMatrix::zeros(layout.poses(), layout.poses())
         };
-        let mut budget = self.variance_budget(&pose_sensitivity, priors, &settling);
+        let mut budget = self.variance_budget(&pose_sensitivity, &information, priors);
+        add_to_source(&mut budget, "settling", &settling.diagonal());
         budget.push(("facets of prisms", facets.diagonal()));
         let constants = self.factor.constants_covariance();
         let estimate = |index: usize| Estimate {
@@ -68,25 +53,19 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
             sigma: constants[(index, index)].max(0.0).sqrt(),
         };
         let drives = self.drive_clocks(&solution, &states);
+        let with_poses = by_columns(&pose_sensitivity, layout.constants);
         JointEstimate {
-            station1_from_station: level_transforms(&mean),
+            station1_from_station: level_transforms(&poses.of(&states)),
             covariance: covariance + settling + facets, // (25)
             budget,
-            reliability: group_reliability(&solution, &constants, &pose_sensitivity.constants),
-            clock_offsets_s: drives[0].offsets_s,
+            reliability: group_reliability(&solution, &constants, &with_poses),
+            clock_offsets_s: drives[0].offsets_s.clone(),
             drives,
-            clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
-            latencies_s: [0, 1, 2].map(|station| estimate(LATENCIES + station)),
-            distances_m: is_rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
-            leans_rad: [0, 1, 2]
-                .map(|station| [0, 1].map(|axis| estimate(LEANS + 2 * station + axis))),
-            range_offsets_m: [0, 1, 2].map(|station| estimate(OFFSETS + station)),
-            range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
-            indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
-            collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
+            constants: (0..layout.constants).map(estimate).collect(),
             stated_size_conflicts: self.stated_size_conflicts(priors, state),
             prior_conflict: PriorConflict::new(
-                &(state.constants - priors.mean),
+                layout,
+                &(&state.constants - &priors.mean),
                 &priors.covariance(),
                 &constants,
             ),
@@ -103,104 +82,123 @@ impl<const LOCAL: usize, const ROW: usize> GaussNewtonStep<LOCAL, ROW> {
         }
     }
 
-    /// Contribution of each source to the variances of the poses; `sensitivity` is the solution for their Jacobian.
+    /// Contribution of each source to the variances of the poses; `sensitivity` is the solution for their Jacobian, and `information` its
+    /// product with the data's normal matrix.
     fn variance_budget(
         &self,
-        sensitivity: &ChainVectors<8>,
+        sensitivity: &[ChainVector],
+        information: &[ChainVector],
         priors: &Priors,
-        settling: &SMatrix<f64, 8, 8>,
-    ) -> Vec<(&'static str, SVector<f64, 8>)> {
-        let noise = self.normal.matrix.quadratic_form(sensitivity).diagonal();
+    ) -> Vec<(&'static str, DVector<f64>)> {
+        let layout = &*priors.layout;
+        let of_each = |variance: &dyn Fn(usize) -> f64| {
+            DVector::from_fn(sensitivity.len(), |k, _| variance(k))
+        };
+        let noise = of_each(&|k| {
+            let both = sensitivity[k].slow.iter().zip(&information[k].slow);
+            sensitivity[k].constants.dot(&information[k].constants)
+                + both.map(|(x, product)| x.dot(product)).sum::<f64>()
+        });
         let mut budget = vec![("noise", noise)];
-        let information = priors.own_information();
-        for (name, indices) in BUDGET_GROUPS {
-            let own = sensitivity.constants.rows_range(indices.clone());
-            let own_information = information.view_range(indices.clone(), indices);
-            budget.push((
-                name,
-                (own.transpose() * (own_information * own))
-                    .diagonal()
-                    .fixed_rows::<8>(0)
-                    .into_owned(),
-            ));
+        let own_information = priors.own_information();
+        for (name, indices) in layout.sources().filter(|(_, all)| all.start >= layout.poses()) {
+            let own_information = own_information.view_range(indices.clone(), indices.clone());
+            let variance = of_each(&|k| {
+                let own = sensitivity[k].constants.rows_range(indices.clone());
+                own.dot(&(own_information * own))
+            });
+            budget.push((name, variance));
         }
         if let Some(survey) = &priors.survey {
-            let own = &sensitivity.constants;
-            budget.push((
-                "control points",
-                (own.transpose() * (survey.information * own)).diagonal(),
-            ));
+            let variance = of_each(&|k| {
+                let own = &sensitivity[k].constants;
+                own.dot(&(&survey.information * own))
+            });
+            budget.push(("control points", variance));
         }
-        let mut slow_variances = [SVector::<f64, 8>::zeros(); 4];
-        for (block, slow) in sensitivity.slow.iter().enumerate() {
-            let product = self.slow_precisions.multiply(&sensitivity.slow, block);
-            for row in 0..SLOW {
-                let source = match row {
-                    SLOW_ACROSS.. => 3,
-                    SLOW_RANGES.. => 2,
-                    SLOW_CLOCKS.. => 1,
-                    _ => 0,
-                };
-                for k in 0..8 {
-                    slow_variances[source][k] += slow[(row, k)] * product[(row, k)];
-                }
-            }
-        }
-        budget.push(("settling", slow_variances[0] + settling.diagonal()));
-        budget.push(("wandering clocks", slow_variances[1]));
-        budget.push(("slow range errors", slow_variances[2]));
-        budget.push(("slow errors across the sights", slow_variances[3]));
+        let by_slow = self.slow_variances(layout, sensitivity);
+        let slow = |first: usize, end: usize| of_each(&|k| by_slow[k].rows_range(first..end).sum());
+        let clocks = layout.slow_clocks();
+        budget.push(("settling", slow(0, clocks)));
+        budget.push(("wandering clocks", slow(clocks, layout.slow_ranges())));
+        budget.push(("slow range errors", slow(layout.slow_ranges(), layout.slow_across())));
+        budget.push(("slow errors across the sights", slow(layout.slow_across(), layout.slow())));
         budget
     }
 
-    /// Mean clock offsets of stations 2 and 3 in each drive.
-    fn drive_clocks(&self, solution: &Solution, states: &ChainVectors<1>) -> Vec<DriveClocks> {
-        let drive = &solution.drive;
+    /// Contribution of the prior of each slow state to the variances of the poses.
+    fn slow_variances(&self, layout: &Layout, sensitivity: &[ChainVector]) -> Vec<DVector<f64>> {
+        let of_pose = |column: &ChainVector| {
+            let mut sum = DVector::zeros(layout.slow());
+            for (block, slow) in column.slow.iter().enumerate() {
+                sum += slow.component_mul(&self.slow_precisions.multiply(&column.slow, block));
+            }
+            sum
+        };
+        sensitivity.iter().map(of_pose).collect()
+    }
+
+    /// Mean clock offsets in each drive.
+    fn drive_clocks(&self, solution: &Solution, states: &ChainVector) -> Vec<DriveClocks> {
+        let (drive, layout) = (&solution.drive, solution.layout());
         let blocks = states.slow.len();
         let clocks = |span_s: &[f64; 2]| {
             let is_inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
             let own = (0..blocks).filter(|block| is_inside(drive.block_times_s[*block])).collect();
-            let mean = DriveMean { constants: CLOCKS, slow: SLOW_CLOCKS, blocks: own };
-            let value: SVector<f64, 2> = mean.of(states);
-            let sensitivity = self.factor.solve(mean.jacobian::<2>(blocks));
-            let variance = mean.of::<2, 2>(&sensitivity).diagonal();
-            let offsets_s = [0, 1]
-                .map(|slot| Estimate { value: value[slot], sigma: variance[slot].max(0.0).sqrt() });
+            let mean = DriveMean {
+                constants: layout.indices(&CLOCK_OFFSET).collect(),
+                slow: layout.slow_clocks(),
+                blocks: own,
+            };
+            let value = mean.of(states);
+            let variance = mean.of_all(&self.factor.solve(&mean.jacobian(layout, blocks)));
+            let offset_s = |slot: usize| Estimate {
+                value: value[slot],
+                sigma: variance[(slot, slot)].max(0.0).sqrt(),
+            };
+            let reference = Estimate { value: 0.0, sigma: 0.0 };
+            let offsets_s = by_station(reference, (0..layout.moved()).map(offset_s));
             DriveClocks { span_s: *span_s, offsets_s }
         };
         drive.spans_s.iter().map(clocks).collect()
     }
 }
 
+/// Adds to the variances by a source.
+fn add_to_source(budget: &mut [(&'static str, DVector<f64>)], name: &str, more: &DVector<f64>) {
+    for (_, variances) in budget.iter_mut().filter(|(source, _)| *source == name) {
+        *variances += more;
+    }
+}
+
+/// A matrix with the constants of each vector as its columns; one station has no poses and no columns.
+fn by_columns(all: &[ChainVector], constants: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(constants, all.len(), |row, column| all[column].constants[row])
+}
+
 /// Reliability of all readings that are evidence; `with_poses` is the covariance of the constants with the poses.
 fn group_reliability(
     solution: &Solution,
     covariance: &ConstantsMatrix,
-    with_poses: &SMatrix<f64, CONSTANTS, 8>,
+    with_poses: &DMatrix<f64>,
 ) -> Vec<GroupReliability> {
-    let Solution { state, weighting, priors, prisms, .. } = solution;
+    let Solution { state, weighting, priors, .. } = solution;
+    let layout = solution.layout();
     let information = priors.own_information();
-    let change = state.constants - priors.mean;
-    let posterior = PosteriorMoments { information, change, covariance, with_poses };
+    let change = &state.constants - &priors.mean;
+    let posterior = PosteriorMoments { layout, information, change, covariance, with_poses };
     let mut groups = drive_reliability(&posterior, &weighting.squares);
     if let Some(survey) = &priors.survey {
         // A step is opposite to its gradient; the sizes do not depend on the sign.
         let pose_change =
             |gradient: &Constants| with_poses.tr_mul(&survey.without_changes(gradient));
-        groups.extend(control_point_reliability(&survey.survey().readings, pose_change));
+        let readings = &survey.survey().readings;
+        groups.extend(control_point_reliability(readings, layout.stations(), pose_change));
     }
-    if *prisms == 3 && priors.distances_are_evidence {
+    if priors.distances_are_evidence {
         groups.extend(rig_reliability(&posterior));
     }
     groups
-}
-
-fn level_transforms(poses: &SVector<f64, 8>) -> PerStation<LevelTransform> {
-    let level = |slot: usize| {
-        let pose = poses.fixed_rows::<4>(4 * slot);
-        LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
-    };
-    [LevelTransform::IDENTITY, level(0), level(1)].into()
 }
 
 /// Poses at the survey, by the constants and their covariance.
@@ -218,31 +216,44 @@ fn survey_poses(
     Some(SurveyPoses { station1_from_station, covariance, change, may_have_changed })
 }
 
-/// Consecutive constants plus the mean of consecutive slow states over some blocks.
+/// Constants plus the mean of as many consecutive slow states over some blocks.
 struct DriveMean {
-    /// Index of the first constant, and of the first slow state.
-    constants: usize,
+    /// Indices of the constants, and of the first slow state.
+    constants: Vec<usize>,
     slow: usize,
     blocks: Vec<usize>,
 }
 
 impl DriveMean {
-    /// The means of some columns.
-    fn of<const N: usize, const K: usize>(&self, columns: &ChainVectors<K>) -> SMatrix<f64, N, K> {
-        let of_block = |block: &usize| columns.slow[*block].fixed_rows::<N>(self.slow).into_owned();
-        let sum: SMatrix<f64, N, K> = self.blocks.iter().map(of_block).sum();
-        columns.constants.fixed_rows::<N>(self.constants) + sum / self.blocks.len() as f64
+    /// The means of a vector.
+    fn of(&self, vector: &ChainVector) -> DVector<f64> {
+        let slow = self.slow..self.slow + self.constants.len();
+        let mut mean = DVector::zeros(self.constants.len());
+        for block in &self.blocks {
+            mean += vector.slow[*block].rows_range(slow.clone());
+        }
+        mean /= self.blocks.len() as f64;
+        mean.iter_mut().zip(&self.constants).for_each(|(own, k)| *own += vector.constants[*k]);
+        mean
     }
 
-    /// The transposed Jacobian of the means, a column for each.
-    fn jacobian<const N: usize>(&self, blocks: usize) -> ChainVectors<N> {
-        let mut columns = ChainVectors::zeros(blocks);
-        for k in 0..N {
-            columns.constants[(self.constants + k, k)] = 1.0;
+    /// The means of some vectors, as columns.
+    fn of_all(&self, vectors: &[ChainVector]) -> DMatrix<f64> {
+        let columns: Vec<DVector<f64>> = vectors.iter().map(|vector| self.of(vector)).collect();
+        let size = self.constants.len();
+        DMatrix::from_fn(size, columns.len(), |row, column| columns[column][row])
+    }
+
+    /// The transposed Jacobian of the means, a vector for each.
+    fn jacobian(&self, layout: &Layout, blocks: usize) -> Vec<ChainVector> {
+        let of_mean = |(k, index): (usize, &usize)| {
+            let mut column = ChainVector::zeros(layout, blocks);
+            column.constants[*index] = 1.0;
             for block in &self.blocks {
-                columns.slow[*block][(self.slow + k, k)] = 1.0 / self.blocks.len() as f64;
+                column.slow[*block][self.slow + k] = 1.0 / self.blocks.len() as f64;
             }
-        }
-        columns
+            column
+        };
+        self.constants.iter().enumerate().map(of_mean).collect()
     }
 }

@@ -1,16 +1,18 @@
 //! Result of the adjustment of the control points ([`super::survey_adjustment`]).
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, Vector3};
 
 use super::constants_prior::precisions;
-use super::instrument_error_kind::InstrumentErrorKind;
-use super::state_vector::{CLOCKS, CONSTANTS, Constants, ConstantsMatrix, LEANS, OFFSETS};
+use super::state_vector::{Constants, ConstantsMatrix, Layout, level_transforms};
+use super::unknown::{COLLIMATION, LEAN_X, LEAN_Y, RANGE_OFFSET, VERTICAL_INDEX};
 use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS};
 use crate::deployment::findings::instruments::{NamedError, instrument_error};
 use crate::deployment::findings::points::control_point_outlier;
 use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::LevelTransform;
-use crate::network::PerStation;
+use crate::network::{Number, PerStation, Station};
 use crate::statistics::median;
 
 /// Standard deviation of the target's prism constant, which all stations share (m).
@@ -31,6 +33,7 @@ pub const ANGLES: usize = 1;
 /// Result of the adjustment.
 #[derive(Clone, Debug)]
 pub struct Survey {
+    pub layout: Arc<Layout>,
     /// Estimates of the constants θ at the survey; zero for those that the readings do not depend on.
     pub constants: Constants,
     /// Information of the readings about them, without their priors, and the gradient of the readings' cost there.
@@ -43,7 +46,7 @@ pub struct Survey {
     /// Reliability of each reading, marker by marker.
     pub readings: Vec<SurveyReading>,
     /// Errors of each instrument during the survey; `None` without readings in both faces.
-    pub face_errors: [Option<FaceErrors>; 3],
+    pub face_errors: PerStation<Option<FaceErrors>>,
 }
 
 /// Errors of an instrument by readings in both faces.
@@ -56,19 +59,13 @@ pub struct FaceErrors {
 }
 
 impl Survey {
-    /// Poses of the stations at the survey, and the covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
-    pub fn poses(
-        &self,
-        sizes: &ErrorSizes,
-    ) -> Option<(PerStation<LevelTransform>, SMatrix<f64, 8, 8>)> {
-        let information = self.information + survey_precisions(sizes);
+    /// Poses of the stations at the survey, and the covariance of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+    pub fn poses(&self, sizes: &ErrorSizes) -> Option<(PerStation<LevelTransform>, DMatrix<f64>)> {
+        let information = &self.information + survey_precisions(&self.layout, sizes);
         let covariance = information.cholesky()?.inverse();
-        let level = |slot: usize| {
-            let pose = self.constants.fixed_rows::<4>(4 * slot);
-            LevelTransform::new(Vector3::new(pose[0], pose[1], pose[2]), pose[3])
-        };
-        let poses = [LevelTransform::IDENTITY, level(0), level(1)].into();
-        Some((poses, covariance.fixed_view::<8, 8>(0, 0).into_owned()))
+        let size = self.layout.poses();
+        let poses = level_transforms(&self.constants.rows(0, size).into_owned());
+        Some((poses, covariance.view((0, 0), (size, size)).into_owned()))
     }
 
     /// Returns a finding for each point with a reading that is an outlier; the sets are those of the adjustment.
@@ -94,20 +91,20 @@ impl Survey {
 
     /// Describes the errors of the instruments by both faces, where they are significant.
     pub fn significant_face_errors(&self, sizes: &ErrorSizes) -> Vec<Finding> {
-        let of_station = |(station, errors): (usize, &FaceErrors)| {
+        let of_station = |(station, errors): (Station, &FaceErrors)| {
             let all = [
-                (InstrumentErrorKind::Index, errors.index_rad, sizes.index_rad),
-                (InstrumentErrorKind::Collimation, errors.collimation_rad, sizes.collimation_rad),
+                (&VERTICAL_INDEX, errors.index_rad, sizes.index_rad),
+                (&COLLIMATION, errors.collimation_rad, sizes.collimation_rad),
             ];
             let points = errors.points;
             let significant = all
                 .into_iter()
                 .filter(|(_, estimate, _)| estimate.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS);
-            significant.map(move |(kind, estimate, prior_sigma)| {
-                let sentence =
-                    format!("by both faces of {points} points {}", kind.sentence(station));
+            significant.map(move |(unknown, estimate, prior_sigma)| {
+                let sentence = unknown.sentence_of(&station.to_string());
+                let sentence = format!("by both faces of {points} points {sentence}");
                 let quantity = Quantity::Angle;
-                let station = Some(station);
+                let station = Some(station.index());
                 instrument_error(&NamedError {
                     sentence: &sentence,
                     station,
@@ -117,26 +114,26 @@ impl Survey {
                 })
             })
         };
-        let stations = self.face_errors.iter().enumerate();
+        let stations = self.face_errors.each();
         stations
-            .filter_map(|(k, errors)| Some((k, errors.as_ref()?)))
+            .filter_map(|(station, errors)| Some((station, errors.as_ref()?)))
             .flat_map(of_station)
             .collect()
     }
 
     /// Number of points that a station measured.
-    pub fn points(&self, station: usize) -> usize {
+    pub fn points(&self, station: Station) -> usize {
         self.readings.iter().filter(|reading| reading.station == station).count()
     }
 }
 
 /// One station's reading of a marker in the adjustment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SurveyReading {
     /// Index of the set and of the point in it.
     pub set: usize,
     pub point: usize,
-    pub station: usize,
+    pub station: Station,
     /// Residual along the sight, to its right and up (m), and its standard deviations before the fit (m).
     pub residual_m: Vector3<f64>,
     pub sigma_m: Vector3<f64>,
@@ -144,21 +141,29 @@ pub struct SurveyReading {
     /// Redundancy number of each of the three.
     pub redundancy: Vector3<f64>,
     /// Gradient of the survey's cost by the constants for an error of each of the three (1/m).
-    pub influence: SMatrix<f64, CONSTANTS, 3>,
+    pub influence: DMatrix<f64>,
 }
 
 /// Priors (1/σ²) of the constants at the survey; the range offsets share the prism constant of the target.
-pub fn survey_precisions(sizes: &ErrorSizes) -> ConstantsMatrix {
-    let mut precision = precisions(sizes);
+pub fn survey_precisions(layout: &Layout, sizes: &ErrorSizes) -> ConstantsMatrix {
+    let mut precision = precisions(layout, sizes);
     // A compensator leaves another lean after the survey.
     let lean_rad = sizes.lean_rad.hypot(sizes.lean_rad).max(1e-9);
-    precision.rows_mut(LEANS, OFFSETS - LEANS).fill(lean_rad.powi(-2));
-    // The readings do not depend on these.
-    precision.rows_mut(CLOCKS, LEANS - CLOCKS).fill(1.0);
+    for index in layout.indices(&LEAN_X).chain(layout.indices(&LEAN_Y)) {
+        precision[index] = lean_rad.powi(-2);
+    }
+    layout.of_motion().into_iter().for_each(|index| precision[index] = 1.0);
     let mut information = ConstantsMatrix::from_diagonal(&precision);
+    let stations = layout.stations();
+    let zeros = DMatrix::from_diagonal_element(stations, stations, ZERO_M.powi(2));
+    let shared = DMatrix::repeat(stations, stations, TARGET_CONSTANT_M.powi(2));
+    // Positive definite: a positive diagonal plus a square.
     let offsets =
-        Matrix3::from_diagonal_element(ZERO_M.powi(2)) + Matrix3::repeat(TARGET_CONSTANT_M.powi(2));
-    let offsets = offsets.try_inverse().unwrap_or_else(Matrix3::identity);
-    information.fixed_view_mut::<3, 3>(OFFSETS, OFFSETS).copy_from(&offsets);
+        (zeros + shared).try_inverse().unwrap_or_else(|| DMatrix::identity(stations, stations));
+    for (i, row) in layout.indices(&RANGE_OFFSET).enumerate() {
+        for (j, column) in layout.indices(&RANGE_OFFSET).enumerate() {
+            information[(row, column)] = offsets[(i, j)];
+        }
+    }
     information
 }

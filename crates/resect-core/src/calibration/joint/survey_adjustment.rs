@@ -9,24 +9,24 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::block_jacobians::point_jacobian;
 use super::constants_prior::prior_mean;
 use super::loss::{CONSISTENCY, robust_weight};
-use super::state_vector::{
-    CLOCKS, COLLIMATIONS, CONSTANTS, Constants, ConstantsMatrix, INDICES, LEANS,
-};
-use super::station_model::{MeanSight, Sight, StationModel};
+use super::sight::Sight;
+use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station};
+use super::station_model::{MeanSight, StationModel};
 use super::survey::{ANGLES, FaceErrors, RANGES, Survey, SurveyReading, survey_precisions};
 use super::survey_elimination::{
-    Centre, EliminatedFrame, FRAME, OWN, OwnErrors, PointEquation, PointJacobian, add_gram,
-    own_errors, own_index, without_frame,
+    Centre, EliminatedFrame, FRAME, OwnErrors, PointEquation, PointJacobian, add_gram,
+    without_frame,
 };
+use super::unknown::{COLLIMATION, VERTICAL_INDEX};
 use crate::calibration::{CalibrationSettings, ErrorSizes, Estimate};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
-use crate::geometry::{LevelTransform, align_level};
-use crate::network::PerStation;
+use crate::geometry::{LevelTransform, Polar, align_level};
+use crate::network::{Number, PerPair, PerStation, Station};
 use crate::statistics::median;
 
 /// Standard deviation of a static range of length zero.
@@ -39,7 +39,7 @@ const ANGLE_RAD: f64 = 6e-6;
 const TARGET_M: f64 = 0.0003;
 /// Standard deviation of a surveyed coordinate with the centring of the target, which all stations share (m).
 const SURVEYED_M: f64 = 0.002;
-/// Fewest points that stations 2 and 3 share with station 1.
+/// Fewest points that each other station shares with station 1.
 const FEWEST_SHARED: usize = 3;
 /// Largest number of iterations of the adjustment.
 const MOST_ITERATIONS: usize = 60;
@@ -53,7 +53,7 @@ const STATED_NUMBERS: f64 = 12.0;
 /// A reading with what does not change during the adjustment.
 struct Observed {
     point: usize,
-    station: usize,
+    station: Station,
     sight: Sight,
     /// Vertical index and collimation (rad) by the readings in both faces, of which the sight is the mean.
     face_errors_rad: Option<[f64; 2]>,
@@ -62,20 +62,16 @@ struct Observed {
 }
 
 impl Observed {
-    /// The model of the reading's station, without the errors that a mean of both faces is free of.
-    fn model(&self, stations: &[StationModel; 3]) -> StationModel {
-        let model = stations[self.station].clone();
-        match self.face_errors_rad {
-            Some(_) => StationModel { index_rad: 0.0, collimation_rad: 0.0, ..model },
-            None => model,
-        }
-    }
-
     /// Indices of vertical index and collimation among the constants, with their values by both faces (rad).
-    fn face_errors(&self) -> impl Iterator<Item = (usize, f64)> {
-        let indices = [INDICES + self.station, COLLIMATIONS + self.station];
+    fn face_errors(&self, layout: &Layout) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let indices = face_indices(layout, self.station);
         self.face_errors_rad.into_iter().flat_map(move |values| indices.into_iter().zip(values))
     }
+}
+
+/// Indices of a station's vertical index and collimation among the constants.
+fn face_indices(layout: &Layout, station: Station) -> [usize; 2] {
+    [&VERTICAL_INDEX, &COLLIMATION].map(|unknown| layout.index(unknown, station.index()))
 }
 
 /// A marker: its readings, and its surveyed coordinates in the frame of its set (m).
@@ -87,23 +83,29 @@ struct Marker {
 /// Adjusts the control points of a deployment if the settings use them.
 pub fn of_deployment(
     deployment: &Deployment,
+    layout: &Arc<Layout>,
     settings: &CalibrationSettings,
 ) -> Option<Arc<Survey>> {
     let sets = deployment.comparable_control_points();
     if !settings.evidence.control_points {
         return None;
     }
-    adjust(sets, &settings.errors).map(Arc::new)
+    adjust(sets, layout, &settings.errors).map(Arc::new)
 }
 
-/// Adjusts the control points of a deployment; `None` unless stations 2 and 3 each share three points with station 1.
-pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
-    let published = approximate_transforms(sets)?;
-    let mean = prior_mean(&published, None);
+/// Adjusts the control points of a deployment; `None` unless each other station shares three points with station 1.
+pub fn adjust(
+    sets: &[ControlPointSet],
+    layout: &Arc<Layout>,
+    sizes: &ErrorSizes,
+) -> Option<Survey> {
+    let published = approximate_transforms(sets, layout.stations())?;
+    let mean = prior_mean(layout, &published, &PerPair::default());
     let mut adjustment = Adjustment {
-        constants: mean,
+        layout: Arc::clone(layout),
+        constants: mean.clone(),
         mean,
-        precision: survey_precisions(sizes),
+        precision: survey_precisions(layout, sizes),
         markers: sets.iter().map(markers).collect(),
         frames: vec![LevelTransform::IDENTITY; sets.len()],
         noise_factors: [1.0; 2],
@@ -113,8 +115,7 @@ pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
     for iteration in 0..MOST_ITERATIONS {
         let equations = adjustment.linearise();
         let factor = equations.with_priors(&adjustment.precision).cholesky()?;
-        let gradient =
-            equations.gradient + adjustment.precision * (adjustment.constants - adjustment.mean);
+        let gradient = &equations.gradient + &adjustment.precision * adjustment.deviation();
         let step = factor.solve(&gradient);
         let mut is_converged = false;
         if iteration % REDUNDANCY_PERIOD == 0 {
@@ -140,22 +141,27 @@ pub fn adjust(sets: &[ControlPointSet], sizes: &ErrorSizes) -> Option<Survey> {
 }
 
 /// Level transforms by the points that two stations share, as method B.
-fn approximate_transforms(sets: &[ControlPointSet]) -> Option<PerStation<LevelTransform>> {
+fn approximate_transforms(
+    sets: &[ControlPointSet],
+    stations: usize,
+) -> Option<PerStation<LevelTransform>> {
     let points = || sets.iter().flat_map(|set| &set.points);
     let transform = |station: usize| {
         let shared = points().filter_map(|point| {
-            Some((point.readings[0]?.to_cartesian(), point.readings[station]?.to_cartesian()))
+            let reading = |station| Some((*point.readings.get(station)?)?.to_cartesian());
+            Some((reading(Station::FIRST)?, reading(Station::at(station))?))
         });
         let (to_m, from_m): (Vec<_>, Vec<_>) = shared.unzip();
         (to_m.len() >= FEWEST_SHARED).then(|| align_level(&to_m, &from_m))?
     };
-    Some([LevelTransform::IDENTITY, transform(1)?, transform(2)?].into())
+    let others: Option<Vec<LevelTransform>> = (1..stations).map(transform).collect();
+    Some(by_station(LevelTransform::IDENTITY, others?))
 }
 
 fn markers(points: &ControlPointSet) -> Vec<Marker> {
     let marker = |(index, point): (usize, &ControlPoint)| {
-        let reading = |station: usize| {
-            let point_m = point.readings[station]?.to_cartesian();
+        let reading = |(station, reading): (Station, &Option<Polar>)| {
+            let point_m = (*reading)?.to_cartesian();
             let sight = Sight::to(&point_m);
             let face_errors_rad = point.face_one[station].map(|face_one| {
                 let off_rad = (face_one.to_cartesian() - point_m) / sight.range_m;
@@ -166,13 +172,15 @@ fn markers(points: &ControlPointSet) -> Vec<Marker> {
             let sigma_m = Vector3::new(RANGE_M + RANGE_SHARE * range_m, across_m, across_m);
             Some(Observed { point: index, station, sight, face_errors_rad, sigma_m, weight: 1.0 })
         };
-        Marker { readings: (0..3).filter_map(reading).collect(), surveyed_m: point.known_m }
+        let readings = point.readings.each().filter_map(reading).collect();
+        Marker { readings, surveyed_m: point.known_m }
     };
     points.points.iter().enumerate().map(marker).collect()
 }
 
 /// State of the adjustment.
 struct Adjustment {
+    layout: Arc<Layout>,
     constants: Constants,
     mean: Constants,
     precision: ConstantsMatrix,
@@ -195,7 +203,7 @@ struct SurveyEquations {
 
 impl SurveyEquations {
     fn with_priors(&self, precision: &ConstantsMatrix) -> ConstantsMatrix {
-        self.information + precision
+        &self.information + precision
     }
 }
 
@@ -207,13 +215,25 @@ struct WeighedResidual {
 }
 
 impl Adjustment {
-    fn stations(&self) -> [StationModel; 3] {
-        [0, 1, 2].map(|station| StationModel::new(&self.constants, station))
+    fn stations(&self) -> StationModels {
+        let mut of_both_faces = self.constants.clone();
+        for station in (0..self.layout.stations()).map(Station::at) {
+            face_indices(&self.layout, station).into_iter().for_each(|k| of_both_faces[k] = 0.0);
+        }
+        StationModels {
+            of_one_face: StationModel::all(&self.layout, &self.constants),
+            of_both_faces: StationModel::all(&self.layout, &of_both_faces),
+        }
+    }
+
+    /// Estimate less prior mean.
+    fn deviation(&self) -> Constants {
+        &self.constants - &self.mean
     }
 
     /// Position of a reading in station 1's frame (m), and the axes of its sight there.
-    fn placed(stations: &[StationModel; 3], reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
-        let model = reading.model(stations);
+    fn placed(stations: &StationModels, reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
+        let model = stations.model(reading);
         let Sight { along, side, up, .. } = reading.sight;
         // (5)
         let point_m = model.rotation * model.corrected(&reading.sight) + model.position_m;
@@ -247,7 +267,7 @@ impl Adjustment {
     fn apply(&mut self, step: &Constants, eliminated: &[EliminatedFrame]) {
         self.constants -= step;
         for (frame, eliminated) in self.frames.iter_mut().zip(eliminated) {
-            let step = eliminated.step + eliminated.by_constants * step;
+            let step = eliminated.step + &eliminated.by_constants * step;
             frame.translation_m -= step.fixed_rows::<3>(0);
             frame.yaw_rad -= step[3];
         }
@@ -256,7 +276,7 @@ impl Adjustment {
     /// The equations of one marker.
     fn equations(
         &self,
-        stations: &[StationModel; 3],
+        stations: &StationModels,
         marker: &Marker,
         set: usize,
     ) -> Vec<PointEquation> {
@@ -268,7 +288,7 @@ impl Adjustment {
                 let variance_m2 = self.sigma_m(reading).map(|sigma_m| sigma_m.powi(-2));
                 let information =
                     axes * Matrix3::from_diagonal(&variance_m2) * axes.transpose() * reading.weight;
-                let jacobian = jacobian(&reading.model(stations), reading);
+                let jacobian = jacobian(&self.layout, stations.model(reading), reading);
                 PointEquation { point_m, jacobian, information }
             })
             .collect();
@@ -277,10 +297,11 @@ impl Adjustment {
             self.markers[set].iter().filter(|marker| marker.surveyed_m.is_some()).count();
         if let Some(surveyed_m) = marker.surveyed_m.filter(|_| surveyed > 1) {
             let frame = &self.frames[set];
-            let mut jacobian = PointJacobian::zeros();
-            jacobian.fixed_view_mut::<3, 3>(0, CONSTANTS).fill_with_identity();
+            let constants = self.layout.constants;
+            let mut jacobian = PointJacobian::zeros(3, constants + FRAME);
+            jacobian.fixed_view_mut::<3, 3>(0, constants).fill_with_identity();
             let by_yaw = Vector3::z().cross(&frame.rotate(&surveyed_m));
-            jacobian.fixed_view_mut::<3, 1>(0, CONSTANTS + 3).copy_from(&by_yaw);
+            jacobian.fixed_view_mut::<3, 1>(0, constants + 3).copy_from(&by_yaw);
             let information = Matrix3::from_diagonal_element(SURVEYED_M.powi(-2));
             let point_m = frame.apply(&surveyed_m);
             equations.push(PointEquation { point_m, jacobian, information });
@@ -289,17 +310,18 @@ impl Adjustment {
     }
 
     fn linearise(&self) -> SurveyEquations {
-        const ALL: usize = CONSTANTS + FRAME;
+        let constants = self.layout.constants;
+        let all = constants + FRAME;
         let stations = self.stations();
         let mut sum = SurveyEquations {
-            information: SMatrix::zeros(),
-            gradient: Constants::zeros(),
+            information: ConstantsMatrix::zeros(constants, constants),
+            gradient: Constants::zeros(constants),
             frames: Vec::new(),
             residuals_m: Vec::new(),
         };
         for (set, markers) in self.markers.iter().enumerate() {
-            let mut information = DMatrix::<f64>::zeros(ALL, ALL);
-            let mut gradient = DVector::<f64>::zeros(ALL);
+            let mut information = DMatrix::<f64>::zeros(all, all);
+            let mut gradient = DVector::<f64>::zeros(all);
             for marker in markers {
                 let equations = self.equations(&stations, marker, set);
                 let Some(centre) = Centre::of(&equations) else { continue };
@@ -333,7 +355,7 @@ impl Adjustment {
     ) {
         let precision = self.face_precision();
         for reading in markers.iter().flat_map(|marker| &marker.readings) {
-            for (index, observed_rad) in reading.face_errors() {
+            for (index, observed_rad) in reading.face_errors(&self.layout) {
                 let off_rad = self.constants[index] - observed_rad;
                 let weight = robust_weight(off_rad * off_rad * precision) * precision;
                 information[(index, index)] += weight;
@@ -348,22 +370,19 @@ impl Adjustment {
     }
 
     /// Errors of each instrument with readings in both faces.
-    fn face_errors(&self, covariance: &ConstantsMatrix) -> [Option<FaceErrors>; 3] {
+    fn face_errors(&self, covariance: &ConstantsMatrix) -> PerStation<Option<FaceErrors>> {
         let estimate = |index: usize| Estimate {
             value: self.constants[index],
             sigma: covariance[(index, index)].sqrt(),
         };
         let readings = || self.markers.iter().flatten().flat_map(|marker| &marker.readings);
-        [0, 1, 2].map(|station| {
+        PerStation::from_fn(self.layout.stations(), |station| {
             let is_of_both = |reading: &&Observed| {
                 reading.station == station && reading.face_errors_rad.is_some()
             };
             let points = readings().filter(is_of_both).count();
-            (points > 0).then(|| FaceErrors {
-                points,
-                index_rad: estimate(INDICES + station),
-                collimation_rad: estimate(COLLIMATIONS + station),
-            })
+            let [index_rad, collimation_rad] = face_indices(&self.layout, station).map(estimate);
+            (points > 0).then_some(FaceErrors { points, index_rad, collimation_rad })
         })
     }
 
@@ -381,16 +400,15 @@ impl Adjustment {
                 let Some(centre) = Centre::of(&equations) else { continue };
                 for (reading, equation) in marker.readings.iter().zip(&equations) {
                     let axes = Self::placed(&stations, reading).1;
-                    let total = equation.jacobian - centre.jacobian;
-                    let by_frame = total.fixed_columns::<FRAME>(CONSTANTS).into_owned();
+                    let constants = self.layout.constants;
+                    let total = &equation.jacobian - &centre.jacobian;
+                    let by_frame = total.fixed_columns::<FRAME>(constants).into_owned();
                     let frame = &frames[set];
-                    let jacobian =
-                        total.fixed_columns::<CONSTANTS>(0) + by_frame * frame.by_constants;
+                    let jacobian = total.columns(0, constants) + &by_frame * &frame.by_constants;
                     // Covariance of the fitted position.
-                    let fitted = centre.covariance
-                        + jacobian * covariance * jacobian.transpose()
-                        + by_frame * frame.covariance * by_frame.transpose();
-                    let fitted = axes.tr_mul(&(fitted * axes));
+                    let fitted = &jacobian * covariance * jacobian.transpose()
+                        + &by_frame * frame.covariance * by_frame.transpose();
+                    let fitted = axes.tr_mul(&((centre.covariance + fitted) * axes));
                     let sigma_m = self.sigma_m(reading);
                     let share = |axis: usize| {
                         1.0 - reading.weight * fitted[(axis, axis)] / sigma_m[axis].powi(2)
@@ -404,7 +422,9 @@ impl Adjustment {
                         weight: reading.weight,
                         redundancy: Vector3::new(share(0), share(1), share(2))
                             .map(|share| share.clamp(0.0, 1.0)),
-                        influence: jacobian.tr_mul(&(equation.information * axes)),
+                        influence: jacobian
+                            .tr_mul(&(equation.information * axes))
+                            .resize_horizontally(3, 0.0),
                     });
                 }
             }
@@ -450,48 +470,63 @@ impl Adjustment {
 
     /// Eliminates the errors that are not those of the drive.
     fn into_survey(self, equations: &SurveyEquations, mut readings: Vec<SurveyReading>) -> Survey {
+        let own = self.layout.of_pointing();
         let OwnErrors { regression, transposed } =
-            OwnErrors::new(&equations.information, &self.precision);
-        let mut information = equations.information - regression * transposed;
-        let with_priors = equations.gradient + self.precision * (self.constants - self.mean);
-        let mut gradient = equations.gradient - regression * own_errors(&with_priors);
+            OwnErrors::new(&equations.information, &self.precision, &own);
+        let mut information = &equations.information - &regression * transposed;
+        let with_priors = &equations.gradient + &self.precision * self.deviation();
+        let mut gradient = &equations.gradient - &regression * with_priors.select_rows(&own);
         for SurveyReading { influence, .. } in &mut readings {
-            let own =
-                SMatrix::<f64, OWN, 3>::from_fn(|row, axis| influence[(own_index(row), axis)]);
-            *influence -= regression * own;
+            *influence -= &regression * influence.select_rows(&own);
         }
         let mut constants = self.constants;
-        for index in (CLOCKS..LEANS).chain((0..OWN).map(own_index)) {
+        for index in self.layout.of_motion().into_iter().chain(own) {
             constants[index] = 0.0;
             gradient[index] = 0.0;
             information.row_mut(index).fill(0.0);
             information.column_mut(index).fill(0.0);
             readings.iter_mut().for_each(|reading| reading.influence.row_mut(index).fill(0.0));
         }
-        let information = 0.5 * (information + information.transpose());
+        let information = 0.5 * (&information + information.transpose());
         let mut all = self.markers.iter().flatten();
         Survey {
+            face_errors: PerStation::repeat(self.layout.stations(), None),
+            layout: self.layout,
             constants,
             information,
             gradient,
             noise_factors: self.noise_factors,
-            face_errors: [None; 3],
             has_surveyed_coordinates: all.any(|marker| marker.surveyed_m.is_some()),
             readings,
         }
     }
 }
 
+/// Models of the stations for readings in one face, and for means of both faces, which are free of vertical index and collimation.
+struct StationModels {
+    of_one_face: Vec<StationModel>,
+    of_both_faces: Vec<StationModel>,
+}
+
+impl StationModels {
+    fn model(&self, reading: &Observed) -> &StationModel {
+        let models = match reading.face_errors_rad {
+            Some(_) => &self.of_both_faces,
+            None => &self.of_one_face,
+        };
+        &models[reading.station.index()]
+    }
+}
+
 /// Jacobian of a reading's position by the constants of its station.
-fn jacobian(model: &StationModel, reading: &Observed) -> PointJacobian {
-    let mut jacobian = PointJacobian::zeros();
-    let mean_sight = MeanSight::of(std::iter::once(reading.sight)).unwrap_or_default();
-    let by_instrument = point_jacobian(model, &mean_sight, reading.station).0;
-    jacobian.fixed_columns_mut::<CONSTANTS>(0).copy_from(&by_instrument);
-    for (index, _) in reading.face_errors() {
+fn jacobian(layout: &Layout, model: &StationModel, reading: &Observed) -> PointJacobian {
+    let mean_sight = MeanSight::of(layout, std::iter::once(reading.sight)).unwrap_or_default();
+    let by_instrument = point_jacobian(layout, model, &mean_sight, reading.station).0;
+    let mut jacobian = by_instrument.resize_horizontally(layout.constants + FRAME, 0.0);
+    for (index, _) in reading.face_errors(layout) {
         jacobian.column_mut(index).fill(0.0);
     }
-    if let Some(slot) = reading.station.checked_sub(1) {
+    if let Some(slot) = reading.station.slot() {
         jacobian.fixed_view_mut::<3, 3>(0, 4 * slot).fill_with_identity();
         let by_yaw = Vector3::z().cross(&(model.rotation * mean_sight.point_m));
         jacobian.fixed_view_mut::<3, 1>(0, 4 * slot + 3).copy_from(&by_yaw);

@@ -7,19 +7,18 @@
 
 use std::sync::Arc;
 
-use nalgebra::{SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Vector4};
 
 use super::prior_conflict::LEAST_INFORMATION;
 use super::settling::{own_settling, relative_settling};
-use super::state_vector::{CONSTANTS, Constants, ConstantsMatrix, LEANS};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use super::step_fit::{fit, step_jacobians};
 use super::survey::Survey;
+use super::unknown::{LEAN_X, LEAN_Y};
 use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::wrap_to_pi;
+use crate::network::{Number, Station};
 
-/// Number of changes Δθ: of (x, y, z, yaw) of stations 2 and 3, then of the leans of stations 1 to 3.
-const CHANGES: usize = 14;
-const POSES: usize = 8;
 /// Least standard deviation of a changed station's displacement, added to the prior (23).
 const CHANGED_M: f64 = 0.005;
 /// Least standard deviation of a changed station's rotation, added to the prior (23).
@@ -37,11 +36,12 @@ const WRONG_DISTANCE_M2: f64 = 1e-4;
 /// Critical χ² of the rest once all three distances are fitted. Textbook: 5 degrees of freedom, 1 %.
 const REST_WITH_DISTANCES: f64 = 15.1;
 
-type Changes = SVector<f64, CHANGES>;
-type ChangeMatrix = SMatrix<f64, CHANGES, CHANGES>;
+/// Changes Δθ: of (x, y, z, yaw) of stations 2, 3, …, then of the leans of all stations.
+type Changes = DVector<f64>;
+type ChangeMatrix = DMatrix<f64>;
 /// Change of the poses by the drive for an error of each measured distance.
-pub type PosesByDistances = SMatrix<f64, POSES, 3>;
-type PoseMatrix = SMatrix<f64, POSES, POSES>;
+pub type PosesByDistances = DMatrix<f64>;
+type PoseMatrix = DMatrix<f64>;
 
 /// The survey as evidence about the constants of the drive.
 #[derive(Clone, Debug)]
@@ -53,12 +53,12 @@ pub struct SurveyEvidence {
     pub information: ConstantsMatrix,
     vector: Constants,
     /// Regression of the changes on the survey's estimate less the constants, and the covariance of the changes given these.
-    regression: SMatrix<f64, CHANGES, CONSTANTS>,
+    regression: DMatrix<f64>,
     conditional: ChangeMatrix,
     /// Variances of one station's settling over a drive (x, y, z, yaw; m², rad²).
     own: Vector4<f64>,
     /// Stations with a detected change; more than one if the data does not decide between them.
-    pub changed: Vec<usize>,
+    pub changed: Vec<Station>,
     /// True if a change is possible but not detected.
     pub may_have_changed: bool,
     /// Change of the poses by the drive alone for errors of the measured distances, if these are evidence.
@@ -70,8 +70,8 @@ pub struct SurveyEvidence {
 /// Change of a station's set-up between the survey and the drive (drive less survey).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetUpChange {
-    /// The station, 0 to 2; `None` if the data does not decide which one changed.
-    pub station: Option<usize>,
+    /// `None` if the data does not decide which station changed.
+    pub station: Option<Station>,
     /// True if wrong distances of the rig explain the same difference; no station is named then.
     pub distances_explain: bool,
     /// Rotation about z (rad) and displacement (m, station 1's frame), of the candidate that fits best.
@@ -88,15 +88,22 @@ impl SetUpChange {
 
 impl SurveyEvidence {
     /// Evidence with the prior of settling; yaws are unwrapped to those of the prior mean.
-    pub fn new(survey: &Arc<Survey>, sizes: &ErrorSizes, mean: &Constants) -> Option<Self> {
+    pub fn new(
+        layout: &Layout,
+        survey: &Arc<Survey>,
+        sizes: &ErrorSizes,
+        mean: &Constants,
+    ) -> Option<Self> {
         let mut survey = (**survey).clone();
-        for yaw in [3, 7] {
+        let poses = layout.poses();
+        for yaw in (3..poses).step_by(4) {
             survey.constants[yaw] = mean[yaw] + wrap_to_pi(survey.constants[yaw] - mean[yaw]);
         }
-        let mut covariance = ChangeMatrix::zeros();
-        covariance.fixed_view_mut::<POSES, POSES>(0, 0).copy_from(&relative_settling(sizes, mean));
         let lean_rad2 = sizes.lean_rad.max(1e-7).powi(2);
-        (POSES..CHANGES).for_each(|lean| covariance[(lean, lean)] = lean_rad2);
+        let changes = changing(layout).len();
+        let mut covariance = ChangeMatrix::from_diagonal_element(changes, changes, lean_rad2);
+        let settling = relative_settling(sizes, mean, layout.moved());
+        covariance.view_mut((0, 0), (poses, poses)).copy_from(&settling);
         Self::with_covariance(Arc::new(survey), covariance, own_settling(sizes), Vec::new())
     }
 
@@ -109,25 +116,23 @@ impl SurveyEvidence {
         survey: Arc<Survey>,
         change_covariance: ChangeMatrix,
         own: Vector4<f64>,
-        changed: Vec<usize>,
+        changed: Vec<Station>,
     ) -> Option<Self> {
         let information = &survey.information;
-        let by_changes = SMatrix::<f64, CONSTANTS, CHANGES>::from_fn(|row, change| {
-            information[(row, constant_of(change))]
-        });
-        let of_changes =
-            ChangeMatrix::from_fn(|i, j| information[(constant_of(i), constant_of(j))]);
+        let changing = changing(&survey.layout);
+        let by_changes = information.select_columns(&changing);
+        let of_changes = by_changes.select_rows(&changing);
         // (12)
         let conditional =
-            (of_changes + change_covariance.cholesky()?.inverse()).cholesky()?.inverse();
-        let regression = conditional * by_changes.transpose();
-        let marginal = information - by_changes * regression;
-        let marginal = 0.5 * (marginal + marginal.transpose());
+            (of_changes + change_covariance.clone().cholesky()?.inverse()).cholesky()?.inverse();
+        let regression = &conditional * by_changes.transpose();
+        let marginal = information - &by_changes * &regression;
+        let marginal = 0.5 * (&marginal + marginal.transpose());
         let mut evidence = Self {
             survey,
             change_covariance,
             information: marginal,
-            vector: Constants::zeros(),
+            vector: Constants::default(),
             regression,
             conditional,
             own,
@@ -137,7 +142,7 @@ impl SurveyEvidence {
             distances_explain: false,
         };
         let gradient = evidence.without_changes(&evidence.survey.gradient);
-        evidence.vector = marginal * evidence.survey.constants - gradient;
+        evidence.vector = &evidence.information * &evidence.survey.constants - gradient;
         Some(evidence)
     }
 
@@ -148,45 +153,50 @@ impl SurveyEvidence {
 
     /// Eliminates the changes from a gradient of the survey's cost.
     pub fn without_changes(&self, gradient: &Constants) -> Constants {
-        let by_changes = Changes::from_fn(|change, _| gradient[constant_of(change)]);
-        gradient - self.regression.tr_mul(&by_changes)
+        gradient - self.regression.tr_mul(&gradient.select_rows(&changing(&self.survey.layout)))
     }
 
     /// Cost of the survey (σ²), less that of its own adjustment.
     pub fn cost(&self, constants: &Constants) -> f64 {
-        let change = constants - self.survey.constants;
+        let change = constants - &self.survey.constants;
         let gradient = self.without_changes(&self.survey.gradient);
-        change.dot(&(self.information * change)) + 2.0 * gradient.dot(&change) // (12)
+        change.dot(&(&self.information * &change)) + 2.0 * gradient.dot(&change) // (12)
     }
 
     /// Gradient of the survey's cost by the constants.
     pub fn gradient(&self, constants: &Constants) -> Constants {
-        self.information * constants - self.vector
+        &self.information * constants - &self.vector
     }
 
     /// Poses and leans of the survey less those of the drive.
     fn changes(&self, constants: &Constants) -> Changes {
-        let gradient = Changes::from_fn(|change, _| self.survey.gradient[constant_of(change)]);
-        self.regression * (self.survey.constants - constants) - self.conditional * gradient
+        let gradient = self.survey.gradient.select_rows(&changing(&self.survey.layout));
+        &self.regression * (&self.survey.constants - constants) - &self.conditional * gradient
     }
 
     /// Covariance of the changes, by that of the constants.
     fn covariance(&self, constants: &ConstantsMatrix) -> ChangeMatrix {
-        self.conditional + self.regression * constants * self.regression.transpose()
+        &self.conditional + &self.regression * constants * self.regression.transpose()
     }
 
-    /// Poses of stations 2 and 3 at the survey (x, y, z, yaw) and their covariance, by the constants of the drive and theirs.
+    /// The part of the poses of a matrix of changes.
+    fn of_poses(&self, changes: &ChangeMatrix) -> PoseMatrix {
+        let poses = self.survey.layout.poses();
+        changes.view((0, 0), (poses, poses)).into_owned()
+    }
+
+    /// Poses of stations 2, 3, … at the survey (x, y, z, yaw) and their covariance, by the constants of the drive and theirs.
     pub fn poses(
         &self,
         constants: &Constants,
         covariance: &ConstantsMatrix,
-    ) -> (SVector<f64, POSES>, PoseMatrix) {
-        let poses =
-            constants.fixed_rows::<POSES>(0) + self.changes(constants).fixed_rows::<POSES>(0);
-        let mut by_constants = -self.regression.fixed_rows::<POSES>(0).into_owned();
-        (0..POSES).for_each(|k| by_constants[(k, k)] += 1.0);
-        let own = self.conditional.fixed_view::<POSES, POSES>(0, 0);
-        (poses, own + by_constants * covariance * by_constants.transpose())
+    ) -> (DVector<f64>, PoseMatrix) {
+        let size = self.survey.layout.poses();
+        let poses = constants.rows(0, size) + self.changes(constants).rows(0, size);
+        let mut by_constants = -self.regression.rows(0, size).into_owned();
+        (0..size).for_each(|k| by_constants[(k, k)] += 1.0);
+        let own = self.of_poses(&self.conditional);
+        (poses, own + &by_constants * covariance * by_constants.transpose())
     }
 
     /// Normal matrix and right-hand side of the changes of poses, without their prior.
@@ -194,15 +204,11 @@ impl SurveyEvidence {
         &self,
         constants: &Constants,
         covariance: &ConstantsMatrix,
-    ) -> Option<(PoseMatrix, SVector<f64, POSES>)> {
-        let prior: PoseMatrix =
-            self.change_covariance.fixed_view::<POSES, POSES>(0, 0).into_owned();
-        let precision = prior.cholesky()?.inverse();
-        let changes = self.changes(constants);
-        let posterior = self.covariance(covariance);
-        let posterior = posterior.fixed_view::<POSES, POSES>(0, 0);
-        let right = precision * changes.fixed_rows::<POSES>(0);
-        Some((precision - precision * posterior * precision, right))
+    ) -> Option<(PoseMatrix, DVector<f64>)> {
+        let precision = self.of_poses(&self.change_covariance).cholesky()?.inverse();
+        let posterior = self.of_poses(&self.covariance(covariance));
+        let right = &precision * self.changes(constants).rows(0, precision.ncols());
+        Some((&precision - &precision * posterior * &precision, right))
     }
 
     /// Widens the prior of each station that may have changed, if the data rejects the prior. Returns `None` if nothing is different.
@@ -211,20 +217,19 @@ impl SurveyEvidence {
         constants: &Constants,
         covariance: &ConstantsMatrix,
     ) -> Option<Self> {
-        if !self.changed.is_empty() {
+        // A single station has nothing that it moves against.
+        if !self.changed.is_empty() || self.survey.layout.moved() == 0 {
             return None;
         }
         let (normal, right) = self.without_prior(constants, covariance)?;
-        let prior: PoseMatrix =
-            self.change_covariance.fixed_view::<POSES, POSES>(0, 0).into_owned();
-        let all = chi_square(&normal, &right, &prior)?;
-        let positions_m = positions_m(constants);
-        let of_station = |station: usize| {
-            let jacobian = pose_jacobian(station, &positions_m);
-            let (chi_square, size) = fit(&jacobian, &normal, &right, &self.own)?;
+        let all = chi_square(&normal, &right, self.of_poses(&self.change_covariance))?;
+        let of_station = |station: Station| {
+            let jacobian = self.pose_jacobian(station, constants);
+            let (chi_square, size) = fit(&jacobian, &normal, &right, self.own.as_slice())?;
             Some((station, chi_square, size))
         };
-        let fits: Vec<_> = (0..3).filter_map(of_station).collect();
+        let stations = (0..self.survey.layout.stations()).map(Station::at);
+        let fits: Vec<_> = stations.filter_map(of_station).collect();
         let best = fits.iter().map(|(_, chi_square, _)| *chi_square).fold(0.0, f64::max);
         if best < CHANGE_CHI_SQUARE {
             let may_have_changed = best > SUSPICIOUS_CHI_SQUARE;
@@ -233,30 +238,35 @@ impl SurveyEvidence {
         }
         let is_sufficient = |chi_square: f64| all - chi_square < REST_CHI_SQUARE;
         let is_decided = fits.iter().any(|(_, chi_square, _)| is_sufficient(*chi_square));
-        let mut widened = self.change_covariance;
+        let mut widened = self.change_covariance.clone();
         let mut changed = Vec::new();
         for (station, chi_square, size) in fits {
             if is_decided && !is_sufficient(chi_square) {
                 continue;
             }
             changed.push(station);
-            let jacobian = pose_jacobian(station, &positions_m);
+            let jacobian = self.pose_jacobian(station, constants);
             let sigma = |k: usize| {
                 let usual = if k < 3 { CHANGED_M } else { CHANGED_RAD };
                 usual.max(size[k].value.abs())
             };
-            let own =
-                SMatrix::<f64, 4, 4>::from_diagonal(&SVector::from_fn(|k, _| sigma(k).powi(2)));
-            let mut poses = widened.fixed_view_mut::<POSES, POSES>(0, 0);
-            poses += jacobian * own * jacobian.transpose(); // (23)
+            let own = DMatrix::from_diagonal(&DVector::from_fn(4, |k, _| sigma(k).powi(2)));
+            let mut poses = widened.view_mut((0, 0), (jacobian.nrows(), jacobian.nrows()));
+            poses += &jacobian * own * jacobian.transpose(); // (23)
         }
-        let wrong = SVector::<f64, 3>::repeat(WRONG_DISTANCE_M2);
-        let by_distances = self.by_distances.as_ref();
-        let by_distances = by_distances.and_then(|jacobian| fit(jacobian, &normal, &right, &wrong));
+        let by_distances = self.by_distances.as_ref().and_then(|jacobian| {
+            fit(jacobian, &normal, &right, &vec![WRONG_DISTANCE_M2; jacobian.ncols()])
+        });
         let distances_explain =
             by_distances.is_some_and(|(chi_square, _)| all - chi_square < REST_WITH_DISTANCES);
         let widened = Self::with_covariance(Arc::clone(&self.survey), widened, self.own, changed)?;
         Some(Self { distances_explain, ..widened })
+    }
+
+    /// Jacobian of the poses by a station's displacement and rotation (x, y, z, yaw).
+    fn pose_jacobian(&self, station: Station, constants: &Constants) -> DMatrix<f64> {
+        let layout = &self.survey.layout;
+        step_jacobians(layout, station, constants).0.rows(0, layout.poses()).into_owned()
     }
 
     /// The change of the detected station, by the data alone.
@@ -271,26 +281,24 @@ impl SurveyEvidence {
         }
         // By the data alone the change has the information Ω = C⁻¹ − D⁻¹. With the variance Q of settling it is (Ω⁻¹ + Q)⁻¹, which is
         // Q⁻¹ − Q⁻¹ (Ω + Q⁻¹)⁻¹ Q⁻¹.
-        let pose = |matrix: &ChangeMatrix| {
-            let poses: PoseMatrix = matrix.fixed_view::<POSES, POSES>(0, 0).into_owned();
-            Some(poses.cholesky()?.inverse())
-        };
+        let pose = |matrix: &ChangeMatrix| Some(self.of_poses(matrix).cholesky()?.inverse());
         let posterior = pose(&self.covariance(covariance))?;
-        let normal = posterior - pose(&self.change_covariance)?;
-        let settling = relative_settling(sizes, constants).cholesky()?.inverse();
-        let regression = settling * (normal + settling).cholesky()?.inverse();
-        let precision = settling - regression * settling;
-        let right = regression * (posterior * self.changes(constants).fixed_rows::<POSES>(0));
-        let positions_m = positions_m(constants);
+        let normal = &posterior - pose(&self.change_covariance)?;
+        let slots = self.survey.layout.moved();
+        let settling = relative_settling(sizes, constants, slots).cholesky()?.inverse();
+        let regression = &settling * (normal + &settling).cholesky()?.inverse();
+        let precision = &settling - &regression * &settling;
+        let right = regression * (posterior * self.changes(constants).rows(0, 4 * slots));
+        let detected = self.own * DETECTED;
         let fits = self.changed.iter().filter_map(|station| {
-            let jacobian = pose_jacobian(*station, &positions_m);
-            let (chi_square, size) = fit(&jacobian, &precision, &right, &(self.own * DETECTED))?;
+            let jacobian = self.pose_jacobian(*station, constants);
+            let (chi_square, size) = fit(&jacobian, &precision, &right, detected.as_slice())?;
             Some((*station, chi_square, size))
         });
         let (station, _, size) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
         // The drive less the survey.
         let [x, y, z, turned_rad] =
-            size.map(|Estimate { value, sigma }| Estimate { value: -value, sigma });
+            [0, 1, 2, 3].map(|k: usize| Estimate { value: -size[k].value, sigma: size[k].sigma });
         let distances_explain = self.distances_explain;
         let is_decided = self.changed.len() == 1 && !distances_explain;
         let station = is_decided.then_some(station);
@@ -298,23 +306,16 @@ impl SurveyEvidence {
     }
 }
 
-fn positions_m(constants: &Constants) -> [Vector3<f64>; 2] {
-    [0, 1].map(|slot| constants.fixed_rows::<3>(4 * slot).into())
-}
-
-/// Index of the constant that a change is of.
-fn constant_of(change: usize) -> usize {
-    if change < POSES { change } else { LEANS + change - POSES }
-}
-
-fn pose_jacobian(station: usize, positions_m: &[Vector3<f64>; 2]) -> SMatrix<f64, POSES, 4> {
-    step_jacobians(station, positions_m).0.fixed_rows::<POSES>(0).into_owned()
+/// Indices of the constants that change: poses, then leans.
+fn changing(layout: &Layout) -> Vec<usize> {
+    let leans = layout.indices(&LEAN_X).zip(layout.indices(&LEAN_Y));
+    (0..layout.poses()).chain(leans.flat_map(|(x, y)| [x, y])).collect()
 }
 
 /// χ² of all changes of poses, in directions whose prior variance the data reduces noticeably.
-fn chi_square(normal: &PoseMatrix, right: &SVector<f64, POSES>, prior: &PoseMatrix) -> Option<f64> {
+fn chi_square(normal: &PoseMatrix, right: &DVector<f64>, prior: PoseMatrix) -> Option<f64> {
     let root = prior.cholesky()?.l();
-    let (scaled, right) = (root.tr_mul(&(normal * root)), root.tr_mul(right));
+    let (scaled, right) = (root.tr_mul(&(normal * &root)), root.tr_mul(right));
     let eigen = scaled.symmetric_eigen();
     let pairs = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
     let informed = pairs.filter(|(value, _)| **value > LEAST_INFORMATION);

@@ -3,19 +3,19 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 
-use super::state_vector::{CONSTANTS, Constants, ConstantsMatrix, INDICES, OFFSETS};
+use super::state_vector::{Constants, ConstantsMatrix};
 
 /// Unknowns of the frame of surveyed coordinates: (x, y, z, yaw).
 pub const FRAME: usize = 4;
 
 /// Jacobian of a position by the constants and a frame of surveyed coordinates.
-pub type PointJacobian = SMatrix<f64, 3, { CONSTANTS + FRAME }>;
+pub type PointJacobian = DMatrix<f64>;
 
 /// An eliminated frame of surveyed coordinates; zeros without one.
 pub struct EliminatedFrame {
     /// The step of the frame at these constants, and its regression on their step.
     pub step: SVector<f64, FRAME>,
-    pub by_constants: SMatrix<f64, FRAME, CONSTANTS>,
+    pub by_constants: DMatrix<f64>,
     /// Covariance given the constants.
     pub covariance: SMatrix<f64, FRAME, FRAME>,
 }
@@ -28,42 +28,28 @@ pub struct PointEquation {
     pub information: Matrix3<f64>,
 }
 
-/// Number of errors that a survey has of its own: range offsets, vertical indices, collimations. A station points at another target than
-/// in the drive, and in another way.
-pub const OWN: usize = 9;
-
-/// Index of an error of the survey's own among the constants.
-pub fn own_index(own: usize) -> usize {
-    if own < 3 { OFFSETS + own } else { INDICES + own - 3 }
-}
-
-pub fn own_errors(constants: &Constants) -> SVector<f64, OWN> {
-    SVector::from_fn(|own, _| constants[own_index(own)])
-}
-
-/// Regression of the constants' gradient on that of the survey's own errors, and the transposed information between both.
+/// Regression of the constants' gradient on that of the errors that a survey has of its own, and the transposed information between both. A
+/// station points at another target than in the drive, and in another way.
 pub struct OwnErrors {
-    pub regression: SMatrix<f64, CONSTANTS, OWN>,
-    pub transposed: SMatrix<f64, OWN, CONSTANTS>,
+    pub regression: DMatrix<f64>,
+    pub transposed: DMatrix<f64>,
 }
 
 impl OwnErrors {
-    pub fn new(information: &ConstantsMatrix, precision: &ConstantsMatrix) -> Self {
-        let own = SMatrix::<f64, OWN, OWN>::from_fn(|i, j| {
-            let (i, j) = (own_index(i), own_index(j));
-            information[(i, j)] + precision[(i, j)]
-        });
-        let across =
-            SMatrix::<f64, CONSTANTS, OWN>::from_fn(|row, own| information[(row, own_index(own))]);
+    /// `own` are the indices of the survey's own errors.
+    pub fn new(information: &ConstantsMatrix, precision: &ConstantsMatrix, own: &[usize]) -> Self {
+        let with_priors = (information + precision).select_columns(own).select_rows(own);
+        let across = information.select_columns(own);
         // Positive definite by the priors.
-        let inverse = own.try_inverse().unwrap_or_else(SMatrix::zeros);
-        Self { regression: across * inverse, transposed: across.transpose() }
+        let inverse =
+            with_priors.try_inverse().unwrap_or_else(|| DMatrix::zeros(own.len(), own.len()));
+        Self { regression: &across * inverse, transposed: across.transpose() }
     }
 }
 
 /// Adds `JᵀWJ` of a Jacobian in which most columns are zero.
 pub fn add_gram(sum: &mut DMatrix<f64>, jacobian: &PointJacobian, information: &Matrix3<f64>) {
-    let is_used = |column: &usize| jacobian.column(*column) != Vector3::zeros();
+    let is_used = |column: &usize| jacobian.column(*column).iter().any(|value| *value != 0.0);
     let used: Vec<usize> = (0..jacobian.ncols()).filter(is_used).collect();
     let weighted = information * jacobian;
     for j in &used {
@@ -87,9 +73,10 @@ impl Centre {
         let covariance = information.try_inverse()?;
         let point_m =
             equations.iter().map(|one| one.information * one.point_m).sum::<Vector3<f64>>();
-        let mut jacobian = SMatrix::zeros();
-        equations.iter().for_each(|one| jacobian += one.information * one.jacobian);
+        let mut jacobian = DMatrix::zeros(3, equations[0].jacobian.ncols());
+        equations.iter().for_each(|one| jacobian += one.information * &one.jacobian);
         let (point_m, jacobian) = (covariance * point_m, covariance * jacobian);
+        let jacobian = jacobian.resize_vertically(3, 0.0);
         Some(Self { point_m, jacobian, information, covariance })
     }
 }
@@ -99,22 +86,23 @@ pub fn without_frame(
     information: &DMatrix<f64>,
     gradient: &DVector<f64>,
 ) -> (ConstantsMatrix, Constants, EliminatedFrame) {
-    let own = information.fixed_view::<CONSTANTS, CONSTANTS>(0, 0).into_owned();
-    let own_gradient: Constants = gradient.fixed_rows::<CONSTANTS>(0).into_owned();
-    let frame = information.fixed_view::<FRAME, FRAME>(CONSTANTS, CONSTANTS).into_owned();
+    let constants = gradient.len() - FRAME;
+    let own = information.view((0, 0), (constants, constants)).into_owned();
+    let own_gradient = gradient.rows(0, constants).into_owned();
+    let frame = information.fixed_view::<FRAME, FRAME>(constants, constants).into_owned();
     let Some(inverse) = frame.try_inverse() else {
         let none = EliminatedFrame {
             step: SVector::zeros(),
-            by_constants: SMatrix::zeros(),
+            by_constants: DMatrix::zeros(FRAME, constants),
             covariance: SMatrix::zeros(),
         };
         return (own, own_gradient, none);
     };
-    let across = information.fixed_view::<CONSTANTS, FRAME>(0, CONSTANTS).into_owned();
-    let frame_gradient: SVector<f64, FRAME> = gradient.fixed_rows::<FRAME>(CONSTANTS).into_owned();
-    let by_constants = -inverse * across.transpose();
+    let across = information.view((0, constants), (constants, FRAME)).into_owned();
+    let frame_gradient: SVector<f64, FRAME> = gradient.fixed_rows::<FRAME>(constants).into_owned();
+    let by_constants = (-inverse * across.transpose()).resize_vertically(FRAME, 0.0);
     let step = inverse * frame_gradient;
-    let eliminated = EliminatedFrame { step, by_constants, covariance: inverse };
     let own_gradient = own_gradient + by_constants.tr_mul(&frame_gradient);
-    (own + across * by_constants, own_gradient, eliminated)
+    let own = own + across * &by_constants;
+    (own, own_gradient, EliminatedFrame { step, by_constants, covariance: inverse })
 }

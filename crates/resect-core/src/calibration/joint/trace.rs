@@ -5,6 +5,7 @@ use std::mem::take;
 use super::random_walks::GaussMarkov;
 use super::residuals::NoiseLevels;
 use super::solver_status::SolverStatus;
+use crate::network::Station;
 
 /// Trace of the Gauss–Newton iteration of a joint estimate, with all attempts in their order.
 ///
@@ -75,12 +76,12 @@ pub enum TraceEvent {
     Failed(SolverStatus),
     /// The normal matrix was solved with tighter priors of slow changes.
     StifferPriors,
-    /// The prior of the clock offset of this station (1 or 2) is widened.
-    ClockPriorWidened(usize),
+    /// The prior of the clock offset of this station is widened.
+    ClockPriorWidened(Station),
     /// The survey is added to the drive.
     SurveyAdded,
-    /// The set-ups of these stations (0 to 2) changed since the survey.
-    SetUpChanged(Vec<usize>),
+    /// The set-ups of these stations changed since the survey.
+    SetUpChanged(Vec<Station>),
     /// Slow changes are searched for.
     Search(SlowChanges),
     /// The robust weights are fixed.
@@ -153,12 +154,11 @@ impl TraceEvent {
             Self::Failed(status) => format!("the attempt failed: it {}", status.in_words()),
             Self::StifferPriors => "solved with tighter priors".to_owned(),
             Self::ClockPriorWidened(station) => {
-                format!("clock prior of station {} widened", station + 1)
+                format!("clock prior of station {station} widened")
             }
             Self::SurveyAdded => "survey added".to_owned(),
             Self::SetUpChanged(stations) => {
-                let stations: Vec<String> =
-                    stations.iter().map(|it| (it + 1).to_string()).collect();
+                let stations: Vec<String> = stations.iter().map(Station::to_string).collect();
                 format!("set-up of station {} changed", stations.join(" or "))
             }
             Self::Search(SlowChanges { processes, clocks_s, steps }) => {
@@ -172,6 +172,3 @@ impl TraceEvent {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -6,14 +6,15 @@
 use crate::deployment::findings::checks::{
     SuspectedMisreading, misreading_not_found, misreading_suspected,
 };
-use crate::network::{Number, PerStation};
+use crate::network::{Number, Pair, PerStation};
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
 use super::shown::{Agreement, Shown, Witnesses};
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
-use crate::calibration::inter_prism::Twins;
+use crate::calibration::followed_prisms::several_prisms;
+use crate::calibration::inter_prism::{PrismNetwork, Twins};
 use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::{ControlPointSet, Deployment, Finding, Remedy, Rig, Track};
 use crate::geometry::RigidTransform;
@@ -52,7 +53,7 @@ enum Scope {
 }
 
 /// A misreading, and the properties of the answer if it is undone.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Hypothesis {
     misreading: Misreading,
     scope: Scope,
@@ -76,21 +77,22 @@ pub fn explain(
     deployment: &Deployment,
     rig: &Rig,
     triplets: &Triplets,
-    sigma: Option<&[TransformSigma; 2]>,
+    sigma: Option<&PerStation<TransformSigma>>,
     tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Finding>, Cancelled> {
+    let followed = several_prisms(deployment);
     let tries = tried.0.get_or_insert_with(|| {
         let points = deployment.comparable_control_points();
         let triplets = thinned(triplets);
-        let base = twins(rig, &triplets, f64::INFINITY).and_then(|twins| {
+        let base = twins(deployment, rig, &triplets, f64::INFINITY).and_then(|twins| {
             let transforms = twins.chosen(rig, points);
-            Some((Shown::of(rig, points, &triplets, &transforms)?, transforms))
+            Some((Shown::of((rig, &followed), points, &triplets, &transforms)?, transforms))
         });
         Tries { base, undone: None }
     });
     let Some((base, base_transforms)) = &tries.base else { return Ok(Vec::new()) };
-    let case = Case { witnesses: Witnesses::new(rig, sigma), base: *base };
+    let case = Case { witnesses: Witnesses::new((rig, &followed), sigma), base: base.clone() };
     if !case.is_contradicted() {
         return Ok(Vec::new());
     }
@@ -105,7 +107,7 @@ pub fn explain(
             progress,
         )?),
     };
-    let found = undone.iter().copied().filter(|one| case.is_explained_by(&one.shown)).collect();
+    let found = undone.iter().filter(|one| case.is_explained_by(&one.shown)).cloned().collect();
     Ok(case.in_words(found, deployment))
 }
 
@@ -120,6 +122,7 @@ fn try_all(
 ) -> Result<Vec<Hypothesis>, Cancelled> {
     let points = deployment.comparable_control_points();
     let constants_m = deployment.tracks.map(|track| track.prism_constant_m);
+    let followed = &several_prisms(deployment);
     let rejected = mostly_rejected(deployment, triplets);
     let triplets = thinned(triplets);
     let hopeless_m = HOPELESS * (NO_WORSE * base.fit_m + FIT_NOISE_M);
@@ -130,47 +133,57 @@ fn try_all(
             Misreading::Feet(_) if rejected => thinned(&filtered_again(deployment, misreading)),
             _ => misreading.undone(&triplets, &constants_m),
         };
-        let found = twins(rig, &undone, hopeless_m);
+        let found = twins(deployment, rig, &undone, hopeless_m);
         let show = |points: &[ControlPointSet]| {
-            Shown::of(rig, points, &undone, &found.as_ref()?.chosen(rig, points))
+            Shown::of((rig, followed), points, &undone, &found.as_ref()?.chosen(rig, points))
         };
         let mut all = vec![(Scope::Tracks, show(points))];
         if base.control_points_m.is_some() {
             let points = misreading.undone_in_points(points, &constants_m);
             all.push((Scope::Both, show(&points)));
             let control_points_m = control_points_apart_m(&points, base_transforms);
-            all.push((Scope::ControlPoints, Some(Shown { control_points_m, ..*base })));
+            all.push((Scope::ControlPoints, Some(Shown { control_points_m, ..base.clone() })));
         }
         let explanation = |(scope, shown): (Scope, Option<Shown>)| {
             Some(Hypothesis { misreading, scope, shown: shown? })
         };
         Ok(all.into_iter().filter_map(explanation).collect::<Vec<_>>())
     };
-    let all: Result<Vec<_>, Cancelled> = Misreading::ALL.par_iter().map(one).collect();
+    let all: Result<Vec<_>, Cancelled> =
+        Misreading::all(followed.len()).par_iter().map(one).collect();
     Ok(all?.concat())
 }
 
 /// Returns the published method's solutions on some triplets; `None` if there are too few, or if they fit worse than `hopeless_m`.
-fn twins(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Twins> {
+fn twins(
+    deployment: &Deployment,
+    rig: &Rig,
+    triplets: &Triplets,
+    hopeless_m: f64,
+) -> Option<Twins> {
     if triplets.len() < FEWEST_TRIPLETS {
         return None;
     }
-    Twins::of(rig, triplets, hopeless_m)
+    let followed = several_prisms(deployment);
+    let prisms = Pair::prisms_of(rig.inter_prism_m.len())?;
+    let is_known = followed.iter().all(|prism| prism.index() < prisms);
+    let network = is_known.then(|| PrismNetwork::new(followed, &rig.inter_prism_m))?;
+    Twins::of(network, triplets, hopeless_m)
 }
 
 /// Returns the explanation of tracks without triplets: ranges in feet, whose rates no filter accepts.
 pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String> {
-    let feet = Misreading::ALL.into_iter().filter(|one| matches!(one, Misreading::Feet(_)));
+    let followed = several_prisms(deployment);
+    let feet = Misreading::all(followed.len())
+        .into_iter()
+        .filter(|one| matches!(one, Misreading::Feet(_)));
     let (misreading, count, fit_m) = feet
         .filter_map(|misreading| {
             let triplets = filtered_again(deployment, misreading);
             let some = thinned(&triplets);
-            if some.len() < FEWEST_TRIPLETS {
-                return None;
-            }
-            let transforms = Twins::of(rig, &some, f64::INFINITY)?
+            let transforms = twins(deployment, rig, &some, f64::INFINITY)?
                 .chosen(rig, deployment.comparable_control_points());
-            let shown = Shown::of(rig, &[], &some, &transforms)?;
+            let shown = Shown::of((rig, &followed), &[], &some, &transforms)?;
             Some((misreading, triplets.len(), shown.fit_m))
         })
         .find(|(.., fit_m)| *fit_m < POOR_FIT_M)?;

@@ -1,42 +1,50 @@
 //! Possible misreadings of sense, station numbers and units, and corrections of the data for each.
 
 use crate::geometry::FOOT_M;
-use crate::network::{Number, PerStation};
+use crate::network::{MOST_STATIONS, Number, PerStation, StationPair};
 use nalgebra::Vector3;
 
-use crate::deployment::{
-    AS_NUMBERED, AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides,
-};
+use crate::deployment::{AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides};
 use crate::pipeline::Triplets;
 
 /// One mistake in the interpretation of readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misreading {
-    /// Azimuths are counter-clockwise: of all stations, or of one (0 to 2).
+    /// Azimuths are counter-clockwise: of all stations, or of one (from 0).
     Azimuth(Option<usize>),
-    /// Ranges are in feet: of all stations, or of one (0 to 2).
+    /// Ranges are in feet: of all stations, or of one (from 0).
     Feet(Option<usize>),
-    /// Station numbers are permuted: the data of station k was read as that of station `numbers[k]` (0 to 2).
-    Numbers([usize; 3]),
+    /// Station numbers are permuted: the data of station k was read as that of station `numbers[k]` (from 0).
+    Numbers([usize; MOST_STATIONS]),
 }
 
 impl Misreading {
-    /// All misreadings, the most frequent and simplest first.
-    pub const ALL: [Self; 13] = [
-        Self::Azimuth(None),
-        Self::Feet(None),
-        Self::Numbers([1, 0, 2]),
-        Self::Numbers([2, 1, 0]),
-        Self::Numbers([0, 2, 1]),
-        Self::Numbers([1, 2, 0]),
-        Self::Numbers([2, 0, 1]),
-        Self::Feet(Some(0)),
-        Self::Feet(Some(1)),
-        Self::Feet(Some(2)),
-        Self::Azimuth(Some(0)),
-        Self::Azimuth(Some(1)),
-        Self::Azimuth(Some(2)),
-    ];
+    /// Returns the misreadings of some stations, the most frequent and simplest first: two exchanged stations, or three in a cycle.
+    pub fn all(stations: usize) -> Vec<Self> {
+        let in_order = std::array::from_fn(|station| station);
+        let exchanged = StationPair::among(stations).map(|pair| {
+            let mut numbers = in_order;
+            let [a, b] = pair.indices();
+            numbers.swap(a, b);
+            Self::Numbers(numbers)
+        });
+        let mut cycles = Vec::new();
+        if stations == 3 {
+            for first_numbers in [[1, 2, 0], [2, 0, 1]] {
+                let mut numbers = in_order;
+                numbers[..3].copy_from_slice(&first_numbers);
+                cycles.push(Self::Numbers(numbers));
+            }
+        }
+        let each = || (0..stations).map(Some);
+        [Self::Azimuth(None), Self::Feet(None)]
+            .into_iter()
+            .chain(exchanged)
+            .chain(cycles)
+            .chain(each().map(Self::Feet))
+            .chain(each().map(Self::Azimuth))
+            .collect()
+    }
 
     /// Returns the station under which the data of station k was read.
     fn source(self, station: usize) -> usize {
@@ -114,18 +122,21 @@ impl Misreading {
             Self::Feet(Some(station)) => {
                 format!("ranges of station {}{of} look like feet", station + 1)
             }
-            Self::Numbers(numbers) => match numbers.iter().enumerate().find(|(k, n)| k == *n) {
-                Some((unmoved, _)) => {
-                    let [a, b] = [[2, 3], [1, 3], [1, 2]][unmoved];
-                    format!("stations {a} and {b}{of} look exchanged")
+            Self::Numbers(numbers) => {
+                let moved: Vec<(usize, usize)> =
+                    numbers.into_iter().enumerate().filter(|(own, read)| own != read).collect();
+                if let [(a, _), (b, _)] = moved[..] {
+                    return format!("stations {} and {}{of} look exchanged", a + 1, b + 1);
                 }
-                None => {
-                    let [a, b, c] = numbers.map(|number| number + 1);
-                    format!(
-                        "stations{of} look renumbered: those read as {a}, {b}, {c} look like 1, 2, 3"
-                    )
-                }
-            },
+                let list = |numbers: &mut dyn Iterator<Item = usize>| {
+                    numbers.map(|number| (number + 1).to_string()).collect::<Vec<_>>().join(", ")
+                };
+                format!(
+                    "stations{of} look renumbered: those read as {} look like {}",
+                    list(&mut moved.iter().map(|(_, read)| *read)),
+                    list(&mut moved.iter().map(|(own, _)| *own)),
+                )
+            }
         }
     }
 
@@ -146,12 +157,12 @@ impl Misreading {
         let Overrides { azimuth, stations, .. } = self.read_with(deployment)?;
         azimuth
             .map(|sense| format!("azimuth = \"{}\"", sense.title()))
-            .or(stations.map(|[a, b, c]| format!("stations = [{a}, {b}, {c}]")))
+            .or(stations.map(|numbers| format!("stations = {:?}", numbers.as_slice())))
     }
 
     /// Returns the correction of the tracks as overrides of the files; `None` if overrides are not sufficient.
     pub fn read_with(self, deployment: &Deployment) -> Option<Overrides> {
-        let Overrides { azimuth, stations, .. } = &deployment.overrides;
+        let Overrides { azimuth, .. } = &deployment.overrides;
         match self {
             Self::Azimuth(None) => {
                 let sense = match azimuth {
@@ -161,8 +172,8 @@ impl Misreading {
                 Some(Overrides { azimuth: Some(sense), ..Overrides::default() })
             }
             Self::Numbers(numbers) => {
-                let own = stations.unwrap_or(AS_NUMBERED);
-                let stations = Some(numbers.map(|number| own[number]));
+                let own = deployment.station_numbers();
+                let stations = Some(own.map_each(|station, _| own[numbers[station.index()]]));
                 Some(Overrides { stations, ..Overrides::default() })
             }
             Self::Azimuth(Some(_)) | Self::Feet(_) => None,
@@ -173,7 +184,7 @@ impl Misreading {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::{Preset, simulate};
+    use crate::simulated_drives::{Preset, simulated};
 
     fn triplets() -> Triplets {
         let points = |x: f64| vec![Vector3::new(x, 3.0, -1.0), Vector3::new(x, 4.0, -1.5)];
@@ -194,10 +205,12 @@ mod tests {
                 right.points_m[1]
             );
         }
-        let turned = Misreading::Numbers([1, 2, 0]).undone(&right, &PerStation::repeat(3, 0.0));
+        let turned = Misreading::Numbers([1, 2, 0, 3, 4, 5, 6, 7])
+            .undone(&right, &PerStation::repeat(3, 0.0));
         assert_eq!(turned.points_m[0], right.points_m[1]);
         assert_eq!(
-            Misreading::Numbers([2, 0, 1]).undone(&turned, &PerStation::repeat(3, 0.0)),
+            Misreading::Numbers([2, 0, 1, 3, 4, 5, 6, 7])
+                .undone(&turned, &PerStation::repeat(3, 0.0)),
             right
         );
     }
@@ -216,11 +229,11 @@ mod tests {
 
     #[test]
     fn the_remedy_says_what_to_write() {
-        assert_eq!(Misreading::ALL.len(), 13);
-        let deployment = simulate(Preset::Warthog, 1).readings();
+        assert_eq!([2, 3, 4].map(|stations| Misreading::all(stations).len()), [7, 13, 16]);
+        let deployment = simulated(Preset::Warthog, 1);
         let mut renumbered = deployment.clone();
-        renumbered.overrides.stations = Some([7, 8, 9]);
-        let swap = Misreading::Numbers([0, 2, 1]);
+        renumbered.overrides.stations = Some([7, 8, 9].into());
+        let swap = Misreading::Numbers([0, 2, 1, 3, 4, 5, 6, 7]);
         assert_eq!(swap.in_words(""), "stations 2 and 3 look exchanged");
         assert_eq!(swap.remedy(&deployment).as_deref(), Some("stations = [1, 3, 2]"));
         assert_eq!(swap.remedy(&renumbered).as_deref(), Some("stations = [7, 9, 8]"));

@@ -4,10 +4,10 @@ use nalgebra::Vector3;
 
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
-use crate::calibration::misfits::control_points_apart_m;
-use crate::deployment::{ControlPointSet, PAIRS, Rig};
+use crate::calibration::misfits::{compared_stations, control_points_apart_m, placed_m, prisms_m};
+use crate::deployment::{ControlPointSet, Rig, pairwise_distances};
 use crate::geometry::RigidTransform;
-use crate::network::PerStation;
+use crate::network::{Number, Pair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::{central_sigma, median};
 
@@ -32,14 +32,15 @@ const HEIGHT_SIGMAS: f64 = 3.0;
 const CONTROL_POINTS_M: f64 = 0.25;
 
 /// Properties of an answer that independent data can contradict.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// Median absolute error of the inter-prism distances (m).
     pub fit_m: f64,
-    /// Area of the triangle of prisms 1, 2, 3 seen from above (m²), positive if they are counter-clockwise; median over the drive.
-    pub area_m2: f64,
-    /// Heights of prism 1 above prisms 2 and 3 (m), medians over the drive.
-    pub heights_m: [f64; 2],
+    /// Area of the triangle of prisms 1, 2, 3 seen from above (m²), positive if they are counter-clockwise; median over the drive. `None`
+    /// with fewer prisms.
+    pub area_m2: Option<f64>,
+    /// Heights of prism 1 above prisms 2, 3, … (m), medians over the drive.
+    pub heights_m: Vec<f64>,
     /// One standard deviation of the rig's pitch and roll (rad).
     pub tilt_rad: f64,
     /// Distance between two stations' positions of a control point (m, median over all sets).
@@ -49,46 +50,57 @@ pub struct Shown {
 impl Shown {
     /// Returns the properties of an answer; `None` without triplets.
     pub fn of(
-        rig: &Rig,
+        (rig, followed): (&Rig, &PerStation<Prism>),
         control_points: &[ControlPointSet],
         triplets: &Triplets,
         station1_from_station: &PerStation<RigidTransform>,
     ) -> Option<Self> {
         let count = triplets.len();
-        let mut errors_m = Vec::with_capacity(3 * count);
+        let mut errors_m = Vec::with_capacity(rig.inter_prism_m.len() * count);
         let mut areas_m2 = Vec::with_capacity(count);
-        let mut heights_m = [Vec::with_capacity(count), Vec::with_capacity(count)];
+        let others = Prism::count(followed) - 1;
+        let mut heights_m = vec![Vec::with_capacity(count); others];
         for index in 0..count {
-            let seen = triplets.triplet_m(index);
-            let placed: [Vector3<f64>; 3] =
-                std::array::from_fn(|station| station1_from_station[station].apply(&seen[station]));
-            for ((a, b), known_m) in PAIRS.into_iter().zip(rig.inter_prism_m) {
-                errors_m.push(((placed[a] - placed[b]).norm() - known_m).abs());
-            }
-            areas_m2.push(plan_area_m2(&placed));
+            let placed = prisms_m(&placed_m(triplets, station1_from_station, index), followed);
+            let distances_m = pairwise_distances(placed.as_slice());
+            errors_m.extend(
+                distances_m
+                    .iter()
+                    .zip(&rig.inter_prism_m)
+                    .map(|(own_m, known_m)| (own_m - known_m).abs()),
+            );
+            areas_m2.extend(plan_area_m2(&placed));
             for (heights_m, other) in heights_m.iter_mut().zip(1..) {
                 heights_m.push(placed[0].z - placed[other].z);
             }
         }
-        let tilt_rad = |slot: usize| {
-            let sigma_m = central_sigma(heights_m[slot].iter().copied())?;
-            Some(sigma_m / rig.inter_prism_m[slot])
+        let tilt_rad = |(other, heights_m): (usize, &Vec<f64>)| {
+            let sigma_m = central_sigma(heights_m.iter().copied())?;
+            Some(sigma_m / from_first_m(rig, other)?)
         };
-        let height_m = |slot: usize| median(heights_m[slot].iter().copied());
+        let tilts_rad: Option<Vec<f64>> = heights_m.iter().enumerate().map(tilt_rad).collect();
+        let medians_m = heights_m.iter().map(|heights_m| median(heights_m.iter().copied()));
         Some(Self {
             fit_m: median(errors_m)?,
-            area_m2: median(areas_m2)?,
-            heights_m: [height_m(0)?, height_m(1)?],
-            tilt_rad: tilt_rad(0)?.max(tilt_rad(1)?),
+            area_m2: median(areas_m2),
+            heights_m: medians_m.collect::<Option<_>>()?,
+            tilt_rad: tilts_rad?.into_iter().fold(0.0, f64::max),
             control_points_m: control_points_apart_m(control_points, station1_from_station),
         })
     }
 }
 
-/// Returns the signed area of a triangle seen from above (m²), positive if its corners are counter-clockwise.
-pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
-    let [a, b, c] = corners_m.map(|corner| corner.xy());
-    0.5 * (b - a).perp(&(c - a))
+/// Returns the signed area of the triangle of the first three prisms seen from above (m²), positive if they are counter-clockwise; `None`
+/// with fewer prisms.
+pub fn plan_area_m2(prisms_m: &PerPrism<Vector3<f64>>) -> Option<f64> {
+    let [a, b, c] = prisms_m.as_slice().first_chunk::<3>()?.map(|corner| corner.xy());
+    Some(0.5 * (b - a).perp(&(c - a)))
+}
+
+/// Returns the distance of prism 1 from prism 2, 3, … (m).
+fn from_first_m(rig: &Rig, other: usize) -> Option<f64> {
+    let pair = Pair::between(Prism::default(), Prism::at(other + 1))?;
+    rig.inter_prism_m.get(pair).copied()
 }
 
 /// Agreement of an answer with independent data.
@@ -101,48 +113,53 @@ pub enum Agreement {
 }
 
 /// Known properties of the rig, with which answers are compared.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Witnesses<'a> {
     rig: &'a Rig,
-    /// σ of the heights of stations 2 and 3 (m).
-    height_sigma_m: [f64; 2],
+    /// σ of the heights of the stations that follow prisms 2, 3, … (m).
+    height_sigma_m: Vec<f64>,
 }
 
 impl<'a> Witnesses<'a> {
     /// Creates the comparison; `sigma` is the σ of the answer, if it has one.
-    pub fn new(rig: &'a Rig, sigma: Option<&[TransformSigma; 2]>) -> Self {
+    pub fn new(
+        (rig, followed): (&'a Rig, &PerStation<Prism>),
+        sigma: Option<&PerStation<TransformSigma>>,
+    ) -> Self {
         // A larger σ makes an answer weak by itself, and the misreading may be its cause.
-        let capped_m = |s: TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
-        let height_sigma_m = sigma.map_or([0.0; 2], |s| s.map(capped_m));
-        Self { rig, height_sigma_m }
+        let capped_m = |s: &TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
+        let stations = compared_stations(followed).into_iter().skip(1);
+        let of_station = |station: Station| sigma.map_or(0.0, |all| capped_m(&all[station]));
+        Self { rig, height_sigma_m: stations.map(of_station).collect() }
     }
 
     /// Compares the orientation of the prisms with the reading of the rig or, without one, with the prisms in the vehicle's frame.
     /// `None` if a triangle is too thin, or if neither is known.
     pub fn area(&self, shown: &Shown) -> Option<Agreement> {
-        let known_m2 = self.area_m2()?;
-        let prisms_m = self.layout_m()?;
-        let longest_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).xy().norm());
+        let (known_m2, area_m2) = (self.area_m2()?, shown.area_m2?);
+        let prisms_m = self.layout_m()?.as_slice().first_chunk::<3>()?;
+        let longest_m =
+            pairwise_distances(&prisms_m.map(|prism| Vector3::new(prism.x, prism.y, 0.0)));
         let longest_m = longest_m.into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let heights_m = prisms_m.map(|prism| prism.z);
         let high_m = heights_m.into_iter().fold(f64::NEG_INFINITY, f64::max)
             - heights_m.into_iter().fold(f64::INFINITY, f64::min);
         let thin_m = THIN_M + SHEAR_RAD * high_m;
         let tells = |area_m2: f64| 2.0 * area_m2.abs() / longest_m > thin_m;
-        if !tells(known_m2) || !tells(shown.area_m2) {
+        if !tells(known_m2) || !tells(area_m2) {
             return None;
         }
-        let same = known_m2.signum() == shown.area_m2.signum();
+        let same = known_m2.signum() == area_m2.signum();
         Some(if same { Agreement::Agrees } else { Agreement::Contradicts })
     }
 
     /// Returns the known area of the prisms' triangle (m²).
     pub fn area_m2(&self) -> Option<f64> {
-        self.layout_m().map(|prisms_m| plan_area_m2(&prisms_m))
+        self.layout_m().and_then(plan_area_m2)
     }
 
-    fn layout_m(&self) -> Option<[Vector3<f64>; 3]> {
-        self.rig.prisms_m.or(self.rig.in_vehicle_m)
+    fn layout_m(&self) -> Option<&PerPrism<Vector3<f64>>> {
+        self.rig.prisms_m.as_ref().or(self.rig.in_vehicle_m.as_ref())
     }
 
     /// Compares the heights of the prisms with the reading of the rig. The limit is proportional to the size of the rig, and to the
@@ -152,9 +169,10 @@ impl<'a> Witnesses<'a> {
         let limit_m = |at: usize, tilt_rad: f64| {
             HEIGHT_NOISE_M
                 + HEIGHT_SIGMAS * self.height_sigma_m[at]
-                + tilt_rad * self.rig.inter_prism_m[at]
+                + tilt_rad * from_first_m(self.rig, at).unwrap_or(0.0)
         };
-        let beyond = |tilt_rad: f64| (0..2).any(|at| off_m[at] > limit_m(at, tilt_rad));
+        let beyond =
+            |tilt_rad: f64| off_m.iter().enumerate().any(|(at, m)| *m > limit_m(at, tilt_rad));
         let steep_rad = (SLOPE_RAD + CONTRADICTION_TILTS * shown.tilt_rad).min(STEEPEST_RAD);
         Some(if beyond(steep_rad) {
             Agreement::Contradicts
@@ -165,15 +183,16 @@ impl<'a> Witnesses<'a> {
         })
     }
 
-    /// Returns the heights of prism 1 above prisms 2 and 3 in the reading (m).
-    pub fn heights_m(&self) -> Option<[f64; 2]> {
+    /// Returns the heights of prism 1 above prisms 2, 3, … in the reading (m).
+    pub fn heights_m(&self) -> Option<Vec<f64>> {
         self.rig.height_differences_m()
     }
 
-    /// Returns the absolute differences of the heights of prism 1 above prisms 2 and 3 from the reading (m).
-    pub fn heights_off_m(&self, shown: &Shown) -> Option<[f64; 2]> {
+    /// Returns the absolute differences of the heights of prism 1 above prisms 2, 3, … from the reading (m).
+    pub fn heights_off_m(&self, shown: &Shown) -> Option<Vec<f64>> {
         let known_m = self.heights_m()?;
-        Some([0, 1].map(|at| (shown.heights_m[at] - known_m[at]).abs()))
+        let both = shown.heights_m.iter().zip(&known_m);
+        Some(both.map(|(own_m, known_m)| (own_m - known_m).abs()).collect())
     }
 
     /// Compares the inter-prism distances.
@@ -195,31 +214,37 @@ mod tests {
     use super::*;
 
     fn rig(prisms_m: [Vector3<f64>; 3]) -> Rig {
-        let inter_prism_m = crate::deployment::pairwise_distances(&prisms_m);
-        Rig { inter_prism_m, prisms_m: Some(prisms_m), in_vehicle_m: None, inter_antenna_m: None }
+        let inter_prism_m = pairwise_distances(&prisms_m);
+        let prisms_m = Some(prisms_m.into());
+        Rig { inter_prism_m, prisms_m, in_vehicle_m: None, inter_antenna_m: None }
+    }
+
+    fn compare<'a>(rig: &'a Rig, sigma: Option<&PerStation<TransformSigma>>) -> Witnesses<'a> {
+        Witnesses::new((rig, &[0, 1, 2].map(Prism::at).into()), sigma)
     }
 
     fn shown(area_m2: f64, heights_m: [f64; 2], tilt_rad: f64) -> Shown {
+        let (area_m2, heights_m) = (Some(area_m2), heights_m.to_vec());
         Shown { fit_m: 0.001, area_m2, heights_m, tilt_rad, control_points_m: None }
     }
 
     #[test]
     fn a_triangle_has_a_way_round_unless_it_is_nearly_a_line() {
         let round = rig([Vector3::zeros(), Vector3::x(), Vector3::y()]);
-        let witnesses = Witnesses::new(&round, None);
+        let witnesses = compare(&round, None);
         let area = |area_m2| witnesses.area(&shown(area_m2, [0.0; 2], 0.0));
         assert_eq!(area(0.48), Some(Agreement::Agrees));
         assert_eq!(area(-0.48), Some(Agreement::Contradicts));
         assert_eq!(area(-0.002), None, "too thin to tell");
         let line = rig([Vector3::zeros(), Vector3::x(), Vector3::new(2.0, 0.01, 0.3)]);
-        let line = Witnesses::new(&line, None);
+        let line = compare(&line, None);
         assert_eq!(line.area(&shown(-0.1, [0.0; 2], 0.0)), None);
     }
 
     #[test]
     fn heights_are_judged_by_the_rig_and_by_what_the_vehicle_tilts() {
         let small = rig([Vector3::zeros(), 0.35 * Vector3::x(), 0.35 * Vector3::y()]);
-        let witnesses = Witnesses::new(&small, None);
+        let witnesses = compare(&small, None);
         let heights = |off_m, tilt| witnesses.heights(&shown(0.06, [off_m, 0.0], tilt));
         assert_eq!(heights(0.004, 0.0), Some(Agreement::Agrees));
         assert_eq!(heights(0.015, 0.002), Some(Agreement::Suspicious));
@@ -227,8 +252,8 @@ mod tests {
         assert_eq!(heights(0.05, 0.002), Some(Agreement::Contradicts));
         assert_eq!(heights(0.05, 0.1), Some(Agreement::Agrees), "a rig that tilts a lot");
         let unsure = TransformSigma { translation_m: Vector3::repeat(0.02), yaw_rad: 0.0 };
-        let unsure =
-            Witnesses::new(&small, Some(&[unsure; 2])).heights(&shown(0.06, [0.05, 0.0], 0.0));
+        let unsure = compare(&small, Some(&[TransformSigma::ZERO, unsure, unsure].into()))
+            .heights(&shown(0.06, [0.05, 0.0], 0.0));
         assert_eq!(unsure, Some(Agreement::Agrees), "an answer that is no better than that");
     }
 }

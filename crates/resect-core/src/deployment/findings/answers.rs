@@ -1,17 +1,16 @@
 //! Findings about answers as a whole: none, not converged, or far from another.
 
-use crate::deployment::{
-    AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Subject, Unit,
-};
+use crate::deployment::kinds;
+use crate::deployment::{AngleFormat, Finding, Message, MessageAngle, Remedy, Subject, Unit};
 
 pub fn no_triplets(deployment: &str, why: &str) -> Finding {
-    Finding::new(FindingKind::NoTriplets, format!("{deployment}: no triplets: {why}"))
+    Finding::new(kinds::NO_TRIPLETS, format!("{deployment}: no triplets: {why}"))
         .with(Remedy::RelaxFilters)
 }
 
 pub fn too_few_triplets(deployment: &str, found: usize, needed: usize) -> Finding {
     Finding::new(
-        FindingKind::TooFewTriplets,
+        kinds::TOO_FEW_TRIPLETS,
         format!(
             "{deployment}: only {found} triplets, {needed} needed for 8 unknowns; record longer, or relax the filters"
         ),
@@ -23,7 +22,7 @@ pub fn too_few_triplets(deployment: &str, found: usize, needed: usize) -> Findin
 
 pub fn no_rig(deployment: &str) -> Finding {
     Finding::new(
-        FindingKind::NoRig,
+        kinds::NO_RIG,
         format!(
             "{deployment}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, set \
              inter_prism_m in deployment.toml, or name a file of the rig"
@@ -34,14 +33,14 @@ pub fn no_rig(deployment: &str) -> Finding {
 
 /// `method` is its name for people, `lack` the missing data.
 pub fn method_lacks_data(deployment: &str, method: &str, lack: &str) -> Finding {
-    Finding::new(FindingKind::MethodLacksData, format!("{deployment}: {method} needs {lack}"))
+    Finding::new(kinds::METHOD_LACKS_DATA, format!("{deployment}: {method} needs {lack}"))
         .about(Subject::Named(method.to_owned()))
 }
 
 /// `method` is its name for people.
 pub fn points_on_a_line(deployment: &str, method: &str) -> Finding {
     Finding::new(
-        FindingKind::PointsOnALine,
+        kinds::POINTS_ON_A_LINE,
         format!(
             "{deployment}: the points of {method} lie in one place or on a line and do not determine a rigid transform; use a \
              level alignment, or more points"
@@ -55,18 +54,18 @@ pub fn points_on_a_line(deployment: &str, method: &str) -> Finding {
 pub fn no_joint_estimate(why: Finding, published: [&str; 2]) -> Finding {
     let [name, short] = published;
     let message = format!("{why}; {name} has an answer: choose it ({short})");
-    let finding = Finding::new(FindingKind::NoJointEstimate, message).with(Remedy::PublishedMethod);
+    let finding = Finding::new(kinds::NO_JOINT_ESTIMATE, message).with(Remedy::PublishedMethod);
     why.remedies.into_iter().fold(finding, Finding::with)
 }
 
 pub fn cancelled() -> Finding {
-    Finding::new(FindingKind::Cancelled, "cancelled")
+    Finding::new(kinds::CANCELLED, "cancelled")
 }
 
 /// `published` is the name for people of the method that answers instead.
 pub fn estimate_not_converged(published: &str) -> Finding {
     Finding::new(
-        FindingKind::EstimateNotConverged,
+        kinds::ESTIMATE_NOT_CONVERGED,
         format!("The joint estimate did not converge. This is the answer of {published}."),
     )
 }
@@ -74,7 +73,7 @@ pub fn estimate_not_converged(published: &str) -> Finding {
 /// `published` is the name for people of the method that answers instead.
 pub fn estimate_diverged(published: &str) -> Finding {
     Finding::new(
-        FindingKind::EstimateDiverged,
+        kinds::ESTIMATE_DIVERGED,
         format!(
             "The joint estimate diverged: a station moved 30 m or more from where it began. This is the answer of {published}."
         ),
@@ -84,9 +83,9 @@ pub fn estimate_diverged(published: &str) -> Finding {
 /// `published` is the name for people of the method that answers instead.
 pub fn no_common_readings(published: &str) -> Finding {
     Finding::new(
-        FindingKind::NoCommonReadings,
+        kinds::NO_COMMON_READINGS,
         format!(
-            "The joint estimate has no span with readings of all three stations. This is the answer of {published}."
+            "The joint estimate has no span with readings of all stations. This is the answer of {published}."
         ),
     )
 }
@@ -94,7 +93,7 @@ pub fn no_common_readings(published: &str) -> Finding {
 /// `published` is the name for people of the method that answers instead.
 pub fn priors_tightened(published: &str) -> Finding {
     Finding::new(
-        FindingKind::PriorsTightened,
+        kinds::PRIORS_TIGHTENED,
         format!(
             "The joint estimate converged only with tighter priors of slow changes, so its σ would be too small. This is the answer of {published}."
         ),
@@ -103,7 +102,7 @@ pub fn priors_tightened(published: &str) -> Finding {
 
 pub fn solver_not_converged() -> Finding {
     Finding::new(
-        FindingKind::SolverNotConverged,
+        kinds::SOLVER_NOT_CONVERGED,
         "the solver did not converge: it stopped before it reached the minimum",
     )
 }
@@ -111,7 +110,7 @@ pub fn solver_not_converged() -> Finding {
 /// `published` is the name for people of the method that answers instead.
 pub fn joint_estimate_undetermined(published: &str) -> Finding {
     Finding::new(
-        FindingKind::JointEstimateUndetermined,
+        kinds::JOINT_ESTIMATE_UNDETERMINED,
         format!(
             "The readings do not determine all parameters of the joint estimate. This is the answer of {published}."
         ),
@@ -120,7 +119,7 @@ pub fn joint_estimate_undetermined(published: &str) -> Finding {
 
 pub fn other_minimum_fits_better(cost_ratio: f64) -> Finding {
     Finding::new(
-        FindingKind::OtherMinimumFitsBetter,
+        kinds::OTHER_MINIMUM_FITS_BETTER,
         "another minimum fits better than this answer, with all estimated errors corrected; nothing decides between them",
     )
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
@@ -128,7 +127,7 @@ pub fn other_minimum_fits_better(cost_ratio: f64) -> Finding {
 
 pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
     Finding::new(
-        FindingKind::PublishedAnswerFarApart,
+        kinds::PUBLISHED_ANSWER_FAR_APART,
         format!(
             "the paper's method puts station {} {:.0} mm away from this answer, with the same readings: instrument errors do not \
              explain that, so find the wrong readings",
@@ -143,7 +142,7 @@ pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
 /// `method` is its name for people.
 pub fn published_answer_missing(method: &str, why: &Finding) -> Finding {
     Finding::new(
-        FindingKind::PublishedAnswerMissing,
+        kinds::PUBLISHED_ANSWER_MISSING,
         format!("no answer of the paper to compare with: {method} has none ({why})"),
     )
     .about(Subject::Named(method.to_owned()))
@@ -151,7 +150,7 @@ pub fn published_answer_missing(method: &str, why: &Finding) -> Finding {
 
 pub fn tracks_not_transformed() -> Finding {
     Finding::new(
-        FindingKind::TracksNotTransformed,
+        kinds::TRACKS_NOT_TRANSFORMED,
         "this answer refers to the stations' own frames, but the tracks are in another: it does not place the tracks, and \
          the drive does not check it",
     )
@@ -194,7 +193,7 @@ pub fn methods_disagree(difference: &MethodDifference<'_>) -> Finding {
         }
     };
     let [x, y, z] = translation_m;
-    Finding::new(FindingKind::MethodsDisagree, message)
+    Finding::new(kinds::METHODS_DISAGREE, message)
         .about(Subject::OfStation { station, part: format!("{first} and {second}") })
         .quantity("x", x, Unit::Metre)
         .quantity("y", y, Unit::Metre)

@@ -1,5 +1,6 @@
-//! Findings about the clocks of stations 2 and 3 against that of station 1.
+//! Findings about the clocks against that of station 1.
 
+use crate::deployment::kinds;
 use crate::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
 use crate::statistics::estimate::{Estimate, sigmas_in_words};
 
@@ -20,7 +21,7 @@ pub fn clock_offset(station: usize, offset_s: &Estimate) -> Finding {
         late_or_early(offset_s),
         sigmas_in_words(offset_s.sigmas_from(0.0)),
     );
-    about(FindingKind::ClockOffset, station, message).estimate("offset", offset_s, Unit::Second)
+    about(kinds::CLOCK_OFFSET, station, message).estimate("offset", offset_s, Unit::Second)
 }
 
 pub fn clock_drift(station: usize, drift: &Estimate) -> Finding {
@@ -30,7 +31,7 @@ pub fn clock_drift(station: usize, drift: &Estimate) -> Finding {
         drift.value * 1e6,
         drift.sigma * 1e6,
     );
-    about(FindingKind::ClockDrift, station, message).estimate("drift", drift, Unit::Ratio)
+    about(kinds::CLOCK_DRIFT, station, message).estimate("drift", drift, Unit::Ratio)
 }
 
 pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
@@ -42,7 +43,7 @@ pub fn clock_offset_suspected(station: usize, offset_s: &Estimate) -> Finding {
         offset_s.sigma * 1e3,
         late_or_early(offset_s),
     );
-    about(FindingKind::ClockOffsetSuspected, station, message)
+    about(kinds::CLOCK_OFFSET_SUSPECTED, station, message)
         .estimate("offset", offset_s, Unit::Second)
         .with(Remedy::JointEstimate)
 }
@@ -56,7 +57,7 @@ pub fn clock_jump_suspected(station: usize, jump_s: &Estimate) -> Finding {
         jump_s.value * 1e3,
         jump_s.sigma * 1e3,
     );
-    about(FindingKind::ClockJumpSuspected, station, message)
+    about(kinds::CLOCK_JUMP_SUSPECTED, station, message)
         .estimate("jump", jump_s, Unit::Second)
         .with(Remedy::JointEstimate)
 }
@@ -74,11 +75,7 @@ pub fn clock_drift_implausible(station: usize, drift: &Estimate, is_allowed_for:
         station + 1,
         drift.value * 1e6,
     );
-    about(FindingKind::ClockDriftImplausible, station, message).estimate(
-        "drift",
-        drift,
-        Unit::Ratio,
-    )
+    about(kinds::CLOCK_DRIFT_IMPLAUSIBLE, station, message).estimate("drift", drift, Unit::Ratio)
 }
 
 pub(super) fn examples() -> Vec<Finding> {

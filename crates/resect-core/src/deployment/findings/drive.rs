@@ -1,5 +1,6 @@
 //! Findings about the shape of a drive, and the directions that it determines.
 
+use crate::deployment::kinds;
 use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Unit,
 };
@@ -43,7 +44,7 @@ impl OpenDirections {
 }
 
 pub fn drive_standing(open: OpenDirections) -> Finding {
-    open.finding(FindingKind::DriveStanding, "the vehicle hardly moved")
+    open.finding(kinds::DRIVE_STANDING, "the vehicle hardly moved")
 }
 
 pub fn drive_straight_line(open: OpenDirections, length_m: f64, bends_m: f64) -> Finding {
@@ -51,7 +52,7 @@ pub fn drive_straight_line(open: OpenDirections, length_m: f64, bends_m: f64) ->
         "the drive is one straight line ({length_m:.0} m, bends under {:.1} m): the rig never turns",
         (bends_m * 10.0).ceil().max(1.0) / 10.0
     );
-    open.finding(FindingKind::DriveStraightLine, shape)
+    open.finding(kinds::DRIVE_STRAIGHT_LINE, shape)
         .quantity("length", length_m, Unit::Metre)
         .quantity("bends", bends_m, Unit::Metre)
 }
@@ -65,9 +66,11 @@ pub fn drive_circle(open: OpenDirections, radius_m: f64, driven_rad: f64) -> Fin
             .angle(MessageAngle::size(driven_rad, AngleFormat::Degrees, 0))
             .text(format!(" of radius {radius_m:.1} m)"))
     };
-    open.finding(FindingKind::DriveCircle, shape)
-        .quantity("radius", radius_m, Unit::Metre)
-        .quantity("driven", driven_rad, Unit::Radian)
+    open.finding(kinds::DRIVE_CIRCLE, shape).quantity("radius", radius_m, Unit::Metre).quantity(
+        "driven",
+        driven_rad,
+        Unit::Radian,
+    )
 }
 
 /// `rival_cost_ratio` is the cost of another solution over that of the answer.
@@ -91,7 +94,7 @@ pub fn drive_two_legs(
         .angle(MessageAngle::size(turn_rad, AngleFormat::Degrees, 0))
         .text(format!(" at ({x:.1}, {y:.1}) m{dependence}"));
     let finding =
-        open.finding(FindingKind::DriveTwoLegs, shape).quantity("turn", turn_rad, Unit::Radian);
+        open.finding(kinds::DRIVE_TWO_LEGS, shape).quantity("turn", turn_rad, Unit::Radian);
     match rival_cost_ratio {
         Some(ratio) => finding.quantity("rival_cost_ratio", ratio, Unit::Ratio),
         None => finding,
@@ -101,14 +104,14 @@ pub fn drive_two_legs(
 /// `free` names the directions, `advice` the next drive.
 pub fn drive_leaves_direction_free(free: &str, advice: &str) -> Finding {
     Finding::new(
-        FindingKind::DriveLeavesDirectionFree,
+        kinds::DRIVE_LEAVES_DIRECTION_FREE,
         format!("the drive leaves a direction unobservable: {free}; next, {advice}"),
     )
 }
 
 pub fn stations_far_from_track(largest_sigma_m: f64) -> Finding {
     Finding::new(
-        FindingKind::StationsFarFromTrack,
+        kinds::STATIONS_FAR_FROM_TRACK,
         format!(
             "weakly observable: the stations stand far from the track, where an error of yaw grows (σ up to {:.0} mm); drive \
              nearer to them or over a larger area, if the place allows",
@@ -121,7 +124,7 @@ pub fn stations_far_from_track(largest_sigma_m: f64) -> Finding {
 /// `direction` is the weakest one in words, `advice` the next drive.
 pub fn drive_weak(direction: &str, largest_sigma_m: f64, advice: &str) -> Finding {
     Finding::new(
-        FindingKind::DriveWeak,
+        kinds::DRIVE_WEAK,
         format!(
             "weakly observable: {direction} (σ up to {:.0} mm); next, {advice}",
             largest_sigma_m * 1e3
@@ -132,7 +135,7 @@ pub fn drive_weak(direction: &str, largest_sigma_m: f64, advice: &str) -> Findin
 
 pub fn weakest_direction(direction: &str, sigma_m: f64) -> Finding {
     Finding::new(
-        FindingKind::WeakestDirection,
+        kinds::WEAKEST_DIRECTION,
         format!("least certain at the track: {direction} (σ {:.1} mm)", sigma_m * 1e3),
     )
     .quantity("sigma", sigma_m, Unit::Metre)
@@ -164,14 +167,12 @@ pub fn flat_ground(flat: Flat, is_resolved: bool) -> Finding {
     let message =
         ground.text(": only the rig or control points resolve the mirror ambiguity of the heights");
     let severity = if is_resolved { Severity::Note } else { Severity::Warning };
-    Finding::new(FindingKind::FlatGround, message)
-        .with_severity(severity)
-        .quantity(name, value, unit)
+    Finding::new(kinds::FLAT_GROUND, message).with_severity(severity).quantity(name, value, unit)
 }
 
 pub fn rival_minimum(apart_m: f64, cost_ratio: f64) -> Finding {
     Finding::new(
-        FindingKind::RivalMinimum,
+        kinds::RIVAL_MINIMUM,
         format!(
             "another solution {apart_m:.2} m away has only {cost_ratio:.2} times the cost; turn to both sides while driving"
         ),
@@ -183,7 +184,7 @@ pub fn rival_minimum(apart_m: f64, cost_ratio: f64) -> Finding {
 /// `median_m` is the median error of the inter-prism distances.
 pub fn distances_fit_poorly(median_m: f64) -> Finding {
     Finding::new(
-        FindingKind::DistancesFitPoorly,
+        kinds::DISTANCES_FIT_POORLY,
         format!(
             "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the \
              filters",

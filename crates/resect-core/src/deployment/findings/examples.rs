@@ -1,9 +1,6 @@
 //! One example of each finding of this crate.
 
-use super::{
-    answers, checks, clocks, drive, instruments, mirror, outliers, planning, points, recordings,
-    studies, validation,
-};
+use super::{answers, checks, clocks, drive, instruments, mirror, outliers, points, recordings};
 use crate::deployment::Finding;
 
 /// An example of each kind of finding that this crate makes.
@@ -16,11 +13,8 @@ pub fn examples() -> Vec<Finding> {
         instruments::examples(),
         mirror::examples(),
         outliers::examples(),
-        planning::examples(),
         points::examples(),
         recordings::examples(),
-        studies::examples(),
-        validation::examples(),
     ]
     .concat()
 }

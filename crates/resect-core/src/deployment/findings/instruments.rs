@@ -1,9 +1,10 @@
 //! Findings of the joint estimate: noise, errors of instruments, distances, steps.
 
+use crate::deployment::kinds;
 use crate::deployment::{
     AngleFormat, Finding, FindingKind, Message, MessageAngle, Remedy, Severity, Subject, Unit,
-    pair_label,
 };
+use crate::network::{Number, Pair};
 use crate::statistics::estimate::{
     Estimate, Quantity, SUPPORTED_SIGMAS, decimals_of, sigmas_in_words,
 };
@@ -33,7 +34,7 @@ pub fn noise_levels(noise: ReadingNoise) -> Finding {
                 slow_across_m * 1e3,
                 slow_upward_m * 1e3
             ));
-    Finding::new(FindingKind::NoiseLevels, message)
+    Finding::new(kinds::NOISE_LEVELS, message)
         .quantity("range", range_m, Unit::Metre)
         .quantity("angle", angle_rad, Unit::Radian)
         .quantity("stamp", stamp_s, Unit::Second)
@@ -115,7 +116,7 @@ impl NamedError<'_> {
 }
 
 pub fn instrument_error(error: &NamedError<'_>) -> Finding {
-    error.finding(FindingKind::InstrumentError, error.in_words(1))
+    error.finding(kinds::INSTRUMENT_ERROR, error.in_words(1))
 }
 
 /// `sigmas` is the distance from the prior in standard deviations. The message states the value without the prior, because the
@@ -134,7 +135,7 @@ pub fn instrument_error_implausible(
         .text(format!("{source}: implausible at {sigmas:.1} σ, sound instruments have "))
         .message(error.prior_in_words(1))
         .text(" (1 σ); probably another error, which this estimate does not model, is the cause");
-    error.finding(FindingKind::InstrumentErrorImplausible, message).quantity(
+    error.finding(kinds::INSTRUMENT_ERROR_IMPLAUSIBLE, message).quantity(
         "sigmas",
         sigmas,
         Unit::Ratio,
@@ -149,11 +150,7 @@ pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding
         .text(format!(" by the data: {:.1} σ beyond the stated ", sigmas.abs()))
         .message(error.prior_in_words(decimals))
         .text(" (1 σ), so this answer is biased; restore the usual size of this error");
-    error.finding(FindingKind::StatedErrorContradicted, message).quantity(
-        "sigmas",
-        sigmas,
-        Unit::Ratio,
-    )
+    error.finding(kinds::STATED_ERROR_CONTRADICTED, message).quantity("sigmas", sigmas, Unit::Ratio)
 }
 
 /// An estimated distance; a warning if it differs notably from its measurement.
@@ -166,16 +163,16 @@ pub fn distance_estimated(
     let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
     let line = format!(
         "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
-        pair_label(pair),
+        Pair::at(pair),
         off_m.value * 1e3,
         off_m.sigma * 1e3,
         sigmas_in_words(off_m.sigmas_from(0.0)),
     );
     let finding = if is_notable {
-        Finding::new(FindingKind::DistanceOff, format!("{line}; measure the rig again"))
+        Finding::new(kinds::DISTANCE_OFF, format!("{line}; measure the rig again"))
             .with(Remedy::Corrections)
     } else {
-        Finding::new(FindingKind::DistanceEstimated, line)
+        Finding::new(kinds::DISTANCE_ESTIMATED, line)
     };
     finding.about(Subject::Pair(pair)).estimate("error", &off_m, Unit::Metre)
 }
@@ -183,11 +180,11 @@ pub fn distance_estimated(
 /// A distance that differs by `off_m` from its measurement, whose prior standard deviation is `prior_sigma_m`.
 pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas: f64) -> Finding {
     Finding::new(
-        FindingKind::DistanceImplausible,
+        kinds::DISTANCE_IMPLAUSIBLE,
         format!(
             "prisms {} would be {:+.1} mm from their measured distance (σ {:.1} mm), implausible at {sigmas:.1} σ: the rig, its \
              units or the station numbers are wrong",
-            pair_label(pair),
+            Pair::at(pair),
             off_m * 1e3,
             prior_sigma_m * 1e3
         ),
@@ -198,26 +195,28 @@ pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas:
     .with(Remedy::Corrections)
 }
 
-pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
-    let off_mm = off_m.map(|m| format!("{:+.1}", m * 1e3));
-    Finding::new(
-        FindingKind::DistancesImplausible,
+pub fn distances_implausible(off_m: &[(Pair, f64)], sigmas: f64) -> Finding {
+    let pairs: Vec<String> = off_m.iter().map(|(pair, _)| pair.to_string()).collect();
+    let off_mm: Vec<String> = off_m.iter().map(|(_, m)| format!("{:+.1}", m * 1e3)).collect();
+    let mut finding = Finding::new(
+        kinds::DISTANCES_IMPLAUSIBLE,
         format!(
-            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, together implausible at {sigmas:.1} σ: a \
-             station followed another prism for a while, or the rig has changed since it was measured",
+            "prisms {} would be {} mm from their measured distances, together implausible at {sigmas:.1} σ: a station \
+             followed another prism for a while, or the rig has changed since it was measured",
+            pairs.join(", "),
             off_mm.join(", ")
         ),
-    )
-    .quantity("error_12", off_m[0], Unit::Metre)
-    .quantity("error_13", off_m[1], Unit::Metre)
-    .quantity("error_23", off_m[2], Unit::Metre)
-    .quantity("sigmas", sigmas, Unit::Ratio)
-    .with(Remedy::Corrections)
+    );
+    for (Pair { first, second }, off_m) in off_m {
+        let name = format!("error_{first}{second}");
+        finding = finding.quantity(name, *off_m, Unit::Metre);
+    }
+    finding.quantity("sigmas", sigmas, Unit::Ratio).with(Remedy::Corrections)
 }
 
 pub fn station_errors_implausible(station: usize, sigmas: f64) -> Finding {
     Finding::new(
-        FindingKind::StationErrorsImplausible,
+        kinds::STATION_ERRORS_IMPLAUSIBLE,
         format!(
             "station {}'s errors of ranges, angles and tilt are together implausible at {sigmas:.1} σ: it was knocked, or \
              another error biases the answer",
@@ -230,7 +229,7 @@ pub fn station_errors_implausible(station: usize, sigmas: f64) -> Finding {
 
 pub fn errors_implausible(sigmas: f64) -> Finding {
     Finding::new(
-        FindingKind::ErrorsImplausible,
+        kinds::ERRORS_IMPLAUSIBLE,
         format!(
             "the errors of all stations and distances are together implausible at {sigmas:.1} σ: an error that this estimate \
              does not model biases the answer"
@@ -241,7 +240,7 @@ pub fn errors_implausible(sigmas: f64) -> Finding {
 
 pub fn range_wander_implausible(sigma_m: f64) -> Finding {
     Finding::new(
-        FindingKind::RangeWanderImplausible,
+        kinds::RANGE_WANDER_IMPLAUSIBLE,
         format!(
             "slow range errors of {:.0} mm are larger than any prism causes: find the cause",
             sigma_m * 1e3
@@ -293,7 +292,7 @@ pub fn clock_stepped(context: StepContext<'_>, by_s: &Estimate) -> Finding {
         by_s.sigma * 1e3,
         context.when
     );
-    context.finding(FindingKind::ClockStepped, event).estimate("jump", by_s, Unit::Second)
+    context.finding(kinds::CLOCK_STEPPED, event).estimate("jump", by_s, Unit::Second)
 }
 
 pub fn station_moved(
@@ -312,7 +311,7 @@ pub fn station_moved(
             context.when
         ));
     context
-        .finding(FindingKind::StationMoved, event)
+        .finding(kinds::STATION_MOVED, event)
         .estimate("turned", turned_rad, Unit::Radian)
         .estimate("moved", moved_m, Unit::Metre)
 }
@@ -341,7 +340,7 @@ pub fn set_up_changed(station: usize, turned_rad: &Estimate, moved_m: &Estimate)
     }
     let message =
         event.text(" between the survey and the drive. Use the joint estimate for this drive.");
-    Finding::new(FindingKind::SetUpChanged, message)
+    Finding::new(kinds::SET_UP_CHANGED, message)
         .about(Subject::Station(station))
         .estimate("turned", turned_rad, Unit::Radian)
         .estimate("moved", moved_m, Unit::Metre)
@@ -372,7 +371,7 @@ pub fn set_up_change_undecided(undecided: UndecidedChange) -> Finding {
              Measure the rig again."
         }
     };
-    Finding::new(FindingKind::SetUpChangeUndecided, message)
+    Finding::new(kinds::SET_UP_CHANGE_UNDECIDED, message)
 }
 
 /// The largest source of a standard deviation.
@@ -400,7 +399,7 @@ pub fn uncertainty_sources(station: usize, sources: [UncertaintySource<'_>; 4]) 
         .text(" of ")
         .angle(whole)
         .text(")");
-    Finding::new(FindingKind::UncertaintySources, message)
+    Finding::new(kinds::UNCERTAINTY_SOURCES, message)
         .about(Subject::Station(station))
         .quantity("x", x.part, Unit::Metre)
         .quantity("y", y.part, Unit::Metre)
@@ -451,7 +450,10 @@ pub(super) fn examples() -> Vec<Finding> {
         distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
         distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
         distance_implausible(0, 0.02, 0.001, 6.0),
-        distances_implausible([0.01, 0.01, -0.01], 4.0),
+        distances_implausible(
+            &Pair::among(3).zip([0.01, 0.01, -0.01]).collect::<Vec<(Pair, f64)>>(),
+            4.0,
+        ),
         station_errors_implausible(1, 4.0),
         errors_implausible(4.0),
         range_wander_implausible(0.007),

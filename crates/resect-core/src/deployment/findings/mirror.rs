@@ -1,17 +1,18 @@
 //! Findings about the mirror twin of an answer.
 
-use crate::deployment::{Finding, FindingKind, Remedy, Unit};
+use crate::deployment::kinds;
+use crate::deployment::{Finding, Remedy, Unit};
 
 pub fn mirror_same_height() -> Finding {
     Finding::new(
-        FindingKind::MirrorSameHeight,
+        kinds::MIRROR_SAME_HEIGHT,
         "the prisms are at the same height, so the mirrored solution is the answer itself",
     )
 }
 
 pub fn mirror_ruled_out() -> Finding {
     Finding::new(
-        FindingKind::MirrorRuledOut,
+        kinds::MIRROR_RULED_OUT,
         "no mirror ambiguity: pitch and roll exclude the mirrored solution",
     )
 }
@@ -35,15 +36,15 @@ pub fn mirror_twin(
 ) -> Finding {
     let (kind, decision) = match witness {
         MirrorWitness::Rig => {
-            (FindingKind::MirrorResolvedByRig, "decided by the rig (which prism is higher)")
+            (kinds::MIRROR_RESOLVED_BY_RIG, "decided by the rig (which prism is higher)")
         }
         MirrorWitness::ControlPoints => {
-            (FindingKind::MirrorResolvedByControlPoints, "decided by the control points")
+            (kinds::MIRROR_RESOLVED_BY_CONTROL_POINTS, "decided by the control points")
         }
-        MirrorWitness::Cost => (FindingKind::MirrorResolvedByCost, "decided by the cost"),
-        MirrorWitness::Nothing => (FindingKind::MirrorUnresolved, "not resolved"),
+        MirrorWitness::Cost => (kinds::MIRROR_RESOLVED_BY_COST, "decided by the cost"),
+        MirrorWitness::Nothing => (kinds::MIRROR_UNRESOLVED, "not resolved"),
     };
-    let kind = if is_contradicted { FindingKind::MirrorUnresolved } else { kind };
+    let kind = if is_contradicted { kinds::MIRROR_UNRESOLVED } else { kind };
     Finding::new(
         kind,
         if cost_ratio < 1.0 {
@@ -65,7 +66,7 @@ pub fn mirror_twin(
 /// `witness` is the name of the evidence.
 pub fn mirror_witness_contradicted(witness: &str) -> Finding {
     Finding::new(
-        FindingKind::MirrorWitnessContradicted,
+        kinds::MIRROR_WITNESS_CONTRADICTED,
         format!(
             "the {witness} and the cost clearly contradict each other about the mirrored solution; check the order of the prisms"
         ),
@@ -75,7 +76,7 @@ pub fn mirror_witness_contradicted(witness: &str) -> Finding {
 
 pub fn mirror_needs_witness() -> Finding {
     Finding::new(
-        FindingKind::MirrorNeedsWitness,
+        kinds::MIRROR_NEEDS_WITNESS,
         "to resolve the mirror ambiguity, add calibration_raw.csv (heights of the prisms) or control points, or drive over \
          uneven ground",
     )

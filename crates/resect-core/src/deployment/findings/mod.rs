@@ -8,10 +8,7 @@ mod examples;
 pub mod instruments;
 pub mod mirror;
 pub mod outliers;
-pub mod planning;
 pub mod points;
 pub mod recordings;
-pub mod studies;
-pub mod validation;
 
 pub use examples::examples;

@@ -1,6 +1,7 @@
 //! Findings about outlying triplets, and about the search of the prior.
 
-use crate::deployment::{Finding, FindingKind, Remedy, Unit};
+use crate::deployment::kinds;
+use crate::deployment::{Finding, Remedy, Unit};
 
 /// `count` of `all` triplets were left out; `is_many` is true if the rest may be wrong too.
 pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
@@ -11,7 +12,7 @@ pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
     };
     let finding = if is_many {
         Finding::new(
-            FindingKind::ManyOutliersLeftOut,
+            kinds::MANY_OUTLIERS_LEFT_OUT,
             format!(
                 "{line}, {:.0} % of all: the rest may be wrong as well; check if a station followed another prism, or if the \
                  distances are those of another rig",
@@ -19,7 +20,7 @@ pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
             ),
         )
     } else {
-        Finding::new(FindingKind::OutliersLeftOut, line)
+        Finding::new(kinds::OUTLIERS_LEFT_OUT, line)
     };
     finding.count("triplets", count).quantity("share", share, Unit::Ratio)
 }
@@ -28,7 +29,7 @@ pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
 pub fn span_left_out(span_s: [f64; 2], start_s: f64) -> Finding {
     let [from_s, to_s] = span_s;
     Finding::new(
-        FindingKind::SpanLeftOut,
+        kinds::SPAN_LEFT_OUT,
         format!(
             "most triplets from {:.0} to {:.0} s of the drive do not fit the rest and were left out: a station moved, or \
              followed another prism for that time; cut the recording there",
@@ -54,7 +55,7 @@ pub fn outliers_shift_answer(count: usize, largest_m: Option<f64>, shift_m: f64)
             shift_m * 1e3
         ),
     };
-    Finding::new(FindingKind::OutliersShiftAnswer, message)
+    Finding::new(kinds::OUTLIERS_SHIFT_ANSWER, message)
         .count("triplets", count)
         .quantity("shift", shift_m, Unit::Metre)
         .with(Remedy::JointEstimate)
@@ -62,7 +63,7 @@ pub fn outliers_shift_answer(count: usize, largest_m: Option<f64>, shift_m: f64)
 
 pub fn prior_search_unconfirmed() -> Finding {
     Finding::new(
-        FindingKind::PriorSearchUnconfirmed,
+        kinds::PRIOR_SEARCH_UNCONFIRMED,
         "the search of the prior found no optimum that three other runs confirm; compare with the closed form",
     )
     .with(Remedy::ClosedFormPrior)
@@ -70,7 +71,7 @@ pub fn prior_search_unconfirmed() -> Finding {
 
 pub fn prior_search_elsewhere(apart_m: f64) -> Finding {
     Finding::new(
-        FindingKind::PriorSearchElsewhere,
+        kinds::PRIOR_SEARCH_ELSEWHERE,
         format!(
             "the search of the prior ended {apart_m:.2} m from this answer, in another minimum such as the mirrored solution; \
              the answer does not depend on it"

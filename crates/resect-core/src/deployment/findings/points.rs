@@ -1,11 +1,12 @@
 //! Findings of the methods from points: control points (A, B), and the aligned tracks of one prism (C).
 
-use crate::deployment::{Finding, FindingKind, Overrides, Remedy, Severity, Subject, Unit};
+use crate::deployment::kinds;
+use crate::deployment::{Finding, FollowedPrisms, Overrides, Remedy, Severity, Subject, Unit};
 
 /// `is_global` is true if the points have known coordinates.
 pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Finding {
     Finding::new(
-        FindingKind::ControlPointsAligned,
+        kinds::CONTROL_POINTS_ALIGNED,
         format!(
             "{count} control points aligned {}, {:.1} mm rms",
             if is_global { "to their global coordinates" } else { "to station 1" },
@@ -20,7 +21,7 @@ pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Find
 pub fn control_points_fit_poorly(rms_m: f64, is_hopeless: bool) -> Finding {
     let severity = if is_hopeless { Severity::Problem } else { Severity::Warning };
     Finding::new(
-        FindingKind::ControlPointsFitPoorly,
+        kinds::CONTROL_POINTS_FIT_POORLY,
         format!(
             "the control points fit poorly ({:.1} mm rms): check markers, coordinates and prism constant, and if a \
              station moved",
@@ -35,7 +36,7 @@ pub fn control_points_fit_poorly(rms_m: f64, is_hopeless: bool) -> Finding {
 /// `typical_m` is the median residual of all points.
 pub fn control_point_outlier(file: &str, marker: i64, off_m: f64, typical_m: f64) -> Finding {
     Finding::new(
-        FindingKind::ControlPointOutlier,
+        kinds::CONTROL_POINT_OUTLIER,
         format!(
             "marker {marker} of {file} is an outlier: it is off by {:.0} mm, half of the points by less than {:.0} mm; check its \
              readings, or leave it out",
@@ -51,7 +52,7 @@ pub fn control_point_outlier(file: &str, marker: i64, off_m: f64, typical_m: f64
 
 pub fn known_point_misplaced(file: &str, marker: i64, off_m: f64) -> Finding {
     Finding::new(
-        FindingKind::KnownPointMisplaced,
+        kinds::KNOWN_POINT_MISPLACED,
         format!(
             "marker {marker} of {file} is left out: it lies {:.0} mm from the position by the other points; check its \
              coordinates and marker",
@@ -76,7 +77,7 @@ pub fn resection_pair(
         format!(": the stations agree there within {:.1} mm (median)", median_m * 1e3)
     });
     let finding = Finding::new(
-        FindingKind::ResectionPair,
+        kinds::RESECTION_PAIR,
         format!(
             "points {first} and {second} of {file} ({baseline_m:.0} m apart), the best of {pairs} pairs by the other \
              points{agreement}"
@@ -93,14 +94,14 @@ pub fn resection_pair(
 
 pub fn resection_unchecked() -> Finding {
     Finding::new(
-        FindingKind::ResectionUnchecked,
+        kinds::RESECTION_UNCHECKED,
         "this resection is unchecked: without a third known point, a wrong coordinate or marker does not show",
     )
 }
 
 pub fn resection_inconsistent(median_m: f64) -> Finding {
     Finding::new(
-        FindingKind::ResectionInconsistent,
+        kinds::RESECTION_INCONSISTENT,
         format!(
             "the resection is inconsistent: with the best pair the stations disagree by {:.0} mm (median) at the other points",
             median_m * 1e3
@@ -114,7 +115,7 @@ pub fn known_distance_off(markers: [i64; 2], error_m: f64, distance_m: f64) -> F
     let [first, second] = markers;
     let ppm = error_m / distance_m * 1e6;
     Finding::new(
-        FindingKind::KnownDistanceOff,
+        kinds::KNOWN_DISTANCE_OFF,
         format!(
             "the measured distance of points {first} and {second} is off by {:+.0} mm ({ppm:+.0} ppm) from the known one: check \
              temperature, pressure and prism constant, or the survey",
@@ -129,7 +130,7 @@ pub fn known_distance_off(markers: [i64; 2], error_m: f64, distance_m: f64) -> F
 /// `blocks` are independent segments of time.
 pub fn tracks_aligned(rms_m: f64, blocks: usize) -> Finding {
     Finding::new(
-        FindingKind::TracksAligned,
+        kinds::TRACKS_ALIGNED,
         format!("tracks of one prism aligned, {:.1} mm rms over {blocks} segments", rms_m * 1e3),
     )
     .quantity("rms", rms_m, Unit::Metre)
@@ -137,9 +138,9 @@ pub fn tracks_aligned(rms_m: f64, blocks: usize) -> Finding {
 }
 
 pub fn prism_count_undecided() -> Finding {
-    let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
+    let one_prism = Overrides { prisms: Some(FollowedPrisms::Count(1)), ..Overrides::default() };
     Finding::new(
-        FindingKind::PrismCountUndecided,
+        kinds::PRISM_COUNT_UNDECIDED,
         "the number of prisms is not determined, because the drive hardly turns; if it was one, set `prisms = 1` in \
          deployment.toml",
     )
@@ -148,7 +149,7 @@ pub fn prism_count_undecided() -> Finding {
 
 pub fn tracks_apart(rms_m: f64) -> Finding {
     Finding::new(
-        FindingKind::TracksApart,
+        kinds::TRACKS_APART,
         format!(
             "the tracks lie {rms_m:.2} m apart (rms): the stations did not follow one prism, or their clocks are far off"
         ),
@@ -159,7 +160,7 @@ pub fn tracks_apart(rms_m: f64) -> Finding {
 
 pub fn tracks_fit_poorly(rms_m: f64) -> Finding {
     Finding::new(
-        FindingKind::TracksFitPoorly,
+        kinds::TRACKS_FIT_POORLY,
         format!(
             "the tracks fit poorly ({:.1} mm rms): check the clocks and the filters",
             rms_m * 1e3
@@ -171,7 +172,7 @@ pub fn tracks_fit_poorly(rms_m: f64) -> Finding {
 /// `fewest` is the number of segments of time for a good standard deviation.
 pub fn few_time_blocks(blocks: usize, fewest: usize) -> Finding {
     Finding::new(
-        FindingKind::FewTimeBlocks,
+        kinds::FEW_TIME_BLOCKS,
         format!(
             "only {blocks} independent segments of time; σ is rough below {fewest}: record longer"
         ),

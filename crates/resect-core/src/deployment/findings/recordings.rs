@@ -1,10 +1,12 @@
 //! Findings about the clocks of a recording, and about several drives.
 
-use crate::deployment::{Finding, FindingKind, Subject, Unit};
+use crate::deployment::kinds;
+use crate::deployment::{Finding, Subject, Unit};
+use crate::network::MOST_STATIONS;
 
 pub fn stamps_are_station_clocks() -> Finding {
     Finding::new(
-        FindingKind::StampsAreStationClocks,
+        kinds::STAMPS_ARE_STATION_CLOCKS,
         "the stamps of the readings are the stations' own clocks: the recording does not show if they were synchronised",
     )
 }
@@ -32,15 +34,24 @@ pub fn station_clocks_compared(clocks: &[ClockDifference]) -> Finding {
     let each: Vec<String> = clocks.iter().map(in_words).collect();
     let message =
         format!("own clocks minus synchronised stamps (the stamps are used): {}", each.join(", "));
-    const OFFSETS: [&str; 3] = ["offset_station_1", "offset_station_2", "offset_station_3"];
-    clocks.iter().fold(Finding::new(FindingKind::StationClocksCompared, message), |found, clock| {
+    const OFFSETS: [&str; MOST_STATIONS] = [
+        "offset_station_1",
+        "offset_station_2",
+        "offset_station_3",
+        "offset_station_4",
+        "offset_station_5",
+        "offset_station_6",
+        "offset_station_7",
+        "offset_station_8",
+    ];
+    clocks.iter().fold(Finding::new(kinds::STATION_CLOCKS_COMPARED, message), |found, clock| {
         found.quantity(OFFSETS[clock.station], clock.offset_s, Unit::Second)
     })
 }
 
 pub fn station_clock_drifts(station: usize, drift_ppm: f64) -> Finding {
     Finding::new(
-        FindingKind::StationClockDrifts,
+        kinds::STATION_CLOCK_DRIFTS,
         format!(
             "station {}: its own clock and its stamps drift apart by {drift_ppm:+.0} ppm, more than clocks do; one of them was \
              adjusted during the recording",
@@ -58,7 +69,7 @@ pub fn station_clock_jumps(station: usize, by_s: f64, after_s: f64, count: usize
         count => format!(", and {} more times", count - 1),
     };
     Finding::new(
-        FindingKind::StationClockJumps,
+        kinds::STATION_CLOCK_JUMPS,
         format!(
             "station {}: own clock minus stamp jumps by {by_s:+.4} s at {after_s:.1} s{more}; one of the two clocks was set \
              during the recording",
@@ -76,7 +87,7 @@ pub fn time_corrections(station: usize, count: usize, off_s: Option<f64>) -> Fin
     let from =
         off_s.map_or_else(String::new, |off_s| format!(", {:+.1} ms from its stamps", off_s * 1e3));
     let message = format!("station {}: {count} time corrections{from}", station + 1);
-    let finding = Finding::new(FindingKind::TimeCorrections, message)
+    let finding = Finding::new(kinds::TIME_CORRECTIONS, message)
         .about(Subject::Station(station))
         .count("corrections", count);
     match off_s {
@@ -87,7 +98,7 @@ pub fn time_corrections(station: usize, count: usize, off_s: Option<f64>) -> Fin
 
 pub fn time_corrections_contradict_stamps(station: usize, count: usize, off_s: f64) -> Finding {
     Finding::new(
-        FindingKind::TimeCorrectionsContradictStamps,
+        kinds::TIME_CORRECTIONS_CONTRADICT_STAMPS,
         format!(
             "station {}: the stamps contradict the {count} time corrections in the recording: own clock minus stamp differs \
              from them by {off_s:+.4} s",
@@ -111,7 +122,7 @@ pub fn stamps_contradict_recorder(
         .collect();
     let first = against_first_s.first().map_or(1, |(station, _)| station + 1);
     Finding::new(
-        FindingKind::StampsContradictRecorder,
+        kinds::STAMPS_CONTRADICT_RECORDER,
         format!(
             "the synchronised stamps (header.stamp) of the stations look wrong: against the recorder's clock they differ by \
              {stamps_s:.3} s ({}, from station {first}); the stations' own clocks (theodolite_time) differ by only {own_s:.3} s",
@@ -124,7 +135,7 @@ pub fn stamps_contradict_recorder(
 
 pub fn drive_shifted(drive: &str, by_s: f64) -> Finding {
     Finding::new(
-        FindingKind::DriveShifted,
+        kinds::DRIVE_SHIFTED,
         format!(
             "{drive}: its stamps overlap those of the previous drive; it was moved behind that one, {by_s:.0} s later \
              than stamped"
@@ -137,7 +148,7 @@ pub fn drive_shifted(drive: &str, by_s: f64) -> Finding {
 /// `largest_m` is the largest difference from the distances of the `first` drive.
 pub fn drive_distances_differ(drive: &str, first: &str, largest_m: f64) -> Finding {
     Finding::new(
-        FindingKind::DriveDistancesDiffer,
+        kinds::DRIVE_DISTANCES_DIFFER,
         format!(
             "{drive}: its inter-prism distances differ from those of {first} by up to {:.1} mm; the latter are used",
             largest_m * 1e3

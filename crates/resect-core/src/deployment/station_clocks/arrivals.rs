@@ -2,6 +2,7 @@
 
 use crate::deployment::Finding;
 use crate::deployment::findings::recordings::stamps_contradict_recorder;
+use crate::network::MOST_STATIONS;
 use crate::statistics::median;
 
 /// Smallest number of readings for a drift; half as many on either side of a jump.
@@ -15,9 +16,9 @@ const KEPT_ARRIVALS: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub struct Arrivals {
     /// Delay of the readings of each station after the stamp and after the own clock (s); every `every`-th reading.
-    kept: [Vec<(f64, f64)>; 3],
-    seen: [usize; 3],
-    every: [usize; 3],
+    kept: [Vec<(f64, f64)>; MOST_STATIONS],
+    seen: [usize; MOST_STATIONS],
+    every: [usize; MOST_STATIONS],
 }
 
 impl Arrivals {
@@ -66,7 +67,7 @@ impl Arrivals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::FindingKind;
+    use crate::deployment::kinds;
 
     #[test]
     fn the_recorder_tells_wrong_stamps_from_wrong_clocks() {
@@ -84,7 +85,7 @@ mod tests {
         assert_eq!(arrivals([0.0; 3], [0.0, 0.3, -0.2]), None);
         assert_eq!(arrivals([0.0; 3], [0.0; 3]), None);
         let said = arrivals([0.0, 0.3, -0.2], [0.0; 3]).expect("the stamps are off");
-        assert_eq!(said.kind, FindingKind::StampsContradictRecorder);
+        assert_eq!(said.kind, kinds::STAMPS_CONTRADICT_RECORDER);
         assert!(said.to_string().contains("station 2 +0.300 s, station 3 -0.200 s"), "{said}");
     }
 }

@@ -64,7 +64,7 @@ pub enum Place {
     },
     /// The user excluded the reading, so it is in no interval.
     LeftOut,
-    /// The reading is in no interval, because these stations were silent. Empty if all three measured at this instant, but
+    /// The reading is in no interval, because these stations were silent. Empty if all measured at this instant, but
     /// at no other around it.
     InNone(Vec<Silence>),
 }
@@ -126,7 +126,7 @@ pub fn explain(
                     .map(|(_, interval, beside)| Place::In { interval, beside, kept: None })?
             }
             SampleFate::InNoInterval => Place::InNone(
-                (0..3)
+                (0..deployment.tracks.len())
                     .filter_map(|other| {
                         let tau_s = settings.thresholds.tau_s_seconds;
                         silence(deployment, output, other, reading.time_s, tau_s)

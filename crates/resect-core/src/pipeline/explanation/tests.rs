@@ -4,7 +4,7 @@ use super::*;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::pipeline;
 use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate};
-use crate::simulation::{Preset, simulate};
+use crate::simulated_drives::{Preset, simulated};
 
 /// Readings of one station at times (s), all of the same point.
 fn track(times_s: impl IntoIterator<Item = f64>) -> Track {
@@ -194,7 +194,7 @@ fn what_is_not_there_is_not_explained() {
 /// Repeated remedies lead to a kept reading, or to a gap that should stay open.
 #[test]
 fn remedies_keep_what_they_promise() {
-    let deployment = simulate(Preset::Warthog, 1).readings();
+    let deployment = simulated(Preset::Warthog, 1);
     let paper = PipelineSettings::default();
     let first = pipeline::run(&deployment, &paper);
     let stopped = |station: usize| {

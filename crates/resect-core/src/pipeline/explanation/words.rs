@@ -40,7 +40,7 @@ impl Explanation {
 
     fn in_none(&self, silences: &[Silence], start_s: f64) -> String {
         if silences.is_empty() {
-            return "In no interval: the three stations measured together at this instant only."
+            return "In no interval: the stations measured together at this instant only."
                 .to_owned();
         }
         let tau_s = self.settings.thresholds.tau_s_seconds;

@@ -1,4 +1,4 @@
-//! Module 4: the positions of the three prisms at common instants.
+//! Module 4: the positions of the stations' prisms at common instants.
 //!
 //! [`linear`] is the published method. [`squared_exponential`] and [`white_noise_on_acceleration`] estimate their
 //! hyper-parameters, noise included, and give the standard deviation of each position.

@@ -1,5 +1,6 @@
 //! Reading of a recording: its container is recognised by the first bytes, its files are read one after the other.
 
+use resect_core::network::PerStation;
 use std::fs::File;
 use std::path::Path;
 
@@ -58,11 +59,11 @@ pub fn recognise_compressed(head: &[u8], path: &Path) -> Option<Format> {
 
 /// Reads all readings of one recording, its files one after the other.
 ///
-/// `topics` are those of stations 1, 2, 3, for positions that do not name their station. If they are needed and missing, the error
+/// `topics` are those of stations 1, 2, …, for positions that do not name their station. If they are needed and missing, the error
 /// is [`Question::Topics`](crate::error::Question::Topics). `progress` counts the bytes of the files.
 pub fn read(
     pieces: &[Piece<'_>],
-    topics: Option<&[String; 3]>,
+    topics: Option<&PerStation<String>>,
     progress: &Progress,
     into: &mut Recording,
 ) -> Result<(), OpenError> {

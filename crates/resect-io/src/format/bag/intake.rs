@@ -8,6 +8,7 @@ use super::wire::Encoding;
 use crate::error::OpenError;
 use crate::findings::bags::{self, bag_damaged, bag_incomplete, bag_messages_malformed};
 use crate::recording::Recording;
+use resect_core::network::PerStation;
 use resect_core::progress::Progress;
 
 /// Losses of one file.
@@ -42,9 +43,13 @@ pub struct Intake<'a> {
 impl<'a> Intake<'a> {
     pub fn new(
         into: &'a mut Recording,
-        named: Option<&'a [String; 3]>,
+        named: Option<&'a PerStation<String>>,
         progress: &'a Progress,
     ) -> Self {
+        into.expect_stations(named.map_or(0, PerStation::len));
+        for (station, topic) in named.into_iter().flatten().enumerate() {
+            into.name_station(station, topic);
+        }
         Self {
             into,
             stream: Stream::of_readings(named.cloned()),
@@ -130,7 +135,7 @@ impl<'a> Intake<'a> {
                     .into_iter()
                     .for_each(|transform| self.transforms.add(transform, recorded_s));
             }
-            Ok(_) => {}
+            Ok(Heard::Record(_) | Heard::Correction { .. } | Heard::NotTaken) => {}
             Err(why) => self.malformed(subscription, &why),
         }
         Ok(())

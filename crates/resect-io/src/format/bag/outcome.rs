@@ -3,13 +3,14 @@
 use super::intake::{Intake, natural_key};
 use super::messages::{Kind, THEODOLITE_TYPE};
 use crate::error::{OpenError, Question, Topic};
-use resect_core::deployment::{Finding, FindingKind, Subject};
+use crate::findings::kinds;
+use resect_core::deployment::{Finding, Subject};
 
 /// Returns true if a finding is about damage of one of these files.
 fn is_about_bag(finding: &Finding, files: &[impl AsRef<str>]) -> bool {
     let is_damage = matches!(
         finding.kind,
-        FindingKind::BagDamaged | FindingKind::BagMessagesMalformed | FindingKind::BagIncomplete
+        kinds::BAG_DAMAGED | kinds::BAG_MESSAGES_MALFORMED | kinds::BAG_INCOMPLETE
     );
     let is_one = |name: &str| files.iter().any(|file| file.as_ref() == name);
     is_damage && matches!(&finding.subject, Some(Subject::File(file)) if is_one(file))
@@ -44,7 +45,7 @@ impl Intake<'_> {
             let there = if there.is_empty() { "none".to_owned() } else { there };
             return OpenError::file(
                 &file,
-                format!("no position on the topics {}", named.join(", ")),
+                format!("no position on the topics {}", named.as_slice().join(", ")),
                 format!("correct `topics`; topics with positions: {there}"),
             );
         }

@@ -5,6 +5,7 @@ use crate::findings::bags::{
     readings_without_time, theodolite_messages_not_read, topic_without_positions,
 };
 use nalgebra::Vector3;
+use resect_core::network::{MOST_STATIONS, PerStation};
 
 use super::inflate::{self, ZSTD_MAGIC};
 use super::json_messages;
@@ -38,7 +39,7 @@ pub struct SeenTopic {
     pub message_type: String,
     pub kind: Option<Kind>,
     pub messages: u64,
-    /// The station (0 to 2) that the user assigned.
+    /// The station (from 0) that the user assigned.
     pub station: Option<usize>,
 }
 
@@ -47,7 +48,7 @@ pub struct SeenTopic {
 pub enum Heard {
     /// A reading, or a station's report of none; the recording has stored it, or counted the reason why not.
     Record(RawRecord),
-    /// Correction of the clock of a station (0 to 2).
+    /// Correction of the clock of a station (from 0).
     Correction {
         station: Option<usize>,
         correction: TimeCorrection,
@@ -64,30 +65,30 @@ pub enum Heard {
 /// Topics of a recording or of a live stream, and counts of their messages.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// Topics of stations 1, 2, 3, if the user names them.
-    pub named: Option<[String; 3]>,
+    /// Topics of stations 1, 2, …, if the user names them.
+    pub named: Option<PerStation<String>>,
     wants_poses: bool,
     pub topics: Vec<SeenTopic>,
     pub readings: u64,
     /// Number of theodolite messages replaced by the topics that the user names.
     stood_in_for: u64,
-    without_stamp: [u64; 3],
-    without_any_time: [u64; 3],
+    without_stamp: [u64; MOST_STATIONS],
+    without_any_time: [u64; MOST_STATIONS],
     arrivals: Arrivals,
     inflated: Vec<u8>,
 }
 
 impl Stream {
-    /// Converts readings; `named` are the topics of stations 1, 2, 3, if their messages do not name the station.
-    pub fn of_readings(named: Option<[String; 3]>) -> Self {
+    /// Converts readings; `named` are the topics of stations 1, 2, …, if their messages do not name the station.
+    pub fn of_readings(named: Option<PerStation<String>>) -> Self {
         Self {
             named,
             wants_poses: false,
             topics: Vec::new(),
             readings: 0,
             stood_in_for: 0,
-            without_stamp: [0; 3],
-            without_any_time: [0; 3],
+            without_stamp: [0; MOST_STATIONS],
+            without_any_time: [0; MOST_STATIONS],
             arrivals: Arrivals::default(),
             inflated: Vec::new(),
         }
@@ -215,7 +216,7 @@ impl Stream {
     ) -> RawRecord {
         let number = i64::from(coords.station);
         let station = into.station_of(number);
-        let count = |counts: &mut [u64; 3]| {
+        let count = |counts: &mut [u64; MOST_STATIONS]| {
             if let Some(station) = station.filter(|_| coords.status == 0) {
                 counts[station] += 1;
             }
@@ -285,7 +286,7 @@ impl Stream {
             findings.push(positions_not_read(&list(&unread)));
         }
         if let Some(named) = &self.named {
-            findings.push(positions_in_instrument_frames(named));
+            findings.push(positions_in_instrument_frames(named.as_slice()));
             let positions: Vec<_> = self.positions().collect();
             for (station, name) in named.iter().enumerate() {
                 if !positions.iter().any(|t| t.station == Some(station) && t.messages > 0) {

@@ -1,7 +1,7 @@
 use super::*;
-use resect_core::deployment::FindingKind;
-use resect_core::experiment::{Group, Series};
-use resect_core::experiment::{Level, Quantiles};
+use resect_core::deployment::kinds;
+use resect_tools::experiment::{Group, Series};
+use resect_tools::experiment::{Level, Quantiles};
 
 const SIZES: [[f32; 2]; 5] =
     [[420.0, 260.0], [480.0, 300.0], [1000.0, 600.0], [1600.0, 1000.0], [420.0, 900.0]];
@@ -66,7 +66,7 @@ fn chart(shape: Shape) -> Study {
         settings: resect_core::analysis::Settings::default(),
         findings: vec![
             Finding::new(
-                FindingKind::MethodsDisagree,
+                kinds::METHODS_DISAGREE,
                 "B and D disagree about the yaw of station 2 by more than their uncertainty allows"
             );
             3

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::model::{JUMPS, Matrix, State, TILTS, reduced, reduced_vector};
+use super::model::{ClockCheckModel, State, reduced, reduced_vector};
 use super::sums::ClockCheckSums;
 use crate::calibration::instrument::TILT_SIGMA_RAD;
 use crate::statistics::sandwich;
@@ -16,11 +16,12 @@ const NOISE_SHARE_SIGMA: f64 = 0.5;
 /// Tilts are not estimated. An error of a tilt affects every triplet alike and no residual shows it, so σ of the tilts is
 /// propagated.
 pub fn covariance(
+    model: &ClockCheckModel,
     sums: &ClockCheckSums,
     precision: &State,
     lambda: f64,
     places: &[usize],
-) -> Option<Matrix> {
+) -> Option<DMatrix<f64>> {
     let each: Vec<Block> = sums
         .blocks
         .iter()
@@ -31,17 +32,17 @@ pub fn covariance(
         .collect();
     let prior = Prior { precision: reduced_vector(precision, places), weight: lambda };
     let mut small = sandwich::covariance(&each, Some(&prior))?;
-    let priors = Matrix::from_diagonal(&(lambda * precision));
-    let inverse: DMatrix<f64> = reduced(&(sums.hessian + priors), places).cholesky()?.inverse();
+    let priors = DMatrix::from_diagonal(&(lambda * precision));
+    let inverse = reduced(&(&sums.hessian + priors), places).cholesky()?.inverse();
     let mut add = |pull: DVector<f64>| {
         let moved = &inverse * pull;
         small += &moved * moved.transpose();
     };
-    for tilt in TILTS..JUMPS {
+    for tilt in model.tilts() {
         add(reduced_vector(&sums.hessian.column(tilt).into_owned(), places) * TILT_SIGMA_RAD);
     }
     add(reduced_vector(&sums.by_noise, places) * NOISE_SHARE_SIGMA);
-    let mut full = Matrix::zeros();
+    let mut full = DMatrix::zeros(model.order(), model.order());
     for (i, row) in places.iter().enumerate() {
         for (j, column) in places.iter().enumerate() {
             full[(*row, *column)] = small[(i, j)];

@@ -1,25 +1,146 @@
-//! Distance residuals of one triplet and their Jacobian.
+//! Residuals of one triplet and their Jacobian.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use std::ops::Range;
 
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+
+use crate::calibration::inter_prism::PrismNetwork;
+use crate::calibration::inter_prism::prism_network::{UNKNOWNS_PER_STATION, first_unknown};
 use crate::calibration::{Clock, MovingTriplets};
-use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
+use crate::linear_algebra::sums::OUTER;
+use crate::network::{Number, Pair, PerStation, Station, StationPair};
 
-/// Size of the state vector: (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their
-/// own x and y; the jumps of their clocks; the error of the prism constant, which lengthens all ranges.
-pub const UNKNOWNS: usize = 20;
-pub const CLOCKS: usize = 8;
-pub const DISTANCES: usize = 10;
-pub const TILTS: usize = 13;
-pub const JUMPS: usize = 17;
-pub const CONSTANT: usize = 19;
+/// Values of the unknowns of a [`ClockCheckModel`].
+pub type State = DVector<f64>;
 
-pub type State = SVector<f64, UNKNOWNS>;
-pub type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+/// The unknowns and the residuals of the clock check.
+///
+/// The state vector has (x, y, z, yaw) of all stations but the first; their clock offsets; the distances of all pairs of prisms; the
+/// stations' tilts about their own x and y; the jumps of their clocks; the error of the prism constant, which lengthens all ranges.
+pub struct ClockCheckModel {
+    /// Number of stations with unknowns.
+    moving: usize,
+    /// The pairs of prisms whose distances are unknowns, with the rig's distances (m).
+    pub distances_m: Vec<(Pair, f64)>,
+    /// The residuals of a triplet.
+    pub residuals: Vec<ObservedResidual>,
+}
+
+/// A residual of two stations.
+pub struct ObservedResidual {
+    stations: StationPair,
+    /// Index of the pair in the network.
+    pub pair: usize,
+    kind: ResidualKind,
+}
+
+enum ResidualKind {
+    /// The distance between two prisms, which is this unknown.
+    Distance { unknown: usize },
+    /// A coordinate of the vector between two positions of one prism.
+    Coordinate { axis: usize },
+}
+
+impl ClockCheckModel {
+    pub fn new(network: &PrismNetwork) -> Self {
+        let distance_m = |prisms: Pair| {
+            let pair = network.pairs.iter().find(|pair| pair.prisms == Some(prisms));
+            (prisms, pair.map_or(0.0, |pair| pair.distance_m))
+        };
+        let mut model = Self {
+            moving: network.stations() - 1,
+            distances_m: network.prism_pairs().into_iter().map(distance_m).collect(),
+            residuals: Vec::new(),
+        };
+        for (index, pair) in network.pairs.iter().enumerate() {
+            let place =
+                model.distances_m.iter().position(|(prisms, _)| Some(*prisms) == pair.prisms);
+            let kinds = match place {
+                Some(place) => {
+                    vec![ResidualKind::Distance { unknown: model.distances().start + place }]
+                }
+                None => (0..3).map(|axis| ResidualKind::Coordinate { axis }).collect(),
+            };
+            let stations = pair.stations;
+            let residual = |kind| ObservedResidual { stations, pair: index, kind };
+            model.residuals.extend(kinds.into_iter().map(residual));
+        }
+        model
+    }
+
+    /// Returns the indices of the poses.
+    pub fn poses(&self) -> Range<usize> {
+        0..UNKNOWNS_PER_STATION * self.moving
+    }
+
+    pub fn clocks(&self) -> Range<usize> {
+        let start = self.poses().end;
+        start..start + self.moving
+    }
+
+    pub fn distances(&self) -> Range<usize> {
+        let start = self.clocks().end;
+        start..start + self.distances_m.len()
+    }
+
+    pub fn tilts(&self) -> Range<usize> {
+        let start = self.distances().end;
+        start..start + 2 * self.moving
+    }
+
+    pub fn jumps(&self) -> Range<usize> {
+        let start = self.tilts().end;
+        start..start + self.moving
+    }
+
+    /// Returns the index of the error of the prism constant.
+    pub fn constant(&self) -> usize {
+        self.jumps().end
+    }
+
+    /// Returns the length of the state vector: the unknowns, and unused ones for vector instructions.
+    pub fn order(&self) -> usize {
+        (self.constant() + 1).next_multiple_of(OUTER)
+    }
+
+    /// Returns the indices of the unknowns that are estimated. Tilts are constrained: their σ only widens the covariance.
+    pub fn estimated(&self) -> Vec<usize> {
+        (0..self.tilts().start).chain(self.jumps()).chain([self.constant()]).collect()
+    }
+
+    /// Returns the clock of a station; correct of station 1.
+    pub fn clock(&self, state: &State, station: Station) -> Clock {
+        station.slot().map_or(Clock { offset_s: 0.0, drift: 0.0 }, |slot| Clock {
+            offset_s: state[self.clocks().start + slot],
+            drift: state[self.jumps().start + slot],
+        })
+    }
+
+    /// Returns the transforms from the frames of the stations to station 1's, with the tilt applied before the yaw.
+    pub fn transforms(&self, state: &State) -> PerStation<RigidTransform> {
+        PerStation::from_fn(self.moving + 1, |station: Station| {
+            let Some(slot) = station.slot() else { return LevelTransform::IDENTITY.into() };
+            let (first, tilt) = (UNKNOWNS_PER_STATION * slot, self.tilts().start + 2 * slot);
+            let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), state[first + 3]);
+            RigidTransform {
+                rotation: yaw * Rotation3::new(Vector3::new(state[tilt], state[tilt + 1], 0.0)),
+                translation_m: Vector3::new(state[first], state[first + 1], state[first + 2]),
+            }
+        })
+    }
+
+    /// Returns the indices of the unknowns that move the points of a station; `None` of station 1.
+    fn places(&self, station: Station) -> Option<[usize; 8]> {
+        let (slot, at) = (station.slot()?, first_unknown(station)?);
+        let tilt = self.tilts().start + 2 * slot;
+        let (clock, jump) = (self.clocks().start + slot, self.jumps().start + slot);
+        Some([at, at + 1, at + 2, at + 3, clock, jump, tilt, tilt + 1])
+    }
+}
 
 /// Returns the rows and columns of some of the unknowns, in increasing order, of a symmetric matrix with a valid lower triangle.
-pub fn reduced(matrix: &Matrix, places: &[usize]) -> DMatrix<f64> {
+pub fn reduced(matrix: &DMatrix<f64>, places: &[usize]) -> DMatrix<f64> {
     let mut small = DMatrix::zeros(places.len(), places.len());
     for (j, column) in places.iter().enumerate() {
         for i in j..places.len() {
@@ -34,202 +155,246 @@ pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
     DVector::from_fn(places.len(), |i, _| vector[places[i]])
 }
 
-/// Returns the clock of station 2 (slot 0) or 3.
-pub fn clock(state: &State, slot: usize) -> Clock {
-    Clock { offset_s: state[CLOCKS + slot], drift: state[JUMPS + slot] }
+/// One residual of a triplet.
+pub struct Residual {
+    /// Apparent minus estimated distance, or a coordinate of the vector between two positions of one prism (m).
+    pub residual_m: f64,
+    /// Unit vector from the second prism to the first, or of the coordinate (station 1's frame).
+    direction: Vector3<f64>,
+    /// Distance of the prisms (m); infinite for a coordinate, whose direction does not depend on noise.
+    length_m: f64,
 }
 
-/// Returns the transforms from the frames of stations 1, 2, 3 to station 1's, with the tilt applied before the yaw.
-pub fn transforms(state: &State) -> [RigidTransform; 3] {
-    let one = |slot: usize| {
-        let at = 4 * slot;
-        let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), state[at + 3]);
-        let tilt =
-            Rotation3::new(Vector3::new(state[TILTS + 2 * slot], state[TILTS + 2 * slot + 1], 0.0));
-        RigidTransform {
-            rotation: yaw * tilt,
-            translation_m: Vector3::new(state[at], state[at + 1], state[at + 2]),
+impl Residual {
+    /// Returns the variance of the residual from the covariance of the separation (m²).
+    pub fn variance_along_m2(&self, covariance_m2: &Matrix3<f64>) -> f64 {
+        self.direction.dot(&(covariance_m2 * self.direction))
+    }
+}
+
+impl ObservedResidual {
+    /// Returns the residual of prisms at given positions (m, station 1's frame).
+    fn between(&self, placed_m: &PerStation<Vector3<f64>>, state: &State) -> Residual {
+        let between = placed_m[self.stations.first] - placed_m[self.stations.second];
+        match self.kind {
+            ResidualKind::Distance { unknown } => {
+                let length_m = between.norm().max(1e-9);
+                let residual_m = length_m - state[unknown];
+                Residual { residual_m, direction: between / length_m, length_m }
+            }
+            ResidualKind::Coordinate { axis } => {
+                let direction = Vector3::ith(axis, 1.0);
+                Residual { residual_m: between[axis], direction, length_m: f64::INFINITY }
+            }
         }
-    };
-    [LevelTransform::IDENTITY.into(), one(0), one(1)]
+    }
 }
 
-/// Apparent minus estimated distance of each pair at one instant (m).
-pub struct Residuals {
-    pub residual_m: [f64; 3],
-    /// Unit vectors from the second prism of each pair to the first (station 1's frame), and their distance (m).
-    direction: [Vector3<f64>; 3],
-    length_m: [f64; 3],
+/// The residuals of all triplets, linearised about a state.
+pub struct LinearisedTriplets {
+    /// Length of the state vector.
+    pub order: usize,
+    /// Number of residuals of a triplet.
+    pub per_triplet: usize,
+    /// Residuals (m), triplet by triplet.
+    pub residual_m: Vec<f64>,
+    /// Jacobian of each residual with respect to the state.
+    derivative: Vec<f64>,
+    /// Expectation of derivative × residual from noise alone, for each residual.
+    noise_pull: Vec<f64>,
 }
 
-/// Distance residuals of one triplet, linearised about a state.
-pub struct Linearised {
-    /// Apparent minus estimated distance of each pair (m).
-    pub residual_m: [f64; 3],
-    /// Jacobian of the residual of each pair with respect to the state.
-    pub derivative: [State; 3],
-    /// Expectation of derivative × residual from noise alone.
-    pub noise_pull: [State; 3],
-}
-
-impl Linearised {
-    /// Linearises a triplet at a state, with the covariance of the noise of its separations (m², station 1's frame).
+impl LinearisedTriplets {
+    /// Linearises all triplets at a state, with the covariances of the noise of their separations by pair (m², station 1's frame).
     pub fn at(
+        model: &ClockCheckModel,
         data: &MovingTriplets<'_>,
-        index: usize,
         state: &State,
-        station1_from_station: &[RigidTransform; 3],
-        covariance_m2: &[Matrix3<f64>; 3],
+        covariances_m2: &[Vec<Matrix3<f64>>],
     ) -> Self {
-        let found = distances(data, index, state, station1_from_station);
-        let mut linearised = Self {
-            residual_m: found.residuals.residual_m,
-            derivative: [State::zeros(); 3],
-            noise_pull: [State::zeros(); 3],
+        let (order, per_triplet) = (model.order(), model.residuals.len());
+        let count = covariances_m2.len() * per_triplet;
+        let mut all = Self {
+            order,
+            per_triplet,
+            residual_m: Vec::with_capacity(count),
+            derivative: vec![0.0; count * order],
+            noise_pull: vec![0.0; count * order],
         };
-        for pair in 0..3 {
-            found.set_derivative(pair, &mut linearised.derivative[pair]);
-            let pull = &mut linearised.noise_pull[pair];
-            found.set_noise_pull(pair, &covariance_m2[pair], pull);
+        let station1_from_station = model.transforms(state);
+        let mut placed = PlacedTriplet::empty(&station1_from_station);
+        for (index, covariances_m2) in covariances_m2.iter().enumerate() {
+            placed.replace(model, data, index, state, &station1_from_station);
+            for observed in &model.residuals {
+                let residual = observed.between(&placed.points_m, state);
+                let row = all.residual_m.len() * order..(all.residual_m.len() + 1) * order;
+                all.residual_m.push(residual.residual_m);
+                let derivative = &mut all.derivative[row.clone()];
+                placed.set_derivative(model, observed, &residual, derivative);
+                let covariance_m2 = &covariances_m2[observed.pair];
+                let pull = &mut all.noise_pull[row];
+                placed.set_noise_pull(model, observed, &residual, covariance_m2, pull);
+            }
         }
-        linearised
+        all
+    }
+
+    /// Returns the Jacobian of a residual.
+    pub fn derivative(&self, row: usize) -> &[f64] {
+        &self.derivative[row * self.order..(row + 1) * self.order]
+    }
+
+    /// Returns the expectation of derivative × residual from noise alone.
+    pub fn noise_pull(&self, row: usize) -> &[f64] {
+        &self.noise_pull[row * self.order..(row + 1) * self.order]
     }
 
     /// Updates the residuals for a small step of the state.
     pub fn step(&mut self, step: &State) {
-        for (residual_m, derivative) in self.residual_m.iter_mut().zip(&self.derivative) {
-            *residual_m += derivative.dot(step);
+        let rows = self.residual_m.iter_mut().zip(self.derivative.chunks_exact(self.order));
+        for (residual_m, derivative) in rows {
+            *residual_m += derivative.iter().zip(step).map(|(d, s)| d * s).sum::<f64>();
         }
     }
 }
 
-/// Distance residuals, and the Jacobians of the transformed points.
-struct Distances {
-    residuals: Residuals,
-    /// Jacobian of each station's transformed point with respect to the unknowns of [`places`].
-    moves: [[Vector3<f64>; 8]; 3],
-    /// Line of sight of each station (station 1's frame).
-    sights: [Vector3<f64>; 3],
-}
-
-/// Returns the indices of the unknowns that move the points of station 2 (slot 0) or 3.
-fn places(slot: usize) -> [usize; 8] {
-    let (at, tilt) = (4 * slot, TILTS + 2 * slot);
-    [at, at + 1, at + 2, at + 3, CLOCKS + slot, JUMPS + slot, tilt, tilt + 1]
-}
-
-/// Returns the position of each station's prism (m), and its line of sight, both in the station's own frame.
+/// Returns the position of a station's prism (m), and its line of sight, both in the station's own frame.
 fn seen(
+    model: &ClockCheckModel,
     data: &MovingTriplets<'_>,
     index: usize,
     state: &State,
-) -> ([Vector3<f64>; 3], [Vector3<f64>; 3]) {
-    let sights = data
-        .triplets
-        .triplet_m(index)
-        .map(|point_m| point_m.try_normalize(1e-9).unwrap_or_default());
-    let points_m = std::array::from_fn(|station| {
-        let seen_m = match station.checked_sub(1) {
-            None => data.triplets.points_m[0][index],
-            Some(slot) => data.at_true_time(station, index, clock(state, slot)),
-        };
-        seen_m - sights[station] * state[CONSTANT]
-    });
-    (points_m, sights)
+    station: Station,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let point_m = data.triplets.points_m[station][index];
+    let sight = point_m.try_normalize(1e-9).unwrap_or_default();
+    let seen_m = match station.slot() {
+        None => point_m,
+        Some(_) => data.at_true_time(station.index(), index, model.clock(state, station)),
+    };
+    (seen_m - sight * state[model.constant()], sight)
 }
 
-/// Returns the residuals without their Jacobian.
+/// Returns the residuals of a triplet without their Jacobian.
 pub fn residuals(
+    model: &ClockCheckModel,
     data: &MovingTriplets<'_>,
     index: usize,
     state: &State,
-    station1_from_station: &[RigidTransform; 3],
-) -> Residuals {
-    let (points_m, _) = seen(data, index, state);
-    let [_, second, third] = station1_from_station;
-    Residuals::between(&[points_m[0], second.apply(&points_m[1]), third.apply(&points_m[2])], state)
+    station1_from_station: &PerStation<RigidTransform>,
+) -> Vec<Residual> {
+    let placed_m = station1_from_station.map_each(|station, transform| {
+        let (point_m, _) = seen(model, data, index, state, station);
+        if station == Station::FIRST { point_m } else { transform.apply(&point_m) }
+    });
+    model.residuals.iter().map(|observed| observed.between(&placed_m, state)).collect()
 }
 
-fn distances(
-    data: &MovingTriplets<'_>,
-    index: usize,
-    state: &State,
-    station1_from_station: &[RigidTransform; 3],
-) -> Distances {
-    let (points_m, sights) = seen(data, index, state);
-    let mut moves = [[Vector3::zeros(); 8]; 3];
-    let sights = std::array::from_fn(|k| station1_from_station[k].rotate(&sights[k]));
-    let mut placed = points_m;
-    for station in 1..3 {
-        let transform = &station1_from_station[station];
-        let point = &points_m[station];
-        let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
-        let turned = transform.rotate(point);
-        placed[station] = turned + transform.translation_m;
-        let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(point));
-        moves[station] = [
-            Vector3::x(),
-            Vector3::y(),
-            Vector3::z(),
-            Vector3::z().cross(&turned),
-            moving,
-            moving * data.growth[index],
-            // To first order in the tilt, which is arcseconds.
-            tilted_by(Vector3::x()),
-            tilted_by(Vector3::y()),
-        ];
-    }
-    Distances { residuals: Residuals::between(&placed, state), moves, sights }
+/// The transformed points of a triplet, and their Jacobians.
+struct PlacedTriplet {
+    /// Positions (m, station 1's frame).
+    points_m: PerStation<Vector3<f64>>,
+    /// Jacobian of each point with respect to the unknowns of [`ClockCheckModel::places`].
+    moves: PerStation<[Vector3<f64>; 8]>,
+    /// Line of sight of each station (station 1's frame).
+    sights: PerStation<Vector3<f64>>,
 }
 
-impl Residuals {
-    /// Returns the distance residuals of prisms at given positions (m, station 1's frame).
-    fn between(placed: &[Vector3<f64>; 3], state: &State) -> Self {
-        let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
-        let length_m = between.map(|between| between.norm().max(1e-9));
+impl PlacedTriplet {
+    fn empty(stations: &PerStation<RigidTransform>) -> Self {
         Self {
-            residual_m: std::array::from_fn(|pair| length_m[pair] - state[DISTANCES + pair]),
-            direction: std::array::from_fn(|pair| between[pair] / length_m[pair]),
-            length_m,
+            points_m: stations.map(|_| Vector3::zeros()),
+            moves: stations.map(|_| [Vector3::zeros(); 8]),
+            sights: stations.map(|_| Vector3::zeros()),
         }
     }
 
-    /// Returns the variance of a pair's distance from the covariance of its separation (m²).
-    pub fn variance_along_m2(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> f64 {
-        self.direction[pair].dot(&(covariance_m2 * self.direction[pair]))
+    /// Replaces the points by those of another triplet.
+    fn replace(
+        &mut self,
+        model: &ClockCheckModel,
+        data: &MovingTriplets<'_>,
+        index: usize,
+        state: &State,
+        station1_from_station: &PerStation<RigidTransform>,
+    ) {
+        for (station, transform) in station1_from_station.each() {
+            let (point, sight) = seen(model, data, index, state, station);
+            self.sights[station] = transform.rotate(&sight);
+            if station == Station::FIRST {
+                self.points_m[station] = point;
+                continue;
+            }
+            let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
+            let turned = transform.rotate(&point);
+            self.points_m[station] = turned + transform.translation_m;
+            let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(&point));
+            self.moves[station] = [
+                Vector3::x(),
+                Vector3::y(),
+                Vector3::z(),
+                Vector3::z().cross(&turned),
+                moving,
+                moving * data.growth[index],
+                // To first order in the tilt, which is arcseconds.
+                tilted_by(Vector3::x()),
+                tilted_by(Vector3::y()),
+            ];
+        }
     }
-}
 
-impl Distances {
     /// Sets the derivatives of a pair's separation along a vector with respect to each unknown that moves points.
-    fn set_moved_along(&self, pair: usize, vector: &Vector3<f64>, moved: &mut State) {
-        let (a, b) = PAIRS[pair];
-        moved[CONSTANT] = vector.dot(&(self.sights[b] - self.sights[a]));
-        for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
-            for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
+    fn set_moved_along(
+        &self,
+        model: &ClockCheckModel,
+        stations: StationPair,
+        vector: &Vector3<f64>,
+        moved: &mut [f64],
+    ) {
+        let StationPair { first, second } = stations;
+        moved[model.constant()] = vector.dot(&(self.sights[second] - self.sights[first]));
+        for (station, sign) in [(first, 1.0), (second, -1.0)] {
+            let places = model.places(station).into_iter().flatten();
+            for (place, step) in places.zip(&self.moves[station]) {
                 moved[place] = sign * vector.dot(step);
             }
         }
     }
 
-    fn set_derivative(&self, pair: usize, derivative: &mut State) {
-        self.set_moved_along(pair, &self.residuals.direction[pair], derivative);
-        derivative[DISTANCES + pair] = -1.0;
+    fn set_derivative(
+        &self,
+        model: &ClockCheckModel,
+        observed: &ObservedResidual,
+        residual: &Residual,
+        derivative: &mut [f64],
+    ) {
+        self.set_moved_along(model, observed.stations, &residual.direction, derivative);
+        if let ResidualKind::Distance { unknown } = observed.kind {
+            derivative[unknown] = -1.0;
+        }
     }
 
     /// Sets the expectation of derivative × residual from noise alone.
     ///
     /// Let the noise n of a separation of length d along u have covariance Σ. The residual is u·n + nᵀ(I − uuᵀ)n/2d, and u itself
     /// rotates by (I − uuᵀ)n/d, so that E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. In weakly observable directions, such as
-    /// height and distance on level ground, this bias of a sum moves the answer by centimetres.
-    fn set_noise_pull(&self, pair: usize, covariance_m2: &Matrix3<f64>, pull: &mut State) {
-        let (unit, length_m) = (&self.residuals.direction[pair], self.residuals.length_m[pair]);
+    /// height and distance on level ground, this bias of a sum moves the answer by centimetres. A coordinate has none.
+    fn set_noise_pull(
+        &self,
+        model: &ClockCheckModel,
+        observed: &ObservedResidual,
+        residual: &Residual,
+        covariance_m2: &Matrix3<f64>,
+        pull: &mut [f64],
+    ) {
+        let ResidualKind::Distance { unknown } = observed.kind else { return };
+        let Residual { direction: unit, length_m, .. } = residual;
         let pulled = covariance_m2 * unit;
         let along = unit.dot(&pulled);
         let longer_m = (covariance_m2.trace() - along) / (2.0 * length_m);
-        let turned = (pulled - along * unit) / length_m + longer_m * unit;
-        self.set_moved_along(pair, &turned, pull);
-        pull[DISTANCES + pair] = -longer_m;
+        let turned = (pulled - along * unit) / *length_m + longer_m * unit;
+        self.set_moved_along(model, observed.stations, &turned, pull);
+        pull[unknown] = -longer_m;
     }
 }
 
@@ -255,11 +420,11 @@ impl PolarNoise {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::{PerPair, Prism};
     use crate::pipeline::Triplets;
 
-    #[test]
-    fn derivatives_are_the_differences() {
-        let points: [Vec<Vector3<f64>>; 3] = [0.0, 1.0, 2.0].map(|k| {
+    fn triplets(stations: usize) -> Triplets {
+        let points = |k: f64| -> Vec<Vector3<f64>> {
             (0..3)
                 .map(|i| {
                     Vector3::new(
@@ -269,37 +434,64 @@ mod tests {
                     )
                 })
                 .collect()
-        });
-        let triplets = Triplets::new(vec![0.0, 0.1, 0.2], vec![0; 3], points);
+        };
+        let points_m: PerStation<_> = (0..stations).map(|k| points(k as f64)).collect();
+        Triplets::new(vec![0.0, 0.1, 0.2], vec![0; 3], points_m)
+    }
+
+    fn assert_derivatives_are_the_differences(network: &PrismNetwork, values: &[f64]) {
+        let triplets = triplets(network.stations());
         let data = MovingTriplets::all(&triplets);
-        let mut state = State::zeros();
-        for (place, value) in [
-            0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
-            3e-6, 1e-6, 2e-3, -1e-3, 4e-4,
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            state[place] = value;
-        }
-        let at = |state: &State| residuals(&data, 1, state, &transforms(state));
-        let here = Linearised::at(&data, 1, &state, &transforms(&state), &[Matrix3::zeros(); 3]);
-        assert_eq!(here.residual_m, at(&state).residual_m);
-        for unknown in 0..UNKNOWNS {
+        let model = ClockCheckModel::new(network);
+        let mut state = State::zeros(model.order());
+        state.rows_mut(0, values.len()).copy_from_slice(values);
+        let residuals_m = |state: &State| -> Vec<f64> {
+            let all = residuals(&model, &data, 1, state, &model.transforms(state));
+            all.iter().map(|residual| residual.residual_m).collect()
+        };
+        let no_noise = vec![vec![Matrix3::zeros(); network.pairs.len()]; 3];
+        let here = LinearisedTriplets::at(&model, &data, &state, &no_noise);
+        let rows = here.per_triplet..2 * here.per_triplet;
+        assert_eq!(here.residual_m[rows.clone()], residuals_m(&state));
+        for unknown in 0..=model.constant() {
             let step = 1e-6;
-            let (mut up, mut down) = (state, state);
+            let (mut up, mut down) = (state.clone(), state.clone());
             up[unknown] += step;
             down[unknown] -= step;
-            for pair in 0..3 {
-                let numeric =
-                    (at(&up).residual_m[pair] - at(&down).residual_m[pair]) / (2.0 * step);
-                let exact = here.derivative[pair][unknown];
+            let (up, down) = (residuals_m(&up), residuals_m(&down));
+            for (index, row) in rows.clone().enumerate() {
+                let numeric = (up[index] - down[index]) / (2.0 * step);
+                let exact = here.derivative(row)[unknown];
                 assert!(
                     (numeric - exact).abs() < 2e-4 * (1.0 + exact.abs()),
-                    "{unknown} {pair}: {numeric} {exact}"
+                    "{unknown} {index}: {numeric} {exact}"
                 );
             }
         }
+    }
+
+    #[test]
+    fn derivatives_are_the_differences() {
+        let values = [
+            0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
+            3e-6, 1e-6, 2e-3, -1e-3, 4e-4,
+        ];
+        let network = PrismNetwork::of_own_prisms([0.7, 0.9, 1.0]);
+        assert_eq!(ClockCheckModel::new(&network).order(), values.len());
+        assert_derivatives_are_the_differences(&network, &values);
+    }
+
+    #[test]
+    fn derivatives_of_shared_prisms_are_the_differences() {
+        let prisms = PerStation::from([0, 1, 1, 0].map(Prism::at));
+        let network = PrismNetwork::new(prisms, &PerPair::from([0.8]));
+        let values = [
+            0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.2, 0.5, -0.4, 0.7, 0.004, -0.003, 0.002,
+            0.8, 1e-6, -2e-6, 3e-6, 1e-6, -1e-6, 2e-6, 2e-3, -1e-3, 3e-3, 4e-4,
+        ];
+        let model = ClockCheckModel::new(&network);
+        assert_eq!((model.constant() + 1, model.residuals.len()), (values.len(), 10));
+        assert_derivatives_are_the_differences(&network, &values);
     }
 
     #[test]

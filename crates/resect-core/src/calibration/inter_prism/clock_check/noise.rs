@@ -2,10 +2,11 @@
 
 use nalgebra::Matrix3;
 
-use super::model::{Linearised, PolarNoise, State, residuals, transforms};
+use super::model::{ClockCheckModel, LinearisedTriplets, PolarNoise, State, residuals};
 use crate::calibration::MovingTriplets;
-use crate::deployment::PAIRS;
+use crate::calibration::inter_prism::PrismNetwork;
 use crate::geometry::{ARCSECOND_RAD, RigidTransform};
+use crate::network::{PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::robust::HUBER_BEND;
 use crate::statistics::sigma_of_errors;
@@ -25,7 +26,7 @@ const LEAST_SIGMA: f64 = 1e-12;
 
 /// Covariances of the separations of each triplet's pairs, in station 1's frame (m²).
 pub struct SeparationCovariances {
-    pub covariance_m2: Vec<[Matrix3<f64>; 3]>,
+    pub covariance_m2: Vec<Vec<Matrix3<f64>>>,
 }
 
 impl SeparationCovariances {
@@ -33,14 +34,19 @@ impl SeparationCovariances {
     ///
     /// Stated noise may be too large for a good day, and for a Gaussian process. Residuals contain more than noise, so it is never
     /// scaled up.
-    pub fn no_larger_than_residuals(mut self, data: &MovingTriplets<'_>, state: &State) -> Self {
-        let placed = transforms(state);
-        let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
+    pub fn no_larger_than_residuals(
+        mut self,
+        model: &ClockCheckModel,
+        data: &MovingTriplets<'_>,
+        state: &State,
+    ) -> Self {
+        let placed = model.transforms(state);
+        let mut ratios = Vec::with_capacity(model.residuals.len() * self.covariance_m2.len());
         for (index, covariances) in self.covariance_m2.iter().enumerate() {
-            let found = residuals(data, index, state, &placed);
-            for (pair, covariance_m2) in covariances.iter().enumerate() {
-                let stated_m = found.variance_along_m2(pair, covariance_m2).sqrt();
-                ratios.push(found.residual_m[pair] / stated_m.max(1e-9));
+            let found = residuals(model, data, index, state, &placed);
+            for (observed, residual) in model.residuals.iter().zip(found) {
+                let stated_m = residual.variance_along_m2(&covariances[observed.pair]).sqrt();
+                ratios.push(residual.residual_m / stated_m.max(1e-9));
             }
         }
         let share = sigma_of_errors(ratios).unwrap_or(1.0).powi(2).min(1.0);
@@ -49,8 +55,12 @@ impl SeparationCovariances {
     }
 
     /// Computes the noise of the instruments and of the interpolation.
-    pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
-        let point = |station: usize, index: usize| {
+    pub fn new(
+        network: &PrismNetwork,
+        triplets: &Triplets,
+        station1_from_station: &PerStation<RigidTransform>,
+    ) -> Self {
+        let point = |station: Station, index: usize| {
             let to_station1 = &station1_from_station[station];
             match &triplets.sigma_m {
                 // A Gaussian process has weighted the readings already.
@@ -67,8 +77,9 @@ impl SeparationCovariances {
         };
         let covariance_m2 = (0..triplets.len())
             .map(|index| {
-                let points = [0, 1, 2].map(|station| point(station, index));
-                PAIRS.map(|(a, b)| points[a] + points[b])
+                let points = station1_from_station.map_each(|station, _| point(station, index));
+                let pairs = network.pairs.iter().map(|pair| pair.stations);
+                pairs.map(|pair| points[pair.first] + points[pair.second]).collect()
             })
             .collect();
         Self { covariance_m2 }
@@ -76,8 +87,8 @@ impl SeparationCovariances {
 }
 
 /// Returns the bend of Huber's loss in units of the stated noise, from the σ of the residuals; infinite without residuals.
-pub fn huber_bend(each: &[Linearised]) -> f64 {
+pub fn huber_bend(linearised: &LinearisedTriplets) -> f64 {
     let weight = WEIGHT_PER_M2.sqrt();
-    let errors = each.iter().flat_map(|triplet| triplet.residual_m.map(|m| m * weight));
+    let errors = linearised.residual_m.iter().map(|m| m * weight);
     sigma_of_errors(errors).map_or(f64::INFINITY, |sigma| HUBER_BEND * sigma.max(LEAST_SIGMA))
 }

@@ -1,6 +1,7 @@
 use super::super::state_vector::Constants;
+use super::super::state_vector::tests::layout;
 use super::*;
-use crate::deployment::FindingKind;
+use crate::deployment::kinds;
 use crate::geometry::{ARCSECOND_RAD, Polar};
 
 /// Readings of twelve markers by three stations, without errors.
@@ -29,7 +30,7 @@ pub fn exact_survey() -> Vec<ControlPointSet> {
 }
 
 pub fn adjusted(sets: &[ControlPointSet]) -> Survey {
-    adjust(sets, &ErrorSizes::default()).expect("an adjustment")
+    adjust(sets, &layout(3), &ErrorSizes::default()).expect("an adjustment")
 }
 
 /// The survey with a vertical index and a collimation error at station 2.
@@ -52,7 +53,7 @@ fn survey_with_errors(index_rad: f64, collimation_rad: f64, of_both_faces: bool)
 }
 
 fn off(survey: &Survey, exact: &Survey) -> Constants {
-    survey.constants - exact.constants
+    &survey.constants - &exact.constants
 }
 
 #[test]
@@ -71,7 +72,7 @@ fn both_faces_determine_vertical_index_and_collimation() {
     }
     let findings = survey.significant_face_errors(&ErrorSizes::default());
     assert_eq!(findings.len(), 2);
-    assert!(findings.iter().all(|finding| finding.kind == FindingKind::InstrumentError));
+    assert!(findings.iter().all(|finding| finding.kind == kinds::INSTRUMENT_ERROR));
     // The same errors in one face change the heights.
     let one_face = survey_with_errors(index_rad, collimation_rad, false);
     assert!(off(&one_face, &exact)[2].abs() > 1e-3, "{:?}", off(&one_face, &exact));

@@ -1,0 +1,206 @@
+//! Errors of two estimates at common instants, and over paths between these.
+//!
+//! Two estimates are compared fairly only by the same instants and paths. The relative errors in [`super::metrics`] follow evo
+//! instead: their paths are measured along each estimate, so those of two estimates begin and end at different places. Here a
+//! path is measured along the ground truth, and each instant is one pose of either estimate, nearest in time. Neither estimate
+//! is interpolated, because interpolation averages noise and would favour it.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::errors::EpochError;
+use resect_core::statistics::median;
+
+/// Largest difference in time of two common instants, relative to the shorter of both usual intervals.
+const APART: f64 = 0.75;
+
+/// Errors of two estimates at the same time or over the same path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommonError {
+    /// Time, of a path its end (s).
+    pub time_s: f64,
+    /// Error of each estimate (m or rad).
+    pub errors: [Vector3<f64>; 2],
+    /// Covariance of the ground truth's own error, which both contain; zero if it states none.
+    pub covariance: Matrix3<f64>,
+    /// Length of the path along the ground truth (m); zero at an instant.
+    pub length_m: f64,
+}
+
+/// Pairs the epochs of two estimates that are nearest in time, each used once.
+pub fn common_instants<'a>(
+    first: &'a [EpochError],
+    second: &'a [EpochError],
+) -> Vec<[&'a EpochError; 2]> {
+    let intervals_s = [first, second].map(|errors| {
+        median(errors.windows(2).map(|two| two[1].time_s - two[0].time_s)).unwrap_or(f64::INFINITY)
+    });
+    let apart_s = APART * intervals_s[0].min(intervals_s[1]);
+    // Each epoch of the sparser one has its neighbour in the denser one.
+    let is_swapped = intervals_s[0] < intervals_s[1];
+    let (sparse, dense) = if is_swapped { (second, first) } else { (first, second) };
+    let mut from = 0;
+    let mut pairs = Vec::new();
+    for epoch in sparse {
+        let away_s = |index: usize| (dense[index].time_s - epoch.time_s).abs();
+        while from + 1 < dense.len() && away_s(from + 1) <= away_s(from) {
+            from += 1;
+        }
+        if from < dense.len() && away_s(from) <= apart_s {
+            let other = &dense[from];
+            pairs.push(if is_swapped { [other, epoch] } else { [epoch, other] });
+            from += 1;
+        }
+    }
+    pairs
+}
+
+/// Absolute errors of positions (m).
+pub fn positions(pairs: &[[&EpochError; 2]]) -> Vec<CommonError> {
+    let one = |pair: &[&EpochError; 2]| CommonError {
+        time_s: pair[0].time_s,
+        errors: pair.map(|epoch| epoch.position_m),
+        covariance: mean(pair.map(|epoch| epoch.covariance_m2)),
+        length_m: 0.0,
+    };
+    pairs.iter().map(one).collect()
+}
+
+/// Absolute errors of orientations (rad) at the instants at which both have one.
+pub fn rotations(pairs: &[[&EpochError; 2]]) -> Vec<CommonError> {
+    let one = |pair: &[&EpochError; 2]| {
+        Some(CommonError {
+            time_s: pair[0].time_s,
+            errors: [pair[0].rotation_rad?, pair[1].rotation_rad?],
+            covariance: mean(pair.map(|epoch| epoch.covariance_rad2)),
+            length_m: 0.0,
+        })
+    };
+    pairs.iter().filter_map(one).collect()
+}
+
+/// Mean of two covariances; zero without one.
+fn mean(both: [Option<Matrix3<f64>>; 2]) -> Matrix3<f64> {
+    let [first, second] = both;
+    first.zip(second).map_or(Matrix3::zeros(), |(first, second)| (first + second) / 2.0)
+}
+
+/// Relative errors over one path: of the position (m) and of the orientation (rad).
+pub struct PathErrors {
+    pub position: CommonError,
+    /// `None` if an estimate has no orientations. The position's error is then that of the distance between both ends.
+    pub rotation: Option<CommonError>,
+}
+
+/// Relative errors over consecutive paths of a length (m).
+pub fn over_paths(pairs: &[[&EpochError; 2]], path_m: f64) -> Vec<PathErrors> {
+    let (mut start, mut along_m) = (0, 0.0);
+    let mut paths = Vec::new();
+    for index in 1..pairs.len() {
+        let step_m = |which: usize| {
+            let [before, after] = [index - 1, index].map(|at| pairs[at][which].true_position_m);
+            (after - before).norm()
+        };
+        along_m += (step_m(0) + step_m(1)) / 2.0;
+        if along_m >= path_m {
+            paths.push(path_errors(pairs[start], pairs[index], along_m));
+            (start, along_m) = (index, 0.0);
+        }
+    }
+    paths
+}
+
+fn path_errors(start: [&EpochError; 2], end: [&EpochError; 2], length_m: f64) -> PathErrors {
+    let common = |errors: [Vector3<f64>; 2]| CommonError {
+        time_s: end[0].time_s,
+        errors,
+        // Errors of the ground truth differ from path to path, so the scatter of the blocks contains them.
+        covariance: Matrix3::zeros(),
+        length_m,
+    };
+    let turned = |which: usize| {
+        let [before, after] = [start[which].rotation_rad?, end[which].rotation_rad?];
+        Some([before, after].map(UnitQuaternion::from_scaled_axis))
+    };
+    let moved_m = |which: usize| {
+        let true_m = end[which].true_position_m - start[which].true_position_m;
+        [true_m + end[which].position_m - start[which].position_m, true_m]
+    };
+    let [first_m, second_m] = [moved_m(0), moved_m(1)];
+    let Some(turns) = turned(0).zip(turned(1)) else {
+        let off_m = |[estimated_m, true_m]: [Vector3<f64>; 2]| {
+            Vector3::x() * (estimated_m.norm() - true_m.norm())
+        };
+        return PathErrors { position: common([first_m, second_m].map(off_m)), rotation: None };
+    };
+    let each = [(first_m, turns.0), (second_m, turns.1)];
+    PathErrors {
+        // The error of the relative pose up to the true orientations, which leave sizes unchanged.
+        position: common(
+            each.map(|([estimated_m, true_m], [before, _])| {
+                before.inverse() * estimated_m - true_m
+            }),
+        ),
+        rotation: Some(common(
+            each.map(|(_, [before, after])| (before.inverse() * after).scaled_axis()),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn epochs(times_s: impl Iterator<Item = f64>) -> Vec<EpochError> {
+        let at = |time_s: f64| EpochError {
+            time_s,
+            true_position_m: Vector3::new(time_s, 0.0, 0.0),
+            position_m: Vector3::new(0.0, 0.1 * time_s, 0.0),
+            rotation_rad: Some(Vector3::new(0.0, 0.0, 0.01 * time_s)),
+            covariance_m2: None,
+            covariance_rad2: None,
+            contradiction_m: None,
+        };
+        times_s.map(at).collect()
+    }
+
+    #[test]
+    fn instants_are_nearest_in_time_and_used_once() {
+        let dense = epochs((0..100).map(|k| f64::from(k) * 0.1));
+        let sparse = epochs((0..10).map(|k| f64::from(k) + 0.04));
+        for (first, second) in [(&dense, &sparse), (&sparse, &dense)] {
+            let pairs = common_instants(first, second);
+            assert_eq!(pairs.len(), 10);
+            assert!(pairs.iter().all(|[a, b]| (a.time_s - b.time_s).abs() < 0.041));
+        }
+        // A gap of one has no instants, and nothing else has a common time.
+        let with_gap =
+            epochs((0..100).filter(|k| !(30..60).contains(k)).map(|k| f64::from(k) * 0.1));
+        assert_eq!(common_instants(&dense, &with_gap).len(), 70);
+        let later = epochs((0..10).map(|k| 50.0 + f64::from(k)));
+        assert!(common_instants(&dense, &later).is_empty());
+        assert!(common_instants(&dense, &[]).is_empty());
+    }
+
+    #[test]
+    fn a_path_has_the_error_of_its_relative_pose() {
+        let all = epochs((0..100).map(|k| f64::from(k) * 0.25));
+        let pairs = common_instants(&all, &all);
+        let paths = over_paths(&pairs, 5.0);
+        assert_eq!(paths.len(), 4);
+        for (index, path) in paths.iter().enumerate() {
+            assert_eq!(path.position.length_m, 5.0);
+            let rotation = path.rotation.as_ref().expect("orientations");
+            assert!((rotation.errors[0].norm() - 0.05).abs() < 1e-12);
+            // The start is turned, so 5 m ahead end up aside as well.
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * (0.05 * index as f64));
+            let expected_m = turn.inverse() * Vector3::new(5.0, 0.5, 0.0) - Vector3::x() * 5.0;
+            assert!((path.position.errors[1] - expected_m).norm() < 1e-12);
+        }
+        let mut positions_only = all.clone();
+        positions_only.iter_mut().for_each(|epoch| epoch.rotation_rad = None);
+        let paths = over_paths(&common_instants(&all, &positions_only), 5.0);
+        assert!(paths.iter().all(|path| path.rotation.is_none()));
+        let off_m = paths[0].position.errors[0].norm();
+        assert!((off_m - (25.25_f64.sqrt() - 5.0)).abs() < 1e-12, "{off_m}");
+    }
+}

@@ -1,0 +1,60 @@
+//! The fit of an estimate: frame, clock, lever arm and the body's rotation.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::estimates::matched_pose::TruePose;
+use resect_core::deployment::EstimatedPose;
+use resect_core::deployment::Finding;
+use resect_core::geometry::RigidTransform;
+
+/// Prior standard deviation of a lever arm (m), of the size of a vehicle. It decides only where the drive does not determine
+/// the lever arm, such as its height on level ground.
+pub const LEVER_SIGMA_M: f64 = 1.0;
+/// A time offset or a component of the lever arm is determined if its σ is below this share of the prior's.
+pub const LEAST_GAIN: f64 = 0.5;
+
+/// Transform and time offset between an estimate and the ground truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// `truth = R (scale · estimate) + t`. The ground truth of a deployment is in station 1's frame.
+    pub truth_from_estimate: RigidTransform,
+    pub scale: f64,
+    /// Added to the estimate's times (s), with σ if it was estimated.
+    pub time_offset_s: f64,
+    pub time_offset_sigma_s: Option<f64>,
+    /// False if only the prior of the time offset decides: the estimate stands still at the surveyed points.
+    pub determines_time_offset: bool,
+    /// The body's origin in the vehicle's frame (m), with σ if it was estimated. For a ground truth of a single prism, the
+    /// prism in the body's frame. `None` if nothing has an orientation.
+    pub lever_arm_m: Option<Vector3<f64>>,
+    pub lever_arm_sigma_m: Option<Vector3<f64>>,
+    /// `vehicle_from_body`, with σ if it was estimated (rad); `None` if one of the two has no orientation.
+    pub body_rotation: Option<UnitQuaternion<f64>>,
+    pub body_rotation_sigma_rad: Option<f64>,
+    pub findings: Vec<Finding>,
+}
+
+impl Fit {
+    /// Returns true if the drive determines a component of the lever arm better than its prior does.
+    pub fn determines_lever_arm(&self, axis: usize) -> bool {
+        self.lever_arm_sigma_m.is_none_or(|sigma_m| sigma_m[axis] < LEAST_GAIN * LEVER_SIGMA_M)
+    }
+
+    /// Position of the compared point in the ground truth's frame, by the estimate and by the ground truth (m).
+    pub fn both_positions_m(&self, pose: &EstimatedPose, truth: &TruePose) -> [Vector3<f64>; 2] {
+        let lever_m = self.lever_arm_m.unwrap_or_default();
+        let mut placed_m = self.truth_from_estimate.apply(&(self.scale * pose.position_m));
+        let mut true_m = truth.position_m;
+        match (&truth.rotation, self.placed_orientation(pose)) {
+            (Some(rotation), _) => true_m += rotation.orientation * lever_m,
+            (None, Some(own)) => placed_m += own * lever_m,
+            (None, None) => {}
+        }
+        [placed_m, true_m]
+    }
+
+    /// Body's orientation in the ground truth's frame by the estimate; `None` without orientations.
+    pub fn placed_orientation(&self, pose: &EstimatedPose) -> Option<UnitQuaternion<f64>> {
+        Some(UnitQuaternion::from(self.truth_from_estimate.rotation) * pose.orientation?)
+    }
+}

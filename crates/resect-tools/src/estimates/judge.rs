@@ -1,0 +1,144 @@
+//! Judgement of estimates against the ground truth.
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::agreement::{AgreeingPair, agreements};
+use super::association::is_denser;
+use super::errors::{self, EpochError};
+use super::fit::{self, Fit};
+use super::ground_truth::GroundTruth;
+use super::judged::{Coverage, Judged, UnalignedErrors};
+use super::matched_pose::{MatchedPose, TruePose, consistent};
+use super::metrics::{self, Ape, RELATIVE_M};
+use super::odd::{self, OddOne, OddSpan};
+use super::options::Options;
+use super::ranking::{self, PairComparison};
+use super::unjudged::Unjudged;
+use resect_core::deployment::{EstimatedTrajectory, names_of_trajectories};
+use resect_core::geometry::RigidTransform;
+
+/// All estimates, and the comparisons between them.
+#[derive(Clone, Debug)]
+pub struct EstimatesJudgement {
+    pub judged: Vec<Judged>,
+    /// Every pair of estimates by every kind of error, the better one first.
+    pub comparisons: Vec<PairComparison>,
+    /// Pairs of estimates that agree with each other against the ground truth.
+    pub agreements: Vec<AgreeingPair>,
+    /// Names of the estimates that could not be judged, with the reason.
+    pub unjudged: Vec<(String, Unjudged)>,
+}
+
+/// Compares estimates with the ground truth, each with its options.
+pub fn judge(
+    truth: &GroundTruth<'_>,
+    estimates: Vec<(EstimatedTrajectory, Options)>,
+) -> EstimatesJudgement {
+    let mut compared: Vec<FittedEstimate> = Vec::new();
+    let mut unjudged = Vec::new();
+    let names = names_of_trajectories(estimates.iter().map(|(estimate, _)| estimate));
+    for ((mut estimate, options), name) in estimates.into_iter().zip(names) {
+        estimate.name.clone_from(&name);
+        match judge_one(truth, estimate, options) {
+            Ok(one) => compared.push(one),
+            Err(why) => unjudged.push((name, why)),
+        }
+    }
+    let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
+    let agreements = agreements(&by_sound);
+    let mut odd: Vec<Vec<OddSpan>> =
+        (0..by_sound.len()).map(|own| odd::spans(own, &by_sound, &compared[own].truths)).collect();
+    for (one, odd) in compared.iter().zip(&mut odd) {
+        attribute_to_stations(truth, &one.judged, odd);
+    }
+    let judged: Vec<Judged> =
+        compared.into_iter().zip(odd).map(|(one, odd)| Judged { odd, ..one.judged }).collect();
+    EstimatesJudgement { comparisons: ranking::compare(&judged), agreements, judged, unjudged }
+}
+
+/// Adds the spans in which the readings of a deployment were rejected, and names the station whose readings are wrong.
+fn attribute_to_stations(truth: &GroundTruth<'_>, judged: &Judged, odd: &mut Vec<OddSpan>) {
+    let GroundTruth::Deployment { analysis, .. } = truth else { return };
+    let Ok(answer) = &analysis.answer else { return };
+    let triplet_s = &analysis.triplets().time_s;
+    let without_s = judged.times_without_truth_s();
+    odd.extend(odd::left_out_spans(&without_s, triplet_s, truth.has_orientation()));
+    odd.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
+    for span in odd {
+        if matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut) {
+            let errors_mm = &answer.evaluation.distance_errors_mm;
+            span.station = odd::station_at_fault(span.span_s, triplet_s, errors_mm);
+        }
+    }
+}
+
+/// An estimate compared with the ground truth, before contradictions are attributed.
+struct FittedEstimate {
+    judged: Judged,
+    /// Ground truth at each of the errors.
+    truths: Vec<TruePose>,
+    /// Errors after aligning on self-consistent epochs only. A ground truth that is metres off for some seconds rotates the
+    /// frame of evo's alignment, and would make the estimate seem wrong elsewhere.
+    by_sound: Vec<EpochError>,
+}
+
+fn judge_one(
+    truth: &GroundTruth<'_>,
+    estimate: EstimatedTrajectory,
+    options: Options,
+) -> Result<FittedEstimate, Unjudged> {
+    let (fit, matched) = fit::fit(truth, &estimate, &options)?;
+    let coverage = match truth {
+        GroundTruth::Trajectory(truth) if !is_denser(&truth.poses, &estimate.poses) => {
+            Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
+        }
+        _ => Coverage::PosesWithoutTruth(estimate.poses.len() - matched.len()),
+    };
+    let errors = errors::errors(&matched, &fit);
+    let position = ape_of(&errors);
+    let rotation = fit
+        .body_rotation
+        .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
+    let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
+    let mut by_sound = fit.clone();
+    // With too few self-consistent epochs, the alignment on all epochs is used.
+    if fit::align(&mut by_sound, &consistent(&matched), options.alignment).is_err() {
+        by_sound = fit.clone();
+    }
+    let by_sound = errors::errors(&matched, &by_sound);
+    let judged = Judged {
+        against_sigma: errors::against_sigma(&errors),
+        odd: Vec::new(),
+        unaligned: unaligned(&matched, &fit),
+        estimate,
+        alignment: options.alignment,
+        fit,
+        errors,
+        coverage,
+        position,
+        rotation,
+        relative,
+    };
+    let truths = matched.into_iter().map(|pair| pair.truth).collect();
+    Ok(FittedEstimate { judged, truths, by_sound })
+}
+
+fn ape_of(errors: &[EpochError]) -> Ape {
+    Ape::of(errors.iter().map(|error| error.position_m.norm()))
+}
+
+/// Errors in the frames as they are, and with these aligned by the first pose.
+fn unaligned(matched: &[MatchedPose], fit: &Fit) -> UnalignedErrors {
+    let by = |truth_from_estimate: RigidTransform| {
+        ape_of(&errors::errors(matched, &Fit { truth_from_estimate, scale: 1.0, ..fit.clone() }))
+    };
+    let own_frame =
+        RigidTransform { rotation: Rotation3::identity(), translation_m: Vector3::zeros() };
+    let first = matched.first().and_then(|MatchedPose { pose, truth, .. }| {
+        let orientation = truth.rotation.as_ref()?.orientation * fit.body_rotation?;
+        let rotation = (orientation * pose.orientation?.inverse()).to_rotation_matrix();
+        let true_m = fit.both_positions_m(pose, truth)[1];
+        Some(RigidTransform { rotation, translation_m: true_m - rotation * pose.position_m })
+    });
+    UnalignedErrors { in_own_frame: by(own_frame), at_first_pose: first.map(by) }
+}

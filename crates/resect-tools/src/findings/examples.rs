@@ -1,0 +1,9 @@
+//! One example of each finding of this crate.
+
+use super::{planning, studies, validation};
+use resect_core::deployment::Finding;
+
+/// An example of each kind of finding that this crate makes.
+pub fn examples() -> Vec<Finding> {
+    [planning::examples(), studies::examples(), validation::examples()].concat()
+}

@@ -1,0 +1,38 @@
+//! Kinds of findings of planning, studies, validation and other trajectories.
+
+resect_core::finding_kinds! {
+    /// The clock of a trajectory is far from that of the ground truth.
+    ESTIMATE_CLOCK_FAR_OFF = "estimate-clock-far-off", Warning, TRAJECTORY;
+    /// A trajectory has another scale than the ground truth.
+    ESTIMATE_SCALE_OFF = "estimate-scale-off", Warning, TRAJECTORY;
+    /// A trajectory has too few common times with the ground truth to estimate its clock and lever arm.
+    ESTIMATE_FEW_POINTS = "estimate-few-points", Note;
+    /// A trajectory cannot be compared with the ground truth.
+    ESTIMATE_NOT_JUDGED = "estimate-not-judged", Problem, TRAJECTORY;
+    /// A deployment of a study cannot be judged, and was left out.
+    DEPLOYMENT_LEFT_OUT = "deployment-left-out", Warning;
+
+    /// The earlier calibration is itself weak.
+    EARLIER_CALIBRATION_WEAK = "earlier-calibration-weak", Warning;
+    /// One of the compared calibrations is not a joint estimate.
+    COMPARED_WITHOUT_JOINT_ESTIMATE = "compared-without-joint-estimate", Note;
+    /// Both runs have tracks that an unknown transform brought into one frame.
+    COMPARED_IN_UNKNOWN_FRAME = "compared-in-unknown-frame", Warning;
+    /// The rig is not the one of the earlier calibration.
+    RIG_DIFFERS_FROM_EARLIER = "rig-differs-from-earlier", Warning;
+
+    /// The planned drive leaves a direction unobservable.
+    PLAN_LEAVES_DIRECTION_FREE = "plan-leaves-direction-free", Problem, DIRECTION_UNOBSERVABLE;
+    /// The planned drive determines a direction weakly.
+    PLAN_WEAK = "plan-weak", Warning, DIRECTION_UNOBSERVABLE;
+    /// The predicted standard deviation at the far end of the track.
+    PLAN_FAR_END = "plan-far-end", Note;
+    /// The planned drive decides between the answer and its mirror twin.
+    PLAN_RESOLVES_MIRROR = "plan-resolves-mirror", Note;
+    /// The planned drive needs a static reading of the prisms to resolve the mirror twin.
+    PLAN_MIRROR_NEEDS_READING = "plan-mirror-needs-reading", Note;
+    /// The planned drive does not resolve the mirror twin, and the heights of the prisms are too similar to do so.
+    PLAN_MIRROR_UNRESOLVED = "plan-mirror-unresolved", Warning, MIRROR;
+    /// Readings of the planned drive are lost.
+    PLAN_READINGS_LOST = "plan-readings-lost", Warning;
+}

@@ -1,0 +1,57 @@
+//! Findings about trajectories that are judged, and about the deployments of a study.
+
+use crate::findings::kinds;
+use resect_core::deployment::{Finding, Remedy, Subject, Unit};
+
+/// `clock_s` is the time of the trajectory minus that of the ground truth.
+pub fn estimate_clock_far_off(estimate: &str, clock_s: f64) -> Finding {
+    Finding::new(
+        kinds::ESTIMATE_CLOCK_FAR_OFF,
+        format!(
+            "{estimate}: its clock is off by {clock_s:.0} s; estimate and ground truth were aligned by speed alone: check that \
+             both are of one drive"
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("clock_offset", clock_s, Unit::Second)
+}
+
+/// `times_longer` is the ratio of the trajectory's length to the ground truth's; `why` states it in words.
+pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Finding {
+    Finding::new(kinds::ESTIMATE_SCALE_OFF, format!("{estimate}: {why}"))
+        .about(Subject::Named(estimate.to_owned()))
+        .quantity("times_longer", times_longer, Unit::Ratio)
+}
+
+/// `points` is the number of times at which both are known.
+pub fn estimate_few_points(estimate: &str, points: usize) -> Finding {
+    Finding::new(
+        kinds::ESTIMATE_FEW_POINTS,
+        format!(
+            "{estimate}: time offset and lever arm are taken as zero, because only {points} of its times have ground truth"
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("points", points as f64, Unit::Count)
+}
+
+pub fn estimate_not_judged(why: &str, remedy: Option<Remedy>) -> Finding {
+    let finding = Finding::new(kinds::ESTIMATE_NOT_JUDGED, format!("not judged: {why}"))
+        .about(Subject::Named(why.to_owned()));
+    remedy.into_iter().fold(finding, Finding::with)
+}
+
+pub fn deployment_left_out(why: &str) -> Finding {
+    Finding::new(kinds::DEPLOYMENT_LEFT_OUT, format!("{why} (left out)"))
+        .about(Subject::Named(why.to_owned()))
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        estimate_clock_far_off("slam", 120.0),
+        estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
+        estimate_few_points("slam", 7),
+        estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),
+        deployment_left_out("drive: method B needs control points"),
+    ]
+}
