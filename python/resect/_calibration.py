@@ -40,10 +40,10 @@ TRACE_NAMES = (
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Transform:
-    """Transform from the frame of station 2 or 3 to the frame of station 1.
+    """Transform from the frame of station 2, 3, … to the frame of station 1.
 
     Attributes:
-        station: 2 or 3.
+        station: number of the station, from 2.
         translation_m: shape (3,), x, y, z in the frame of station 1 (m).
         yaw_rad: rotation about the vertical (rad).
         tilt_rad: angle between the verticals (rad); 0 for level stations.

@@ -64,6 +64,7 @@ class Overrides(TypedDict, total=False):
     inter_prism_m: Sequence[float]
     # A number of prisms, or the prism of each station.
     prisms: int | Sequence[int]
+    prism_changes: Sequence[Mapping[str, float]]
     prisms_m: Sequence[Sequence[float]]
     gnss: Sequence[str]
     control_points: Sequence[str]
@@ -184,6 +185,19 @@ def followed_prisms(name: str, value: Any) -> int | list[int]:
     return arguments.whole_number(name, value, 0, 255, form)
 
 
+def prism_changes(name: str, value: Any) -> list[dict[str, Any]]:
+    """Returns changes of the prisms that stations follow."""
+    form = 'a list such as [{"station": 2, "time_s": 12.5, "prism": 3}]'
+    changes: list[Any] = value if isinstance(value, list) else [None]
+    for change in changes:
+        if not isinstance(change, dict) or set(change) != {"station", "time_s", "prism"}:
+            arguments.refuse(name, "is not a list of changes", form)
+        arguments.whole_number(f"station of {name}", change["station"], 0, 255, "the number of a station")
+        arguments.whole_number(f"prism of {name}", change["prism"], 0, 255, "the number of a prism")
+        arguments.number(f"{name}: time_s", change["time_s"])
+    return changes
+
+
 def masked(name: str, value: Any) -> list[dict[str, Any]]:
     """Returns readings to leave out."""
     form = 'a list such as [{"station": 1, "time_s": 12.5}]'
@@ -217,6 +231,7 @@ OVERRIDE_CHECKS: dict[str, Check] = {
     "ranges_include_prism_constant": arguments.truth,
     "inter_prism_m": arguments.numbers,
     "prisms": followed_prisms,
+    "prism_changes": prism_changes,
     "prisms_m": prisms_m,
     "gnss": partial(arguments.words, count=3),
     "control_points": arguments.words,

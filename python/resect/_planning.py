@@ -39,7 +39,7 @@ class Prediction:
 
     @cached_property
     def covariance(self) -> Array | None:
-        """Shape (8, 8): x, y, z, yaw of station 2, then of station 3 (m, rad), along the axes of the plan.
+        """Shape (4(N - 1), 4(N - 1)) of N stations: x, y, z, yaw of station 2, then of station 3, … (m, rad), along the axes of the plan.
 
         None if a direction is not determined.
         """

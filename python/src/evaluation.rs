@@ -12,7 +12,9 @@ use resect_core::network::MOST_STATIONS;
 use resect_core::progress::Progress;
 use resect_io::estimate_file;
 use resect_report::estimates;
-use resect_tools::estimates::{Body, EstimatesJudgement, GroundTruth, Judged, Options, judge};
+use resect_tools::estimates::{
+    Body, EstimatesJudgement, GroundTruth, Judged, Options, judge, station_index,
+};
 use serde_json::Value;
 
 use crate::arrays::{plain, set_column, set_points};
@@ -29,7 +31,7 @@ pub struct EvaluationOptions {
     time_offset_s: Option<f64>,
     body: BodyOption,
     as_evo: bool,
-    /// Station 1 to 3 whose prism alone is the ground truth.
+    /// The station whose prism alone is the ground truth.
     truth_station: Option<usize>,
 }
 
@@ -129,6 +131,8 @@ fn evaluated(
         return Err(Failure::new(line));
     }
     let analysis = Analyst::new(Arc::clone(against)).run_while(settings, progress)?;
+    let station = station.map(|index| station_index(against, index + 1));
+    let station = station.transpose().map_err(|why| Failure(why.to_string()))?;
     let truth = GroundTruth::of(against, &analysis, station);
     if let (GroundTruth::Deployment { .. }, Err(error)) = (&truth, &analysis.answer) {
         return Err(Failure::of_calibration(error));

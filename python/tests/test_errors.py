@@ -53,6 +53,8 @@ def is_line(call: Callable[[], Any], line: str) -> None:
         ({"gcp": [WARTHOG / "nowhere.txt"]}, ("nowhere.txt",)),
         ({"drives": [WARTHOG / "nowhere"]}, ("nowhere",)),
         ({"masked": [{"station": 9}]}, ()),
+        ({"prism_changes": [{"station": 2, "time_s": 1.0}]}, ("prism_changes", "station")),
+        ({"prism_changes": [{"station": 2, "time_s": 1.0, "prism": 9}]}, ("prism_changes", "prism 9")),
         ({"stations": [1 << 70, 2, 3]}, ("stations",)),
     ],
     ids=str,

@@ -43,8 +43,10 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
         _ = writeln!(text, "  {used}  {:<width$}  {}", ingredient.file, ingredient.what);
     }
     text += "\ntracks\n";
-    for (index, track) in deployment.tracks.iter().enumerate() {
-        _ = writeln!(text, "  station {}  {}", index + 1, describe(track));
+    let names = deployment.tracks.map_each(|station, _| deployment.station_in_words(station));
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    for (name, track) in names.iter().zip(&deployment.tracks) {
+        _ = writeln!(text, "  {name:<width$}  {}", describe(track));
     }
     text += "\nrig\n";
     match &deployment.rig {

@@ -38,7 +38,7 @@ pub const METHODS: Choices<Method> = &[
     (
         Method::Joint,
         "joint",
-        "Beyond the paper: clocks and instrument errors are estimated with the transforms, for one prism or three",
+        "Beyond the paper: clocks and instrument errors are estimated with the transforms, for one prism or several",
     ),
 ];
 

@@ -14,7 +14,7 @@ use resect_core::analysis::Analyst;
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
 use resect_report::{estimates, svg};
-use resect_tools::estimates::{GroundTruth, judge};
+use resect_tools::estimates::{GroundTruth, judge, station_index};
 
 #[derive(Args)]
 pub struct EvaluateArguments {
@@ -57,7 +57,9 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let station = arguments.truth.truth_station.map(|number| usize::from(number) - 1);
+    let number = arguments.truth.truth_station;
+    let station = number.map(|number| station_index(&deployment, number.into()));
+    let station = station.transpose()?;
     let truth = GroundTruth::of(&deployment, &analysis, station);
     if let GroundTruth::Deployment { .. } = truth {
         analysis.answer.clone()?;

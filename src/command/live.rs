@@ -43,10 +43,10 @@ pub struct LiveArguments {
     /// Folder with the prior data: rig, control points, deployment.toml
     #[arg(long, value_name = "PATH")]
     deployment: Option<PathBuf>,
-    /// Topics with the positions of stations 1, 2, 3
+    /// Topics with the positions of stations 1, 2, …
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     topics: Vec<String>,
-    /// Ids of the instruments of rts-network that are stations 1, 2, 3
+    /// Ids of the instruments of rts-network that are stations 1, 2, …
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     instruments: Vec<String>,
     /// Record the stream to a new file

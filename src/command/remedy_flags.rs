@@ -59,6 +59,7 @@ fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
 /// Returns the flag, or the command, that follows the advice of an error about a requested trajectory.
 pub fn request_flag(why: &RequestError) -> Option<&'static str> {
     match why {
+        RequestError::NoTrajectory(NoTrajectory::PrismsOnALine(_)) => Some("--station"),
         RequestError::NoTrajectory(why) => trajectory_flag(why),
         RequestError::NoOrientation(_) => Some("--lever-arm"),
         RequestError::NoPose { .. } => Some("--max-error"),
@@ -69,6 +70,7 @@ pub fn request_flag(why: &RequestError) -> Option<&'static str> {
 /// Returns the flag, or the command, that follows the advice of an error about an estimate.
 pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
     match why {
+        Unjudged::NoReference(NoTrajectory::PrismsOnALine(_)) => Some("--truth-station"),
         Unjudged::NoReference(why) => trajectory_flag(why),
         Unjudged::Unfit { why, .. } => match why {
             Unfit::NoOverlap | Unfit::OtherDrive(_) => Some("--time-offset"),

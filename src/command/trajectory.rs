@@ -24,7 +24,7 @@ use resect_core::statistics::median;
 use resect_io::atomic;
 use resect_io::file_mark::used_files;
 use resect_report::trajectory as trajectory_file;
-use resect_tools::estimates::{EstimatedTrajectory, GroundTruth};
+use resect_tools::estimates::{EstimatedTrajectory, GroundTruth, station_index};
 
 #[derive(Args)]
 pub struct TrajectoryArguments {
@@ -81,7 +81,8 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let station = arguments.station.map(|number| usize::from(number) - 1);
+    let station = arguments.station.map(|number| station_index(&deployment, number.into()));
+    let station = station.transpose()?;
     if let GroundTruth::Trajectory(track) = GroundTruth::of(&deployment, &analysis, station) {
         return one_station(arguments, &deployment, &track);
     }

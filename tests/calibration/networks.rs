@@ -3,10 +3,10 @@
 #![allow(clippy::print_stdout, reason = "the coverage is the point")]
 
 use resect_core::analysis::Settings;
-use resect_core::calibration::{Calibration, Method, TransformSigma, Verdict};
-use resect_core::deployment::Deployment;
-use resect_core::geometry::{RigidTransform, wrap_to_pi};
-use resect_core::network::{Number, Station};
+use resect_core::calibration::{Calibration, Evidence, Method, TransformSigma, Verdict};
+use resect_core::deployment::{Deployment, Measurement, Remedy, StatedPrismChange, kinds};
+use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::network::{Number, PerStation, Prism, Station};
 use resect_tools::simulation::{Preset, simulate_scenario};
 
 use crate::common::{analyse, answer, by, of_field, sample_folder};
@@ -70,23 +70,37 @@ fn two_stations_of_real_drives_agree_with_three() {
 
 #[test]
 fn who_lists_two_stations_calibrates_these_with_the_rig_and_the_points_of_three() {
+    let three = resect_io::open::open(&sample_folder("warthog")).expect("opens");
+    for settings in [Settings::default(), by(Method::StaticGcp)] {
+        let all = analyse(&three, &settings);
+        let all = &answer(&all).calibration.station1_from_station;
+        for chosen in [[1, 2], [1, 3], [2, 3]] {
+            let [first, second] = chosen.map(|number| all[number - 1]);
+            let expected = first.inverse().then_from(&second);
+            let two = analyse(&with_stations(chosen), &settings);
+            let two = &answer(&two).calibration;
+            assert_eq!(two.verdict, Verdict::Good, "{chosen:?}: {:?}", two.findings);
+            let sigma = &two.sigma.as_ref().expect("determined")[1];
+            let sigmas = apart_sigmas(&two.station1_from_station[1], &expected, sigma);
+            assert!(sigmas < 3.0, "{chosen:?}, {}: {sigmas} σ", two.method);
+        }
+    }
+}
+
+/// Returns the sample with some of its stations.
+fn with_stations(numbers: [usize; 2]) -> Deployment {
     let folder = tempfile::tempdir().expect("a folder");
     for file in std::fs::read_dir(sample_folder("warthog")).expect("reads") {
         let file = file.expect("reads");
         let mut text = std::fs::read_to_string(file.path()).expect("reads");
         if file.file_name() == "deployment.toml" {
-            text = format!("stations = [1, 2]\n{text}");
+            text = format!("stations = {numbers:?}\n{text}");
         }
         std::fs::write(folder.path().join(file.file_name()), text).expect("writes");
     }
     let two = resect_io::open::open(folder.path()).expect("opens");
     assert_eq!(two.tracks.len(), 2);
-    let three = resect_io::open::open(&sample_folder("warthog")).expect("opens");
-    let [three, two] = [three, two].map(|own| analyse(&own, &Settings::default()));
-    let two = &answer(&two).calibration;
-    assert_eq!(two.verdict, Verdict::Good, "{:?}", two.findings);
-    let sigmas = apart_from_all(&answer(&three).calibration, two);
-    assert!(sigmas < 3.0, "{sigmas} σ");
+    two
 }
 
 #[test]
@@ -99,6 +113,117 @@ fn two_stations_follow_one_prism_of_a_real_drive() {
     let all = analyse(&three, &Settings::default());
     let sigmas = apart_from_all(&answer(&all).calibration, two);
     assert!(sigmas < 3.0, "{sigmas} σ");
+}
+
+/// A simulated drive whose station 2 follows prism 3 during a part of it, without a statement; the poses of the stations; the changes.
+fn with_changes_of_prism(
+    seed: u64,
+    [from, to]: [f64; 2],
+) -> (Deployment, PerStation<LevelTransform>, [StatedPrismChange; 2]) {
+    let mut scenario = Preset::Warthog.scenario();
+    let simulated = simulate_scenario(&scenario, seed);
+    let [mut deployment, other] = [false, true].map(|is_exchanged| {
+        if is_exchanged {
+            scenario.prisms_m.as_mut_slice().swap(1, 2);
+        }
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, seed)).expect("valid")
+    });
+    let start_s = deployment.start_s().expect("readings");
+    let length_s = deployment.end_s().expect("readings") - start_s;
+    let [from_s, to_s] = [from, to].map(|share| start_s + share * length_s);
+    let is_other = |reading: &Measurement| (from_s..to_s).contains(&reading.time_s);
+    let track = &mut deployment.tracks[1].measurements;
+    track.retain(|reading| !is_other(reading));
+    track.extend(other.tracks[1].measurements.iter().filter(|reading| is_other(reading)));
+    track.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let change = |time_s: f64, prism: u8| StatedPrismChange { station: 2, time_s, prism };
+    (deployment, simulated.truth.station1_from_station, [change(from_s, 3), change(to_s, 2)])
+}
+
+/// Returns the deployment with stated changes of prisms.
+fn with_stated(deployment: &Deployment, changes: &[StatedPrismChange]) -> Deployment {
+    let mut stated = deployment.clone();
+    for (station, change) in changes.iter().filter_map(StatedPrismChange::change) {
+        stated.tracks[station].prism_changes.push(change);
+    }
+    stated
+}
+
+#[test]
+fn a_change_of_prism_is_found_with_its_station_and_times_and_offered() {
+    for seed in 1..=3 {
+        let (deployment, _, changes) = with_changes_of_prism(seed, [0.4, 0.6]);
+        let analysis = analyse(&deployment, &Settings::default());
+        let findings = &answer(&analysis).calibration.findings;
+        let found = findings.iter().find(|finding| finding.kind == kinds::PRISM_CHANGED);
+        let found = found.unwrap_or_else(|| panic!("{findings:?}"));
+        let Some(Remedy::ReadWith(overrides)) = found.remedies.first() else { panic!("{found:?}") };
+        let offered = overrides.prism_changes.clone().expect("changes");
+        assert_eq!(offered.len(), 2, "{offered:?}");
+        for (own, truth) in offered.iter().zip(&changes) {
+            assert_eq!((own.station, own.prism), (truth.station, truth.prism));
+            assert!((own.time_s - truth.time_s).abs() < 3.0, "{own:?} {truth:?}");
+        }
+        let analysis = analyse(&with_stated(&deployment, &offered), &Settings::default());
+        let calibration = &answer(&analysis).calibration;
+        assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+        assert!(calibration.findings.iter().all(|own| own.kind != kinds::PRISM_CHANGED));
+    }
+}
+
+#[test]
+fn a_stated_change_of_prism_is_used_on_both_sides() {
+    for seed in 1..=3 {
+        let (unstated, truth, changes) = with_changes_of_prism(seed, [0.5, 2.0]);
+        let stated = with_stated(&unstated, &changes[..1]);
+        let (mut first_half, half_s) = (stated.clone(), changes[0].time_s);
+        for track in &mut first_half.tracks {
+            track.measurements.retain(|reading| reading.time_s < half_s);
+        }
+        let by_drive = Evidence { control_points: false, ..Evidence::default() };
+        let mut settings = Settings::default();
+        settings.calibration.evidence = by_drive;
+        let sigma_m = |deployment: &Deployment| {
+            let analysis = analyse(deployment, &settings);
+            let calibration = &answer(&analysis).calibration;
+            assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+            let sigma = calibration.sigma.as_ref().expect("determined");
+            for (station, truth) in truth.each().skip(1) {
+                let own = &calibration.station1_from_station[station];
+                let sigmas = apart_sigmas(own, &RigidTransform::from(*truth), &sigma[station]);
+                assert!(sigmas < 4.0, "seed {seed}, station {station}: {sigmas} σ");
+            }
+            sigma[2].translation_m.norm()
+        };
+        let [whole_m, half_m] = [&stated, &first_half].map(sigma_m);
+        assert!(whole_m < 0.9 * half_m, "seed {seed}: {whole_m} of {half_m} m");
+        // Without the statement, half of the drive contradicts the rig.
+        let unstated = analyse(&unstated, &settings);
+        let is_good = |own: &Calibration| own.verdict == Verdict::Good;
+        assert!(!unstated.answer.as_ref().is_ok_and(|own| is_good(&own.calibration)));
+    }
+}
+
+#[test]
+fn the_prisms_that_are_followed_most_are_those_of_the_published_answer() {
+    let (deployment, truth, changes) = with_changes_of_prism(2, [0.0, 0.3]);
+    let mut stated = with_stated(&deployment, &changes[1..]);
+    for (track, prism) in stated.tracks.iter_mut().zip([0, 2, 2]) {
+        track.prism = Some(Prism::at(prism));
+    }
+    for settings in [Settings::default(), by(Method::InterPrism)] {
+        let analysis = analyse(&stated, &settings);
+        let calibration = &answer(&analysis).calibration;
+        assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+        let sigma = calibration.sigma.as_ref().expect("determined");
+        for (station, truth) in truth.each().skip(1) {
+            let own = &calibration.station1_from_station[station];
+            let sigmas = apart_sigmas(own, &RigidTransform::from(*truth), &sigma[station]);
+            assert!(sigmas < 4.0, "{}, station {station}: {sigmas} σ", calibration.method);
+        }
+        let usual: PerStation<Prism> = [0, 1, 2].map(Prism::at).into();
+        assert_eq!(analysis.offer.followed, usual);
+    }
 }
 
 /// Returns the number of components of poses at set-up within their 95 % interval, and the number of all, for this many seeds.

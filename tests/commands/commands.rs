@@ -33,7 +33,7 @@ pub fn stdout(arguments: &[&str]) -> String {
 
 /// Returns the one line on standard error of a run that must fail with this code.
 #[track_caller]
-fn complaint(arguments: &[&str], code: i32) -> String {
+pub fn complaint(arguments: &[&str], code: i32) -> String {
     let output = resect(arguments);
     let line = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {line}");

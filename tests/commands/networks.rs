@@ -7,7 +7,8 @@ use resect_tools::simulation::{Preset, simulate_scenario};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::commands::{resect, stdout};
+use super::commands::{complaint, resect, stdout};
+use super::schema_check::Checker;
 
 /// Simulates a deployment into a folder.
 fn folder(stations: usize, prisms: usize) -> TempDir {
@@ -25,6 +26,8 @@ fn text(path: &Path) -> &str {
 fn every_command_takes_one_to_eight_stations() {
     let out = TempDir::new().expect("a folder");
     let file = |name: &str| text(&out.path().join(name)).to_owned();
+    let schema: Value = serde_json::from_str(&stdout(&["schema"])).expect("JSON");
+    let checker = Checker { schema: &schema };
     for (stations, prisms) in [(1, 1), (2, 1), (2, 2), (2, 3), (4, 1), (4, 3), (4, 4), (8, 4)] {
         let own = folder(stations, prisms);
         let own = text(own.path());
@@ -32,6 +35,19 @@ fn every_command_takes_one_to_eight_stations() {
             serde_json::from_str(&stdout(&["calibrate", own, "--json"])).expect("JSON");
         let transforms = answer["transforms"].as_array().expect("a list");
         assert_eq!(transforms.len(), stations - 1, "{stations} stations, {prisms} prisms");
+        let errors = checker.check("/$defs/calibration", &answer, "calibrate").errors;
+        assert!(errors.is_empty(), "{stations} stations, {prisms} prisms: {errors:?}");
+        if stations > 1 {
+            let plan: Value =
+                serde_json::from_str(&stdout(&["plan", own, "--json"])).expect("JSON");
+            let errors = checker.check("/$defs/plan", &plan, "plan").errors;
+            assert!(errors.is_empty(), "{stations} stations, {prisms} prisms: {errors:?}");
+        }
+        let further = (stations % 8 + 1).to_string();
+        if stations < 8 {
+            let line = complaint(&["trajectory", own, "--station", &further], 1);
+            assert!(line.contains(&format!("there is no station {further}")), "{line}");
+        }
         std::fs::write(out.path().join("answer.json"), answer.to_string()).expect("writes");
         for arguments in [
             &["calibrate", own][..],

@@ -124,7 +124,7 @@ impl Analyst {
     }
 
     /// Returns the paper's answer alone, which is available at once, if these settings select the joint estimate; otherwise
-    /// `None`.
+    /// `None`. One station has the joint estimate only.
     pub fn run_published_while(
         &mut self,
         settings: &Settings,
@@ -136,7 +136,7 @@ impl Analyst {
         let started = Stopwatch::start();
         let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
         let pipeline_ms = started.elapsed_ms();
-        let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
+        let method = Offer::of(&self.deployment, &pipeline.triplets).first_method();
         let calibration = settings.calibration.with_method(method);
         let mut analysis = self.run_while(&Settings { calibration, ..*settings }, progress)?;
         analysis.pipeline_ms += pipeline_ms;

@@ -8,7 +8,7 @@ use crate::findings::readings::{
 };
 use resect_core::deployment::printable::printable;
 use resect_core::deployment::{
-    Finding, Measurement, RawRecord, TimeCorrection, Track, as_numbered,
+    Finding, Measurement, RawRecord, TimeCorrection, Track, as_numbered, list_of,
 };
 use resect_core::geometry::Polar;
 use resect_core::network::{MOST_STATIONS, PerStation, USUAL_STATIONS};
@@ -343,6 +343,9 @@ impl Recording {
                 "stations are numbered from 1 and a valid reading has status 0",
             ));
         }
+        let with_readings = stations.iter().zip(&numbers);
+        let with_readings = with_readings.filter(|(own, _)| !own.track.measurements.is_empty());
+        let others = list_of(with_readings.map(|(_, number)| *number));
         findings.extend(dropped.into_findings());
         findings.extend(clock_set_back(&stations.map(|own| own.set_back_s)));
         for (station, own) in stations.iter().enumerate().filter(|(_, own)| own.face_right > 0) {
@@ -362,7 +365,7 @@ impl Recording {
                     findings.push(stamps_repeated(station, repeated, &first));
                 }
                 if track.measurements.is_empty() {
-                    findings.push(station_without_readings(station, files));
+                    findings.push(station_without_readings(station, files, &others));
                 }
                 track
             })

@@ -1,6 +1,6 @@
 //! The transforms of an answer in the formats that other programs read from the clipboard.
 //!
-//! All map the frame of station 2 or 3 to station 1's: p₁ = R p₂ + t, lengths in m, angles in rad. Numbers have the
+//! All map the frame of station 2, 3, … to station 1's: p₁ = R p₂ + t, lengths in m, angles in rad. Numbers have the
 //! digits for 1 nm and 1 nrad. A copy states a verdict other than `good`, in a comment if the format has comments.
 
 use std::fmt::Write;

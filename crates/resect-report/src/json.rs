@@ -51,7 +51,7 @@ pub fn calibration(
         "method": calibration.answered_by().name(),
         // Frame of the tracks: each in its station's "own", or all in a "common" one.
         "track_frame": deployment.track_frame,
-        // Distances of prisms 12, 13, 23 as measured on the vehicle.
+        // Distances of prisms 12, 13, 23, 14, 24, 34, … as measured on the vehicle.
         "inter_prism_m": deployment.rig.as_ref().map(|rig| &rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
@@ -343,7 +343,7 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
             "slow_upward_correlation_s": found.slow_upward.correlation_s,
         },
         "steps": steps,
-        // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3.
+        // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3, ….
         "sigma_by_source": sigma_by_source,
         "reliability": reliability::reliability(deployment, found),
         // Without convergence there is no joint estimate.

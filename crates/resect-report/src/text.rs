@@ -58,19 +58,11 @@ pub fn calibration(
         _ = writeln!(text, "names       {}", named.join(", "));
     }
     text.push('\n');
-    text += &transforms(calibration);
-    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin.as_ref()) {
-        for station in 1..twin.station1_from_station.len() {
-            let transform = &twin.station1_from_station[station];
-            _ = write!(text, "mirror T1{}", station + 1);
-            for axis in 0..3 {
-                let width = if axis == 0 { 11 } else { 20 };
-                _ = write!(text, "{:>width$.4}", transform.translation_m[axis]);
-            }
-            _ = writeln!(text, "{:>20.5}", transform.yaw_rad);
-        }
+    if calibration.station1_from_station.len() > 1 {
+        text += &transforms(calibration);
+        text += &mirror_twin(calibration);
+        text.push('\n');
     }
-    text.push('\n');
     text += &published(calibration);
     text += &estimates(&analysis.rows(deployment));
     text += &details(calibration);
@@ -138,10 +130,10 @@ fn details(calibration: &Calibration) -> String {
     let mut text = String::new();
     match &calibration.details {
         Details::TwoPoint(details) => {
-            let stations = calibration.station1_from_station.len();
+            let stations = all_stations(calibration.station1_from_station.len());
             _ = writeln!(
                 text,
-                "pairs of known points    length (m)   baseline errors of stations 1–{stations} (mm)   other points, max (mm)   from known (mm)"
+                "pairs of known points    length (m)   baseline errors of {stations} (mm)   other points, max (mm)   from known (mm)"
             );
             for (index, pair) in details.pairs.iter().enumerate() {
                 let [first, second] = pair.markers;
@@ -225,6 +217,23 @@ pub fn unused_readings(out: &PipelineOutput) -> Option<String> {
         .map(|(fate, count)| format!("{count} {}", fate.label()))
         .collect();
     (!words.is_empty()).then(|| words.join(", "))
+}
+
+/// Formats the transforms of the mirror twin, a line for each station; empty if there is none.
+fn mirror_twin(calibration: &Calibration) -> String {
+    let twin = calibration.inter_prism().and_then(|details| details.mirror.twin.as_ref());
+    let Some(twin) = twin else { return String::new() };
+    let mut text = String::new();
+    for station in 1..twin.station1_from_station.len() {
+        let transform = &twin.station1_from_station[station];
+        _ = write!(text, "mirror T1{}", station + 1);
+        for axis in 0..3 {
+            let width = if axis == 0 { 11 } else { 20 };
+            _ = write!(text, "{:>width$.4}", transform.translation_m[axis]);
+        }
+        _ = writeln!(text, "{:>20.5}", transform.yaw_rad);
+    }
+    text
 }
 
 /// Formats the transforms as a table; a missing σ is a dash.

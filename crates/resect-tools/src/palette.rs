@@ -11,16 +11,16 @@ use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
 /// Red, green, blue, sRGB.
 pub type Rgb = [u8; 3];
 
-/// Stations (and their prisms): blue, orange, green, brick, gold, grey blue, pink, moss.
+/// Stations (and their prisms): blue, orange, green, mauve, moss, gold, pink, brick. The last ones are similar to fates of readings.
 const STATIONS: [Rgb; MOST_STATIONS] = [
     [86, 160, 233],
     [230, 159, 0],
     [0, 178, 130],
-    [190, 60, 50],
-    [235, 220, 90],
-    [70, 95, 150],
-    [240, 160, 190],
+    [150, 120, 170],
     [95, 130, 60],
+    [235, 220, 90],
+    [240, 160, 190],
+    [190, 60, 50],
 ];
 
 /// Pairs 12, 13, 23: violet, raspberry, olive, none of them similar to those of stations 1 to 3. Further pairs repeat them, lighter

@@ -11,7 +11,7 @@ use resect_core::calibration::joint::unknown::{
 use resect_core::calibration::joint::{JointEstimate, JointInput, Layout, RigDistances, estimate};
 use resect_core::calibration::{ErrorSizes, Quantity};
 use resect_core::deployment::Rig;
-use resect_core::network::{Number, PerStation, Prism};
+use resect_core::network::{Number, PerStation, Prism, PrismSchedule};
 use resect_core::pipeline;
 use resect_core::pipeline::PipelineSettings;
 use resect_core::progress::Progress;
@@ -47,7 +47,7 @@ fn estimated(amplitudes_m: &PerStation<f64>) -> JointEstimate {
     let triplets = pipeline::run(&simulated.readings(), &PipelineSettings::default()).triplets;
     let table: Vec<&'static Unknown> = UNKNOWNS.into_iter().chain([&CYCLIC]).collect();
     let followed = amplitudes_m.map_each(|station, _| Prism::at(station.index()));
-    let layout = &Arc::new(Layout::with_unknowns(&followed, &table));
+    let layout = &Arc::new(Layout::with_unknowns(&PrismSchedule::constant(followed), &table));
     let inter_prism_m = simulated.truth.inter_prism_m.clone();
     let rig = Rig { inter_prism_m, prisms_m: None, in_vehicle_m: None, inter_antenna_m: None };
     let input = JointInput {

@@ -15,7 +15,7 @@ pub struct LiveForm {
     pub speed: f64,
     /// Folder or file with prior information: rig, control points.
     pub known: Option<PathBuf>,
-    /// Topics or instruments of stations 1, 2, 3, separated by commas; empty if the messages name their station.
+    /// Topics or instruments of stations 1, 2, …, separated by commas; empty if the messages name their station.
     pub stations: String,
     /// Path of the recording; `None` for an automatic name, and for a replay, which is on disk already.
     pub record: Option<PathBuf>,

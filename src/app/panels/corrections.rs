@@ -38,6 +38,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         shown.azimuth(ui, &mut changed);
         shown.times(ui, &mut changed);
         shown.masks(ui, &mut changed);
+        shown.prism_changes(ui, &mut changed);
         shown.files(ui, &mut changed, commands);
         ui.add_space(4.0);
         shown.keep(ui, commands);

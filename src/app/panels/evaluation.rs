@@ -12,6 +12,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Verdict;
+use resect_core::network::Prism;
 use resect_report::estimates::{
     Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows, verdicts,
 };
@@ -76,10 +77,20 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let judging = &open.judging;
     if judging.added.is_empty() {
-        ui.label(
-            "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header), or add a bag with Odometry or PoseStamped. This \
-             deployment's own trajectory is the ground truth, with its σ at each instant.",
-        );
+        let followed = open.analysis.as_ref().map(|analysis| &analysis.offer.followed);
+        let truth = match followed.map(Prism::count) {
+            Some(2) => {
+                "Two prisms have no orientation, so this deployment has no trajectory that could be the ground truth; `resect \
+                 evaluate --truth-station` compares with the prism of one station."
+            }
+            _ => {
+                "This deployment's own trajectory is the ground truth, with its σ at each instant."
+            }
+        };
+        ui.label(format!(
+            "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header), or add a bag with \
+             Odometry or PoseStamped. {truth}"
+        ));
         ui.add_space(4.0);
     }
     for (index, one) in judging.added.iter().enumerate() {

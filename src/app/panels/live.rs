@@ -119,15 +119,23 @@ fn headline(ui: &mut egui::Ui, view: &View) {
 
 /// Shows a lamp per station, with the details of its state.
 fn stations(ui: &mut egui::Ui, view: &View) {
-    let width = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(STATION);
-    ui.horizontal_wrapped(|ui| {
-        for (station, status) in view.stations.iter().enumerate() {
-            ui.vertical(|ui| {
-                ui.set_width(width);
-                of_station(ui, station, status, view.link == Link::Ended);
-            });
-        }
-    });
+    let (available, gap) = (ui.available_width(), ui.spacing().item_spacing.x);
+    let fitting = (((available + gap) / (STATION + gap)) as usize).max(1);
+    let all: Vec<(usize, &StationStatus)> = view.stations.iter().enumerate().collect();
+    // Rows of equal length, so that the last one is not a single station.
+    let rows = all.len().div_ceil(fitting).max(1);
+    let in_row = all.len().div_ceil(rows).max(1);
+    let width = ((available + gap) / in_row as f32 - gap).max(STATION);
+    for row in all.chunks(in_row) {
+        ui.horizontal_top(|ui| {
+            for (station, status) in row {
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    of_station(ui, *station, status, view.link == Link::Ended);
+                });
+            }
+        });
+    }
 }
 
 fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus, has_ended: bool) {

@@ -195,7 +195,11 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     ui.small(format!("{name} {inter_prism}")).on_hover_text("Median / IQR (mm)");
     let worst = summary.worst_control_points();
     let text = worst.map_or("–".to_owned(), |metric| format!("{:.2}", metric.spread.median));
-    let hint = worst.map_or("No control points".to_owned(), |metric| {
+    let why_none = match summary.stations.is_empty() {
+        true => "One station: the metrics need two",
+        false => "No control points",
+    };
+    let hint = worst.map_or(why_none.to_owned(), |metric| {
         format!("Median of {} (mm), the worst of {}", metric.file, summary.control_points_mm.len())
     });
     ui.small(format!("points {text}")).on_hover_text(hint);

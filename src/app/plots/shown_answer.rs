@@ -32,6 +32,9 @@ pub fn answer_with_errors<'a>(
     let why = match &answer {
         Some((.., answer)) if has_errors(answer) => None,
         Some((_, analysis, _)) if analysis.triplets().is_empty() => Some("No triplets to plot."),
+        Some((_, analysis, _)) if analysis.offer.followed.len() == 1 => {
+            Some("No distance errors: they need two stations.")
+        }
         Some(_) => Some("No distance errors: the inter-prism distances are not known."),
         None => Some("No result to plot."),
     };

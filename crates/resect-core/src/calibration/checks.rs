@@ -102,7 +102,7 @@ pub fn check_with_unused_data<D>(
             && deployment.track_frame == TrackFrame::Own
             && let Some(rig) = deployment.rig.as_ref().filter(|_| !triplets.is_empty())
         {
-            let followed = &several_prisms(deployment);
+            let followed = &several_prisms(deployment, triplets);
             match distances_contradict((rig, followed), triplets, transforms, sigma) {
                 Some(finding) => doubts.push((Verdict::Weak, finding)),
                 None => answer.checked_by.push(Witness::Distances),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::followed_prisms::one_prism;
+use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
 use super::joint::{JointInput, Layout, RigDistances};
@@ -87,11 +87,15 @@ pub fn solve_jointly(
     let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
-    let layout = &Arc::new(Layout::new(&one_prism(deployment)));
+    let layout = &Arc::new(Layout::of_schedule(&schedule(deployment, &one_prism(deployment))));
+    let rig = match &deployment.rig {
+        Some(rig) if layout.pairs() > 0 => RigDistances::new(rig, layout, settings.evidence.rig),
+        _ => RigDistances::exact(PerPair::default()),
+    };
     let input = JointInput {
         layout,
         published: &plain,
-        rig: RigDistances::exact(PerPair::default()),
+        rig,
         survey: joint::survey_adjustment::of_deployment(deployment, layout, settings),
         is_determined_by_drive: true,
         sizes: &settings.errors,
@@ -115,9 +119,8 @@ pub fn solve_jointly(
     let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
     let judgement = &mut answer.judgement;
-    // The conclusion of the survey comes before other notes.
-    judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
-    judgement.findings.extend(joint::findings::findings(&estimate));
+    let rig = deployment.rig.as_ref();
+    joint::findings::add_notes(&mut judgement.findings, &estimate, rig);
     judgement.put_first(joint::findings::doubts(&estimate));
     Ok(MethodAnswer {
         method: Method::Joint,
@@ -135,8 +138,13 @@ fn require_triplets(
     triplets: &Triplets,
     offer: &Offer,
 ) -> Result<(), CalibrationError> {
-    if offer.lack(Method::DynamicGcp).is_some() {
-        return Err(CalibrationError::lacking(deployment, Method::DynamicGcp, offer));
+    // The joint estimate of one station starts from its track.
+    let method = match offer.first_method() {
+        Method::Joint => Method::Joint,
+        _ => Method::DynamicGcp,
+    };
+    if offer.lack(method).is_some() {
+        return Err(CalibrationError::lacking(deployment, method, offer));
     }
     if triplets.len() < FEWEST_TRIPLETS {
         return Err(CalibrationError::TooFewTriplets {

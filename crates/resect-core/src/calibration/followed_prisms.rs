@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::deployment::Deployment;
 use crate::geometry::{RigidTransform, align_level, wrap_to_pi};
-use crate::network::{Number, PerStation, Prism};
+use crate::network::{PerStation, Prism, PrismSchedule};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -47,13 +47,16 @@ const MOST_SPREAD_RAD: f64 = 0.23;
 /// A track whose median distance from its centre is smaller stays at one place (m). Prisms are nearer to the middle of a vehicle.
 const AROUND_M: f64 = 3.0;
 
-/// Returns the prisms by `deployment.toml`, else by the tracks, else one for each station if a rig is described.
+/// Returns the prisms by `deployment.toml` (at the first triplet, if they change), else by the tracks, else one for each station if a rig is described.
 pub fn followed_prisms(deployment: &Deployment, triplets: &Triplets) -> PrismAssignment {
     let several = |is_undecided: bool| PrismAssignment {
-        by_station: several_prisms(deployment),
+        by_station: several_prisms(deployment, triplets),
         is_undecided,
     };
     let one = || PrismAssignment { by_station: one_prism(deployment), is_undecided: false };
+    if !deployment.prism_schedule().is_constant() {
+        return several(false);
+    }
     match deployment.prisms {
         Some(1) => return one(),
         Some(_) => return several(false),
@@ -70,16 +73,21 @@ pub fn followed_prisms(deployment: &Deployment, triplets: &Triplets) -> PrismAss
     }
 }
 
+/// Returns the prisms over time of stations that follow these by [`followed_prisms`].
+pub fn schedule(deployment: &Deployment, followed: &PerStation<Prism>) -> PrismSchedule {
+    let stated = deployment.prism_schedule();
+    if stated.is_constant() { PrismSchedule::constant(followed.clone()) } else { stated }
+}
+
 /// Returns the same prism for all stations.
 pub fn one_prism(deployment: &Deployment) -> PerStation<Prism> {
     deployment.tracks.map(|_| Prism::default())
 }
 
-/// Returns the stated prisms, else one for each station.
-pub fn several_prisms(deployment: &Deployment) -> PerStation<Prism> {
-    deployment
-        .tracks
-        .map_each(|station, track| track.prism.unwrap_or_else(|| Prism::at(station.index())))
+/// Returns the stated prisms at the first triplet, else one for each station.
+pub fn several_prisms(deployment: &Deployment, triplets: &Triplets) -> PerStation<Prism> {
+    let time_s = triplets.time_s.first().copied().unwrap_or(f64::NEG_INFINITY);
+    deployment.prism_schedule().at(time_s).clone()
 }
 
 /// Returns the median distance between the tracks after the others are aligned to that of station 1 (m).

@@ -5,9 +5,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::followed_prisms::{PrismAssignment, followed_prisms};
+use super::followed_prisms::{PrismAssignment, followed_prisms, schedule};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding};
-use crate::network::{Number, Pair, PerStation, Prism, Station};
+use crate::network::{Number, Pair, PerStation, Prism, PrismSchedule, Station};
 use crate::pipeline::Triplets;
 
 /// Fewest control points that determine an answer of method B.
@@ -24,7 +24,7 @@ pub enum Method {
     DynamicGcp,
     /// D: prisms of a rig with known distances.
     InterPrism,
-    /// Beyond the paper: estimates the errors that bias C or D, such as clock offsets, with the transforms, for one prism or three.
+    /// Beyond the paper: estimates the errors that bias C or D, such as clock offsets, with the transforms, for one prism or several.
     #[default]
     Joint,
 }
@@ -132,6 +132,14 @@ impl Offer {
     pub fn published_method(&self) -> Method {
         published_method(&self.followed)
     }
+
+    /// Returns the method of the first answer: the paper's, or the joint estimate of one station, whose track no method of the paper
+    /// calibrates.
+    pub fn first_method(&self) -> Method {
+        let published = self.published_method();
+        let is_joint_alone = self.lack(published).is_some() && self.lack(Method::Joint).is_none();
+        if is_joint_alone { Method::Joint } else { published }
+    }
 }
 
 fn published_method(followed: &PerStation<Prism>) -> Method {
@@ -145,6 +153,8 @@ fn lack(
     followed: &PrismAssignment,
 ) -> Option<String> {
     let no_triplets = || Some(format!("triplets: {}", why_no_triplets(deployment)));
+    let is_one_station = deployment.tracks.len() == 1;
+    let another_station = || Some("the readings of another station".to_owned());
     match method {
         Method::TwoPoint => {
             let known = |set: &&ControlPointSet| {
@@ -169,7 +179,7 @@ fn lack(
             };
             let others = deployment.tracks.numbers().skip(1);
             let Some((fewest, station)) = others.map(|other| (shared(other), other)).min() else {
-                return Some("the readings of another station".to_owned());
+                return another_station();
             };
             (fewest < FEWEST_POINTS).then(|| {
                 format!(
@@ -177,35 +187,48 @@ fn lack(
                 )
             })
         }
+        Method::DynamicGcp if is_one_station => another_station(),
         Method::DynamicGcp if triplets.is_empty() => no_triplets(),
         Method::DynamicGcp => {
             let is_possible = followed.is_undecided || Prism::is_one(&followed.by_station);
             (!is_possible)
-                .then(|| "one prism that all stations follow; here each has its own".to_owned())
+                .then(|| "one prism that all stations follow; here they follow several".to_owned())
         }
         Method::InterPrism => {
-            if Prism::is_one(&followed.by_station) {
+            if Prism::is_one(&followed.by_station) && is_one_station {
+                another_station()
+            } else if Prism::is_one(&followed.by_station) {
                 Some("a prism for each station; here all stations follow one".to_owned())
             } else if triplets.is_empty() {
                 no_triplets()
             } else {
-                lacking_distances(deployment, &followed.by_station)
+                lacking_distances(deployment, &schedule(deployment, &followed.by_station))
             }
         }
         Method::Joint => {
-            lack(published_method(&followed.by_station), deployment, triplets, followed)
+            let own = match published_method(&followed.by_station) {
+                // One station has a joint estimate of its instrument, but no answer of method C.
+                Method::DynamicGcp if is_one_station => {
+                    no_triplets().filter(|_| triplets.is_empty())
+                }
+                published => lack(published, deployment, triplets, followed),
+            };
+            let schedule = schedule(deployment, &followed.by_station);
+            let needs_rig = !schedule.is_constant() && schedule.prisms().len() > 1;
+            own.or_else(|| lacking_distances(deployment, &schedule).filter(|_| needs_rig))
         }
     }
 }
 
 /// Returns the distances of the rig that are missing between followed prisms.
-fn lacking_distances(deployment: &Deployment, followed: &PerStation<Prism>) -> Option<String> {
+fn lacking_distances(deployment: &Deployment, followed: &PrismSchedule) -> Option<String> {
     let Some(rig) = &deployment.rig else {
         let files = "calibration_results.csv, or another file of the rig";
         return Some(format!("the inter-prism distances ({files})"));
     };
     let prisms = Pair::prisms_of(rig.inter_prism_m.len()).unwrap_or(1);
-    let beyond = followed.iter().find(|prism| prism.index() >= prisms)?;
+    let all = followed.prisms();
+    let beyond = all.iter().find(|prism| prism.index() >= prisms)?;
     Some(format!("the distances of prism {beyond} (the rig has those of {prisms} prisms)"))
 }
 
@@ -217,8 +240,9 @@ pub fn why_no_triplets(deployment: &Deployment) -> String {
     let is_cause = |finding: &&Finding| finding.kind == kinds::STATIONS_WITHOUT_COMMON_TIME;
     match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
         Some(station) => format!(
-            "station {} has no measurement; to calibrate without it, list the others in deployment.toml (stations = [1, 2])",
-            station + 1
+            "station {} has no measurement; to calibrate without it, list the others in deployment.toml (stations = {})",
+            station + 1,
+            deployment.numbers_with_readings()
         ),
         None if let Some(cause) = deployment.findings.iter().find(is_cause) => cause.to_string(),
         None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"

@@ -66,9 +66,15 @@ impl PairResection {
         self.left_out.iter().map(|left_out| left_out.from_known_m).max_by(f64::total_cmp)
     }
 
-    /// Returns the median distance between the stations' positions of unused points (m).
+    /// Returns the median distance between the stations' positions of unused points (m). The positions of one station are compared
+    /// with the known ones.
     pub fn median_left_out_m(&self) -> Option<f64> {
-        quantile_of_sorted(&self.left_out_m, 0.5)
+        let from_known_m = || median(self.left_out.iter().map(|left_out| left_out.from_known_m));
+        quantile_of_sorted(&self.left_out_m, 0.5).or_else(from_known_m)
+    }
+
+    fn stations(&self) -> usize {
+        self.station1_from_station.len()
     }
 }
 
@@ -134,7 +140,8 @@ pub fn solve(
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(resection_unchecked()),
         Some(median_m) => {
-            (median_m > checks::WEAK_SIGMA_M).then(|| resection_inconsistent(median_m))
+            let stations = pairs[chosen].stations();
+            (median_m > checks::WEAK_SIGMA_M).then(|| resection_inconsistent(median_m, stations))
         }
     };
     judgement.doubt(doubt);
@@ -272,8 +279,9 @@ fn misplaced(pairs: &[PairResection]) -> Option<Misplaced> {
 fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
     let pair = &pairs[chosen];
     let median_m = pair.median_left_out_m();
+    let agreement_m = median_m.map(|median_m| (median_m, pair.stations()));
     let mut findings =
-        vec![resection_pair(&pair.file, pair.markers, pair.baseline_m, pairs.len(), median_m)];
+        vec![resection_pair(&pair.file, pair.markers, pair.baseline_m, pairs.len(), agreement_m)];
     let longest = pairs.iter().max_by(|a, b| a.baseline_m.total_cmp(&b.baseline_m));
     if let Some(longest) = longest {
         let error_m =

@@ -82,6 +82,11 @@ advice! {
                   station followed another prism.",
         "Check the order of the prisms and their constants, then measure the rig again."
     }
+    PRISM_CHANGE {
+        "A station followed another prism",
+        "Its readings of that time were left out, because they contradict the distances of the rig.",
+        "State the change of the prism, and the readings count."
+    }
     ONE_PRISM {
         "The tracks do not fit one prism",
         "The stations followed several prisms, or their clocks differ.",

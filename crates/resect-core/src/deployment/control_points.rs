@@ -43,6 +43,14 @@ impl ControlPoint {
         self.face_one.resize_with(stations, || None);
     }
 
+    /// Keeps the readings of some stations, in this order.
+    pub fn choose(&mut self, stations: &PerStation<Station>) {
+        let of = |all: &PerStation<Option<Polar>>| {
+            stations.map(|station| all.get(*station).copied().flatten())
+        };
+        (self.readings, self.face_one) = (of(&self.readings), of(&self.face_one));
+    }
+
     /// Returns the number of stations up to the last one with a reading.
     pub fn stations(&self) -> usize {
         self.readings.iter().rposition(Option::is_some).map_or(0, |last| last + 1)

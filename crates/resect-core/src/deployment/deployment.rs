@@ -7,11 +7,11 @@ use super::estimated_trajectory::EstimatedTrajectory;
 use super::finding::Finding;
 use super::gnss::GnssFix;
 use super::ingredient::Ingredient;
-use super::overrides::{Overrides, as_numbered};
+use super::overrides::{Overrides, as_numbered, list_of};
 use super::rig::Rig;
 use super::track::{TimeCorrection, Track};
 use super::track_frame::TrackFrame;
-use crate::network::{PerStation, Station, USUAL_STATIONS};
+use crate::network::{Number, PerStation, Prism, PrismSchedule, Station, USUAL_STATIONS};
 
 /// One field session: measurements of the stations, control points and the prism rig.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,6 +75,25 @@ impl Deployment {
         let name = self.tracks.get(station).and_then(|track| track.name.as_ref());
         let name = name.map_or_else(String::new, |name| format!(" ({name})"));
         format!("station {station}{name}")
+    }
+
+    /// Returns the prisms that the stations follow over time: the stated ones, else one for each.
+    pub fn prism_schedule(&self) -> PrismSchedule {
+        let own = |station: Station, track: &Track| {
+            track.prism.unwrap_or_else(|| Prism::at(station.index()))
+        };
+        let changes = self.tracks.each().flat_map(|(station, track)| {
+            track.prism_changes.iter().map(move |change| (station, *change))
+        });
+        PrismSchedule::new(self.tracks.map_each(own), changes)
+    }
+
+    /// Returns the numbers of the stations with readings as a list of `deployment.toml`: "[1, 3]".
+    pub fn numbers_with_readings(&self) -> String {
+        let numbers = self.station_numbers();
+        let of =
+            |station: usize| numbers.iter().nth(station).map_or(station as i64 + 1, |own| *own);
+        list_of(self.stations_with_readings().into_iter().map(of))
     }
 
     pub fn stations_with_readings(&self) -> Vec<usize> {

@@ -127,6 +127,8 @@ crate::finding_kinds! {
     MANY_OUTLIERS_LEFT_OUT = "many-outliers-left-out", Warning, DISTANCES;
     /// Most triplets of a span of time were left out.
     SPAN_LEFT_OUT = "span-left-out", Warning, STATION_MOVED;
+    /// A station followed another prism for some time.
+    PRISM_CHANGED = "prism-changed", Warning, PRISM_CHANGE;
     /// Outlying triplets shift the answer.
     OUTLIERS_SHIFT_ANSWER = "outliers-shift-answer", Warning, DISTANCES;
 
@@ -172,7 +174,7 @@ crate::finding_kinds! {
     DISTANCE_OFF = "distance-off", Warning, DISTANCES;
     /// One inter-prism distance contradicts its measurement: by more than 4.2 σ, given the stated σ of the distances; the answer is weak.
     DISTANCE_IMPLAUSIBLE = "distance-implausible", Warning, DISTANCES;
-    /// The three inter-prism distances together contradict their measurements by more than 3 σ, and no single error does; the answer is weak.
+    /// The inter-prism distances together contradict their measurements by more than 3 σ, and no single error does; the answer is weak.
     DISTANCES_IMPLAUSIBLE = "distances-implausible", Warning, DISTANCES;
     /// An error is larger than the user stated.
     STATED_ERROR_CONTRADICTED = "stated-error-contradicted", Warning, INSTRUMENT;
@@ -181,7 +183,7 @@ crate::finding_kinds! {
 
     /// The residuals after aligning the tracks of one prism.
     TRACKS_ALIGNED = "tracks-aligned", Note;
-    /// The drive does not show if the stations followed one prism or three.
+    /// The drive does not show if the stations followed one prism or several.
     PRISM_COUNT_UNDECIDED = "prism-count-undecided", Warning, ONE_PRISM;
     /// The tracks are so far apart that the stations cannot have followed one prism.
     TRACKS_APART = "tracks-apart", Warning, ONE_PRISM;

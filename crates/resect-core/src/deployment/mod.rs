@@ -43,7 +43,7 @@ pub use message::Message;
 pub use message_angle::{AngleFormat, MessageAngle};
 pub use overrides::{
     AzimuthSense, FollowedPrisms, MaskedReading, OneOrMany, OverrideInWords, Overrides,
-    PrismConstants, as_numbered,
+    PrismConstants, StatedPrismChange, as_numbered, list_of,
 };
 pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;

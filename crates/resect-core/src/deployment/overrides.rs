@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::ColumnMapping;
 use crate::network::{
-    MOST_STATIONS, Number, Pair, PerPair, PerPrism, PerStation, Prism, Station, USUAL_STATIONS,
+    MOST_STATIONS, Number, Pair, PerPair, PerPrism, PerStation, Prism, PrismChange, Station,
+    USUAL_STATIONS,
 };
 
 /// Subject of a key: the data that it applies to.
@@ -114,6 +115,9 @@ override_keys! {
         |distances_m| metres(distances_m.as_slice());
     /// The prisms that the stations follow; recognised if absent.
     prisms: FollowedPrisms, Vehicle, "prisms", None, |prisms| prisms.in_words();
+    /// Changes of the prisms that stations follow.
+    prism_changes: Vec<StatedPrismChange>, Readings, "changes of prisms", Some(Vec::new()),
+        |changes| changes.iter().map(StatedPrismChange::in_words).collect::<Vec<_>>().join("; ");
     /// Prisms 1, 2, … in the vehicle's frame (m). Trajectories refer to the origin of this frame.
     prisms_m: PerPrism<[f64; 3]>, Vehicle, "prisms in the vehicle", None,
         |prisms| prisms.map(|prism_m| metres(prism_m)).as_slice().join("; ");
@@ -134,6 +138,12 @@ override_keys! {
         |masked| masked.len().to_string();
     /// Meaning of the columns of the tracks' table.
     columns: ColumnMapping, Writing, "columns", None, |columns| columns.names().join(" ");
+}
+
+/// Formats numbers as a list of `deployment.toml`: "[1, 3]".
+pub fn list_of(numbers: impl Iterator<Item = i64>) -> String {
+    let numbers: Vec<String> = numbers.map(|number| number.to_string()).collect();
+    format!("[{}]", numbers.join(", "))
 }
 
 /// Formats three lengths: "0.8712 0.9954 1.1032 m".
@@ -247,6 +257,32 @@ impl FollowedPrisms {
     }
 }
 
+/// A station follows another prism from an instant on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatedPrismChange {
+    /// The station's number from 1, in the deployment's numbering.
+    pub station: u8,
+    /// The first stamp at which it follows the prism (s).
+    pub time_s: f64,
+    /// The prism's number from 1.
+    pub prism: u8,
+}
+
+impl StatedPrismChange {
+    /// Returns the station, and the change of its prism; `None` for a number that there is not.
+    pub fn change(&self) -> Option<(Station, PrismChange)> {
+        let station = Station::numbered(usize::from(self.station))?;
+        let prism = Prism::at(usize::from(self.prism).checked_sub(1)?);
+        Some((station, PrismChange { time_s: self.time_s, prism }))
+    }
+
+    /// Returns "station 2 to prism 3 at 12.5 s".
+    fn in_words(&self) -> String {
+        format!("station {} to prism {} at {} s", self.station, self.prism, self.time_s)
+    }
+}
+
 /// One name, or a list of them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -292,14 +328,16 @@ impl Overrides {
         self.about(|subject| matches!(subject, KeySubject::Files | KeySubject::Vehicle))
     }
 
-    /// Sets other station numbers in the files, and renumbers the masked readings so that they stay the same ones.
+    /// Sets other station numbers in the files, and renumbers masked readings and changes of prisms so that they stay the same ones.
     pub fn renumber(&mut self, before: &PerStation<i64>, after: PerStation<i64>) {
-        for mask in self.masked.iter_mut().flatten() {
-            let station = Station::numbered(usize::from(mask.station));
+        let masked = self.masked.iter_mut().flatten().map(|mask| &mut mask.station);
+        let changed = self.prism_changes.iter_mut().flatten().map(|change| &mut change.station);
+        for own in masked.chain(changed) {
+            let station = Station::numbered(usize::from(*own));
             let number = station.and_then(|station| before.get(station));
-            let place = number.and_then(|own| after.iter().position(|new| new == own));
+            let place = number.and_then(|number| after.iter().position(|new| new == number));
             if let Some(place) = place {
-                mask.station = place as u8 + 1;
+                *own = place as u8 + 1;
             }
         }
         self.stations = Some(after);
@@ -307,6 +345,33 @@ impl Overrides {
 
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Checks what is stated about single readings and instants.
+    fn check_readings(&self) -> Result<(), (String, &'static str)> {
+        let is_station = |number: u8| (1..=MOST_STATIONS).contains(&usize::from(number));
+        if let Some(masked) = self.masked.iter().flatten().find(|m| !is_station(m.station)) {
+            return Err((
+                format!("masked names station {}", masked.station),
+                "stations are numbered from 1",
+            ));
+        }
+        if let Some(masked) = self.masked.iter().flatten().find(|m| !m.time_s.is_finite()) {
+            return Err((
+                format!("masked names the time {}", masked.time_s),
+                "give the stamp of the reading, in seconds",
+            ));
+        }
+        let changes = || self.prism_changes.iter().flatten();
+        if let Some(invalid) = changes().find(|own| {
+            !is_station(own.station) || !is_station(own.prism) || !own.time_s.is_finite()
+        }) {
+            return Err((
+                format!("prism_changes has {}", invalid.in_words()),
+                "stations and prisms are numbered from 1, and the time is a stamp in seconds",
+            ));
+        }
+        Ok(())
     }
 
     /// Checks the values.
@@ -323,19 +388,7 @@ impl Overrides {
                 "give the first and the last time to use, in seconds as stamped",
             ));
         }
-        let is_station = |number: u8| (1..=MOST_STATIONS).contains(&usize::from(number));
-        if let Some(masked) = self.masked.iter().flatten().find(|m| !is_station(m.station)) {
-            return Err((
-                format!("masked names station {}", masked.station),
-                "stations are numbered from 1",
-            ));
-        }
-        if let Some(masked) = self.masked.iter().flatten().find(|m| !m.time_s.is_finite()) {
-            return Err((
-                format!("masked names the time {}", masked.time_s),
-                "give the stamp of the reading, in seconds",
-            ));
-        }
+        self.check_readings()?;
         if let Some(distances_m) = &self.inter_prism_m
             && !(distances_m.iter().all(|d| d.is_finite() && *d > 0.0)
                 && Pair::prisms_of(distances_m.len()).is_some())

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::geometry::Polar;
-use crate::network::Prism;
+use crate::network::{Prism, PrismChange};
 
 /// One raw reading of a station; the range does not contain the prism constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct Track {
     pub left_out: Vec<bool>,
     /// The prism that the station follows; `None` if nothing states it.
     pub prism: Option<Prism>,
+    /// Changes to other prisms.
+    pub prism_changes: Vec<PrismChange>,
 }
 
 impl Track {

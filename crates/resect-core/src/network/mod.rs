@@ -4,8 +4,10 @@
 
 mod number;
 mod per;
+mod prism_schedule;
 
 pub use self::number::{
     MOST_STATIONS, Number, Pair, PairOf, Prism, Station, StationPair, USUAL_STATIONS,
 };
 pub use self::per::{Per, PerPair, PerPrism, PerStation, PerStationPair};
+pub use self::prism_schedule::{PrismChange, PrismSchedule};

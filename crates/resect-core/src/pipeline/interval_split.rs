@@ -18,14 +18,15 @@ impl Interval {
 
 /// Splits each station's track at gaps longer than τ_s, and intersects the intervals of all stations, in order.
 pub fn split(tracks: &PerStation<FilteredTrack>, tau_s_seconds: f64) -> Vec<Interval> {
-    let intervals = tracks.iter().map(|track| uninterrupted(&track.time_s, tau_s_seconds));
+    let intervals = tracks.iter().map(|track| uninterrupted(track, tau_s_seconds));
     intervals.reduce(|common, own| intersect(&common, &own)).unwrap_or_default()
 }
 
-/// Returns one station's intervals without a gap longer than τ_s.
-pub fn uninterrupted(time_s: &[f64], tau_s_seconds: f64) -> Vec<Interval> {
-    time_s
-        .chunk_by(|a, b| b - a <= tau_s_seconds)
+/// Returns one station's intervals without a gap longer than τ_s, in each of which it follows one prism.
+pub fn uninterrupted(track: &FilteredTrack, tau_s_seconds: f64) -> Vec<Interval> {
+    track
+        .time_s
+        .chunk_by(|a, b| b - a <= tau_s_seconds && !track.changes_prism(*a, *b))
         .map(|span| Interval { start_s: span[0], end_s: span[span.len() - 1] })
         .collect()
 }
@@ -73,7 +74,7 @@ mod tests {
             for interval in split(&tracks, tau) {
                 prop_assert!(interval.length_s() > 0.0);
                 for track in &tracks {
-                    let inside = uninterrupted(&track.time_s, tau).iter().any(|span| {
+                    let inside = uninterrupted(track, tau).iter().any(|span| {
                         span.start_s <= interval.start_s && interval.end_s <= span.end_s
                     });
                     prop_assert!(inside);

@@ -34,6 +34,15 @@ pub struct FilteredTrack {
     pub rejected: Vec<Option<OutlierReason>>,
     /// True for each reading that the user excluded, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
+    /// Instants from which the station follows another prism (s), in order.
+    pub prism_changes_s: Vec<f64>,
+}
+
+impl FilteredTrack {
+    /// Returns true if the station follows another prism at the second instant (s) than at the first.
+    pub fn changes_prism(&self, before_s: f64, after_s: f64) -> bool {
+        self.prism_changes_s.iter().any(|time_s| before_s < *time_s && *time_s <= after_s)
+    }
 }
 
 /// Returns the positions of all raw readings (m), each station in its own frame. They do not depend on settings.
@@ -65,7 +74,7 @@ pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
 }
 
 /// Compares each reading with the previous raw reading, kept or not, so the return from a jump is rejected as a jump too.
-/// Readings that the user excluded are skipped.
+/// Readings that the user excluded are skipped, and the first one of another prism has no previous one.
 fn filter_track(
     track: &Track,
     positions_m: &[Vector3<f64>],
@@ -79,6 +88,7 @@ fn filter_track(
         source: Vec::with_capacity(readings.len()),
         rejected: Vec::with_capacity(readings.len()),
         left_out: track.left_out.clone(),
+        prism_changes_s: track.prism_changes.iter().map(|change| change.time_s).collect(),
     };
     for (index, reading) in readings.iter().enumerate() {
         if track.is_left_out(index) {
@@ -86,7 +96,11 @@ fn filter_track(
             continue;
         }
         let reason = match (thresholds, previous) {
-            (Some(thresholds), Some(previous)) => too_fast(&rates(previous, reading), thresholds),
+            (Some(thresholds), Some(previous))
+                if !out.changes_prism(previous.time_s, reading.time_s) =>
+            {
+                too_fast(&rates(previous, reading), thresholds)
+            }
             _ => None,
         };
         previous = Some(reading);

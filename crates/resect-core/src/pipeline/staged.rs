@@ -160,10 +160,14 @@ impl StagedPipeline {
                     settings.rate_hz,
                     progress,
                 )?;
-                Arc::new(Triplets {
+                let all = Triplets {
                     readings: Arc::clone(&filtered),
                     restarts_s: deployment.restarts_s.clone(),
                     ..triplets
+                };
+                Arc::new(match deployment.prism_schedule() {
+                    schedule if schedule.is_constant() => all,
+                    schedule => all.of_most_followed(&schedule),
                 })
             }
         };

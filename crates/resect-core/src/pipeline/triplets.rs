@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::FilteredTrack;
-use crate::network::PerStation;
+use crate::network::{PerStation, Prism, PrismSchedule, Station};
 
 /// Tolerance of time comparisons (s); Unix times are stored to a quarter of a microsecond.
 const STAMP_ERROR_S: f64 = 1e-6;
@@ -28,6 +28,8 @@ pub struct Triplets {
     pub restarts_s: Vec<f64>,
     /// Filtered readings from which the positions are interpolated; empty without readings.
     pub readings: Arc<PerStation<FilteredTrack>>,
+    /// Triplets of the spans in which stations follow other prisms. The joint estimate uses them, the paper's methods do not.
+    pub of_other_prisms: Option<Arc<Self>>,
 }
 
 impl Triplets {
@@ -49,6 +51,7 @@ impl Triplets {
             sigma_m: None,
             restarts_s: Vec::new(),
             readings,
+            of_other_prisms: None,
         }
     }
 
@@ -66,8 +69,48 @@ impl Triplets {
             speed_m_per_s: indices.iter().map(|i| self.speed_m_per_s[*i]).collect(),
             restarts_s: self.restarts_s.clone(),
             readings: Arc::clone(&self.readings),
+            of_other_prisms: self.of_other_prisms.clone(),
             sigma_m: self.sigma_m.as_ref().map(|all| all.map(points)),
         }
+    }
+
+    /// Returns the triplets of the prisms that the stations follow most, with those of other prisms beside them.
+    pub fn of_most_followed(self, schedule: &PrismSchedule) -> Self {
+        let followed = |index: &usize| schedule.at(self.time_s[*index]);
+        let mut indices: Vec<(&PerStation<Prism>, Vec<usize>)> = Vec::new();
+        for index in 0..self.len() {
+            match indices.iter_mut().find(|(known, _)| *known == followed(&index)) {
+                Some((_, own)) => own.push(index),
+                None => indices.push((followed(&index), vec![index])),
+            }
+        }
+        let Some((most, own)) = indices.iter().max_by_key(|(_, own)| own.len()) else {
+            return self;
+        };
+        if own.len() == self.len() {
+            return self;
+        }
+        let is_other = |index: &usize| followed(index) != *most;
+        let others: Vec<usize> = (0..self.len()).filter(is_other).collect();
+        let of_other_prisms = Some(Arc::new(self.select(&others)));
+        Self { of_other_prisms, ..self.select(own) }
+    }
+
+    /// Returns these triplets with those of the spans in which stations follow other prisms, in order of time, with positions alone.
+    pub fn with_other_prisms(&self) -> Option<Self> {
+        let others = self.of_other_prisms.as_deref()?;
+        let both =
+            || [self, others].into_iter().flat_map(|own| (0..own.len()).map(move |k| (own, k)));
+        let mut all: Vec<(&Self, usize)> = both().collect();
+        all.sort_by(|(own, i), (other, k)| own.time_s[*i].total_cmp(&other.time_s[*k]));
+        let of_station =
+            |station: Station| all.iter().map(move |(own, k)| own.points_m[station][*k]);
+        let points_m: PerStation<Vec<Vector3<f64>>> =
+            self.points_m.map_each(|station, _| of_station(station).collect());
+        let (time_s, interval) =
+            all.iter().map(|(own, k)| (own.time_s[*k], own.interval[*k])).unzip();
+        let (restarts_s, readings) = (self.restarts_s.clone(), Arc::clone(&self.readings));
+        Some(Self { restarts_s, readings, ..Self::new(time_s, interval, points_m) })
     }
 
     pub fn is_empty(&self) -> bool {

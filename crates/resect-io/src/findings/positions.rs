@@ -16,7 +16,7 @@ pub fn tracks_in_common_frame() -> Finding {
         "the tracks were transformed into one frame with unknown transforms before they were written. C and D \
          estimate the remaining transforms in that frame; compose them with the applied ones for the stations' own. A \
          and B refer to the stations' own frames and are not compared with the drive. The outlier filter uses rates \
-         about the origin of that frame, not about instruments 2 and 3. A rigid transform may have tilted a station \
+         about the origin of that frame, not about the instruments 2, 3, …. A rigid transform may have tilted a station \
          beyond the accuracy of its compensator",
     )
 }

@@ -38,12 +38,13 @@ pub fn stamps_repeated(station: usize, count: usize, first: &str) -> Finding {
         .count("readings", count)
 }
 
-pub fn station_without_readings(station: usize, files: &str) -> Finding {
+/// `others` are the numbers of the stations with readings: "[1, 3]".
+pub fn station_without_readings(station: usize, files: &str, others: &str) -> Finding {
     Finding::new(
         file_kinds::STATION_WITHOUT_READINGS,
         format!(
             "station {} has no measurement in {files}; to calibrate without it, list the other stations in deployment.toml \
-             (stations = [1, 2])",
+             (stations = {others})",
             station + 1
         ),
     )
@@ -165,7 +166,7 @@ pub(super) fn examples() -> Vec<Finding> {
         records_dropped(Some(1), "status 3", 12, "line 7 of drive.csv"),
         stamps_out_of_order(0, 3, "drive.csv"),
         stamps_repeated(2, 14, " (first at line 9 of drive.csv)"),
-        station_without_readings(2, "drive.csv"),
+        station_without_readings(2, "drive.csv", "[1, 2]"),
         readings_implausible(0, 40, 400, &[("ranges of zero", 40)]),
         stamps_coarse(&[0, 2], 1.0),
         readings_in_face_right(1, 300, 900),

@@ -94,7 +94,7 @@ pub fn survey_coordinates_left_out(file: &str) -> Finding {
 
 pub fn survey_station_unknown(file: &str) -> Finding {
     let message = "left out: its station is unknown; end the file name with the station number, or list the files of \
-                   stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]";
+                   stations 1, 2, … in deployment.toml: surveys = [\"…\", \"…\", …]";
     about(kinds::SURVEY_STATION_UNKNOWN, file, message)
 }
 

@@ -3,9 +3,12 @@
 use crate::error::OpenError;
 use crate::findings::readings::station_without_readings;
 use resect_core::deployment::{
-    ControlPoint, Deployment, FollowedPrisms, Overrides, PrismConstants, Track, as_numbered,
+    ControlPoint, Deployment, FollowedPrisms, Overrides, PrismConstants, StatedPrismChange, Track,
+    as_numbered,
 };
-use resect_core::network::{MOST_STATIONS, Pair, PerStation, Station, USUAL_STATIONS};
+use resect_core::network::{
+    MOST_STATIONS, Number, Pair, PerStation, Prism, Station, USUAL_STATIONS,
+};
 
 /// Adds the stations without readings that control points, rig or `deployment.toml` state, and gives each station its prism.
 ///
@@ -14,8 +17,17 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
     let overrides = deployment.overrides.clone();
     let with_tracks = deployment.tracks.len();
     check_lengths(&overrides, with_tracks)?;
-    let points = deployment.control_points.iter().flat_map(|set| &set.points);
-    let with_points = points.map(ControlPoint::stations).max().unwrap_or_default();
+    let with_points = |deployment: &Deployment| {
+        let points = deployment.control_points.iter().flat_map(|set| &set.points);
+        points.map(ControlPoint::stations).max().unwrap_or_default()
+    };
+    let numbers = overrides.stations.as_ref();
+    if let Some(chosen) = numbers.and_then(|own| chosen(own, with_points(deployment))) {
+        for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+            point.choose(&chosen);
+        }
+    }
+    let with_points = with_points(deployment);
     // Who lists the stations leaves out the others: their control points and prisms remain without effect.
     let listed = overrides.stations.as_ref().map(PerStation::len);
     let listed = listed.or_else(|| overrides.topics.as_ref().map(PerStation::len));
@@ -28,7 +40,8 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
     while deployment.tracks.len() < stations {
         let station = deployment.tracks.len();
         if has_readings {
-            deployment.findings.push(station_without_readings(station, files));
+            let others = deployment.numbers_with_readings();
+            deployment.findings.push(station_without_readings(station, files, &others));
         }
         let constants_m = constants.each_m(station + 1);
         let prism_constant_m = if include_constant { 0.0 } else { constants_m[station] };
@@ -38,15 +51,37 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
     for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
         point.resize(stations);
     }
-    let prism_of =
-        |station: Station| overrides.prisms.as_ref().and_then(|prisms| prisms.of_station(station));
+    let with_prisms =
+        deployment.rig.as_ref().and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len()));
+    let own_prisms = numbers.and_then(|own| chosen(own, with_prisms?));
+    let prism_of = |station: Station| match (&overrides.prisms, &own_prisms) {
+        (Some(prisms), _) => prisms.of_station(station),
+        (None, Some(chosen)) => Some(Prism::at(chosen.get(station)?.index())),
+        (None, None) => None,
+    };
     for (place, track) in deployment.tracks.iter_mut().enumerate() {
-        track.prism = Station::numbered(place + 1).and_then(prism_of);
+        let station = Station::numbered(place + 1);
+        track.prism = station.and_then(prism_of);
+        let stated = overrides.prism_changes.iter().flatten();
+        let own = stated.filter_map(StatedPrismChange::change);
+        let own = own.filter(|(other, _)| Some(*other) == station).map(|(_, change)| change);
+        track.prism_changes = own.collect();
+        track.prism_changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
     if stations != USUAL_STATIONS && deployment.as_read.stations.is_none() {
         deployment.as_read.stations = Some(as_numbered(stations));
     }
     Ok(())
+}
+
+/// Returns the stations that a list of numbers chooses among some that are numbered from 1; `None` if it only says in which order they are,
+/// or has numbers of its own.
+fn chosen(numbers: &PerStation<i64>, among: usize) -> Option<PerStation<Station>> {
+    let station = |number: &i64| Station::numbered(usize::try_from(*number).ok()?);
+    let chosen: PerStation<Station> = numbers.iter().map(station).collect::<Option<_>>()?;
+    let is_known = |station: &Station| station.index() < among;
+    let is_order = chosen.iter().all(|station| station.index() < chosen.len());
+    (!is_order && chosen.iter().all(is_known)).then_some(chosen)
 }
 
 /// Returns the number of stations that `deployment.toml` or the user lists.
@@ -82,6 +117,15 @@ fn check_lengths(overrides: &Overrides, stations: usize) -> Result<(), OpenError
         }
         _ => None,
     };
+    let changes = overrides.prism_changes.iter().flatten();
+    let beyond = changes.map(|change| usize::from(change.station)).max();
+    if let Some(station) = beyond.filter(|station| *station > stations) {
+        return Err(OpenError::file(
+            "deployment.toml",
+            format!("prism_changes names station {station}, but there are {stations} stations"),
+            "stations are numbered from 1, in the order of stations",
+        ));
+    }
     let constants = match &overrides.prism_constant_m {
         Some(PrismConstants::Each(constants_m)) => Some(constants_m.len()),
         _ => None,

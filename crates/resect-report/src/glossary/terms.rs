@@ -21,7 +21,8 @@ terms! {
         "An instrument that follows a prism and measures range, azimuth and zenith angle to it. Each station follows a prism \
          of a vehicle." ("section I");
     DEPLOYMENT = "deployment":
-        "One field session with stations that nobody moved: three tracks, and optional control points, rig and GNSS." ("section IV");
+        "One field session with stations that nobody moved: a track of each station, and optional control points, rig and GNSS."
+        ("section IV");
     READING = "reading" / "measurement":
         "An observation of a station at one instant: range, azimuth, zenith angle and a time stamp. Stations read at about 2.5 Hz, not at \
          the same instants." ("section IV");
@@ -36,8 +37,8 @@ terms! {
     RIG = "rig":
         "The prisms fixed to the vehicle. Their distances must not change during a drive." ("section III-B");
     INTER_PRISM_DISTANCES = "inter-prism distance" / "prism distance":
-        "A distance between two prisms of the rig: α = 1–2, β = 1–3, γ = 2–3. All three are measured before the drive with one station. \
-         Method D is based on them." ("section III-B, eq. (3)");
+        "A distance between two prisms of the rig; of three prisms, α = 1–2, β = 1–3, γ = 2–3. One station measures all of them before the \
+         drive. Method D is based on them." ("section III-B, eq. (3)");
     CONTROL_POINT = "control point" / "GCP" / "ground control point":
         "A fixed point that every station measured. Static points are set up by hand; dynamic points are one moving prism that all \
          stations follow." ("sections III-A and III-B");
@@ -199,8 +200,8 @@ terms! {
     RMS = "RMS" / "root mean square":
         "The square root of the mean squared error. Unlike the median, it is sensitive to a few large errors.";
     MIRROR_TWIN = "mirrored solution" / "mirror ambiguity" / "mirror solution" / "mirror twin" / "twin":
-        "On level ground all distances stay the same if station 2 or 3 is raised by twice the height difference of its prism. This second \
-         solution fits nearly as well and has the wrong height. Pitch and roll, the rig's heights or control points rule it out.";
+        "On level ground all distances stay the same if a station other than 1 is raised by twice the height difference of its prism. This \
+         second solution fits nearly as well and has the wrong height. Pitch and roll, the rig's heights or control points rule it out.";
     COST_RATIO = "cost ratio":
         "The sum of squared errors of another minimum, divided by that of the answer. Close to 1, the drive does not distinguish the two."
         ("eq. (3)");
@@ -208,8 +209,8 @@ terms! {
         "A solution that no small change improves. There may be several; the search starts from many places and compares all."
         ("section III-B");
     OBSERVABILITY = "observability" / "observable":
-        "Each of the eight unknowns is observable, weakly observable or unobservable in a drive. A straight line leaves three directions \
-         unobservable, a circle one; an L is weak." ("section VI");
+        "Each of the unknowns (four for each of stations 2, 3, …) is observable, weakly observable or unobservable in a drive. A \
+         straight line leaves three directions unobservable, a circle one; an L is weak." ("section VI");
     WEAK_DIRECTION = "weak direction" / "weakly observable" / "unobservable" / "free direction":
         "A motion of the stations that hardly changes the inter-prism distances (weakly observable) or does not change them \
          (unobservable). Turns to both sides, far apart, determine it.";

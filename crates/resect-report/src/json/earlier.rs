@@ -32,6 +32,11 @@ pub enum EarlierError {
     OtherSchema { file: String, found: u32 },
     #[error("{file}: it has several calibrations; write one, with one --method")]
     Several { file: String },
+    #[error(
+        "{file}: a calibration of one station has no transform to validate; write one of several stations with \
+         `resect calibrate FOLDER --json`"
+    )]
+    OneStation { file: String },
     #[error("{file}: {what}; write it with `resect calibrate FOLDER --json`")]
     Wrong { file: String, what: String },
 }
@@ -98,8 +103,11 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
     let written: Written = serde_json::from_str(text).map_err(not_one)?;
     let wrong = |what: &str| EarlierError::Wrong { file: file.to_owned(), what: what.to_owned() };
     let others = &written.transforms;
+    if others.is_empty() {
+        return Err(EarlierError::OneStation { file: file.to_owned() });
+    }
     let is_numbered = others.iter().zip(2..).all(|(one, number)| [one.from, one.to] == [number, 1]);
-    if others.is_empty() || !is_numbered {
+    if !is_numbered {
         return Err(wrong("the transforms are not those of stations 2, 3, … into station 1"));
     }
     let mut transforms: PerStation<RigidTransform> = [RigidTransform::IDENTITY].into();
@@ -245,7 +253,7 @@ mod tests {
             (complaint("/transforms/0/matrix/0/3", Value::Null), "invalid type: null"),
             (complaint("/transforms/0/matrix/0/0", 7.0.into()), "not a rotation and translation"),
             (complaint("/transforms/1/from", 2.into()), "not those of stations 2, 3, …"),
-            (complaint("/transforms", Vec::<Value>::new().into()), "not those of stations 2, 3, …"),
+            (complaint("/transforms", Vec::<Value>::new().into()), "one station has no transform"),
             (complaint("/covariance/0/1", 1.0.into()), "invalid covariance"),
             (complaint("/covariance/3/3", (-1.0).into()), "invalid covariance"),
             (complaint("/covariance/3/3", 0.0.into()), "invalid covariance"),

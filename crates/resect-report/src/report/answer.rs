@@ -57,9 +57,12 @@ const ANGLES: &[TableUnit] = &[
 pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let Answer { calibration, evaluation, .. } = answer;
     let rows = analysis.rows(deployment);
+    let is_one_station = calibration.station1_from_station.len() == 1;
     html! {
-        (transforms(&rows))
-        (matrices(calibration))
+        @if !is_one_station {
+            (transforms(&rows))
+            (matrices(calibration))
+        }
         (published(calibration))
         @match &calibration.details {
             Details::TwoPoint(details) => (two_point(details)),
@@ -78,10 +81,12 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         (charts::plan(deployment, analysis, answer))
         h3 { "Distance errors" }
         (charts::residuals(deployment, analysis, answer))
-        h3 { "Correlation" }
-        @match &calibration.covariance {
-            Some(covariance) => (correlation::table(covariance)),
-            None => p.weak { "No covariance: this data leaves at least one direction unobservable." },
+        @if !is_one_station {
+            h3 { "Correlation" }
+            @match &calibration.covariance {
+                Some(covariance) => (correlation::table(covariance)),
+                None => p.weak { "No covariance: this data leaves at least one direction unobservable." },
+            }
         }
     }
 }
@@ -312,7 +317,9 @@ fn metrics(evaluation: &Evaluation, followed: &PerStation<Prism>) -> Markup {
                 }
             }
         }
-        @if evaluation.control_points_mm.is_empty() {
+        @if followed.len() == 1 {
+            p.weak { "One station: the metrics need two." }
+        } @else if evaluation.control_points_mm.is_empty() {
             p.weak { "No control points: no control-point metric." }
         }
     }

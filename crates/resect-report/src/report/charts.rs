@@ -53,7 +53,11 @@ fn unused_m(deployment: &Deployment, analysis: &Analysis) -> PerStation<Vec<Vect
 pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let errors_mm = &answer.evaluation.distance_errors_mm;
     if answer.evaluation.inter_prism_mm.is_none() {
-        return html! { p.weak { "No chart: there are no triplets, or the inter-prism distances are unknown." } };
+        let why = match analysis.offer.followed.len() {
+            1 => "distance errors need two stations",
+            _ => "there are no triplets, or the inter-prism distances are unknown",
+        };
+        return html! { p.weak { "No chart: " (why) "." } };
     }
     let start_s = deployment.start_s().unwrap_or(0.0);
     let time_s: Vec<f64> = answer.triplets.time_s.iter().map(|time_s| time_s - start_s).collect();

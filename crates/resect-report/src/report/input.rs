@@ -68,7 +68,8 @@ fn data(deployment: &Deployment) -> Markup {
             }
         }
         p {
-            "Prism constants of stations " (deployment.tracks.map_each(|station, _| station.to_string()).as_slice().join(", ")) ": "
+            @if deployment.tracks.len() == 1 { "Prism constant of station " } @else { "Prism constants of stations " }
+            (deployment.tracks.map_each(|station, _| station.to_string()).as_slice().join(", ")) ": "
             (deployment.tracks.map(|track| format!("{:+.1}", track.prism_constant_m * 1e3)).as_slice().join(", "))
             " mm. "
             @match &deployment.rig {

@@ -26,7 +26,7 @@ pub enum GroundTruth<'a> {
 }
 
 impl<'a> GroundTruth<'a> {
-    /// Returns the ground truth of a deployment: its trajectory of another system, or its own. `station` (0 to 2) chooses the
+    /// Returns the ground truth of a deployment: its trajectory of another system, or its own. `station` (from 0) chooses the
     /// prism of one station in its own frame. That is also the ground truth if only one station has measurements.
     pub fn of(deployment: &'a Deployment, analysis: &'a Analysis, station: Option<usize>) -> Self {
         if let Some(truth) = &deployment.ground_truth {

@@ -39,5 +39,6 @@ pub use options::{Association, Body, Options, TrajectoryAlignment};
 pub use resect_core::deployment::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories as names,
 };
+pub use station_trajectory::{NoStation, station_index};
 pub use time_offset::offset_by_speeds_s;
 pub use unjudged::Unjudged;

@@ -13,6 +13,24 @@ use resect_core::progress::Progress;
 /// Largest rate of the positions (Hz), above that of any total station.
 const MOST_HZ: f64 = 10.0;
 
+/// A number that no station has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no station {number}; the deployment has stations 1 to {stations}")]
+pub struct NoStation {
+    pub number: usize,
+    pub stations: usize,
+}
+
+/// Returns the index of a station from its number.
+pub fn station_index(deployment: &Deployment, number: usize) -> Result<usize, NoStation> {
+    let stations = deployment.tracks.len();
+    if (1..=stations).contains(&number) {
+        Ok(number - 1)
+    } else {
+        Err(NoStation { number, stations })
+    }
+}
+
 /// Returns positions of a station's prism in its own frame, with covariance; without poses if no interval is long enough.
 ///
 /// The motion model (white noise on acceleration) smooths the readings that pass the outlier filter, in intervals by τ_s and
@@ -26,7 +44,7 @@ pub fn station_trajectory(
     let settings = &analysis.settings.pipeline;
     let thresholds = &settings.thresholds;
     let filtered = &analysis.pipeline.filtered[station];
-    let intervals = uninterrupted(&filtered.time_s, thresholds.tau_s_seconds);
+    let intervals = uninterrupted(filtered, thresholds.tau_s_seconds);
     let shortest_s = settings.interval_filter.then_some(thresholds.tau_l_seconds);
     let intervals = interval_filter::filter(&intervals, shortest_s);
     let (time_s, interval) = grid(&intervals, settings.rate_hz.min(MOST_HZ));

@@ -182,8 +182,11 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
     let pooled = |metric: usize| -> Vec<f64> {
         each.iter().flat_map(|(_, errors)| errors[index][metric].iter().copied()).collect()
     };
+    let mut answers = each.iter().filter_map(|(compared, _)| compared.answers[index].as_ref().ok());
+    let is_one_station = answers.all(|answer| answer.calibration.station1_from_station.len() == 1);
     let why = match solved {
         0 => ["not possible with this data"; 2],
+        _ if is_one_station => ["needs two stations"; 2],
         _ => ["no control points", "no distances"],
     };
     Group {

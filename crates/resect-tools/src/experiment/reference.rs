@@ -18,7 +18,7 @@ use resect_core::pipeline;
 use resect_core::pipeline::PipelineSettings;
 
 /// Method of the reference transforms. `None` selects B if the data allows it, else the paper's dynamic method. The studies are
-/// the paper's, so the joint estimate is the reference only if it is named.
+/// the paper's, so the joint estimate is the reference only of one station, or if it is named.
 pub type Reference = Option<Method>;
 
 /// Reference for the errors of a deployment.
@@ -45,7 +45,7 @@ impl Judge {
             if offer.lack(Method::StaticGcp).is_none() {
                 Method::StaticGcp
             } else {
-                offer.published_method()
+                offer.first_method()
             }
         });
         if let Some(lack) = offer.lack(method) {

@@ -205,7 +205,7 @@ impl AsDriven {
         /// Distance between two positions that determines the heading (m).
         const HEADING_M: f64 = 0.5;
         let middle_m = middle_m(prisms_m);
-        // Two prisms have a heading, and no slope.
+        // The poses of two prisms have a heading, and no slope.
         let pose = |at: &PerStation<_>| {
             let (at, prisms_m) = (at.as_slice(), prisms_m.as_slice());
             align_rigid(at, prisms_m).or_else(|| Some(align_level(at, prisms_m)?.into()))
@@ -214,7 +214,8 @@ impl AsDriven {
         let up = |pose: &RigidTransform| pose.rotation.inverse() * Vector3::z();
         let mean_up = poses.iter().map(up).sum::<Vector3<f64>>().try_normalize(1e-9)?;
         let squares: f64 = poses.iter().map(|pose| up(pose).angle(&mean_up).powi(2)).sum();
-        let slope_rms_rad = (squares / poses.len() as f64).sqrt();
+        let of_poses_rad = (squares / poses.len() as f64).sqrt();
+        let slope_rms_rad = axis_slope_rms_rad(prisms_m, places_m).unwrap_or(of_poses_rad);
         let (mut ahead, mut from) = (Vector3::zeros(), 0);
         for now in 1..poses.len() {
             let gone_m = poses[now].apply(&middle_m) - poses[from].apply(&middle_m);
@@ -231,6 +232,29 @@ impl AsDriven {
         let vehicle = Matrix3::from_columns(&[ahead, left, mean_up]).transpose();
         Some(Self { prisms_m: prisms_m.map(|at| vehicle * (at - middle_m)), slope_rms_rad })
     }
+}
+
+/// Returns the slope by the elevations of the axis of two prisms (rad, root mean square); `None` for further prisms.
+///
+/// The axis shows one of pitch and roll; the other is taken to be as large.
+fn axis_slope_rms_rad(
+    prisms_m: &PerStation<Vector3<f64>>,
+    places_m: &[PerStation<Vector3<f64>>],
+) -> Option<f64> {
+    let first_m = *prisms_m.iter().next()?;
+    let second = prisms_m.iter().position(|prism_m| *prism_m != first_m)?;
+    let both = [first_m, prisms_m[second]];
+    if !prisms_m.iter().all(|prism_m| both.contains(prism_m)) {
+        return None;
+    }
+    let elevation_rad = |at: &PerStation<Vector3<f64>>| {
+        let axis_m = at[second] - at[0];
+        axis_m.z.atan2(axis_m.xy().norm())
+    };
+    let count = places_m.len() as f64;
+    let mean_rad = places_m.iter().map(elevation_rad).sum::<f64>() / count;
+    let squares: f64 = places_m.iter().map(|at| (elevation_rad(at) - mean_rad).powi(2)).sum();
+    Some((2.0 * squares / count).sqrt())
 }
 
 /// Returns the positions of a scenario's stations (m).

@@ -208,7 +208,12 @@ impl Plan {
         }
         let (stations, prisms) = (self.stations_m.len(), self.rig.prisms_m.len());
         if !(2..=MOST_STATIONS).contains(&stations) || !(1..=MOST_STATIONS).contains(&prisms) {
-            let what = format!("the plan has {stations} stations and {prisms} prisms");
+            let counted = |count: usize, word: &str| match count {
+                1 => format!("1 {word}"),
+                _ => format!("{count} {word}s"),
+            };
+            let (stations, prisms) = (counted(stations, "station"), counted(prisms, "prism"));
+            let what = format!("the plan has {stations} and {prisms}");
             return Err((what, "give 2 to 8 positions of stations, and 1 to 8 of prisms"));
         }
         for [a, b] in StationPair::among(stations).map(StationPair::indices) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use super::drive::{Driven, drive};
 use super::in_words;
@@ -233,13 +233,18 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
     times_s.iter().map(with_sigma).collect()
 }
 
-/// Time of an instant, and root mean square errors of the vehicle's position (m) and rotation (rad), which one prism does not have.
+/// Time of an instant, and root mean square errors of the vehicle's position (m) and rotation (rad). Fewer than three prisms have no
+/// rotation, and the position of their middle.
 fn sigma_of_instant(plan: &Plan, instant: &MotionInstant) -> Option<(f64, [Option<f64>; 2])> {
-    if plan.rig.is_one_prism() {
-        return Some((instant.time_s, [Some(instant.position_covariance.trace().sqrt()), None]));
-    }
     let (_, prisms_m) = plan.rig.followed(plan.stations_m.len());
-    let pose = rig_pose(prisms_m.as_slice(), RIG_FLEX_SIGMA_M, instant)?;
+    let Some(pose) = rig_pose(prisms_m.as_slice(), RIG_FLEX_SIGMA_M, instant) else {
+        let prisms = instant.position_m.len() / 3;
+        let share = 1.0 / prisms as f64;
+        let mean = |axis: usize, at: usize| if at % 3 == axis { share } else { 0.0 };
+        let by_prisms = DMatrix::from_fn(3, 3 * prisms, mean);
+        let covariance = &by_prisms * &instant.position_covariance * by_prisms.transpose();
+        return Some((instant.time_s, [Some(covariance.trace().sqrt()), None]));
+    };
     let rms = |at: usize| Some(pose.covariance.fixed_view::<3, 3>(at, at).trace().sqrt());
     Some((instant.time_s, [rms(0), rms(3)]))
 }

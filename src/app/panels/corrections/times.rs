@@ -2,6 +2,7 @@
 
 use super::{ShownCorrections, name};
 use crate::app::state::corrections::{masked, with_span, within};
+use resect_core::deployment::StatedPrismChange;
 use resect_io::source::Extras;
 
 impl ShownCorrections<'_> {
@@ -34,6 +35,29 @@ impl ShownCorrections<'_> {
                 *changed = with_span(self.extras, self.open, None);
             }
         });
+    }
+
+    /// Shows the changes of prisms, if there are any; the finding of one offers to add it.
+    pub(super) fn prism_changes(&self, ui: &mut egui::Ui, changed: &mut Extras) {
+        let now = self.now.prism_changes.as_deref().unwrap_or_default();
+        let own = self.extras.corrections.prism_changes.as_ref();
+        if now.is_empty() && own.is_none() {
+            return;
+        }
+        let read = self.deployment().as_read.prism_changes.as_ref().map_or(0, Vec::len);
+        if name(ui, "Changes of prisms", own.map(|_| read.to_string())) {
+            changed.corrections.prism_changes = None;
+        }
+        let start_s = self.open.start_s();
+        for StatedPrismChange { station, time_s, prism } in now {
+            ui.label(format!(
+                "Station {station} follows prism {prism} from {:.1} s",
+                time_s - start_s
+            ));
+        }
+        if ui.add_enabled(!now.is_empty(), egui::Button::new("Remove them")).clicked() {
+            changed.corrections.prism_changes = Some(Vec::new());
+        }
     }
 
     pub(super) fn masks(&self, ui: &mut egui::Ui, changed: &mut Extras) {

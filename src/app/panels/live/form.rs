@@ -25,11 +25,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     beforehand(ui, state, &mut form, commands);
     if form.replay.is_none() {
         ui.horizontal_wrapped(|ui| {
-            ui.label("Stations 1, 2, 3");
+            ui.label("Stations 1, 2, …");
             let field = egui::TextEdit::singleline(&mut form.stations)
                 .hint_text("topics or instruments, with commas")
                 .desired_width(FIELD);
-            let field = ui.add(field).accessible_name("Topics or instruments of stations 1, 2, 3");
+            let field = ui.add(field).accessible_name("Topics or instruments of stations 1, 2, …");
             field.on_hover_text("Needed only if the messages do not name their station");
         });
     }

@@ -58,7 +58,9 @@ pub fn ui(
             row(ui, RichText::new(file_name(&metric.file)), &glossary::GCP_METRIC, &metric.spread);
         }
     });
-    if evaluation.control_points_mm.is_empty() {
+    if followed.len() == 1 {
+        ui.weak("One station: the metrics need two.");
+    } else if evaluation.control_points_mm.is_empty() {
         ui.weak("No control points: no control-point metric.");
     }
     for set in sets.iter().filter(|set| set.pillars) {

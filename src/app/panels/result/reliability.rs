@@ -23,7 +23,7 @@ pub fn ui(ui: &mut egui::Ui, joint: &JointEstimate, sets: &[ControlPointSet], un
         });
         ui.small(
             "Residual: normalised, of a drive the root mean square, of control points the largest. Effect: largest displacement \
-             of station 2 or 3 by an undetected bias of the detectable size.",
+             of stations 2, 3, … by an undetected bias of the detectable size.",
         );
     });
     words::explain_all(

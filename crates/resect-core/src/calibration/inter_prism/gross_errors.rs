@@ -1,9 +1,7 @@
 //! Gross outliers among the triplets, such as those of a station that followed another prism for a while, and the bias of a
 //! least-squares answer by them.
 
-use crate::deployment::findings::outliers::{
-    outliers_left_out, outliers_shift_answer, span_left_out,
-};
+use crate::deployment::findings::outliers::{outliers_left_out, outliers_shift_answer};
 use crate::network::{PerStation, Station};
 use nalgebra::Vector3;
 
@@ -63,8 +61,12 @@ pub fn inliers(data: &CentredTriplets, answer: &Parameters) -> CentredTriplets {
 
 /// Returns findings about the outliers that a robust answer rejects; doubts if they are many, or consecutive.
 ///
-/// `kept_s` are the times of the kept triplets (s).
-pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
+/// `kept_s` are the times of the kept triplets (s); `explain` turns a long span of rejected ones (s) into a finding.
+pub fn left_out(
+    time_s: &[f64],
+    kept_s: &[f64],
+    explain: impl Fn([f64; 2]) -> Finding,
+) -> Vec<(Verdict, Finding)> {
     let count = time_s.len() - kept_s.len();
     if count == 0 {
         return Vec::new();
@@ -73,7 +75,7 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     let verdict = if is_many { Verdict::Weak } else { Verdict::Good };
     let mut doubts = vec![(verdict, outliers_left_out(count, time_s.len(), is_many))];
     if let Some(span_s) = mostly_left_out(time_s, kept_s) {
-        doubts.push((Verdict::Weak, span_left_out(span_s, time_s[0])));
+        doubts.push((Verdict::Weak, explain(span_s)));
     }
     doubts
 }
@@ -161,6 +163,7 @@ pub fn pull(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deployment::findings::outliers::span_left_out;
     use crate::deployment::kinds;
 
     #[test]
@@ -179,7 +182,7 @@ mod tests {
         let time_s: Vec<f64> = (0..4000).map(|i| 100.0 + f64::from(i) * 0.1).collect();
         let verdicts = |kept: &dyn Fn(usize) -> bool| {
             let kept_s = (0..time_s.len()).filter(|i| kept(*i)).map(|i| time_s[i]);
-            left_out(&time_s, &kept_s.collect::<Vec<_>>())
+            left_out(&time_s, &kept_s.collect::<Vec<_>>(), |span_s| span_left_out(span_s, 100.0))
         };
         assert!(verdicts(&|_| true).is_empty());
         assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));

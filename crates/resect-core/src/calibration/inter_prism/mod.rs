@@ -16,7 +16,8 @@
 //! 7. [`diagnosis`] judges it.
 //!
 //! The [`clock_check`] detects clock offsets that bias the answer. [`mod@solve`] runs method D. [`mod@solve_jointly`] runs the
-//! joint estimate of several prisms, whose minima and verdict are computed by the same steps ([`joint_answer`]). [`mod@foresee`]
+//! joint estimate of several prisms, whose minima and verdict are computed by the same steps ([`joint_answer`]). [`followed_another`]
+//! recognises a station that followed another prism for some time. [`mod@foresee`]
 //! predicts an answer before the drive.
 
 mod basin;
@@ -28,6 +29,7 @@ mod diagnosis;
 mod distance_pass;
 pub mod drive_shape;
 mod first_solution;
+mod followed_another;
 mod foresee;
 pub mod gross_errors;
 mod inter_prism_details;

@@ -77,9 +77,11 @@ pub struct StationMotion {
 }
 
 impl Direction {
-    /// Returns the words up to the first comma.
+    /// Returns the words up to the first comma that is not between numbers of stations.
     pub fn short(&self) -> &str {
-        self.words.split(',').next().unwrap_or_default()
+        let mut commas = self.words.match_indices(", ");
+        let is_end = |at: usize| !self.words[at + 2..].starts_with(|c: char| c.is_ascii_digit());
+        commas.find(|(at, _)| is_end(*at)).map_or(&*self.words, |(at, _)| &self.words[..at])
     }
 }
 

@@ -10,8 +10,9 @@ use super::unjudged::UnjudgedAnswer;
 use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, FirstSolution, InterPrismDetails, PrismNetwork,
-    StartingPoint, gross_errors, uncertainty,
+    StartingPoint, followed_another, gross_errors, uncertainty,
 };
+use crate::calibration::followed_prisms::schedule;
 use crate::calibration::joint::{
     self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
 };
@@ -20,6 +21,7 @@ use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
+use crate::deployment::findings::outliers::{prism_changed, span_left_out};
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::PerStation;
@@ -39,7 +41,7 @@ pub fn solve_jointly(
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let StartingPoint { rig, network, published } = start;
-    let layout = &Arc::new(Layout::new(&offer.followed));
+    let layout = &Arc::new(Layout::of_schedule(&schedule(deployment, &offer.followed)));
     let (screened, survey) = rayon::join(
         || screened(published, deployment, (rig, &network), triplets, settings, progress),
         || joint::survey_adjustment::of_deployment(deployment, layout, settings),
@@ -47,10 +49,10 @@ pub fn solve_jointly(
     let (published, data, used) = screened?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station.clone();
-    let mut answer = UnjudgedAnswer::published(published, &data, &used, settings);
+    let start_answer = UnjudgedAnswer::published(published, &data, &used, settings);
     drop(data);
     let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
-    let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    let is_determined_by_drive = start_answer.uncertainty.covariance.is_some();
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
     let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
@@ -78,15 +80,20 @@ pub fn solve_jointly(
         }
     };
     progress.check()?;
-    let (kept_s, mut doubts) = replace(&mut answer, &estimate, evaluated);
+    let (mut answer, kept_s, mut doubts) = unjudged(start_answer, &estimate, evaluated);
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
-    // The conclusion of the survey comes before other notes.
-    judgement.findings.splice(0..0, joint::findings::set_up_change(&estimate));
-    judgement.findings.extend(joint::findings::distances(&estimate, &rig.inter_prism_m));
-    judgement.findings.extend(joint::findings::findings(&estimate));
+    joint::findings::add_notes(&mut judgement.findings, &estimate, Some(rig));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
-    doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
+    let explain = |span_s: [f64; 2]| {
+        let (network, placed) = (network.with_estimates(&estimate), &answer.station1_from_station);
+        let start_s = triplets.time_s[0];
+        match followed_another::prism_changes(triplets, placed, &network, rig, span_s) {
+            Some(changes) => prism_changed(&changes, deployment, start_s),
+            None => span_left_out(span_s, start_s),
+        }
+    };
+    doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s, explain));
     judgement.put_first(doubts);
     Ok(MethodAnswer {
         method: Method::Joint,
@@ -161,33 +168,35 @@ fn estimate(
     Ok(if stays { again } else { first })
 }
 
-/// Replaces the published answer by the joint estimate, on the corrected readings.
-///
-/// Returns the times of the kept triplets (s), `None` if none is rejected, and the doubts about the estimate.
-fn replace(
-    answer: &mut UnjudgedAnswer,
+/// The joint estimate before its verdict, the times of its kept triplets (s; `None` if none is rejected), and the doubts about it.
+type UnjudgedEstimate = (UnjudgedAnswer, Option<Vec<f64>>, Vec<(Verdict, Finding)>);
+
+/// Returns the joint estimate before its verdict, on the corrected readings, from the published answer that it started from.
+fn unjudged(
+    start: UnjudgedAnswer,
     estimate: &JointEstimate,
     evaluated: JointAnswer,
-) -> (Option<Vec<f64>>, Vec<(Verdict, Finding)>) {
+) -> UnjudgedEstimate {
     let doubt = evaluated.doubt();
     let JointAnswer { solution, data, kept_s, .. } = evaluated;
-    let findings = std::mem::replace(&mut answer.published, solution).findings;
-    answer.published.findings = findings;
-    let Published { thinned, answer: minimum, .. } = &answer.published;
-    answer.fitting = gross_errors::inliers(thinned, &minimum.parameters);
-    let is_determined_by_drive = answer.uncertainty.covariance.is_some();
+    let published = Published { findings: start.published.findings, ..solution };
+    let minimum = &published.answer;
+    let fitting = gross_errors::inliers(&published.thinned, &minimum.parameters);
     let covariance = estimate.covariance.clone();
-    answer.uncertainty = Uncertainty {
+    let uncertainty = Uncertainty {
         has_control_points: estimate.survey.is_some(),
-        ..uncertainty::of_covariance(&data, &answer.fitting, minimum, covariance)
+        ..uncertainty::of_covariance(&data, &fitting, minimum, covariance)
     };
-    let placed = estimate.station1_from_station.map(|level| RigidTransform::from(*level));
+    let station1_from_station =
+        estimate.station1_from_station.map(|level| RigidTransform::from(*level));
     let mut doubts = Vec::new();
-    if is_determined_by_drive {
-        doubts.extend(checks::far_apart(&answer.station1_from_station, &placed));
+    if start.uncertainty.covariance.is_some() {
+        doubts.extend(checks::far_apart(&start.station1_from_station, &station1_from_station));
     }
-    answer.station1_from_station = placed;
     doubts.extend(doubt);
     doubts.extend(joint::findings::doubts(estimate));
-    (kept_s, doubts)
+    let prior_search = start.prior_search;
+    let answer =
+        UnjudgedAnswer { published, prior_search, fitting, uncertainty, station1_from_station };
+    (answer, kept_s, doubts)
 }

@@ -4,6 +4,8 @@
 //! elsewhere, and has a jump. Nothing else in the estimate depends on that. Once the estimate is solved, the motion across the cut is
 //! estimated again from the readings of both sides, and used for instants near it.
 
+use std::sync::Arc;
+
 use nalgebra::DVector;
 
 use super::drive::{Drive, Segment};
@@ -50,7 +52,8 @@ pub fn estimate_cut_motion(
         both.filter(|reading| grid.contains(reading.time_s)).cloned().collect()
     });
     let mut coefficients_m = initial_coefficients_m(linearisation, &grid, index);
-    let segment = Segment { grid, readings, middle_s: sides[0].middle_s };
+    let prisms = Arc::clone(&sides[0].prisms);
+    let segment = Segment { grid, prisms, readings, middle_s: sides[0].middle_s };
     // The last block before the cut, and the first after it.
     let next = linearisation.first_blocks[index + 1];
     let blocks = next - 1..next + 1;
@@ -123,7 +126,7 @@ fn initial_coefficients_m(
     index: usize,
 ) -> Vec<f64> {
     let cut_s = linearisation.drive.segments[index].grid.end_s;
-    let local = 3 * linearisation.layout().prisms();
+    let local = linearisation.drive.segments[index].prisms.coordinates();
     let position_m = |time_s: f64| -> DVector<f64> {
         let side = if time_s <= cut_s { index } else { index + 1 };
         let weights = linearisation.drive.segments[side].grid.weights(time_s);

@@ -1,10 +1,11 @@
 //! The readings of a drive by segment, and the mean sights of its blocks.
 
 use super::knot_grid::{KnotGrid, segment_grids};
+use super::segment_prisms::SegmentPrisms;
 use super::sight::Sight;
 use super::state_vector::{Constants, Layout, Slow, StateVector};
 use super::station_model::{MeanSight, StationModel};
-use crate::network::{Number, PerStation};
+use crate::network::{Number, PerStation, Prism};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 use nalgebra::Vector3;
@@ -34,6 +35,7 @@ impl Reading {
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub grid: KnotGrid,
+    pub prisms: Arc<SegmentPrisms>,
     pub readings: PerStation<Vec<Reading>>,
     /// Middle of the drive (s), from which clock drifts count.
     pub middle_s: f64,
@@ -69,6 +71,7 @@ impl Drive {
             coupled_to_next: Vec::new(),
             spans_s: spans_s(triplets),
         };
+        let mut last: Option<(&PerStation<Prism>, Arc<SegmentPrisms>)> = None;
         for grid in segment_grids(&triplets.time_s, &triplets.interval, knot_s, block_s) {
             let readings = triplets.readings.map(|track| {
                 let from = track.time_s.partition_point(|t| *t < grid.start_s);
@@ -80,6 +83,12 @@ impl Drive {
             if readings.iter().any(Vec::is_empty) {
                 continue;
             }
+            let followed = layout.followed_at(grid.start_s);
+            let prisms = match &last {
+                Some((known, prisms)) if *known == followed => Arc::clone(prisms),
+                _ => Arc::new(SegmentPrisms::new(layout, followed)),
+            };
+            last = Some((followed, Arc::clone(&prisms)));
             for block in 0..grid.blocks {
                 drive.mean_sights.push(readings.map(|readings| {
                     let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
@@ -92,7 +101,7 @@ impl Drive {
                 drive.coupled_to_next.push(block + 1 < grid.blocks);
             }
             let middle_s = drive.middle_s(grid.start_s);
-            drive.segments.push(Segment { grid, readings, middle_s });
+            drive.segments.push(Segment { grid, prisms, readings, middle_s });
         }
         (!drive.segments.is_empty()).then_some(drive)
     }
@@ -156,10 +165,10 @@ impl Drive {
     /// Coefficients of splines through the triplets (m), by segment.
     fn coefficients_m(&self, triplets: &Triplets, constants: &Constants) -> Vec<Vec<f64>> {
         let stations = StationModel::all(&self.layout, constants);
-        let followers = (0..self.layout.prisms()).filter_map(|prism| self.layout.follower(prism));
-        let followers: Vec<_> = followers.collect();
         let of_segment = |segment: &Segment| {
-            let grid = &segment.grid;
+            let Segment { grid, prisms, .. } = segment;
+            let followers = (0..prisms.count()).filter_map(|prism| prisms.follower(prism));
+            let followers: Vec<_> = followers.collect();
             let mut coefficients_m = Vec::with_capacity(grid.knots * 3 * followers.len());
             for knot in 0..grid.knots {
                 let time_s = grid.knot_time_s(knot).clamp(grid.start_s, grid.end_s);

@@ -95,7 +95,7 @@ pub fn equations(
 ) -> SegmentEquations {
     let (grid, layout) = (&segment.grid, point.layout);
     let block = if has_blocks { layout.block() } else { 0 };
-    let shape = band_shape(3 * layout.prisms(), block);
+    let shape = band_shape(point.prisms.coordinates(), block);
     let mut builder = EquationsBuilder {
         band: MotionBand::new(rows, shape, block, grid.knots, grid.first_knots()),
         squares: ResidualSquares::zeros(layout.stations()),
@@ -111,7 +111,7 @@ pub fn equations(
             builder.add_reading(grid, station, reading);
         }
     }
-    if layout.pairs() > 0 {
+    if !point.prisms.pairs.is_empty() {
         builder.add_distances(grid);
     }
     builder.add_jerks(grid);
@@ -214,8 +214,8 @@ impl EquationsBuilder<'_> {
 
     /// Adds the distances of the rig as constraints on the splines, once a knot.
     fn add_distances(&mut self, grid: &KnotGrid) {
-        let layout = self.point.layout;
-        let local = 3 * layout.prisms();
+        let (layout, prisms) = (self.point.layout, self.point.prisms);
+        let local = prisms.coordinates();
         let precision = self.weighting.levels.distance_m.powi(-2);
         let (mut information, mut gradient) = (vec![0.0; local * local], vec![0.0; local]);
         for time_s in distance_times_s(grid) {
@@ -224,7 +224,7 @@ impl EquationsBuilder<'_> {
             let block = grid.block_at(time_s);
             information.fill(0.0);
             gradient.fill(0.0);
-            for (pair, (a, b)) in layout.pairs_of_places().enumerate() {
+            for (pair, (a, b)) in prisms.pairs.iter().copied() {
                 let distance_m = self.point.distances_m[pair];
                 let (along, residual_m) =
                     distance_residual(self.point, &weights, (a, b), distance_m);
@@ -259,7 +259,7 @@ impl EquationsBuilder<'_> {
     /// Adds the smoothness prior of the motion: one equation a coordinate and knot.
     fn add_jerks(&mut self, grid: &KnotGrid) {
         let factors = jerk_factors(grid, &self.weighting.levels);
-        let local = 3 * self.point.layout.prisms();
+        let local = self.point.prisms.coordinates();
         let (mut residuals, mut values) = (vec![0.0; local], vec![0.0; local]);
         for first in 0..grid.knots - (ORDER - 1) {
             jerk_residuals(self.point, first, &factors, &mut residuals);

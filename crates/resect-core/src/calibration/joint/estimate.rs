@@ -110,6 +110,10 @@ pub fn estimate<'a>(
     input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Result<JointEstimate, Trace>, Cancelled> {
+    let triplets = || {
+        let own = triplets();
+        own.with_other_prisms().map_or(own, Cow::Owned)
+    };
     let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
     let survey_first = !input.is_determined_by_drive;
     for block_s in BLOCK_LENGTHS_S {

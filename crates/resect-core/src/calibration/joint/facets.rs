@@ -62,22 +62,25 @@ fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<Inciden
     let mut terms = Vec::new();
     for (segment, coefficients_m) in drive.segments.iter().zip(&state.coefficients_m) {
         for block in 0..segment.grid.blocks {
-            terms.push(of_block(&drive.layout, segment, coefficients_m, block, &stations_m));
+            terms.push(of_block(segment, coefficients_m, block, &stations_m));
         }
     }
     terms
 }
 
 fn of_block(
-    layout: &Layout,
     segment: &Segment,
     coefficients_m: &[f64],
     block: usize,
     stations_m: &PerStation<Vector3<f64>>,
 ) -> PerStation<IncidenceTerms> {
-    let (grid, local) = (&segment.grid, 3 * layout.prisms());
+    let (grid, local) = (&segment.grid, segment.prisms.coordinates());
     let block_s = (grid.end_s - grid.start_s) / grid.blocks as f64;
     let mut terms = stations_m.map(|_| IncidenceTerms::default());
+    // A single prism has no axis.
+    if segment.prisms.count() < 2 {
+        return terms;
+    }
     for instant in 0..INSTANTS {
         let along = (instant as f64 + 0.5) / INSTANTS as f64;
         let weights = grid.weights(grid.start_s + (block as f64 + along) * block_s);
@@ -91,7 +94,7 @@ fn of_block(
         let axis = prism_m(1) - prism_m(0);
         let heading_rad = axis.y.atan2(axis.x);
         for (station, station_m) in stations_m.each() {
-            let sight = station_m - prism_m(layout.prism_of(station));
+            let sight = station_m - prism_m(segment.prisms.of_station[station]);
             let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
             for (term, order) in terms[station].iter_mut().zip(ORDERS) {
                 let (sin, cos) = (order * incidence_rad).sin_cos();
@@ -105,7 +108,10 @@ fn of_block(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::knot_grid::segment_grids;
+    use super::super::segment_prisms::SegmentPrisms;
     use super::super::state_vector::Constants;
     use super::super::state_vector::tests::layout;
     use super::*;
@@ -132,7 +138,9 @@ mod tests {
             coupled_to_next: Vec::new(),
             spans_s: Vec::new(),
         };
-        drive.segments.push(Segment { grid, readings: Default::default(), middle_s: 0.0 });
+        let prisms = Arc::new(SegmentPrisms::new(&layout, layout.followed_at(0.0)));
+        let (readings, middle_s) = (Default::default(), 0.0);
+        drive.segments.push(Segment { grid, prisms, readings, middle_s });
         let state = StateVector {
             constants: Constants::zeros(layout.constants),
             slow: Vec::new(),

@@ -7,7 +7,6 @@ use super::step_search::{StationStep, StepSize};
 use super::unknown::{DISTANCE, Owner};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, clocks_in_words};
-use crate::deployment::Finding;
 use crate::deployment::findings::instruments::{
     NamedError, ReadingNoise, StepContext, UncertaintySource, UndecidedChange, clock_stepped,
     distance_estimated, distance_implausible, distances_implausible, errors_implausible,
@@ -15,6 +14,7 @@ use crate::deployment::findings::instruments::{
     set_up_change_undecided, set_up_changed, stated_error_contradicted, station_errors_implausible,
     station_moved, uncertainty_sources,
 };
+use crate::deployment::{Finding, Rig};
 use crate::network::{Number, Pair, PerPair, PerStation, Station};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
@@ -34,7 +34,7 @@ const LARGEST_WANDER_M: f64 = 0.005;
 const STEP_MARGIN_S: f64 = 20.0;
 
 /// Reports the estimated distances that differ significantly from those measured on the vehicle (m).
-pub fn distances(joint: &JointEstimate, inter_prism_m: &PerPair<f64>) -> Vec<Finding> {
+fn distances(joint: &JointEstimate, inter_prism_m: &PerPair<f64>) -> Vec<Finding> {
     let estimated = joint.distances_m().into_iter().flatten().enumerate();
     let estimated = estimated.map(|(place, distance)| {
         let pair = joint.layout().pair(Pair::at(place));
@@ -51,8 +51,15 @@ pub fn distances(joint: &JointEstimate, inter_prism_m: &PerPair<f64>) -> Vec<Fin
         .collect()
 }
 
+/// Adds the conclusion of the survey, which comes before other notes, and the notes.
+pub fn add_notes(findings: &mut Vec<Finding>, joint: &JointEstimate, rig: Option<&Rig>) {
+    findings.splice(0..0, set_up_change(joint));
+    findings.extend(rig.into_iter().flat_map(|rig| distances(joint, &rig.inter_prism_m)));
+    findings.extend(notes(joint));
+}
+
 /// Describes noise, clocks, significant instrument errors, and the largest sources of σ.
-pub fn findings(joint: &JointEstimate) -> Vec<Finding> {
+fn notes(joint: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(joint)];
     findings.extend(clocks_in_words::clocks(&joint.clock_offsets_s, &joint.clock_drifts()));
     for (number, drive) in joint.drives.iter().enumerate().skip(1) {
@@ -69,7 +76,7 @@ pub fn findings(joint: &JointEstimate) -> Vec<Finding> {
 }
 
 /// Describes the change of one station's set-up between the survey and the drive, which the estimate models.
-pub fn set_up_change(joint: &JointEstimate) -> Option<Finding> {
+fn set_up_change(joint: &JointEstimate) -> Option<Finding> {
     let change = joint.set_up_change()?;
     Some(set_up_changed(change.station?.index(), &change.turned_rad, &change.moved_length_m()))
 }
@@ -183,6 +190,7 @@ fn detected_step(step: &StationStep, joint: &JointEstimate) -> (Verdict, Finding
     let time_s = joint.step_time_s(step);
     let context = StepContext {
         station: step.station.index(),
+        other: (joint.layout().stations() == 2).then(|| 1 - step.station.index()),
         when: &joint.describe_time(step),
         is_usual,
         span_s: (!step.slowly).then_some([time_s - STEP_MARGIN_S, time_s + STEP_MARGIN_S]),

@@ -24,7 +24,7 @@ pub fn gradients(
     weights: &[f64],
 ) -> Gradients {
     let (grid, layout) = (&segment.grid, point.layout);
-    let local = 3 * layout.prisms();
+    let local = point.prisms.coordinates();
     let mut sums = Gradients {
         knots: vec![0.0; local * grid.knots],
         blocks: vec![BlockVector::zeros(layout.block()); grid.blocks],
@@ -49,7 +49,7 @@ pub fn gradients(
             }
         }
     }
-    if layout.pairs() > 0 {
+    if !point.prisms.pairs.is_empty() {
         sums.add_distances(grid, point, levels);
     }
     let factors = jerk_factors(grid, levels);
@@ -73,13 +73,13 @@ impl Gradients {
         point: &LinearisationPoint<'_>,
         levels: &NoiseLevels,
     ) {
-        let layout = point.layout;
-        let local = 3 * layout.prisms();
+        let (layout, prisms) = (point.layout, point.prisms);
+        let local = prisms.coordinates();
         let precision = levels.distance_m.powi(-2);
         for time_s in distance_times_s(grid) {
             let weights = grid.weights(time_s);
             let block = &mut self.blocks[grid.block_at(time_s)];
-            for (pair, (a, b)) in layout.pairs_of_places().enumerate() {
+            for (pair, (a, b)) in prisms.pairs.iter().copied() {
                 let (along, residual_m) =
                     distance_residual(point, &weights, (a, b), point.distances_m[pair]);
                 let gradient = along * (residual_m * precision);

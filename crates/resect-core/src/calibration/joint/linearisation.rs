@@ -9,7 +9,7 @@ use super::equations::{
 };
 use super::motion_band::Rows;
 use super::residuals::{LinearisationPoint, NoiseLevels};
-use super::state_vector::{BlockVector, Layout, StateVector};
+use super::state_vector::{BlockVector, StateVector};
 use super::station_model::StationModel;
 use super::unknown::DISTANCE;
 
@@ -77,10 +77,6 @@ impl<'a> Linearisation<'a> {
         }
     }
 
-    pub fn layout(&self) -> &'a Layout {
-        &self.drive.layout
-    }
-
     /// A segment with its linearisation point.
     pub fn segment(&self, index: usize) -> (&Segment, LinearisationPoint<'_>) {
         self.segment_with(index, &self.state.coefficients_m[index])
@@ -105,12 +101,13 @@ impl<'a> Linearisation<'a> {
     /// The linearisation point of any segment, whose blocks are these of the drive.
     pub fn point<'b>(
         &'b self,
-        segment: &Segment,
+        segment: &'b Segment,
         blocks: Range<usize>,
         coefficients_m: &'b [f64],
     ) -> LinearisationPoint<'b> {
         LinearisationPoint {
             layout: &self.drive.layout,
+            prisms: &segment.prisms,
             stations: &self.stations,
             distances_m: &self.distances_m,
             middle_s: segment.middle_s,

@@ -17,7 +17,7 @@
 //! | `s_b` | 19 a block b | changes of (x, y, z, yaw) and of the clocks of all stations but the first | (10) | [`random_walks`] |
 //! | | | errors of the sights of the stations along, across and upward (m) | (11) | |
 //! | Δθ | 14 | poses of all stations but the first and leans, survey less drive | N(0, D): settling, and σ² of a lean | [`survey_change`] |
-//! | `c_n` | 9 a knot n | coefficients of uniform cubic B-splines of the prisms (m) | (9) | [`knot_grid`] |
+//! | `c_n` | 9 a knot n | coefficients of uniform cubic B-splines of the prisms that are followed (m) | (9) | [`knot_grid`], [`segment_prisms`] |
 //!
 //! The rows of [`unknown`] are the kinds of θ. [`state_vector`] computes the index of each from them and from the network.
 //!
@@ -289,6 +289,7 @@ pub mod prism_motion;
 mod random_walks;
 pub mod reliability;
 mod residuals;
+mod segment_prisms;
 mod settling;
 mod sight;
 mod solver_status;

@@ -2,7 +2,8 @@
 //!
 //! The motion is that of the splines. Its covariance combines that of four knots given the unknowns of their block
 //! ([`super::knot_covariance`]) with that of the block's unknowns ([`super::chain_factor`]): transforms, clocks, instruments, and
-//! stations that settle. An instant between two segments has no motion.
+//! stations that settle. An instant between two segments has no motion, nor has one at which some prism of
+//! the drive is not followed.
 
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 
 use super::block_jacobians::station_1_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
-use super::drive::Drive;
+use super::drive::{Drive, Segment};
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
 use super::knot_covariance::{KnotCovariance, each_knot_covariance};
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
@@ -142,6 +143,9 @@ impl Solution {
         let across_cut = |index: usize| {
             progress.check()?;
             let Some(span_s) = cut_span_s(drive, index) else { return Ok(None) };
+            if !drive.segments[index].prisms.is_complete() {
+                return Ok(None);
+            }
             let times_s = between(time_s, |t| t < span_s[0], |t| t > span_s[1]);
             if times_s.is_empty() {
                 return Ok(None);
@@ -157,7 +161,10 @@ impl Solution {
         let cuts: Vec<_> = cuts.collect::<Result<_, Cancelled>>()?;
         let (cut_spans_s, of_cuts): (Vec<_>, Vec<_>) = cuts.into_iter().map(Option::unzip).unzip();
         let of_segment = |index: usize, band: &MotionBand| {
-            let grid = &drive.segments[index].grid;
+            let Segment { grid, prisms, .. } = &drive.segments[index];
+            if !prisms.is_complete() {
+                return Vec::new();
+            }
             let before = index.checked_sub(1).and_then(|k| cut_spans_s[k]);
             let after = cut_spans_s[index];
             let times_s = between(
@@ -182,8 +189,9 @@ impl Solution {
     pub fn prisms_m(&self, time_s: f64) -> Option<PerPrism<Vector3<f64>>> {
         let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
-        let grid = &segments.get(index)?.grid;
-        if !grid.contains(time_s) {
+        let segment = segments.get(index)?;
+        let grid = &segment.grid;
+        if !grid.contains(time_s) || !segment.prisms.is_complete() {
             return None;
         }
         let first_block: usize = segments[..index].iter().map(|segment| segment.grid.blocks).sum();
@@ -192,7 +200,7 @@ impl Solution {
         let mean_sight = &self.drive.mean_sights[first_block + grid.block_at(time_s)][0];
         let shift_m = station_1_shift_m(layout, &self.state.constants, mean_sight, slow);
         let weights = grid.weights(time_s);
-        let local = 3 * layout.prisms();
+        let local = segment.prisms.coordinates();
         let knots_m = &self.state.coefficients_m[index][local * weights.first..];
         let position_m = |prism: usize| {
             let knot_m =

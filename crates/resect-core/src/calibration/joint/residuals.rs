@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::drive::Reading;
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
+use super::segment_prisms::SegmentPrisms;
 use super::state_vector::{BlockVector, Layout};
 use super::station_model::StationModel;
 use crate::geometry::ARCSECOND_RAD;
@@ -52,6 +53,8 @@ pub fn stated_range_m(range_m: f64) -> f64 {
 #[derive(Clone, Copy)]
 pub struct LinearisationPoint<'a> {
     pub layout: &'a Layout,
+    /// The prisms of the segment.
+    pub prisms: &'a SegmentPrisms,
     pub stations: &'a [StationModel],
     /// Distances of the prisms by pair (m).
     pub distances_m: &'a [f64],
@@ -59,7 +62,7 @@ pub struct LinearisationPoint<'a> {
     pub middle_s: f64,
     /// `J_s s` of each block of the segment.
     pub slow: &'a [BlockVector],
-    /// Spline coefficients: x, y, z of each prism, knot by knot (m).
+    /// Spline coefficients: x, y, z of each prism of the segment, knot by knot (m).
     pub coefficients_m: &'a [f64],
 }
 
@@ -67,6 +70,7 @@ pub struct LinearisationPoint<'a> {
 pub struct ReadingResidual {
     pub weights: SplineWeights,
     pub block: usize,
+    /// The place of its prism among those of the segment.
     pub prism: usize,
     /// Velocity of the prism, and its part across the sight (m/s).
     pub velocity: Vector3<f64>,
@@ -103,7 +107,7 @@ impl ReadingResidual {
             offset_s += slow[point.layout.block_clocks() + slot];
             prism_m += slow.fixed_rows::<3>(3 * slot);
         }
-        let prism = point.layout.prism_of(station);
+        let prism = point.prisms.of_station[station];
         let weights = grid.weights(reading.time_s - offset_s);
         let velocity = spline_value(point, &weights, &weights.velocity, prism);
         let axes = model.rotation * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
@@ -165,7 +169,7 @@ fn spline_value(
 ) -> Vector3<f64> {
     let mut sum = Vector3::zeros();
     for (k, factor) in factors.iter().enumerate() {
-        let first = 3 * (point.layout.prisms() * (weights.first + k) + prism);
+        let first = 3 * (point.prisms.count() * (weights.first + k) + prism);
         // (4)
         sum += *factor * Vector3::from_column_slice(&point.coefficients_m[first..first + 3]);
     }

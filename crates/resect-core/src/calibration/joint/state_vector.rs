@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::unknown::{Effect, Owner, ReadingError, UNKNOWNS, Unknown};
 use crate::geometry::LevelTransform;
-use crate::network::{Number, Pair, Per, PerPrism, PerStation, Prism, Station};
+use crate::network::{Number, Pair, Per, PerPrism, PerStation, Prism, PrismSchedule, Station};
 
 /// Constants θ (m, rad, s, shares), and a matrix of constants by constants.
 pub type Constants = DVector<f64>;
@@ -30,8 +30,8 @@ pub struct StateVector {
 /// Slots are the places of stations 2, 3, … among those whose transforms are estimated.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// The place of the prism that each station follows among [`Self::prisms`].
-    followed: PerStation<Prism>,
+    /// The prisms that the stations follow.
+    followed: PrismSchedule,
     /// The prisms that are followed, by their numbers on the rig.
     prisms: PerPrism<Prism>,
     unknowns: Vec<PlacedUnknown>,
@@ -51,19 +51,20 @@ struct PlacedUnknown {
 impl Layout {
     /// The layout for stations that follow these prisms, with the usual unknowns.
     pub fn new(followed: &PerStation<Prism>) -> Self {
+        Self::with_unknowns(&PrismSchedule::constant(followed.clone()), &UNKNOWNS)
+    }
+
+    /// The layout for stations that change their prisms, with the usual unknowns.
+    pub fn of_schedule(followed: &PrismSchedule) -> Self {
         Self::with_unknowns(followed, &UNKNOWNS)
     }
 
     /// The layout with these unknowns.
-    pub fn with_unknowns(followed: &PerStation<Prism>, table: &[&'static Unknown]) -> Self {
-        let mut prisms: Vec<Prism> = followed.iter().copied().collect();
-        prisms.sort_unstable();
-        prisms.dedup();
-        let place = |prism: &Prism| Prism::at(prisms.partition_point(|other| other < prism));
-        let followed = followed.map(place);
+    pub fn with_unknowns(followed: &PrismSchedule, table: &[&'static Unknown]) -> Self {
+        let (prisms, followed) = (followed.prisms(), followed.clone());
         let owners = |owner: Owner| match owner {
-            Owner::SetUp | Owner::Clock => followed.len().saturating_sub(1),
-            Owner::Station => followed.len(),
+            Owner::SetUp | Owner::Clock => followed.stations().saturating_sub(1),
+            Owner::Station => followed.stations(),
             Owner::Pair => Pair::count(prisms.len()),
         };
         let (mut unknowns, mut constants) = (Vec::new(), 0);
@@ -78,7 +79,7 @@ impl Layout {
     }
 
     pub fn stations(&self) -> usize {
-        self.followed.len()
+        self.followed.stations()
     }
 
     /// Number of stations whose transforms are estimated.
@@ -96,24 +97,19 @@ impl Layout {
         Pair::count(self.prisms())
     }
 
-    /// Returns the place of the prism that a station follows among those that are followed.
-    pub fn prism_of(&self, station: Station) -> usize {
-        self.followed[station].index()
+    /// Returns the prisms that the stations follow at an instant (s).
+    pub fn followed_at(&self, time_s: f64) -> &PerStation<Prism> {
+        self.followed.at(time_s)
     }
 
-    /// Returns the first station that follows a prism.
-    pub fn follower(&self, prism: usize) -> Option<Station> {
-        self.followed.each().find(|(_, followed)| followed.index() == prism).map(|(own, _)| own)
+    /// Returns the place of a prism among those that are followed.
+    pub fn place_of(&self, prism: Prism) -> usize {
+        self.prisms.as_slice().partition_point(|other| *other < prism)
     }
 
     /// Returns a pair of followed prisms by their numbers on the rig.
     pub fn pair(&self, pair: Pair) -> Pair {
         Pair { first: self.prisms[pair.first], second: self.prisms[pair.second] }
-    }
-
-    /// Returns the pairs of places of followed prisms.
-    pub fn pairs_of_places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        (0..self.pairs()).map(Pair::at).map(|pair| (pair.first.index(), pair.second.index()))
     }
 
     /// Returns the indices of an unknown, by owner; empty if the table does not have it.
@@ -283,7 +279,7 @@ pub mod tests {
         let layout = Layout::new(&[prism(1), prism(3), prism(1), prism(3)].into());
         assert_eq!((layout.prisms(), layout.pairs(), layout.indices(&DISTANCE).count()), (2, 1, 1));
         assert_eq!(layout.owner_in_words(&DISTANCE, 0), "1–3");
-        assert_eq!(layout.prism_of(Station::at(3)), 1);
+        assert_eq!(layout.place_of(Prism::at(2)), 1);
         assert_eq!(layout.indices(&LATENCY).count(), 4);
     }
 }

@@ -101,7 +101,8 @@ impl GaussNewtonStep {
         });
         let mut budget = vec![("noise", noise)];
         let own_information = priors.own_information();
-        for (name, indices) in layout.sources().filter(|(_, all)| all.start >= layout.poses()) {
+        // The first source is the transforms.
+        for (name, indices) in layout.sources().skip(1) {
             let own_information = own_information.view_range(indices.clone(), indices.clone());
             let variance = of_each(&|k| {
                 let own = sensitivity[k].constants.rows_range(indices.clone());

@@ -81,7 +81,7 @@ pub fn explain(
     tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Finding>, Cancelled> {
-    let followed = several_prisms(deployment);
+    let followed = several_prisms(deployment, triplets);
     let tries = tried.0.get_or_insert_with(|| {
         let points = deployment.comparable_control_points();
         let triplets = thinned(triplets);
@@ -122,7 +122,7 @@ fn try_all(
 ) -> Result<Vec<Hypothesis>, Cancelled> {
     let points = deployment.comparable_control_points();
     let constants_m = deployment.tracks.map(|track| track.prism_constant_m);
-    let followed = &several_prisms(deployment);
+    let followed = &several_prisms(deployment, triplets);
     let rejected = mostly_rejected(deployment, triplets);
     let triplets = thinned(triplets);
     let hopeless_m = HOPELESS * (NO_WORSE * base.fit_m + FIT_NOISE_M);
@@ -164,7 +164,7 @@ fn twins(
     if triplets.len() < FEWEST_TRIPLETS {
         return None;
     }
-    let followed = several_prisms(deployment);
+    let followed = several_prisms(deployment, triplets);
     let prisms = Pair::prisms_of(rig.inter_prism_m.len())?;
     let is_known = followed.iter().all(|prism| prism.index() < prisms);
     let network = is_known.then(|| PrismNetwork::new(followed, &rig.inter_prism_m))?;
@@ -173,7 +173,7 @@ fn twins(
 
 /// Returns the explanation of tracks without triplets: ranges in feet, whose rates no filter accepts.
 pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String> {
-    let followed = several_prisms(deployment);
+    let followed = several_prisms(deployment, &Triplets::default());
     let feet = Misreading::all(followed.len())
         .into_iter()
         .filter(|one| matches!(one, Misreading::Feet(_)));

@@ -252,8 +252,10 @@ pub fn range_wander_implausible(sigma_m: f64) -> Finding {
 /// The time of a step, and its consequence.
 #[derive(Clone, Copy)]
 pub struct StepContext<'a> {
-    /// The station, 0 to 2.
+    /// The station, from 0.
     pub station: usize,
+    /// The other station, if there are two: they show their difference alone.
+    pub other: Option<usize>,
     /// The time in words: "about 200 s into the drive".
     pub when: &'a str,
     /// True if the standard deviations include the step; the finding is a note then.
@@ -263,6 +265,14 @@ pub struct StepContext<'a> {
 }
 
 impl StepContext<'_> {
+    /// Returns " (or station 2 the other way: two stations do not show which)"; nothing for further stations.
+    fn or_other(&self) -> String {
+        let of = |other: usize| {
+            format!(" (or station {} the other way: two stations do not show which)", other + 1)
+        };
+        self.other.map_or_else(String::new, of)
+    }
+
     fn finding(self, kind: FindingKind, event: impl Into<Message>) -> Finding {
         let Self { station, is_usual, span_s, .. } = self;
         let consequence = match (is_usual, span_s) {
@@ -286,11 +296,12 @@ impl StepContext<'_> {
 
 pub fn clock_stepped(context: StepContext<'_>, by_s: &Estimate) -> Finding {
     let event = format!(
-        "station {}'s stamps jump by {:+.1} ± {:.1} ms {}, which no constant offset corrects",
+        "station {}'s stamps jump by {:+.1} ± {:.1} ms {}{}, which no constant offset corrects",
         context.station + 1,
         by_s.value * 1e3,
         by_s.sigma * 1e3,
-        context.when
+        context.when,
+        context.or_other()
     );
     context.finding(kinds::CLOCK_STEPPED, event).estimate("jump", by_s, Unit::Second)
 }
@@ -305,10 +316,11 @@ pub fn station_moved(
     let event = Message::from(format!("station {} turned by ", context.station + 1))
         .angle(turned)
         .text(format!(
-            " and moved by {:.1} ± {:.1} mm {}",
+            " and moved by {:.1} ± {:.1} mm {}{}",
             moved_m.value * 1e3,
             moved_m.sigma * 1e3,
-            context.when
+            context.when,
+            context.or_other()
         ));
     context
         .finding(kinds::STATION_MOVED, event)
@@ -429,6 +441,7 @@ pub(super) fn examples() -> Vec<Finding> {
         ..error
     };
     let step = StepContext {
+        other: None,
         station: 1,
         when: "about 200 s into the drive",
         is_usual: false,

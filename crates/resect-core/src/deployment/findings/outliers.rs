@@ -1,7 +1,7 @@
 //! Findings about outlying triplets, and about the search of the prior.
 
 use crate::deployment::kinds;
-use crate::deployment::{Finding, Remedy, Unit};
+use crate::deployment::{Deployment, Finding, Overrides, Remedy, StatedPrismChange, Subject, Unit};
 
 /// `count` of `all` triplets were left out; `is_many` is true if the rest may be wrong too.
 pub fn outliers_left_out(count: usize, all: usize, is_many: bool) -> Finding {
@@ -40,6 +40,40 @@ pub fn span_left_out(span_s: [f64; 2], start_s: f64) -> Finding {
     .quantity("from", from_s, Unit::Second)
     .quantity("to", to_s, Unit::Second)
     .with(Remedy::ShowTimes(span_s))
+}
+
+/// A station followed another prism from the first of `changes` on, and its own again from the second; the drive begins at `start_s`.
+pub fn prism_changed(
+    changes: &[StatedPrismChange],
+    deployment: &Deployment,
+    start_s: f64,
+) -> Finding {
+    let since_s = |change: &StatedPrismChange| change.time_s - start_s;
+    let [first, rest @ ..] = changes else { return span_left_out([start_s; 2], start_s) };
+    let to =
+        rest.first().map_or_else(|| "its end".to_owned(), |back| format!("{:.0} s", since_s(back)));
+    let in_toml = |change: &StatedPrismChange| {
+        let StatedPrismChange { station, time_s, prism } = change;
+        format!("{{ station = {station}, time_s = {time_s:.2}, prism = {prism} }}")
+    };
+    let list: Vec<String> = changes.iter().map(in_toml).collect();
+    let stated = deployment.overrides.prism_changes.iter().flatten().chain(changes).copied();
+    let overrides = Overrides { prism_changes: Some(stated.collect()), ..Overrides::default() };
+    Finding::new(
+        kinds::PRISM_CHANGED,
+        format!(
+            "station {} followed prism {} from {:.0} s of the drive to {to}; its readings were left out; to use them, set \
+             prism_changes = [{}] in deployment.toml",
+            first.station,
+            first.prism,
+            since_s(first),
+            list.join(", ")
+        ),
+    )
+    .about(Subject::Station(usize::from(first.station) - 1))
+    .quantity("from", first.time_s, Unit::Second)
+    .count("prism", usize::from(first.prism))
+    .with(Remedy::ReadWith(Box::new(overrides)))
 }
 
 /// `largest_m` is the largest error of a distance; `None` if it is unknown.
@@ -85,6 +119,11 @@ pub(super) fn examples() -> Vec<Finding> {
         outliers_left_out(5, 1000, false),
         outliers_left_out(300, 1000, true),
         span_left_out([120.0, 160.0], 20.0),
+        prism_changed(
+            &[StatedPrismChange { station: 2, time_s: 120.0, prism: 3 }],
+            &Deployment::default(),
+            20.0,
+        ),
         outliers_shift_answer(5, Some(2.0), 0.04),
         outliers_shift_answer(5, None, 0.04),
         prior_search_unconfirmed(),

@@ -64,17 +64,22 @@ pub fn known_point_misplaced(file: &str, marker: i64, off_m: f64) -> Finding {
     .with(Remedy::ShowPoint { file: file.to_owned(), marker })
 }
 
-/// The best of `pairs` pairs of known points; `median_m` is the disagreement at the points left out.
+/// The best of `pairs` pairs of known points; `agreement_m` is the median disagreement at the points left out, and the number of
+/// stations.
 pub fn resection_pair(
     file: &str,
     markers: [i64; 2],
     baseline_m: f64,
     pairs: usize,
-    median_m: Option<f64>,
+    agreement_m: Option<(f64, usize)>,
 ) -> Finding {
     let [first, second] = markers;
-    let agreement = median_m.map_or(String::new(), |median_m| {
-        format!(": the stations agree there within {:.1} mm (median)", median_m * 1e3)
+    let agreement = agreement_m.map_or(String::new(), |(median_m, stations)| {
+        let agree = match stations {
+            1 => "station 1 agrees there with the known positions",
+            _ => "the stations agree there",
+        };
+        format!(": {agree} within {:.1} mm (median)", median_m * 1e3)
     });
     let finding = Finding::new(
         kinds::RESECTION_PAIR,
@@ -86,8 +91,8 @@ pub fn resection_pair(
     .about(Subject::File(file.to_owned()))
     .quantity("baseline", baseline_m, Unit::Metre)
     .count("pairs", pairs);
-    match median_m {
-        Some(median_m) => finding.quantity("median", median_m, Unit::Metre),
+    match agreement_m {
+        Some((median_m, _)) => finding.quantity("median", median_m, Unit::Metre),
         None => finding,
     }
 }
@@ -99,11 +104,15 @@ pub fn resection_unchecked() -> Finding {
     )
 }
 
-pub fn resection_inconsistent(median_m: f64) -> Finding {
+pub fn resection_inconsistent(median_m: f64, stations: usize) -> Finding {
+    let disagree = match stations {
+        1 => "station 1 disagrees with the known positions",
+        _ => "the stations disagree",
+    };
     Finding::new(
         kinds::RESECTION_INCONSISTENT,
         format!(
-            "the resection is inconsistent: with the best pair the stations disagree by {:.0} mm (median) at the other points",
+            "the resection is inconsistent: with the best pair {disagree} by {:.0} mm (median) at the other points",
             median_m * 1e3
         ),
     )
@@ -187,9 +196,9 @@ pub(super) fn examples() -> Vec<Finding> {
         control_points_fit_poorly(0.03, false),
         control_point_outlier(file, 3, 0.08, 0.004),
         known_point_misplaced(file, 3, 0.08),
-        resection_pair(file, [1, 2], 40.0, 6, Some(0.003)),
+        resection_pair(file, [1, 2], 40.0, 6, Some((0.003, 3))),
         resection_unchecked(),
-        resection_inconsistent(0.04),
+        resection_inconsistent(0.04, 3),
         known_distance_off([1, 2], 0.01, 100.0),
         tracks_aligned(0.004, 30),
         prism_count_undecided(),
