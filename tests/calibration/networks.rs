@@ -205,6 +205,21 @@ fn a_stated_change_of_prism_is_used_on_both_sides() {
 }
 
 #[test]
+fn joined_drives_keep_their_changes_of_prisms() {
+    let (first, _, changes) = with_changes_of_prism(1, [0.5, 2.0]);
+    let mut joined = with_stated(&first, &changes[..1]);
+    let (second, _, changes) = with_changes_of_prism(2, [0.5, 2.0]);
+    let second = with_stated(&second, &changes[..1]);
+    joined.take_in(vec![second]).expect("the same set-up");
+    let restart_s = joined.restarts_s[0];
+    let length_s = joined.end_s().expect("readings") - restart_s;
+    let schedule = joined.prism_schedule();
+    let prism = |time_s: f64| schedule.at(time_s)[Station::at(1)].number();
+    let times_s = [restart_s - 5.0, restart_s, restart_s + 0.4 * length_s, restart_s + length_s];
+    assert_eq!(times_s.map(prism), [3, 2, 2, 3]);
+}
+
+#[test]
 fn the_prisms_that_are_followed_most_are_those_of_the_published_answer() {
     let (deployment, truth, changes) = with_changes_of_prism(2, [0.0, 0.3]);
     let mut stated = with_stated(&deployment, &changes[1..]);

@@ -3,6 +3,7 @@
 use super::control_points::{ControlPoint, ControlPointSet};
 use super::deployment::Deployment;
 use super::findings::recordings::{drive_distances_differ, drive_shifted};
+use crate::network::PrismChange;
 
 /// A drive that cannot be solved together with the others, with the reason and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -116,13 +117,31 @@ impl Deployment {
     fn shift(&mut self, by_s: f64) {
         for track in &mut self.tracks {
             track.measurements.iter_mut().for_each(|reading| reading.time_s += by_s);
+            track.prism_changes.iter_mut().for_each(|change| change.time_s += by_s);
         }
         self.gnss.iter_mut().flatten().flatten().for_each(|fix| fix.time_s += by_s);
         self.time_corrections.iter_mut().flatten().for_each(|told| told.time_s += by_s);
     }
 
+    /// Appends the changes of prisms; a drive that begins with other prisms than the one before ended with changes them at its start.
+    fn append_prism_changes(&mut self, drive: &Self) {
+        let (ends_with, begins_with) = (self.prism_schedule(), drive.prism_schedule());
+        if ends_with.is_constant() && begins_with.is_constant() {
+            return;
+        }
+        let time_s = start_s(drive);
+        for ((station, more), track) in drive.tracks.each().zip(&mut self.tracks) {
+            let prism = begins_with.at(f64::NEG_INFINITY)[station];
+            if ends_with.at(f64::INFINITY)[station] != prism {
+                track.prism_changes.push(PrismChange { time_s, prism });
+            }
+            track.prism_changes.extend(&more.prism_changes);
+        }
+    }
+
     fn append(&mut self, mut drive: Self) {
         self.name = format!("{} + {}", self.name, drive.name);
+        self.append_prism_changes(&drive);
         for (track, more) in self.tracks.iter_mut().zip(&mut drive.tracks) {
             // The stations' own clocks are kept only if all drives have them.
             let all_known = |own: &[f64], readings: usize| own.len() == readings;
