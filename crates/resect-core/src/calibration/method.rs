@@ -206,7 +206,7 @@ fn lack(
             }
         }
         Method::Joint => {
-            let own = match published_method(&followed.by_station) {
+            let of_published = match published_method(&followed.by_station) {
                 // One station has a joint estimate of its instrument, but no answer of method C.
                 Method::DynamicGcp if is_one_station => {
                     no_triplets().filter(|_| triplets.is_empty())
@@ -215,7 +215,7 @@ fn lack(
             };
             let schedule = schedule(deployment, &followed.by_station);
             let needs_rig = !schedule.is_constant() && schedule.prisms().len() > 1;
-            own.or_else(|| lacking_distances(deployment, &schedule).filter(|_| needs_rig))
+            of_published.or_else(|| lacking_distances(deployment, &schedule).filter(|_| needs_rig))
         }
     }
 }

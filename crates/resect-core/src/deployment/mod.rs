@@ -24,6 +24,7 @@ mod quantity;
 mod remedy;
 mod rig;
 mod severity;
+mod stated_prisms;
 pub mod station_clocks;
 mod track;
 mod track_frame;
@@ -42,12 +43,13 @@ pub use ingredient::Ingredient;
 pub use message::Message;
 pub use message_angle::{AngleFormat, MessageAngle};
 pub use overrides::{
-    AzimuthSense, FollowedPrisms, MaskedReading, OneOrMany, OverrideInWords, Overrides,
-    PrismConstants, StatedPrismChange, as_numbered, list_of,
+    AzimuthSense, MaskedReading, OneOrMany, OverrideInWords, Overrides, PrismConstants,
+    as_numbered, list_of,
 };
 pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};
 pub use severity::Severity;
+pub use stated_prisms::{FollowedPrisms, StatedPrismChange};
 pub use track::{Measurement, RawRecord, TimeCorrection, Track};
 pub use track_frame::TrackFrame;

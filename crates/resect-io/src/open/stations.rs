@@ -63,9 +63,9 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
         let station = Station::numbered(place + 1);
         track.prism = station.and_then(prism_of);
         let stated = overrides.prism_changes.iter().flatten();
-        let own = stated.filter_map(StatedPrismChange::change);
-        let own = own.filter(|(other, _)| Some(*other) == station).map(|(_, change)| change);
-        track.prism_changes = own.collect();
+        let changes = stated.filter_map(StatedPrismChange::change);
+        let changes = changes.filter(|(other, _)| Some(*other) == station);
+        track.prism_changes = changes.map(|(_, change)| change).collect();
         track.prism_changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
     if stations != USUAL_STATIONS && deployment.as_read.stations.is_none() {

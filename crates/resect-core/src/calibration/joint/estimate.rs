@@ -111,8 +111,8 @@ pub fn estimate<'a>(
     progress: &Progress,
 ) -> Result<Result<JointEstimate, Trace>, Cancelled> {
     let triplets = || {
-        let own = triplets();
-        own.with_other_prisms().map_or(own, Cow::Owned)
+        let triplets = triplets();
+        triplets.with_other_prisms().map_or(triplets, Cow::Owned)
     };
     let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
     let survey_first = !input.is_determined_by_drive;

@@ -20,7 +20,7 @@ pub struct Unknown {
     /// Name of the list of its estimates in files; unknowns with the same name stand together. `None` for those that other lists contain.
     pub key: Option<&'static str>,
     pub owner: Owner,
-    /// Its source in the budget of σ.
+    /// Name of the source in the budget of σ.
     pub source: &'static str,
     /// `None` for transforms, which have no prior.
     pub prior: Option<PriorSize>,
@@ -31,7 +31,7 @@ pub struct Unknown {
     pub sentence: &'static str,
 }
 
-/// What has an unknown of its own.
+/// Owner of an unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// Each station but the first: its frame in that of station 1.
