@@ -12,6 +12,7 @@ use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
 use super::joint::{JointInput, Layout, RigDistances};
+use super::joint_data::JointData;
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
@@ -68,11 +69,12 @@ pub fn solve(
 /// Calibrates by the joint estimate of one prism, which starts from the aligned tracks. If it fails, the answer is that of method C.
 pub fn solve_jointly(
     deployment: &Deployment,
-    triplets: &Triplets,
+    all: &JointData<'_>,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, DynamicGcpDetails)>, CalibrationError> {
+    let triplets = all.triplets;
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let mut judgement = tracks.judge(offer);
@@ -100,7 +102,8 @@ pub fn solve_jointly(
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
-    let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;
+    let readings = all.fitting(deployment, &offer.followed, &plain);
+    let estimate = joint::estimate(&readings, &input, progress)?;
     let estimate = match estimate {
         Ok(estimate) => estimate,
         Err(trace) => {

@@ -117,8 +117,12 @@ pub struct Offer {
 
 impl Offer {
     pub fn of(deployment: &Deployment, triplets: &Triplets) -> Self {
-        let followed = followed_prisms(deployment, triplets);
-        let lacks = Method::ALL.map(|method| lack(method, deployment, triplets, &followed));
+        let all = triplets.of_all_readings.as_deref().unwrap_or(triplets);
+        let followed = followed_prisms(deployment, all);
+        let lacks = Method::ALL.map(|method| {
+            let triplets = if method == Method::Joint { all } else { triplets };
+            lack(method, deployment, triplets, &followed)
+        });
         let PrismAssignment { by_station, is_undecided } = followed;
         Self { followed: by_station, is_undecided, lacks }
     }

@@ -19,6 +19,7 @@ pub mod followed_prisms;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
+mod joint_data;
 mod joint_failure;
 mod judgement;
 mod method;

@@ -40,7 +40,7 @@ fn worst(errors_m: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Returns the limit of a triplet's worst error (m).
-fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
+pub fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
     Some(WILD_M.max(WILD_TIMES * median(worst_m)?))
 }
 

@@ -14,8 +14,9 @@ use super::{
 };
 use crate::calibration::followed_prisms::schedule;
 use crate::calibration::joint::{
-    self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
+    self, DriveReadings, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
 };
+use crate::calibration::joint_data::JointData;
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
@@ -35,12 +36,13 @@ const MOST_SCREENINGS: usize = 4;
 pub fn solve_jointly(
     start: StartingPoint<'_>,
     deployment: &Deployment,
-    triplets: &Triplets,
+    all: &JointData<'_>,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let StartingPoint { rig, network, published } = start;
+    let triplets = all.triplets;
     let layout = &Arc::new(Layout::of_schedule(&schedule(deployment, &offer.followed)));
     let (screened, survey) = rayon::join(
         || screened(published, deployment, (rig, &network), triplets, settings, progress),
@@ -67,7 +69,9 @@ pub fn solve_jointly(
                 sizes: &sizes,
             };
             let heights_m = network.height_differences_m(rig);
-            estimate(&input, deployment, (&network, heights_m.as_ref()), &used, progress)?
+            let readings = all.fitting(deployment, &offer.followed, &start);
+            let evidence = (&readings, &used);
+            estimate(&input, deployment, (&network, heights_m.as_ref()), evidence, progress)?
         }
         None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
@@ -146,13 +150,13 @@ fn estimate(
     input: &JointInput<'_>,
     deployment: &Deployment,
     (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
-    used: &Used<'_>,
+    (readings, used): (&DriveReadings, &Used<'_>),
     progress: &Progress,
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
     let points = deployment.comparable_control_points();
     let estimate_from = |published: &PerStation<LevelTransform>| {
         let input = JointInput { published, ..input.clone() };
-        let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
+        let estimate = joint::estimate(readings, &input, progress)?;
         progress.check()?;
         Ok(estimate.map_err(JointFailure::from).map(|estimate| {
             let known = (network, heights_m);

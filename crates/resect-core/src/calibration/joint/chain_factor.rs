@@ -344,10 +344,13 @@ mod tests {
         let drive = Drive {
             layout: Arc::clone(&layout),
             segments: Vec::new(),
-            mean_sights: (0..blocks).map(|_| PerStation::from_fn(3, |_| mean_sight())).collect(),
+            mean_sights: (0..blocks)
+                .map(|_| PerStation::from_fn(3, |_| Some(mean_sight())))
+                .collect(),
             block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
             coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
             spans_s: vec![[0.0, 6.0 * blocks as f64]],
+            excess_jerk: Arc::default(),
         };
         let size = layout.block();
         let mut matrix = || DMatrix::from_fn(size, size, |_, _| random());

@@ -94,7 +94,8 @@ fn of_block(
         let axis = prism_m(1) - prism_m(0);
         let heading_rad = axis.y.atan2(axis.x);
         for (station, station_m) in stations_m.each() {
-            let sight = station_m - prism_m(segment.prisms.of_station[station]);
+            let Some(prism) = segment.prisms.of_station[station] else { continue };
+            let sight = station_m - prism_m(prism);
             let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
             for (term, order) in terms[station].iter_mut().zip(ORDERS) {
                 let (sin, cos) = (order * incidence_rad).sin_cos();
@@ -112,6 +113,7 @@ mod tests {
 
     use super::super::knot_grid::segment_grids;
     use super::super::segment_prisms::SegmentPrisms;
+    use super::super::spans::Span;
     use super::super::state_vector::Constants;
     use super::super::state_vector::tests::layout;
     use super::*;
@@ -119,8 +121,8 @@ mod tests {
     /// Variance of the first pose by errors of station 1's ranges (m²), each of which moves it by the same amount in every block, for
     /// a rig that turns at this rate; and the number of blocks.
     fn variance_m2(rate_rad_per_s: f64) -> (f64, usize) {
-        let time_s: Vec<f64> = (0..200).map(|i| 0.3 * f64::from(i)).collect();
-        let grid = segment_grids(&time_s, &[0; 200], 0.4, 6.0).remove(0);
+        let span = Span { start_s: 0.0, end_s: 39.9, prisms: vec![0, 1, 2] };
+        let grid = segment_grids(&span, 0.4, 6.0).remove(0);
         let rig_m = |angle_rad: f64| {
             let at = |angle_rad: f64| [20.0 + angle_rad.cos(), 5.0 + angle_rad.sin(), 1.0];
             [0.0, 2.1, 4.2].map(|beyond_rad| at(angle_rad + beyond_rad))
@@ -137,10 +139,11 @@ mod tests {
             block_times_s: Vec::new(),
             coupled_to_next: Vec::new(),
             spans_s: Vec::new(),
+            excess_jerk: Arc::default(),
         };
-        let prisms = Arc::new(SegmentPrisms::new(&layout, layout.followed_at(0.0)));
-        let (readings, middle_s) = (Default::default(), 0.0);
-        drive.segments.push(Segment { grid, prisms, readings, middle_s });
+        let prisms = Arc::new(SegmentPrisms::new(&layout, layout.followed_at(0.0), &span.prisms));
+        let (readings, excess_jerks, middle_s) = (Default::default(), Vec::new(), 0.0);
+        drive.segments.push(Segment { grid, prisms, readings, excess_jerks, middle_s });
         let state = StateVector {
             constants: Constants::zeros(layout.constants),
             slow: Vec::new(),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3, Vector4};
 use rayon::prelude::*;
 
-use super::block_jacobians::station_1_shift_m;
+use super::block_jacobians::reference_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
 use super::drive::{Drive, Segment};
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
@@ -115,7 +115,7 @@ impl Solution {
         let jacobians = &step.normal.matrix.jacobians;
         let instants = self.map_instants(&step, time_s, progress, |at| {
             let own = jacobians.of_block(at.block).0;
-            let frame_by_constants = with_station_1(&own, &jacobians.of_station_1(at.block).0);
+            let frame_by_constants = with_motion(&own, &jacobians.of_motion(at.block).0);
             let by_knots = jacobian_by_knots(at.local(), &at.weights.position);
             let knots_m = DVector::from_column_slice(&at.knots_m[..by_knots.ncols()]);
             let position_m = &by_knots * knots_m;
@@ -197,8 +197,8 @@ impl Solution {
         let first_block: usize = segments[..index].iter().map(|segment| segment.grid.blocks).sum();
         let slow = &self.state.slow[first_block + grid.block_at(time_s)];
         let settled = settled(&self.station_1_by_relative().0, slow);
-        let mean_sight = &self.drive.mean_sights[first_block + grid.block_at(time_s)][0];
-        let shift_m = station_1_shift_m(layout, &self.state.constants, mean_sight, slow);
+        let mean_sights = &self.drive.mean_sights[first_block + grid.block_at(time_s)];
+        let shift_m = reference_shift_m(layout, &self.state.constants, mean_sights, slow);
         let weights = grid.weights(time_s);
         let local = segment.prisms.coordinates();
         let knots_m = &self.state.coefficients_m[index][local * weights.first..];
@@ -239,9 +239,9 @@ impl Solution {
         let jacobians = &step.normal.matrix.jacobians;
         step.factor.each_covariance(|block, slow| {
             let (block_by_constants, block_by_slow) = jacobians.of_block(block);
-            let (readings_by_constants, readings_by_slow) = jacobians.of_station_1(block);
-            let by_constants = with_station_1(&block_by_constants, &readings_by_constants);
-            let mut by_slow = with_station_1(&block_by_slow, &readings_by_slow);
+            let (motion_by_constants, motion_by_slow) = jacobians.of_motion(block);
+            let by_constants = with_motion(&block_by_constants, &motion_by_constants);
+            let mut by_slow = with_motion(&block_by_slow, &motion_by_slow);
             let first = block_by_slow.nrows();
             let mut settling = by_slow.view_mut((first, 0), (6, station_1_by_slow.ncols()));
             settling += by_settling * &station_1_by_slow;
@@ -253,18 +253,22 @@ impl Solution {
             let mut station_1 = covariance.view_mut((first, first), (6, 6));
             station_1 += by_settling * remaining * by_settling.transpose() * shares[block];
             let settled = settled(&station_1_by_slow, &self.state.slow[block]);
-            let shift_m = readings_by_slow.rows(0, 3) * &self.state.slow[block];
-            let shift_m = shift_m.fixed_rows::<3>(0).into();
+            let shift_m = reference_shift_m(
+                self.layout(),
+                &self.state.constants,
+                &self.drive.mean_sights[block],
+                &self.state.slow[block],
+            );
             frames[block] = BlockFrame { shift_m, settled, covariance };
         });
         frames
     }
 }
 
-/// Rows of a block's unknowns, followed by the six of station 1's readings.
-fn with_station_1(block: &DMatrix<f64>, station_1: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut rows = block.clone().resize_vertically(block.nrows() + station_1.nrows(), 0.0);
-    rows.rows_mut(block.nrows(), station_1.nrows()).copy_from(station_1);
+/// Rows of a block's unknowns, followed by the six of its motion.
+fn with_motion(block: &DMatrix<f64>, motion: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut rows = block.clone().resize_vertically(block.nrows() + motion.nrows(), 0.0);
+    rows.rows_mut(block.nrows(), motion.nrows()).copy_from(motion);
     rows
 }
 

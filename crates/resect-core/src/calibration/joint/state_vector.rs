@@ -102,6 +102,11 @@ impl Layout {
         self.followed.at(time_s)
     }
 
+    /// Returns the instants from which a station follows another prism (s).
+    pub fn prism_changes_s(&self) -> impl Iterator<Item = f64> {
+        self.followed.changes_s()
+    }
+
     /// Returns the place of a prism among those that are followed.
     pub fn place_of(&self, prism: Prism) -> usize {
         self.prisms.as_slice().partition_point(|other| *other < prism)

@@ -23,6 +23,9 @@ const CLOCK_CHI_SQUARE: f64 = 25.0;
 /// Critical χ² of a drift of one of three stations over the whole drive (4 degrees of freedom).
 const DRIFT_CHI_SQUARE: f64 = 20.0;
 
+/// Standard deviation of an error of a sight that changes with the incidence on the prism, along each axis (m): where a vehicle starts to
+/// move, it changes at once. Field: facets cause 1 to 4 mm.
+const INCIDENCE_M: f64 = 0.0015;
 /// Variances of a station's step beside which the data must determine it, as a multiple of those of settling.
 const STEP_SETTLING: f64 = 9.0;
 /// The same multiple once a step is detected, so that it is measured in all directions.
@@ -90,6 +93,7 @@ impl StepSearch<'_> {
         let [is_moved, is_late] = self.known_blocks.map(|known| known.contains(&block));
         let precision = self.precisions.increment_precision(block);
         let (normal, right) = self.without_prior(block - 1, block, &precision, covariance);
+        let (of_place, right_of_place) = self.with_incidence(&normal, &right);
         let [before_s, after_s] = [self.block_times_s[block - 1], self.block_times_s[block]];
         let after_s = 0.5 * (before_s + after_s) - self.block_times_s[0];
         let mut best: Option<(f64, StationStep)> = None;
@@ -101,8 +105,8 @@ impl StepSearch<'_> {
         };
         for station in self.stations() {
             let (by_pose, by_clock) = self.jacobians(station);
-            let by_pose =
-                (!is_moved).then(|| fit(&by_pose, &normal, &right, &self.settling(STEP_SETTLING)));
+            let by_pose = (!is_moved)
+                .then(|| fit(&by_pose, &of_place, &right_of_place, &self.settling(STEP_SETTLING)));
             if let Some((chi_square, size)) = by_pose.flatten() {
                 offer(chi_square / STATION_CHI_SQUARE, station, station_size(&size));
             }
@@ -112,6 +116,27 @@ impl StepSearch<'_> {
             }
         }
         best
+    }
+
+    /// Normal matrix and right-hand side of an increment whose displacements have errors of the incidence, too.
+    ///
+    /// With the covariance E of these errors they are `(1 + N E)⁻¹ N` and `(1 + N E)⁻¹ r`.
+    fn with_incidence(
+        &self,
+        normal: &WalkMatrix,
+        right: &DVector<f64>,
+    ) -> (WalkMatrix, DVector<f64>) {
+        // Positions are relative to station 1, whose errors they have in common.
+        let variance_m2 = |i: usize, k: usize| {
+            let is_same_axis = i.max(k) < 4 * self.layout.moved() && i % 4 == k % 4 && i % 4 < 3;
+            let both = if i == k { 2.0 } else { 1.0 };
+            if is_same_axis { both * INCIDENCE_M.powi(2) } else { 0.0 }
+        };
+        let errors = WalkMatrix::from_fn(normal.nrows(), normal.ncols(), variance_m2);
+        let size = normal.nrows();
+        let factor = (WalkMatrix::identity(size, size) + normal * errors).lu();
+        let both = factor.solve(normal).zip(factor.solve(right));
+        both.unwrap_or_else(|| (normal.clone(), right.clone()))
     }
 
     fn stations(&self) -> impl Iterator<Item = Station> + use<> {
