@@ -99,8 +99,9 @@ pub fn point_jacobian(
     for (unknown, axis) in [(&LEAN_X, Vector3::x()), (&LEAN_Y, Vector3::y())] {
         set(layout.index(unknown, station.index()), axis.cross(&mean_sight.point_m));
     }
-    for ((_, first), correction_m) in layout.reading_errors().zip(&mean_sight.corrections_m) {
-        set(first + station.index(), *correction_m);
+    for ((_, index), correction_m) in layout.reading_errors(station).zip(&mean_sight.corrections_m)
+    {
+        set(index, *correction_m);
     }
     let mut by_slow = DMatrix::zeros(3, layout.slow());
     let across = layout.slow_across() + 2 * station.index();

@@ -337,7 +337,7 @@ mod tests {
                 side: vector(),
                 up: vector(),
                 point_m: vector(),
-                corrections_m: (0..4).map(|_| vector()).collect(),
+                corrections_m: (0..6).map(|_| vector()).collect(),
             }
         };
         let layout = layout(3);

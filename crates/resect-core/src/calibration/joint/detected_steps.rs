@@ -3,6 +3,7 @@
 use super::chain::ChainEquations;
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
+use super::facets::facet_covariance;
 use super::priors::Priors;
 use super::random_walks::{SlowPrecisions, SlowPriors};
 use super::state_vector::{Slow, StateVector};
@@ -37,7 +38,7 @@ pub fn add_steps(
     state: &StateVector,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
-    while steps.len() < MOST_STEPS {
+    while steps.len() < MOST_STEPS && std::env::var_os("RESECT_NOSTEP").is_none() {
         progress.check()?;
         let Some(step) = most_significant_step(normal, priors, state) else { break };
         match step.size {
@@ -61,7 +62,11 @@ fn most_significant_step(
         ChainFactor::new(&normal.matrix, &priors.information(), &precisions, &right)?;
     let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
     let slow: Vec<Slow> = solved.collect();
-    step_search(&factor, &precisions, &slow, priors, drive, state).most_significant_step()
+    let search = step_search(&factor, &precisions, &slow, priors, drive, state);
+    search.most_significant_step(|solutions| {
+        let information = normal.matrix.multiply(solutions);
+        facet_covariance(drive, state, &information)
+    })
 }
 
 /// Returns the steps with their size in the final solution; without a step, a significant drift of one station over the whole drive.

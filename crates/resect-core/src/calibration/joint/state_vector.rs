@@ -152,10 +152,13 @@ impl Layout {
         own.map(move |placed| (placed.unknown, placed.first + placed.stride * station.index()))
     }
 
-    /// Returns the unknowns that displace readings, and their indices by owner.
-    pub fn reading_errors(&self) -> impl Iterator<Item = (ReadingError, usize)> {
-        self.unknowns.iter().filter_map(|placed| match placed.unknown.effect {
-            Effect::Reading(error) => Some((error, placed.first)),
+    /// Returns the unknowns that displace readings of a station, with their indices.
+    pub fn reading_errors(
+        &self,
+        station: Station,
+    ) -> impl Iterator<Item = (ReadingError, usize)> {
+        self.of_instrument(station).filter_map(|(unknown, index)| match unknown.effect {
+            Effect::Reading(error) => Some((error, index)),
             _ => None,
         })
     }

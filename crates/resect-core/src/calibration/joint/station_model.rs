@@ -37,8 +37,8 @@ impl StationModel {
         let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
         let of_clock = |unknown| slot.map_or(0.0, |slot| constants[layout.index(unknown, slot)]);
         let reading_errors = layout
-            .reading_errors()
-            .map(|(error, first)| (error, constants[first + station.index()]))
+            .reading_errors(station)
+            .map(|(error, index)| (error, constants[index]))
             .collect();
         Self {
             rotation: *(yaw * lean(own(&LEAN_X), own(&LEAN_Y))).matrix(), // (2)
@@ -101,7 +101,8 @@ pub struct MeanSight {
 impl MeanSight {
     /// The mean of sights; `None` without any.
     pub fn of(layout: &Layout, sights: impl Iterator<Item = Sight>) -> Option<Self> {
-        let errors: Vec<ReadingError> = layout.reading_errors().map(|(error, _)| error).collect();
+        let errors = layout.reading_errors(Station::FIRST).map(|(error, _)| error);
+        let errors: Vec<ReadingError> = errors.collect();
         let mut mean =
             Self { corrections_m: vec![Vector3::zeros(); errors.len()], ..Self::default() };
         let mut count = 0.0;
