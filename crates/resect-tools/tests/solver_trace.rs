@@ -1,11 +1,10 @@
 //! Tests of the trace: its rows and events, and each status of a failure.
 
 use resect_core::deployment::kinds;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::calibration::joint::{JointInput, Layout, RigDistances, estimate};
+use resect_core::calibration::joint::{DriveReadings, JointInput, Layout, RigDistances, estimate};
 use resect_core::calibration::joint::{SolverPhase, SolverStatus, Trace, TraceEvent};
 use resect_core::calibration::{Calibration, ErrorSizes, Verdict};
 use resect_core::deployment::{Deployment, FindingKind};
@@ -54,7 +53,7 @@ fn trace_from(triplets: &Triplets, off_m: f64) -> Trace {
         is_determined_by_drive: true,
         sizes: &ErrorSizes::default(),
     };
-    let estimate = estimate(&|| Cow::Borrowed(triplets), &input, &Progress::default());
+    let estimate = estimate(&DriveReadings::of_triplets(triplets), &input, &Progress::default());
     estimate.expect("not cancelled").map_or_else(|trace| trace, |estimate| estimate.trace)
 }
 

@@ -56,7 +56,7 @@ impl Default for ErrorSizes {
             range_scale: 7e-6,
             index_rad: 4.0 * ARCSECOND_RAD,
             collimation_rad: 3.0 * ARCSECOND_RAD,
-            refraction: std::env::var("RESECT_REFR").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0),
+            refraction: 3.0,
             settling_rad: 36e-6,
             settling_m: 0.0007,
             ranges_wander: true,

@@ -246,9 +246,30 @@ impl Iteration<'_> {
                 for (segment, weights) in self.drive.segments.iter().zip(&weights) {
                     let mut w = weights.iter();
                     for (station, readings) in segment.readings.each() {
-                        for r in readings { let weight = w.next().unwrap(); if *weight < 0.5 { eprintln!("W {} {} {:.2} {:.4}", self.iterations, station, r.time_s - self.drive.spans_s[0][0], weight); } }
+                        for r in readings {
+                            let weight = w.next().unwrap();
+                            if *weight < 0.5 {
+                                eprintln!(
+                                    "W {} {} {:.2} {:.4}",
+                                    self.iterations,
+                                    station,
+                                    r.time_s - self.drive.spans_s[0][0],
+                                    weight
+                                );
+                            }
+                        }
                     }
-                    for (k, weight) in w.enumerate() { if *weight < 0.5 { eprintln!("J {} {:.2} {:.5} excess {:.2}", self.iterations, segment.grid.jerk_time_s(k) - self.drive.spans_s[0][0], weight, segment.excess_jerks[k].sqrt()); } }
+                    for (k, weight) in w.enumerate() {
+                        if *weight < 0.5 {
+                            eprintln!(
+                                "J {} {:.2} {:.5} excess {:.2}",
+                                self.iterations,
+                                segment.grid.jerk_time_s(k) - self.drive.spans_s[0][0],
+                                weight,
+                                segment.excess_jerks[k].sqrt()
+                            );
+                        }
+                    }
                 }
             }
             let largest_step_sigmas = step.largest_step_sigmas();
@@ -333,6 +354,11 @@ impl Iteration<'_> {
 
     fn linearise_here(&mut self) -> Result<Option<GaussNewtonStep>, Cancelled> {
         let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
+        // The motion follows the sights within the blocks, which the Jacobians of the constants neglect. Otherwise the cost of a good step
+        // seems to rise.
+        if step_motion(drive, state, weighting, progress)?.is_none() {
+            return Ok(None);
+        }
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
 

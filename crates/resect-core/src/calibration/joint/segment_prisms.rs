@@ -51,7 +51,7 @@ impl SegmentPrisms {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::{PrismChange, PrismSchedule};
+    use crate::network::{PrismChange, PrismSchedule, Station};
 
     #[test]
     fn places_are_those_in_the_segment_and_pairs_those_of_the_drive() {

@@ -153,10 +153,7 @@ impl Layout {
     }
 
     /// Returns the unknowns that displace readings of a station, with their indices.
-    pub fn reading_errors(
-        &self,
-        station: Station,
-    ) -> impl Iterator<Item = (ReadingError, usize)> {
+    pub fn reading_errors(&self, station: Station) -> impl Iterator<Item = (ReadingError, usize)> {
         self.of_instrument(station).filter_map(|(unknown, index)| match unknown.effect {
             Effect::Reading(error) => Some((error, index)),
             _ => None,

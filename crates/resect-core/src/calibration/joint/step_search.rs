@@ -112,8 +112,7 @@ impl StepSearch<'_> {
             all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(significance, _)| *significance > 1.0)
         };
         let candidates = tested.into_iter().enumerate();
-        let candidates =
-            candidates.filter_map(|(index, steps)| Some((best_of(steps)?.0, index)));
+        let candidates = candidates.filter_map(|(index, steps)| Some((best_of(steps)?.0, index)));
         let mut candidates: Vec<(f64, usize)> = candidates.collect();
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut best: Option<(f64, StationStep)> = None;
@@ -158,9 +157,8 @@ impl StepSearch<'_> {
                 tested.push(TestedStep { chi_square, step });
             };
             let (by_pose, by_clock) = self.jacobians(station);
-            let by_pose = (!is_moved).then(|| {
-                fit(&by_pose, &of_place, &right_of_place, &self.settling(STEP_SETTLING))
-            });
+            let by_pose = (!is_moved)
+                .then(|| fit(&by_pose, &of_place, &right_of_place, &self.settling(STEP_SETTLING)));
             if let Some((chi_square, size)) = by_pose.flatten() {
                 add(chi_square, station_size(&size));
             }

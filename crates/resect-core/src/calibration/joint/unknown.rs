@@ -229,15 +229,18 @@ pub static COLLIMATION: Unknown = Unknown {
 
 pub static REFRACTION_UPWARD: Unknown = refraction(
     "refraction upward",
-    "χ",
+    "β",
     // The line of sight is bent as the earth is curved.
     |sight| -sight.up * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
+    |sizes| sizes.refraction,
     "station {}'s refraction upward differs by",
 );
 pub static REFRACTION_SIDEWAYS: Unknown = refraction(
     "refraction sideways",
     "ζ",
     |sight| -sight.side * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
+    // Air is warmer above the ground than beside it.
+    |sizes| 0.25 * sizes.refraction,
     "station {}'s refraction sideways is",
 );
 
@@ -245,16 +248,17 @@ const fn refraction(
     name: &'static str,
     symbol: &'static str,
     correction_m: fn(&Sight) -> Vector3<f64>,
+    sigma: fn(&ErrorSizes) -> f64,
     sentence: &'static str,
 ) -> Unknown {
     Unknown {
         name,
         symbol,
-        quantity: Quantity::Share,
+        quantity: Quantity::Coefficient,
         key: Some("refractions"),
         owner: Owner::Station,
         source: "refraction",
-        prior: Some(PriorSize { sigma: |sizes| sizes.refraction, least: 1e-3 }),
+        prior: Some(PriorSize { sigma, least: 1e-3 }),
         // A gradient of the temperature of 0.2 K/m gives 1.2; in a tunnel or over a hot field it reaches 15.
         field_sigma: Some(1.0),
         effect: Effect::Reading(ReadingError { correction_m, is_of_pointing: false }),
