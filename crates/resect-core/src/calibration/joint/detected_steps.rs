@@ -38,7 +38,7 @@ pub fn add_steps(
     state: &StateVector,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
-    while steps.len() < MOST_STEPS && std::env::var_os("RESECT_NOSTEP").is_none() {
+    while steps.len() < MOST_STEPS {
         progress.check()?;
         let Some(step) = most_significant_step(normal, priors, state) else { break };
         match step.size {

@@ -241,37 +241,6 @@ impl Iteration<'_> {
         loop {
             let mut step = self.linearise()?;
             let mut is_settled = false;
-            if std::env::var_os("RESECT_W").is_some() {
-                let weights = step.weights();
-                for (segment, weights) in self.drive.segments.iter().zip(&weights) {
-                    let mut w = weights.iter();
-                    for (station, readings) in segment.readings.each() {
-                        for r in readings {
-                            let weight = w.next().unwrap();
-                            if *weight < 0.5 {
-                                eprintln!(
-                                    "W {} {} {:.2} {:.4}",
-                                    self.iterations,
-                                    station,
-                                    r.time_s - self.drive.spans_s[0][0],
-                                    weight
-                                );
-                            }
-                        }
-                    }
-                    for (k, weight) in w.enumerate() {
-                        if *weight < 0.5 {
-                            eprintln!(
-                                "J {} {:.2} {:.5} excess {:.2}",
-                                self.iterations,
-                                segment.grid.jerk_time_s(k) - self.drive.spans_s[0][0],
-                                weight,
-                                segment.excess_jerks[k].sqrt()
-                            );
-                        }
-                    }
-                }
-            }
             let largest_step_sigmas = step.largest_step_sigmas();
             if largest_step_sigmas < near_sigmas && step.squared_length < near_square {
                 let known = self.steps.len();

@@ -274,8 +274,8 @@ pub mod tests {
         }
         let layout = layout(3);
         let sizes = [layout.constants, layout.slow(), layout.block()];
-        assert_eq!(sizes, [36, 19, 14]);
-        assert_eq!(layout.indices(&LEAN_Y).collect::<Vec<usize>>(), [28, 30, 32]);
+        assert_eq!(sizes, [42, 19, 14]);
+        assert_eq!(layout.indices(&LEAN_Y).collect::<Vec<usize>>(), [34, 36, 38]);
     }
 
     #[test]
