@@ -65,6 +65,12 @@ const CHOICES: [Choice; 10] = [
         meaning: "Module 3, the interval filter",
     },
     Choice {
+        path: "pipeline.all_readings",
+        flag: "--kept-readings",
+        values: SWITCH,
+        meaning: "The joint estimate takes all readings, not only those of the kept intervals",
+    },
+    Choice {
         path: "pipeline.interpolation",
         flag: "--interpolation",
         values: &["linear", "gp", "wnoa"],

@@ -151,6 +151,9 @@ fn intervals(
         });
     });
     settings.interval_filter = on;
+    ui.checkbox(&mut settings.all_readings, "Joint estimate: all readings").on_hover_text(
+        "The joint estimate takes all readings and finds outliers itself. Otherwise it takes those of the kept intervals",
+    );
 }
 
 fn interpolation(

@@ -22,7 +22,7 @@ use super::priors::Priors;
 use super::settling::station_1_by_relative;
 use super::state_vector::{Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
-use crate::network::PerPrism;
+use crate::network::{PerPrism, PerStation, Station};
 use crate::progress::{Cancelled, Progress};
 
 /// The solution of an estimate, from which its motion is evaluated.
@@ -214,6 +214,14 @@ impl Solution {
     /// Regression of station 1's own settling on the relative one, and the variance that remains.
     fn station_1_by_relative(&self) -> (DMatrix<f64>, SMatrix<f64, 4, 4>) {
         station_1_by_relative(&self.sizes, &self.priors.mean, self.layout().moved())
+    }
+
+    /// Number of readings that the estimate takes, by station.
+    pub fn readings(&self) -> PerStation<usize> {
+        let of_station = |station: Station| {
+            self.drive.segments.iter().map(|segment| segment.readings[station].len()).sum()
+        };
+        PerStation::from_fn(self.layout().stations(), of_station)
     }
 
     /// Start and end of each segment (s).
