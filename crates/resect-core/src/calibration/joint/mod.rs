@@ -236,13 +236,13 @@
 //! - Standard deviations and correlation times of (11) are replaced by likelier ones (18), and the variance of the clocks in (10): before steps are
 //!   detected, so that stamps that wander are no steps, and after it.
 //! - Steps of stations and clocks are detected, four at most ([`detected_steps`], [`step_search`]). With the precision `(ωQ)⁻¹` of an increment
-//!   Δs and its posterior covariance C, the data alone has this normal matrix N and right-hand side g:
+//!   Δs and its posterior covariance C, the data alone has this normal matrix and right-hand side:
 //!
 //!   ```text
-//!   N = (ωQ)⁻¹ − (ωQ)⁻¹ C (ωQ)⁻¹,  g = (ωQ)⁻¹ Δs                                              (24)
+//!   (ωQ)⁻¹ − (ωQ)⁻¹ C (ωQ)⁻¹,  (ωQ)⁻¹ Δs                                                      (24)
 //!   ```
 //!
-//!   The covariance of g is N, and that of errors which (11) does not have: 1.5 mm of each sight along each axis, because a vehicle
+//!   The covariance of the second is the first, and that of errors which (11) does not have: 1.5 mm of each sight along each axis, because a vehicle
 //!   that starts to move changes the incidence at once, and the facets where a step is significant without them.
 //!
 //! Far from the solution a normal matrix may be positive definite only with tighter priors of the slow states. If the last one is such a matrix, σ would be too
