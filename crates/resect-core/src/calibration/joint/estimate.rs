@@ -44,7 +44,7 @@ const SAMPLE_MOTION_STEPS: usize = 1;
 /// alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
 const SEARCHES: usize = 2;
 /// Steps of the motion alone that bring a whole drive near its readings once a sample of it is solved.
-const MOTION_STEPS: usize = 2;
+const MOTION_STEPS: usize = 3;
 /// A step that raises the cost by more than this share is taken again. The Jacobians are approximations, so the cost may rise a
 /// little although the steps converge.
 const COST_TOLERANCE: f64 = 0.01;
@@ -245,7 +245,7 @@ impl Iteration<'_> {
             if largest_step_sigmas < near_sigmas && step.squared_length < near_square {
                 let known = self.steps.len();
                 searches += 1;
-                self.search_slow_changes(&mut step)?;
+                self.search_slow_changes(&mut step, searches == SEARCHES)?;
                 // Readings near a step seem to be outliers until the priors allow the step.
                 is_settled = searches >= SEARCHES && self.steps.len() == known;
             }
@@ -362,7 +362,11 @@ impl Iteration<'_> {
     }
 
     /// Estimates the variances of slow states and detects steps, then solves again.
-    fn search_slow_changes(&mut self, step: &mut GaussNewtonStep) -> Result<(), AttemptEnd> {
+    fn search_slow_changes(
+        &mut self,
+        step: &mut GaussNewtonStep,
+        is_last: bool,
+    ) -> Result<(), AttemptEnd> {
         let Self { state, priors, progress, trace, .. } = self;
         // A smaller size is a statement of the user, which is tested elsewhere.
         if self.sizes.clock_offset_s >= ErrorSizes::default().clock_offset_s {
@@ -375,15 +379,21 @@ impl Iteration<'_> {
         if self.sizes.ranges_wander {
             choose_processes(&step.normal, priors, state, progress)?;
         }
-        // Stamps that wander are no steps. Once a step has its own variance, the random walk is smaller without it.
-        let prior_s2 = self.sizes.clock_wander_s.powi(2);
-        let known = self.steps.len();
-        priors.slow.clocks_s2 =
-            likeliest_clocks_s2(&step.normal, priors, state, prior_s2, progress)?;
-        add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
-        if self.steps.len() > known {
+        let (known, prior_s2) = (self.steps.len(), self.sizes.clock_wander_s.powi(2));
+        let choose_clocks = |priors: &mut Priors| -> Result<(), Cancelled> {
             priors.slow.clocks_s2 =
                 likeliest_clocks_s2(&step.normal, priors, state, prior_s2, progress)?;
+            Ok(())
+        };
+        let (mut suspected, mut with_steps) = (self.steps.clone(), priors.clone());
+        add_steps(&mut suspected, &step.normal, &mut with_steps, state, progress)?;
+        if is_last || suspected.len() > known {
+            choose_clocks(priors)?;
+        }
+        if suspected.len() > known {
+            // Stamps that wander are no steps. Once a step has its own variance, the random walk is smaller without it.
+            add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
+            choose_clocks(priors)?;
         }
         let slow = &priors.slow;
         trace.add_event(TraceEvent::Search(SlowChanges {
