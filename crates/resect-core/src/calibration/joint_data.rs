@@ -14,6 +14,9 @@ use crate::statistics::median;
 /// Readings of another station further apart than this many median steps are not interpolated.
 const STEPS_APART: f64 = 2.5;
 
+/// Most readings of a station from which the usual error is taken.
+const MOST_MEASURED: usize = 2000;
+
 /// The data of a joint estimate.
 #[derive(Clone, Debug)]
 pub struct JointData<'a> {
@@ -48,7 +51,8 @@ impl<'a> JointData<'a> {
             InstantErrors::new(&placed, (&schedule, rig), station, reading.time_s)
         };
         let worst_m = self.readings.tracks.each().flat_map(|(station, track)| {
-            track.iter().filter_map(move |reading| errors(station, reading).worst_m(station))
+            let some = track.iter().step_by(track.len().div_ceil(MOST_MEASURED).max(1));
+            some.filter_map(move |reading| errors(station, reading).worst_m(station))
         });
         let Some(limit_m) = gross_errors::limit_m(worst_m) else { return self.readings.clone() };
         let tracks = self.readings.tracks.map_each(|station, track| {
