@@ -140,6 +140,18 @@ fn with_changes_of_prism(
     (deployment, simulated.truth.station1_from_station, [change(from_s, 3), change(to_s, 2)])
 }
 
+/// Asserts a good answer within 4 σ of the truth.
+#[track_caller]
+fn assert_good_and_near(calibration: &Calibration, truth: &PerStation<LevelTransform>) {
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+    let sigma = calibration.sigma.as_ref().expect("determined");
+    for (station, truth) in truth.each().skip(1) {
+        let pose = &calibration.station1_from_station[station];
+        let sigmas = apart_sigmas(pose, &RigidTransform::from(*truth), &sigma[station]);
+        assert!(sigmas < 4.0, "{}, station {station}: {sigmas} σ", calibration.method);
+    }
+}
+
 /// Returns the deployment with stated changes of prisms.
 fn with_stated(deployment: &Deployment, changes: &[StatedPrismChange]) -> Deployment {
     let mut stated = deployment.clone();
@@ -155,19 +167,21 @@ fn a_change_of_prism_is_found_with_its_station_and_times_and_offered() {
         let (deployment, _, changes) = with_changes_of_prism(seed, [0.4, 0.6]);
         let analysis = analyse(&deployment, &Settings::default());
         let findings = &answer(&analysis).calibration.findings;
-        let found = findings.iter().find(|finding| finding.kind == kinds::PRISM_CHANGED);
-        let found = found.unwrap_or_else(|| panic!("{findings:?}"));
-        let Some(Remedy::ReadWith(overrides)) = found.remedies.first() else { panic!("{found:?}") };
+        let finding = findings.iter().find(|finding| finding.kind == kinds::PRISM_CHANGED);
+        let finding = finding.unwrap_or_else(|| panic!("{findings:?}"));
+        let Some(Remedy::ReadWith(overrides)) = finding.remedies.first() else {
+            panic!("{finding:?}")
+        };
         let offered = overrides.prism_changes.clone().expect("changes");
         assert_eq!(offered.len(), 2, "{offered:?}");
-        for (own, truth) in offered.iter().zip(&changes) {
-            assert_eq!((own.station, own.prism), (truth.station, truth.prism));
-            assert!((own.time_s - truth.time_s).abs() < 3.0, "{own:?} {truth:?}");
+        for (change, truth) in offered.iter().zip(&changes) {
+            assert_eq!((change.station, change.prism), (truth.station, truth.prism));
+            assert!((change.time_s - truth.time_s).abs() < 3.0, "{change:?} {truth:?}");
         }
         let analysis = analyse(&with_stated(&deployment, &offered), &Settings::default());
         let calibration = &answer(&analysis).calibration;
         assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
-        assert!(calibration.findings.iter().all(|own| own.kind != kinds::PRISM_CHANGED));
+        assert!(calibration.findings.iter().all(|finding| finding.kind != kinds::PRISM_CHANGED));
     }
 }
 
@@ -186,21 +200,16 @@ fn a_stated_change_of_prism_is_used_on_both_sides() {
         let sigma_m = |deployment: &Deployment| {
             let analysis = analyse(deployment, &settings);
             let calibration = &answer(&analysis).calibration;
-            assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
-            let sigma = calibration.sigma.as_ref().expect("determined");
-            for (station, truth) in truth.each().skip(1) {
-                let own = &calibration.station1_from_station[station];
-                let sigmas = apart_sigmas(own, &RigidTransform::from(*truth), &sigma[station]);
-                assert!(sigmas < 4.0, "seed {seed}, station {station}: {sigmas} σ");
-            }
-            sigma[2].translation_m.norm()
+            assert_good_and_near(calibration, &truth);
+            calibration.sigma.as_ref().expect("determined")[2].translation_m.norm()
         };
         let [whole_m, half_m] = [&stated, &first_half].map(sigma_m);
         assert!(whole_m < 0.9 * half_m, "seed {seed}: {whole_m} of {half_m} m");
         // Without the statement, half of the drive contradicts the rig.
         let unstated = analyse(&unstated, &settings);
-        let is_good = |own: &Calibration| own.verdict == Verdict::Good;
-        assert!(!unstated.answer.as_ref().is_ok_and(|own| is_good(&own.calibration)));
+        let is_good =
+            unstated.answer.is_ok_and(|answer| answer.calibration.verdict == Verdict::Good);
+        assert!(!is_good, "seed {seed}");
     }
 }
 
@@ -229,13 +238,7 @@ fn the_prisms_that_are_followed_most_are_those_of_the_published_answer() {
     for settings in [Settings::default(), by(Method::InterPrism)] {
         let analysis = analyse(&stated, &settings);
         let calibration = &answer(&analysis).calibration;
-        assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
-        let sigma = calibration.sigma.as_ref().expect("determined");
-        for (station, truth) in truth.each().skip(1) {
-            let own = &calibration.station1_from_station[station];
-            let sigmas = apart_sigmas(own, &RigidTransform::from(*truth), &sigma[station]);
-            assert!(sigmas < 4.0, "{}, station {station}: {sigmas} σ", calibration.method);
-        }
+        assert_good_and_near(calibration, &truth);
         let usual: PerStation<Prism> = [0, 1, 2].map(Prism::at).into();
         assert_eq!(analysis.offer.followed, usual);
     }

@@ -45,10 +45,10 @@ impl ControlPoint {
 
     /// Keeps the readings of some stations, in this order.
     pub fn choose(&mut self, stations: &PerStation<Station>) {
-        let of = |all: &PerStation<Option<Polar>>| {
+        let chosen = |all: &PerStation<Option<Polar>>| {
             stations.map(|station| all.get(*station).copied().flatten())
         };
-        (self.readings, self.face_one) = (of(&self.readings), of(&self.face_one));
+        (self.readings, self.face_one) = (chosen(&self.readings), chosen(&self.face_one));
     }
 
     /// Returns the number of stations up to the last one with a reading.

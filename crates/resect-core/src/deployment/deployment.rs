@@ -79,21 +79,21 @@ impl Deployment {
 
     /// Returns the prisms that the stations follow over time: the stated ones, else one for each.
     pub fn prism_schedule(&self) -> PrismSchedule {
-        let own = |station: Station, track: &Track| {
+        let first_prism = |station: Station, track: &Track| {
             track.prism.unwrap_or_else(|| Prism::at(station.index()))
         };
         let changes = self.tracks.each().flat_map(|(station, track)| {
             track.prism_changes.iter().map(move |change| (station, *change))
         });
-        PrismSchedule::new(self.tracks.map_each(own), changes)
+        PrismSchedule::new(self.tracks.map_each(first_prism), changes)
     }
 
     /// Returns the numbers of the stations with readings as a list of `deployment.toml`: "[1, 3]".
     pub fn numbers_with_readings(&self) -> String {
         let numbers = self.station_numbers();
-        let of =
-            |station: usize| numbers.iter().nth(station).map_or(station as i64 + 1, |own| *own);
-        list_of(self.stations_with_readings().into_iter().map(of))
+        let number_of =
+            |station: usize| numbers.iter().copied().nth(station).unwrap_or(station as i64 + 1);
+        list_of(self.stations_with_readings().into_iter().map(number_of))
     }
 
     pub fn stations_with_readings(&self) -> Vec<usize> {

@@ -253,12 +253,12 @@ impl Overrides {
     pub fn renumber(&mut self, before: &PerStation<i64>, after: PerStation<i64>) {
         let masked = self.masked.iter_mut().flatten().map(|mask| &mut mask.station);
         let changed = self.prism_changes.iter_mut().flatten().map(|change| &mut change.station);
-        for own in masked.chain(changed) {
-            let station = Station::numbered(usize::from(*own));
+        for station_number in masked.chain(changed) {
+            let station = Station::numbered(usize::from(*station_number));
             let number = station.and_then(|station| before.get(station));
-            let place = number.and_then(|number| after.iter().position(|new| new == number));
-            if let Some(place) = place {
-                *own = place as u8 + 1;
+            let index = number.and_then(|number| after.iter().position(|new| new == number));
+            if let Some(index) = index {
+                *station_number = index as u8 + 1;
             }
         }
         self.stations = Some(after);
@@ -284,8 +284,8 @@ impl Overrides {
             ));
         }
         let changes = || self.prism_changes.iter().flatten();
-        if let Some(invalid) = changes().find(|own| {
-            !is_station(own.station) || !is_station(own.prism) || !own.time_s.is_finite()
+        if let Some(invalid) = changes().find(|change| {
+            !is_station(change.station) || !is_station(change.prism) || !change.time_s.is_finite()
         }) {
             return Err((
                 format!("prism_changes has {}", invalid.in_words()),

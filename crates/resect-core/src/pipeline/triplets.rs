@@ -84,35 +84,33 @@ impl Triplets {
         let mut indices: Vec<(&PerStation<Prism>, Vec<usize>)> = Vec::new();
         for index in 0..self.len() {
             match indices.iter_mut().find(|(known, _)| *known == followed(&index)) {
-                Some((_, own)) => own.push(index),
+                Some((_, indices)) => indices.push(index),
                 None => indices.push((followed(&index), vec![index])),
             }
         }
-        let Some((most, own)) = indices.iter().max_by_key(|(_, own)| own.len()) else {
-            return self;
-        };
-        if own.len() == self.len() {
+        let largest = indices.iter().max_by_key(|(_, indices)| indices.len());
+        let Some((most, of_most)) = largest else { return self };
+        if of_most.len() == self.len() {
             return self;
         }
         let is_other = |index: &usize| followed(index) != *most;
         let others: Vec<usize> = (0..self.len()).filter(is_other).collect();
         let of_other_prisms = Some(Arc::new(self.select(&others)));
-        Self { of_other_prisms, of_all_readings: self.of_all_readings.clone(), ..self.select(own) }
+        Self { of_other_prisms, of_all_readings: self.of_all_readings.clone(), ..self.select(of_most) }
     }
 
     /// Returns these triplets with those of the spans in which stations follow other prisms, in order of time, with positions alone.
     pub fn with_other_prisms(&self) -> Option<Self> {
         let others = self.of_other_prisms.as_deref()?;
-        let both =
-            || [self, others].into_iter().flat_map(|own| (0..own.len()).map(move |k| (own, k)));
-        let mut all: Vec<(&Self, usize)> = both().collect();
-        all.sort_by(|(own, i), (other, k)| own.time_s[*i].total_cmp(&other.time_s[*k]));
+        let indexed = |triplets| (0..Self::len(triplets)).map(move |k| (triplets, k));
+        let mut all: Vec<(&Self, usize)> = indexed(self).chain(indexed(others)).collect();
+        all.sort_by(|(a, i), (b, k)| a.time_s[*i].total_cmp(&b.time_s[*k]));
         let of_station =
-            |station: Station| all.iter().map(move |(own, k)| own.points_m[station][*k]);
+            |station: Station| all.iter().map(move |(triplets, k)| triplets.points_m[station][*k]);
         let points_m: PerStation<Vec<Vector3<f64>>> =
             self.points_m.map_each(|station, _| of_station(station).collect());
         let (time_s, interval) =
-            all.iter().map(|(own, k)| (own.time_s[*k], own.interval[*k])).unzip();
+            all.iter().map(|(triplets, k)| (triplets.time_s[*k], triplets.interval[*k])).unzip();
         let (restarts_s, readings) = (self.restarts_s.clone(), Arc::clone(&self.readings));
         Some(Self { restarts_s, readings, ..Self::new(time_s, interval, points_m) })
     }

@@ -22,7 +22,7 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
         points.map(ControlPoint::stations).max().unwrap_or_default()
     };
     let numbers = overrides.stations.as_ref();
-    if let Some(chosen) = numbers.and_then(|own| chosen(own, with_points(deployment))) {
+    if let Some(chosen) = numbers.and_then(|numbers| chosen(numbers, with_points(deployment))) {
         for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
             point.choose(&chosen);
         }
@@ -53,7 +53,7 @@ pub fn complete_stations(deployment: &mut Deployment, files: &str) -> Result<(),
     }
     let with_prisms =
         deployment.rig.as_ref().and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len()));
-    let own_prisms = numbers.and_then(|own| chosen(own, with_prisms?));
+    let own_prisms = numbers.and_then(|numbers| chosen(numbers, with_prisms?));
     let prism_of = |station: Station| match (&overrides.prisms, &own_prisms) {
         (Some(prisms), _) => prisms.of_station(station),
         (None, Some(chosen)) => Some(Prism::at(chosen.get(station)?.index())),

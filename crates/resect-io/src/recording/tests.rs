@@ -76,8 +76,8 @@ fn a_clock_that_was_set_back_is_told_from_late_readings() {
     // Some readings of ten seconds arrive after the others.
     let is_late = |t: &f64| (20.0..30.0).contains(t) && (t / 0.4).round() % 3.0 != 0.0;
     let (late, mut in_time): (Vec<f64>, Vec<f64>) = steady.iter().partition(|t| is_late(t));
-    let at = in_time.partition_point(|t| *t < 30.0);
-    in_time.splice(at..at, late);
+    let end = in_time.partition_point(|t| *t < 30.0);
+    in_time.splice(end..end, late);
     assert_eq!(set_back_s(&in_time), 0.0);
     let mut twice = steady.clone();
     twice.extend(&steady);

@@ -247,13 +247,14 @@ fn axis_slope_rms_rad(
     if !prisms_m.iter().all(|prism_m| both.contains(prism_m)) {
         return None;
     }
-    let elevation_rad = |at: &PerStation<Vector3<f64>>| {
-        let axis_m = at[second] - at[0];
+    let elevation_rad = |prisms_m: &PerStation<Vector3<f64>>| {
+        let axis_m = prisms_m[second] - prisms_m[0];
         axis_m.z.atan2(axis_m.xy().norm())
     };
     let count = places_m.len() as f64;
     let mean_rad = places_m.iter().map(elevation_rad).sum::<f64>() / count;
-    let squares: f64 = places_m.iter().map(|at| (elevation_rad(at) - mean_rad).powi(2)).sum();
+    let squares: f64 =
+        places_m.iter().map(|prisms_m| (elevation_rad(prisms_m) - mean_rad).powi(2)).sum();
     Some((2.0 * squares / count).sqrt())
 }
 

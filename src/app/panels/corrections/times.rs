@@ -40,12 +40,12 @@ impl ShownCorrections<'_> {
     /// Shows the changes of prisms, if there are any; the finding of one offers to add it.
     pub(super) fn prism_changes(&self, ui: &mut egui::Ui, changed: &mut Extras) {
         let now = self.now.prism_changes.as_deref().unwrap_or_default();
-        let own = self.extras.corrections.prism_changes.as_ref();
-        if now.is_empty() && own.is_none() {
+        let corrected = self.extras.corrections.prism_changes.as_ref();
+        if now.is_empty() && corrected.is_none() {
             return;
         }
         let read = self.deployment().as_read.prism_changes.as_ref().map_or(0, Vec::len);
-        if name(ui, "Changes of prisms", own.map(|_| read.to_string())) {
+        if name(ui, "Changes of prisms", corrected.map(|_| read.to_string())) {
             changed.corrections.prism_changes = None;
         }
         let start_s = self.open.start_s();

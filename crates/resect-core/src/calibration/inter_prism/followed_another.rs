@@ -37,8 +37,8 @@ pub fn prism_changes(
     let median_m = |network: &PrismNetwork| median((first..end).map(|k| worst_m(k, network)));
     let mut others: Vec<(f64, Station, Prism, PrismNetwork)> = Vec::new();
     let prisms = Pair::prisms_of(rig.inter_prism_m.len())?;
-    for (station, own) in network.prism_of_station.each() {
-        for prism in (0..prisms).map(Prism::at).filter(|prism| prism != own) {
+    for (station, usual) in network.prism_of_station.each() {
+        for prism in (0..prisms).map(Prism::at).filter(|prism| prism != usual) {
             let mut followed = network.prism_of_station.clone();
             followed[station] = prism;
             let other = PrismNetwork::new(followed, &rig.inter_prism_m);

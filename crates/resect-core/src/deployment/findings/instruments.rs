@@ -267,10 +267,10 @@ pub struct StepContext<'a> {
 impl StepContext<'_> {
     /// Returns " (or station 2 the other way: two stations do not show which)"; nothing for further stations.
     fn or_other(&self) -> String {
-        let of = |other: usize| {
+        let in_words = |other: usize| {
             format!(" (or station {} the other way: two stations do not show which)", other + 1)
         };
-        self.other.map_or_else(String::new, of)
+        self.other.map_or_else(String::new, in_words)
     }
 
     fn finding(self, kind: FindingKind, event: impl Into<Message>) -> Finding {
