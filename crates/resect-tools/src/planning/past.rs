@@ -253,8 +253,7 @@ fn axis_slope_rms_rad(
     };
     let count = places_m.len() as f64;
     let mean_rad = places_m.iter().map(elevation_rad).sum::<f64>() / count;
-    let squares: f64 =
-        places_m.iter().map(|prisms_m| (elevation_rad(prisms_m) - mean_rad).powi(2)).sum();
+    let squares: f64 = places_m.iter().map(elevation_rad).map(|rad| (rad - mean_rad).powi(2)).sum();
     Some((2.0 * squares / count).sqrt())
 }
 
