@@ -51,7 +51,7 @@ struct Choice {
 
 const SWITCH: &[&str] = &["true", "false"];
 
-const CHOICES: [Choice; 10] = [
+const CHOICES: [Choice; 11] = [
     Choice {
         path: "pipeline.outlier_filter",
         flag: "--no-outlier-filter",

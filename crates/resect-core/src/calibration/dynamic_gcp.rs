@@ -107,7 +107,7 @@ pub fn solve_jointly(
     let estimate = match estimate {
         Ok(estimate) => estimate,
         Err(trace) => {
-            let published = solve(deployment, triplets, settings, offer)?;
+            let published = solve(deployment, all.of_published, settings, offer)?;
             return Ok(published.in_place_of_joint(JointFailure::from(trace)));
         }
     };

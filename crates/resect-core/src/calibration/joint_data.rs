@@ -1,9 +1,11 @@
 //! The data of a joint estimate: the triplets that it starts from, and the readings that it takes.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::followed_prisms::schedule;
-use super::inter_prism::gross_errors;
+use super::gross_error_limit::gross_error_limit_m;
 use super::joint::{DriveReadings, Reading};
 use crate::deployment::{Deployment, Rig};
 use crate::geometry::LevelTransform;
@@ -18,18 +20,25 @@ const STEPS_APART: f64 = 2.5;
 const MOST_MEASURED: usize = 2000;
 
 /// The data of a joint estimate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct JointData<'a> {
+    /// The triplets that it starts from.
     pub triplets: &'a Triplets,
-    pub readings: DriveReadings,
+    /// The triplets of the published method, which answers if the joint estimate fails.
+    pub of_published: &'a Triplets,
 }
 
 impl<'a> JointData<'a> {
     /// Takes all readings, or those that the triplets are interpolated from, if they have no others.
     pub fn new(triplets: &'a Triplets) -> Self {
-        match triplets.of_all_readings.as_deref() {
-            Some(all) => Self { triplets: all, readings: DriveReadings::all(all) },
-            None => Self { triplets, readings: DriveReadings::of_triplets(triplets) },
+        let all = triplets.of_all_readings.as_deref().unwrap_or(triplets);
+        Self { triplets: all, of_published: triplets }
+    }
+
+    fn readings(&self) -> DriveReadings {
+        match std::ptr::eq(self.triplets, self.of_published) {
+            true => DriveReadings::of_triplets(self.triplets),
+            false => DriveReadings::all(self.triplets),
         }
     }
 
@@ -42,53 +51,54 @@ impl<'a> JointData<'a> {
         followed: &PerStation<Prism>,
         station1_from_station: &PerStation<LevelTransform>,
     ) -> DriveReadings {
-        let placed: PerStation<PlacedTrack> = self
-            .readings
-            .tracks
-            .zip(station1_from_station, |track, transform| PlacedTrack::new(track, transform));
+        let readings = self.readings();
+        let both = readings.tracks.iter().zip(station1_from_station);
+        let placed: PerStation<PlacedTrack<'_>> =
+            both.map(|(track, transform)| PlacedTrack::new(track, transform)).collect();
         let (schedule, rig) = (schedule(deployment, followed), deployment.rig.as_ref());
         let errors = |station: Station, reading: &Reading| {
             InstantErrors::new(&placed, (&schedule, rig), station, reading.time_s)
         };
-        let worst_m = self.readings.tracks.each().flat_map(|(station, track)| {
+        let worst_m = readings.tracks.each().flat_map(|(station, track)| {
             let some = track.iter().step_by(track.len().div_ceil(MOST_MEASURED).max(1));
             some.filter_map(move |reading| errors(station, reading).worst_m(station))
         });
-        let Some(limit_m) = gross_errors::limit_m(worst_m) else { return self.readings.clone() };
-        let tracks = self.readings.tracks.map_each(|station, track| {
+        let Some(limit_m) = gross_error_limit_m(worst_m) else { return readings };
+        let tracks = readings.tracks.map_each(|station, track| {
             let fits = |reading: &&Reading| errors(station, reading).is_kept(station, limit_m);
-            track.iter().filter(fits).cloned().collect()
+            let mut fitting: Vec<Reading> = track.iter().filter(fits).cloned().collect();
+            fitting.shrink_to_fit();
+            Arc::new(fitting)
         });
-        DriveReadings { tracks, restarts_s: self.readings.restarts_s.clone() }
+        DriveReadings { tracks, restarts_s: readings.restarts_s.clone() }
     }
 }
 
 /// A track in the frame of station 1.
-struct PlacedTrack {
-    time_s: Vec<f64>,
-    position_m: Vec<Vector3<f64>>,
+struct PlacedTrack<'a> {
+    track: &'a [Reading],
+    transform: &'a LevelTransform,
     longest_s: f64,
 }
 
-impl PlacedTrack {
-    fn new(track: &[Reading], transform: &LevelTransform) -> Self {
-        let time_s: Vec<f64> = track.iter().map(|reading| reading.time_s).collect();
-        let position_m = track.iter().map(|reading| transform.apply(&reading.point_m)).collect();
-        let step_s = median(time_s.windows(2).map(|both| both[1] - both[0])).unwrap_or(0.0);
-        Self { time_s, position_m, longest_s: STEPS_APART * step_s }
+impl<'a> PlacedTrack<'a> {
+    fn new(track: &'a [Reading], transform: &'a LevelTransform) -> Self {
+        let step_s = median(track.windows(2).map(|both| both[1].time_s - both[0].time_s));
+        Self { track, transform, longest_s: STEPS_APART * step_s.unwrap_or(0.0) }
     }
 
     /// Returns the position at an instant (m); `None` in a gap.
     fn at(&self, time_s: f64) -> Option<Vector3<f64>> {
-        let after = self.time_s.partition_point(|t| *t < time_s);
-        if self.time_s.get(after) == Some(&time_s) {
-            return Some(self.position_m[after]);
+        let index = self.track.partition_point(|reading| reading.time_s < time_s);
+        let after = self.track.get(index)?;
+        if after.time_s == time_s {
+            return Some(self.transform.apply(&after.point_m));
         }
-        let (before, to_s) = (after.checked_sub(1)?, *self.time_s.get(after)?);
-        let from_s = self.time_s[before];
-        let share = (time_s - from_s) / (to_s - from_s);
-        let is_near = to_s - from_s <= self.longest_s;
-        is_near.then(|| self.position_m[before].lerp(&self.position_m[after], share))
+        let before = &self.track[index.checked_sub(1)?];
+        let apart_s = after.time_s - before.time_s;
+        let share = (time_s - before.time_s) / apart_s;
+        let point_m = before.point_m.lerp(&after.point_m, share);
+        (apart_s <= self.longest_s).then(|| self.transform.apply(&point_m))
     }
 }
 
@@ -100,13 +110,13 @@ struct InstantErrors {
 
 impl InstantErrors {
     fn new(
-        placed: &PerStation<PlacedTrack>,
+        placed: &PerStation<PlacedTrack<'_>>,
         (schedule, rig): (&PrismSchedule, Option<&Rig>),
         own: Station,
         time_s: f64,
     ) -> Self {
         let followed = schedule.at(time_s);
-        let position = |(station, track): (Station, &PlacedTrack)| {
+        let position = |(station, track): (Station, &PlacedTrack<'_>)| {
             Some((station, followed[station], track.at(time_s)?))
         };
         let present: Vec<(Station, Prism, Vector3<f64>)> =

@@ -16,6 +16,7 @@ mod error;
 mod estimate;
 mod evidence;
 pub mod followed_prisms;
+mod gross_error_limit;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;

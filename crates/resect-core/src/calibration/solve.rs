@@ -96,10 +96,13 @@ impl<'a> Problem<'a> {
         let mut tried = sense::Tried::default();
         let published = published.and_then(|answer| self.check(answer, &by_published, &mut tried));
         self.progress.check()?;
-        if !is_same_data {
-            tried = sense::Tried::default();
-        }
-        let joint = joint.and_then(|answer| of_all.check(answer, &by_joint, &mut tried));
+        let joint = joint.and_then(|answer| {
+            // In place of a joint estimate that failed, the published method answers from its own triplets.
+            if is_same_data || answer.joint().is_none() {
+                return self.check(answer, &by_joint, &mut tried);
+            }
+            of_all.check(answer, &by_joint, &mut sense::Tried::default())
+        });
         let mut joint = match (joint, &published) {
             (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
                 let (why, published) = (Box::new(why), published_method);

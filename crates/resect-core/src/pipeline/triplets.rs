@@ -96,7 +96,11 @@ impl Triplets {
         let is_other = |index: &usize| followed(index) != *most;
         let others: Vec<usize> = (0..self.len()).filter(is_other).collect();
         let of_other_prisms = Some(Arc::new(self.select(&others)));
-        Self { of_other_prisms, of_all_readings: self.of_all_readings.clone(), ..self.select(of_most) }
+        Self {
+            of_other_prisms,
+            of_all_readings: self.of_all_readings.clone(),
+            ..self.select(of_most)
+        }
     }
 
     /// Returns these triplets with those of the spans in which stations follow other prisms, in order of time, with positions alone.

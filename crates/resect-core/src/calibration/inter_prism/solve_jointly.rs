@@ -78,6 +78,7 @@ pub fn solve_jointly(
     let (estimate, evaluated) = match estimated {
         Ok(estimated) => estimated,
         Err(failure) => {
+            let triplets = all.of_published;
             let first = FirstSolution::new(deployment, triplets, settings, offer, progress)?;
             let published = super::solve::solve(first, deployment, triplets, settings, progress)?;
             return Ok(published.in_place_of_joint(failure));

@@ -49,8 +49,9 @@ pub fn estimate_cut_motion(
     let sides = linearisation.drive.segments.get(index..index + 2)?;
     let grid = sides[0].grid.across_cut(&sides[1].grid)?;
     let readings = sides[0].readings.zip(&sides[1].readings, |before, after| {
-        let both = before.iter().chain(after);
-        both.filter(|reading| grid.contains(reading.time_s)).cloned().collect()
+        let both = before.iter().chain(after.iter());
+        let near = both.filter(|reading| grid.contains(reading.time_s));
+        near.cloned().collect::<Vec<_>>().into()
     });
     let mut coefficients_m = initial_coefficients_m(linearisation, &grid, index);
     let prisms = Arc::clone(&sides[0].prisms);

@@ -2,14 +2,12 @@
 
 use super::excess_jerk::ExcessJerk;
 use super::knot_grid::{FEWEST_KNOTS, KnotGrid, segment_grids};
+use super::readings::{DriveReadings, Reading, ReadingSpan, median_step_s};
 use super::segment_prisms::SegmentPrisms;
-use super::sight::Sight;
 use super::spans::spans;
 use super::state_vector::{Constants, Layout, Slow, StateVector};
 use super::station_model::{MeanSight, StationModel};
 use crate::network::{Number, PerStation};
-use crate::pipeline::Triplets;
-use crate::statistics::median;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -19,91 +17,13 @@ pub const BLOCK_LENGTHS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// Rows of this many knots are stored (21 MB; half an hour of a usual drive). Those of longer drives are computed twice for each
 /// step, which nearly doubles its time and needs memory for one segment a thread.
 const MOST_STORED_KNOTS: usize = 4096;
-/// Triplets further apart than this many median steps have a gap between them.
-const STEPS_APART: f64 = 2.5;
-
-/// One reading of one station, in its own frame. Its [`Sight`] is computed when it is needed: long drives have millions of readings.
-#[derive(Clone, Debug)]
-pub struct Reading {
-    pub time_s: f64,
-    pub point_m: Vector3<f64>,
-}
-
-impl Reading {
-    pub fn sight(&self) -> Sight {
-        Sight::to(&self.point_m)
-    }
-}
-
-/// The readings of a drive that the estimate takes, each at its own time.
-#[derive(Clone, Debug)]
-pub struct DriveReadings {
-    /// By station, in order of time.
-    pub tracks: PerStation<Vec<Reading>>,
-    /// Start of each further drive (s).
-    pub restarts_s: Vec<f64>,
-}
-
-impl DriveReadings {
-    /// Returns all readings of the tracks behind triplets.
-    pub fn all(triplets: &Triplets) -> Self {
-        Self::some(triplets, |_| true)
-    }
-
-    fn some(triplets: &Triplets, is_kept: impl Fn(f64) -> bool) -> Self {
-        let tracks = triplets.readings.map(|track| {
-            let both = track.time_s.iter().zip(&track.position_m);
-            let kept = both.filter(|(time_s, _)| is_kept(**time_s));
-            kept.map(|(time_s, point_m)| Reading { time_s: *time_s, point_m: *point_m }).collect()
-        });
-        Self { tracks, restarts_s: triplets.restarts_s.clone() }
-    }
-
-    /// Returns those readings that triplets are interpolated from, without gaps in their time.
-    pub fn of_triplets(triplets: &Triplets) -> Self {
-        let all = triplets.with_other_prisms();
-        let triplets = all.as_ref().unwrap_or(triplets);
-        let step_s = median_step_s(triplets.time_s.iter().copied());
-        let instants: Vec<(f64, u32)> =
-            triplets.time_s.iter().copied().zip(triplets.interval.iter().copied()).collect();
-        let unbroken = instants.chunk_by(|(before_s, before), (after_s, after)| {
-            before == after && after_s - before_s <= STEPS_APART * step_s
-        });
-        let spans_s: Vec<[f64; 2]> =
-            unbroken.map(|span| [span[0].0, span[span.len() - 1].0]).collect();
-        Self::some(triplets, |time_s| {
-            let index = spans_s.partition_point(|[_, end_s]| *end_s < time_s);
-            spans_s.get(index).is_some_and(|[start_s, _]| *start_s <= time_s)
-        })
-    }
-
-    /// Start and end of each drive (s).
-    fn spans_s(&self) -> Vec<[f64; 2]> {
-        let first_s = self.tracks.iter().filter_map(|track| track.first());
-        let first_s = first_s.map(|reading| reading.time_s).fold(f64::INFINITY, f64::min);
-        let starts_s: Vec<f64> =
-            std::iter::once(first_s).chain(self.restarts_s.iter().copied()).collect();
-        let span_s = |(index, start_s): (usize, &f64)| {
-            let next_s = starts_s.get(index + 1).copied().unwrap_or(f64::INFINITY);
-            let of_track = |track: &Vec<Reading>| {
-                let from = track.partition_point(|reading| reading.time_s < *start_s);
-                let to = track.partition_point(|reading| reading.time_s < next_s);
-                let own = &track[from..to];
-                Some([own.first()?.time_s, own.last()?.time_s])
-            };
-            let spans_s = self.tracks.iter().filter_map(of_track);
-            spans_s.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
-        };
-        starts_s.iter().enumerate().filter_map(span_s).collect()
-    }
-}
 
 /// An unbroken span of a drive with its readings by station.
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub grid: KnotGrid,
     pub prisms: Arc<SegmentPrisms>,
-    pub readings: PerStation<Vec<Reading>>,
+    pub readings: PerStation<ReadingSpan>,
     /// Variance of the jerks beyond that of the whole drive, in the order of the jerks (m²/s⁶).
     pub excess_jerks: Vec<f64>,
     /// Middle of the drive (s), from which clock drifts count.
@@ -129,7 +49,7 @@ impl Drive {
     /// Segments with blocks of about `block_s`; `None` without a segment.
     pub fn new(layout: &Arc<Layout>, readings: &DriveReadings, block_s: f64) -> Option<Self> {
         let step_s =
-            |track: &Vec<Reading>| median_step_s(track.iter().map(|reading| reading.time_s));
+            |track: &Arc<Vec<Reading>>| median_step_s(track.iter().map(|reading| reading.time_s));
         let knot_s = readings.tracks.iter().map(step_s).fold(0.0, f64::max);
         if !(0.01..=2.0).contains(&knot_s) {
             return None;
@@ -155,10 +75,9 @@ impl Drive {
 
     fn add_segment(&mut self, grid: KnotGrid, prisms: &Arc<SegmentPrisms>, all: &DriveReadings) {
         let layout = &self.layout;
-        let readings = all.tracks.zip(&prisms.of_station, |track, prism| {
-            let from = track.partition_point(|reading| reading.time_s < grid.start_s);
-            let to = track.partition_point(|reading| reading.time_s <= grid.end_s);
-            prism.map_or_else(Vec::new, |_| track[from..to].to_vec())
+        let readings = all.tracks.zip(&prisms.of_station, |track, prism| match prism {
+            Some(_) => ReadingSpan::between(track, grid.start_s, grid.end_s),
+            None => Vec::new().into(),
         });
         for block in 0..grid.blocks {
             self.mean_sights.push(readings.map(|readings| {
@@ -281,10 +200,4 @@ fn interpolated(readings: &[Reading], time_s: f64) -> Option<(Vector3<f64>, f64)
             Some((end.point_m, 2.0 * (time_s - end.time_s).abs()))
         }
     }
-}
-
-/// Median time between consecutive instants (s).
-fn median_step_s(time_s: impl Iterator<Item = f64> + Clone) -> f64 {
-    let steps_s = time_s.clone().zip(time_s.skip(1)).map(|(before, after)| after - before);
-    median(steps_s).unwrap_or(f64::NAN)
 }

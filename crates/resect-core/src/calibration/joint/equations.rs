@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::drive::{Reading, Segment};
+use super::drive::Segment;
 use super::knot_grid::{KnotGrid, ORDER};
 use super::loss::{robust_loss, robust_weight};
 use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows, band_shape};
+use super::readings::Reading;
 use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
     jerk_factors, jerk_residuals,
@@ -111,7 +112,7 @@ pub fn equations(
         signs: RandomSigns(0x5eed),
     };
     for (station, readings) in segment.readings.each() {
-        for reading in readings {
+        for reading in readings.iter() {
             builder.add_reading(grid, station, reading);
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::constants_prior::prior_mean;
 use super::detected_steps::{add_steps, measured_steps};
-use super::drive::{BLOCK_LENGTHS_S, Drive, DriveReadings};
+use super::drive::{BLOCK_LENGTHS_S, Drive};
 use super::equations::ResidualSquares;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
@@ -13,6 +13,7 @@ use super::marginal_likelihood::{choose_processes, likeliest_clocks_s2};
 use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
+use super::readings::DriveReadings;
 use super::residuals::NoiseLevels;
 use super::solver_status::SolverStatus;
 use super::state_vector::{Constants, ConstantsMatrix, Layout, StateVector};
@@ -50,6 +51,8 @@ const MOTION_STEPS: usize = 3;
 const COST_TOLERANCE: f64 = 0.01;
 /// Share of a step that is taken again, over its share before.
 const SHORTER: f64 = 0.25;
+/// Share of a step after one that has raised the cost a little.
+const OVERSHOT: f64 = 0.5;
 /// A smaller share of a step is not taken again.
 const SHORTEST: f64 = 1e-3;
 /// Normal matrices are not reused after a longer step (σ²).
@@ -337,8 +340,14 @@ impl Iteration<'_> {
         step: &GaussNewtonStep,
         change_row: impl FnOnce(&mut TraceRow),
     ) -> Result<(), AttemptEnd> {
-        let last_share = self.before.as_ref().map_or(1.0, |before| before.share);
-        self.take_share(step, (2.0 * last_share).min(1.0), change_row);
+        let cost = step.cost(&self.state, &self.priors);
+        let share = self.before.as_ref().map_or(1.0, |before| {
+            // The last step went too far. The next one, as long, would return.
+            let has_overshot = self.weighting.fixed.is_some() && cost > before.cost;
+            let factor = if has_overshot { OVERSHOT } else { 2.0 };
+            (factor * before.share).min(1.0)
+        });
+        self.take_share(step, share, change_row);
         let moved = self.priors.layout.moved();
         let has_diverged = has_diverged(&self.state.constants, &self.priors.mean, moved);
         if has_diverged { Err(SolverStatus::Diverged.into()) } else { Ok(()) }
@@ -387,12 +396,13 @@ impl Iteration<'_> {
         };
         let (mut suspected, mut with_steps) = (self.steps.clone(), priors.clone());
         add_steps(&mut suspected, &step.normal, &mut with_steps, state, progress)?;
-        if is_last || suspected.len() > known {
-            choose_clocks(priors)?;
-        }
         if suspected.len() > known {
-            // Stamps that wander are no steps. Once a step has its own variance, the random walk is smaller without it.
+            // Stamps that wander are no steps. Beside a step that happened they wander less than without it.
+            choose_clocks(&mut with_steps)?;
+            priors.slow.clocks_s2 = with_steps.slow.clocks_s2;
             add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
+        }
+        if is_last || suspected.len() > known {
             choose_clocks(priors)?;
         }
         let slow = &priors.slow;

@@ -3,9 +3,11 @@
 //! Third differences of the readings themselves show it, before a motion is estimated. One level of jerk for the whole drive would take the
 //! readings of a sharp turn for outliers.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
-use super::drive::Reading;
+use super::readings::Reading;
 use crate::network::PerStation;
 use crate::statistics::median;
 
@@ -44,7 +46,7 @@ struct SquaredJerks {
 }
 
 impl ExcessJerk {
-    pub fn new(tracks: &PerStation<Vec<Reading>>) -> Self {
+    pub fn new(tracks: &PerStation<Arc<Vec<Reading>>>) -> Self {
         Self { by_station: tracks.map(|track| SquaredJerks::new(track)) }
     }
 
@@ -140,7 +142,7 @@ mod tests {
     #[test]
     fn stops_and_starts_exceed_the_rest_and_an_outlier_of_one_station_does_not() {
         let tracks = [track(None), track(None), track(Some(100))];
-        let excess = ExcessJerk::new(&tracks.into());
+        let excess = ExcessJerk::new(&tracks.map(Arc::new).into());
         let jerk_m_per_s3 = |time_s: f64| excess.variance(time_s, 0.4).sqrt();
         for time_s in [20.0, 30.0] {
             assert!(jerk_m_per_s3(time_s) > 0.5, "{time_s} s: {} m/s³", jerk_m_per_s3(time_s));

@@ -32,7 +32,7 @@ pub fn gradients(
     let mut weights = weights.iter();
     let mut next_weight = || weights.next().copied().unwrap_or(1.0);
     for (station, readings) in segment.readings.each() {
-        for reading in readings {
+        for reading in readings.iter() {
             let residual = ReadingResidual::new(grid, point, levels, station, reading);
             // (20)
             let gradient =

@@ -305,6 +305,7 @@ mod prior_conflict;
 mod priors;
 pub mod prism_motion;
 mod random_walks;
+mod readings;
 pub mod reliability;
 mod residuals;
 mod segment_prisms;
@@ -325,12 +326,12 @@ mod survey_elimination;
 mod trace;
 pub mod unknown;
 
-pub use self::drive::{DriveReadings, Reading};
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
 pub use self::predict::{ExpectedNoise, predict};
 pub use self::priors::RigDistances;
 pub use self::random_walks::GaussMarkov;
+pub use self::readings::{DriveReadings, Reading};
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::constants_prior::prior_mean;
-use super::drive::{BLOCK_LENGTHS_S, Drive, DriveReadings};
+use super::drive::{BLOCK_LENGTHS_S, Drive};
 use super::equations::ResidualSquares;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
@@ -13,6 +13,7 @@ use super::noise_levels::FIRST_LEVELS;
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
+use super::readings::DriveReadings;
 use super::residuals::NoiseLevels;
 use super::state_vector::{Constants, Layout};
 use crate::calibration::ErrorSizes;

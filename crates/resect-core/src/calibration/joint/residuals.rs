@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::drive::Reading;
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
+use super::readings::Reading;
 use super::segment_prisms::SegmentPrisms;
 use super::state_vector::{BlockVector, Layout};
 use super::station_model::StationModel;

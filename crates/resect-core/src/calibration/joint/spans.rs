@@ -1,6 +1,6 @@
 //! The spans of a drive in which the same prisms are followed.
 
-use super::drive::DriveReadings;
+use super::readings::DriveReadings;
 use super::state_vector::Layout;
 
 /// Longest time without a reading of a prism that its motion is estimated through (s). The readings of the other prisms and the rig's
@@ -105,12 +105,13 @@ fn followed_s(times_s: &[f64], restarts_s: &[f64]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use nalgebra::Vector3;
 
-    use super::super::drive::Reading;
+    use super::super::readings::Reading;
     use super::super::state_vector::tests::layout;
     use super::*;
-    use crate::network::PerStation;
 
     /// Readings of stations at 2 Hz during some spans (s).
     fn readings(spans_s: [&[[f64; 2]]; 3]) -> DriveReadings {
@@ -119,8 +120,8 @@ mod tests {
             let (from_s, steps) = (*from_s, ((to_s - from_s) / 0.5) as usize);
             (0..=steps).map(move |k| reading(from_s + 0.5 * k as f64)).collect::<Vec<_>>()
         };
-        let tracks: PerStation<Vec<Reading>> =
-            spans_s.map(|spans_s| spans_s.iter().flat_map(of_span).collect()).into();
+        let track = |spans_s: &[[f64; 2]]| Arc::new(spans_s.iter().flat_map(of_span).collect());
+        let tracks = spans_s.map(track).into();
         DriveReadings { tracks, restarts_s: Vec::new() }
     }
 

@@ -2,13 +2,11 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::sight::Sight;
+use super::sight::{EARTH_RADIUS_M, Sight};
 use super::state_vector::{Constants, Layout};
 use super::unknown::{CLOCK_DRIFT, CLOCK_OFFSET, LATENCY, LEAN_X, LEAN_Y, ReadingError};
 use crate::network::{Number, Station};
 
-/// Radius of the earth (m). Textbook: mean radius.
-pub const EARTH_RADIUS_M: f64 = 6.371e6;
 /// Coefficient of refraction: the curvature of a sight over that of the earth. Textbook: Gauss's value.
 const REFRACTION: f64 = 0.13;
 

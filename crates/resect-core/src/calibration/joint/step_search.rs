@@ -103,6 +103,10 @@ impl StepSearch<'_> {
         &self,
         by_incidence: impl Fn(&[ChainVector]) -> WalkMatrix,
     ) -> Option<StationStep> {
+        // Station 1 alone moves nothing.
+        if self.layout.moved() == 0 {
+            return None;
+        }
         let covariances = self.factor.increment_covariances();
         let tested = covariances.par_iter().enumerate();
         let tested: Vec<Vec<TestedStep>> =

@@ -5,8 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::sight::Sight;
-use super::station_model::EARTH_RADIUS_M;
+use super::sight::{EARTH_RADIUS_M, Sight};
 use crate::calibration::{ErrorSizes, Quantity};
 use crate::geometry::ARCSECOND_RAD;
 
