@@ -5,8 +5,9 @@ use std::process::Command;
 use crate::common::{analyse, answer, by, of_field, published, sample_folder};
 use resect_core::calibration::Method;
 use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::evaluation::rig_layout::VehicleFrame;
 use resect_core::evaluation::vehicle::{
-    Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
+    Instants, NoTrajectory, PoseLimits, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
 use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
@@ -338,7 +339,7 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     let followed = &analysis.offer.followed;
     let rate = Instants::Rate(10.0);
     let (trajectory, _) =
-        trajectory_by(&deployment, triplets, followed, calibration, rate, f64::INFINITY)
+        trajectory_by(&deployment, triplets, followed, calibration, rate, &PoseLimits::NONE)
             .expect("a rig");
     let mut off_sigmas: Vec<f64> = Vec::new();
     for pose in &trajectory.poses {
@@ -421,9 +422,10 @@ fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     let calibration = &answer(&analysis).calibration;
     let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let dropped = |limit_m: f64| {
-        let wanted = Instants::Triplets;
+        let wanted = Instants::Usual;
+        let limits = PoseLimits { inter_prism_error_m: limit_m, ..PoseLimits::NONE };
         let (found, _) =
-            trajectory_by(&deployment, triplets, followed, calibration, wanted, limit_m)
+            trajectory_by(&deployment, triplets, followed, calibration, wanted, &limits)
                 .expect("three prisms");
         assert!(found.poses.iter().all(|pose| pose.inter_prism_error_m <= limit_m));
         found.dropped

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
-use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
+use resect_core::evaluation::vehicle::{Instants, PoseLimits, trajectory_by, vehicle_trajectory};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
 use resect_tools::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 
@@ -67,8 +67,8 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
         triplets,
         followed,
         &answer.calibration,
-        Instants::Triplets,
-        f64::INFINITY,
+        Instants::Usual,
+        &PoseLimits::NONE,
     );
     let placing = answer.calibration.placing_tracks(&deployment);
     let lines = vehicle_trajectory(&deployment, triplets, followed, placing, f64::INFINITY);

@@ -46,8 +46,10 @@ pub struct Trajectory {
     pub poses: Vec<Pose>,
     /// Number of instants without a pose, for any reason.
     pub dropped: usize,
-    /// Number of them whose inter-prism error exceeds the limit. At the others no motion is known, or the points determine no pose.
+    /// Number of them whose inter-prism error exceeds the limit.
     pub above_limit: usize,
+    /// Number of them whose σ exceeds its limit. At the others no motion is known, or the points determine no pose.
+    pub too_uncertain: usize,
 }
 
 /// Standard deviations of a pose: the root of the mean variance of the three axes.
@@ -55,6 +57,13 @@ pub struct Trajectory {
 pub struct PoseSigma {
     pub position_m: f64,
     pub orientation_rad: f64,
+}
+
+impl PoseSigma {
+    /// Returns true if neither is above its limit.
+    pub fn is_within(&self, limits: &Self) -> bool {
+        self.position_m <= limits.position_m && self.orientation_rad <= limits.orientation_rad
+    }
 }
 
 impl Pose {

@@ -2,8 +2,7 @@
 //!
 //! The motion is that of the splines. Its covariance combines that of four knots given the unknowns of their block
 //! ([`super::knot_covariance`]) with that of the block's unknowns ([`super::chain_factor`]): transforms, clocks, instruments, and
-//! stations that settle. An instant between two segments has no motion, nor has one at which some prism of
-//! the drive is not followed.
+//! stations that settle. An instant between two segments has no motion, nor has a prism that is not followed there.
 
 use std::sync::Arc;
 
@@ -19,10 +18,11 @@ use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
 use super::linearisation::{Linearisation, Weighting};
 use super::motion_band::MotionBand;
 use super::priors::Priors;
+use super::segment_prisms::SegmentPrisms;
 use super::settling::station_1_by_relative;
 use super::state_vector::{Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
-use crate::network::{PerPrism, PerStation, Station};
+use crate::network::{PerStation, Station};
 use crate::progress::{Cancelled, Progress};
 
 /// The solution of an estimate, from which its motion is evaluated.
@@ -35,10 +35,12 @@ pub struct Solution {
     pub(super) sizes: ErrorSizes,
 }
 
-/// The prisms at one instant: x, y, z of each, in the frame of station 1 as it was set up.
+/// The prisms that are followed at one instant: x, y, z of each, in the frame of station 1 as it was set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionInstant {
     pub time_s: f64,
+    /// Their places among the prisms of the drive, in order.
+    pub prisms: Arc<[usize]>,
     pub position_m: DVector<f64>,
     pub velocity_m_per_s: DVector<f64>,
     /// Covariances of the positions (m²), and of the velocities (m²/s²).
@@ -143,9 +145,6 @@ impl Solution {
         let across_cut = |index: usize| {
             progress.check()?;
             let Some(span_s) = cut_span_s(drive, index) else { return Ok(None) };
-            if !drive.segments[index].prisms.is_complete() {
-                return Ok(None);
-            }
             let times_s = between(time_s, |t| t < span_s[0], |t| t > span_s[1]);
             if times_s.is_empty() {
                 return Ok(None);
@@ -154,7 +153,8 @@ impl Solution {
             let motion = estimate_cut_motion(&linearisation, &self.weighting, index);
             Ok(motion.map(|CutMotion { grid, coefficients_m, band }| {
                 let last_block = linearisation.first_blocks[index + 1] - 1;
-                (span_s, map_times(&grid, &coefficients_m, &band, (times_s, last_block), &map))
+                let segment = (&grid, &*drive.segments[index].prisms);
+                (span_s, map_times(segment, &coefficients_m, &band, (times_s, last_block), &map))
             }))
         };
         let cuts = (0..drive.segments.len()).into_par_iter().map(across_cut);
@@ -162,9 +162,6 @@ impl Solution {
         let (cut_spans_s, of_cuts): (Vec<_>, Vec<_>) = cuts.into_iter().map(Option::unzip).unzip();
         let of_segment = |index: usize, band: &MotionBand| {
             let Segment { grid, prisms, .. } = &drive.segments[index];
-            if !prisms.is_complete() {
-                return Vec::new();
-            }
             let before = index.checked_sub(1).and_then(|k| cut_spans_s[k]);
             let after = cut_spans_s[index];
             let times_s = between(
@@ -174,7 +171,7 @@ impl Solution {
             );
             let coefficients_m = &self.state.coefficients_m[index];
             let first_block = linearisation.first_blocks[index];
-            map_times(grid, coefficients_m, band, (times_s, first_block), &map)
+            map_times((grid, prisms.as_ref()), coefficients_m, band, (times_s, first_block), &map)
         };
         let of_segments = step.map_segments(&self.state, of_segment);
         progress.check()?;
@@ -182,16 +179,17 @@ impl Solution {
         Ok(mapped.flatten().flatten().collect())
     }
 
-    /// Positions of the followed prisms at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m).
+    /// Positions of the prisms that are followed at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m), with
+    /// their places among the prisms of the drive.
     ///
     /// Returns `None` outside of all segments. This evaluates the splines without covariance, fast enough for each frame of a window.
     /// Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
-    pub fn prisms_m(&self, time_s: f64) -> Option<PerPrism<Vector3<f64>>> {
+    pub fn prisms_m(&self, time_s: f64) -> Option<(Arc<[usize]>, Vec<Vector3<f64>>)> {
         let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
         let segment = segments.get(index)?;
         let grid = &segment.grid;
-        if !grid.contains(time_s) || !segment.prisms.is_complete() {
+        if !grid.contains(time_s) {
             return None;
         }
         let first_block: usize = segments[..index].iter().map(|segment| segment.grid.blocks).sum();
@@ -207,8 +205,17 @@ impl Solution {
                 |k: usize| Vector3::from_column_slice(&knots_m[local * k + 3 * prism..][..3]);
             (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>()
         };
-        let prisms = 0..layout.prisms();
-        Some(prisms.map(|prism| as_set_up(&(position_m(prism) + shift_m), &settled)).collect())
+        let position_m = |prism| as_set_up(&(position_m(prism) + shift_m), &settled);
+        let positions_m = (0..segment.prisms.count()).map(position_m).collect();
+        Some((Arc::clone(&segment.prisms.in_drive), positions_m))
+    }
+
+    /// Start and end of each segment that has all prisms of the drive (s), if others have some of them.
+    pub fn spans_beside_gaps_s(&self) -> Vec<[f64; 2]> {
+        let complete = self.drive.segments.iter().filter(|segment| segment.prisms.is_complete());
+        let spans_s: Vec<[f64; 2]> =
+            complete.map(|segment| [segment.grid.start_s, segment.grid.end_s]).collect();
+        if spans_s.len() == self.drive.segments.len() { Vec::new() } else { spans_s }
     }
 
     /// Regression of station 1's own settling on the relative one, and the variance that remains.
@@ -289,6 +296,7 @@ fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
 /// Input of the evaluation at one instant.
 struct InstantInput<'a> {
     time_s: f64,
+    prisms: &'a Arc<[usize]>,
     weights: SplineWeights,
     /// Coefficients from the first of the four knots on (m).
     knots_m: &'a [f64],
@@ -299,7 +307,7 @@ struct InstantInput<'a> {
 
 /// Maps some increasing times of a segment, whose first block has an index in the drive.
 fn map_times<T>(
-    grid: &KnotGrid,
+    (grid, prisms): (&KnotGrid, &SegmentPrisms),
     coefficients_m: &[f64],
     band: &MotionBand,
     (times_s, first_block): (&[f64], usize),
@@ -313,7 +321,8 @@ fn map_times<T>(
         while let Some((weights, time_s)) = remaining.pop_if(is_next) {
             let knots_m = &coefficients_m[band.shape().size * weights.first..];
             let block = first_block + grid.block_at(time_s);
-            mapped.push(map(InstantInput { time_s, weights, knots_m, covariance, block }));
+            let prisms = &prisms.in_drive;
+            mapped.push(map(InstantInput { time_s, prisms, weights, knots_m, covariance, block }));
         }
     });
     mapped.reverse();
@@ -410,6 +419,7 @@ fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant
     };
     MotionInstant {
         time_s: *time_s,
+        prisms: Arc::clone(input.prisms),
         position_m,
         velocity_m_per_s,
         position_covariance: covariance(&position_by_knots, &position_by_frame),

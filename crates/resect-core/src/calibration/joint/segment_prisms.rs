@@ -1,5 +1,7 @@
 //! The prisms that are followed in a segment of a drive.
 
+use std::sync::Arc;
+
 use super::state_vector::Layout;
 use crate::network::{Number, Pair, PerStation, Prism};
 
@@ -12,7 +14,8 @@ pub struct SegmentPrisms {
     pub of_station: PerStation<Option<usize>>,
     /// Each pair of places, with the index of its distance among the pairs of the drive.
     pub pairs: Vec<(usize, (usize, usize))>,
-    prisms: usize,
+    /// Their places among the prisms of the drive, in order.
+    pub in_drive: Arc<[usize]>,
     of_drive: usize,
 }
 
@@ -27,24 +30,24 @@ impl SegmentPrisms {
         Self {
             of_station: followed.map(|prism| in_drive.binary_search(&layout.place_of(*prism)).ok()),
             pairs: (0..Pair::count(in_drive.len())).map(Pair::at).filter_map(pair).collect(),
-            prisms: in_drive.len(),
+            in_drive: in_drive.into(),
             of_drive: layout.prisms(),
         }
     }
 
     /// Number of prisms.
     pub fn count(&self) -> usize {
-        self.prisms
+        self.in_drive.len()
     }
 
     /// Number of coordinates of a knot.
     pub fn coordinates(&self) -> usize {
-        3 * self.prisms
+        3 * self.count()
     }
 
     /// Returns true if the segment has all prisms of the drive.
     pub fn is_complete(&self) -> bool {
-        self.prisms == self.of_drive
+        self.count() == self.of_drive
     }
 }
 
