@@ -12,7 +12,7 @@ use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
 use super::joint::{JointInput, Layout, RigDistances};
-use super::joint_data::JointData;
+use super::joint_data::{JointData, contradicting_runs};
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
@@ -102,7 +102,7 @@ pub fn solve_jointly(
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
-    let readings = all.fitting(deployment, &offer.followed, &plain);
+    let (readings, runs) = all.fitting(deployment, &offer.followed, &plain);
     let estimate = joint::estimate(&readings, &input, progress)?;
     let estimate = match estimate {
         Ok(estimate) => estimate,
@@ -124,6 +124,7 @@ pub fn solve_jointly(
     let judgement = &mut answer.judgement;
     let rig = deployment.rig.as_ref();
     joint::findings::add_notes(&mut judgement.findings, &estimate, rig);
+    judgement.findings.extend(contradicting_runs(&runs, triplets.time_s[0]));
     judgement.put_first(joint::findings::doubts(&estimate));
     Ok(MethodAnswer {
         method: Method::Joint,

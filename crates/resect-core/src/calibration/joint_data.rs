@@ -7,9 +7,10 @@ use nalgebra::Vector3;
 use super::followed_prisms::schedule;
 use super::gross_error_limit::gross_error_limit_m;
 use super::joint::{DriveReadings, Reading};
-use crate::deployment::{Deployment, Rig};
+use crate::deployment::findings::outliers::station_left_out;
+use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::LevelTransform;
-use crate::network::{Pair, PerStation, Prism, PrismSchedule, Station};
+use crate::network::{Number, Pair, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -18,6 +19,39 @@ const STEPS_APART: f64 = 2.5;
 
 /// Most readings of a station from which the usual error is taken.
 const MOST_MEASURED: usize = 2000;
+
+/// Fewest readings of a run that is reported, and its shortest time (s). Single outliers are common.
+const FEWEST_IN_RUN: usize = 4;
+const SHORTEST_RUN_S: f64 = 1.5;
+
+/// Consecutive readings of a station that contradict those of other stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContradictingRun {
+    pub station: Station,
+    /// Times of the first and the last reading (s).
+    pub span_s: [f64; 2],
+    pub readings: usize,
+    /// Median of their worst distance errors (m).
+    pub error_m: f64,
+    /// The prism that the station followed instead of its own, if one explains the readings.
+    pub prism: Option<Prism>,
+}
+
+/// Returns a finding for each station with runs, about its longest one; the drive begins at `start_s`.
+pub fn contradicting_runs(runs: &[ContradictingRun], start_s: f64) -> Vec<Finding> {
+    let of_station = |runs: &[ContradictingRun]| {
+        let length_s = |run: &ContradictingRun| run.span_s[1] - run.span_s[0];
+        let longest = runs.iter().max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
+        let ContradictingRun { station, span_s, readings, error_m, prism } = longest;
+        Some(station_left_out(
+            (station.index(), prism.map(Prism::number)),
+            (*span_s, start_s),
+            (*readings, *error_m),
+            runs.len() - 1,
+        ))
+    };
+    runs.chunk_by(|a, b| a.station == b.station).filter_map(of_station).collect()
+}
 
 /// The data of a joint estimate.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +76,7 @@ impl<'a> JointData<'a> {
         }
     }
 
-    /// Returns the readings whose distances to those of other stations fit an answer, and those of a station alone.
+    /// Returns the readings whose distances to those of other stations fit an answer, those of a station alone, and the runs of the others.
     ///
     /// Of two that contradict each other, the one that fits more other stations is kept; neither, if they fit as many.
     pub fn fitting(
@@ -50,27 +84,62 @@ impl<'a> JointData<'a> {
         deployment: &Deployment,
         followed: &PerStation<Prism>,
         station1_from_station: &PerStation<LevelTransform>,
-    ) -> DriveReadings {
+    ) -> (DriveReadings, Vec<ContradictingRun>) {
         let readings = self.readings();
         let both = readings.tracks.iter().zip(station1_from_station);
         let placed: PerStation<PlacedTrack<'_>> =
             both.map(|(track, transform)| PlacedTrack::new(track, transform)).collect();
         let (schedule, rig) = (schedule(deployment, followed), deployment.rig.as_ref());
         let errors = |station: Station, reading: &Reading| {
-            InstantErrors::new(&placed, (&schedule, rig), station, reading.time_s)
+            let followed = schedule.at(reading.time_s);
+            InstantErrors::new(&placed, (followed, rig), station, reading.time_s)
         };
         let worst_m = readings.tracks.each().flat_map(|(station, track)| {
             let some = track.iter().step_by(track.len().div_ceil(MOST_MEASURED).max(1));
             some.filter_map(move |reading| errors(station, reading).worst_m(station))
         });
-        let Some(limit_m) = gross_error_limit_m(worst_m) else { return readings };
+        let Some(limit_m) = gross_error_limit_m(worst_m) else { return (readings, Vec::new()) };
+        // The error of a run's readings if the station followed another prism (m).
+        let error_m = |station: Station, run: &[&Reading], other: Option<Prism>| {
+            let worst_m = run.iter().filter_map(|reading| {
+                let mut followed = schedule.at(reading.time_s).clone();
+                followed[station] = other.unwrap_or(followed[station]);
+                let errors = InstantErrors::new(&placed, (&followed, rig), station, reading.time_s);
+                errors.worst_m(station)
+            });
+            median(worst_m)
+        };
+        let prisms = rig.and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len())).unwrap_or(0);
+        let mut runs = Vec::new();
         let tracks = readings.tracks.map_each(|station, track| {
-            let fits = |reading: &&Reading| errors(station, reading).is_kept(station, limit_m);
-            let mut fitting: Vec<Reading> = track.iter().filter(fits).cloned().collect();
-            fitting.shrink_to_fit();
-            Arc::new(fitting)
+            let is_kept: Vec<bool> = track
+                .iter()
+                .map(|reading| errors(station, reading).is_kept(station, limit_m))
+                .collect();
+            let both: Vec<(&Reading, bool)> = track.iter().zip(is_kept).collect();
+            for run in both.chunk_by(|(_, a), (_, b)| a == b).filter(|run| !run[0].1) {
+                let run: Vec<&Reading> = run.iter().map(|(reading, _)| *reading).collect();
+                let span_s = [run[0].time_s, run[run.len() - 1].time_s];
+                if run.len() < FEWEST_IN_RUN || span_s[1] - span_s[0] < SHORTEST_RUN_S {
+                    continue;
+                }
+                let fits = |prism: &Prism| {
+                    error_m(station, &run, Some(*prism)).is_some_and(|error_m| error_m < limit_m)
+                };
+                runs.push(ContradictingRun {
+                    station,
+                    span_s,
+                    readings: run.len(),
+                    error_m: error_m(station, &run, None).unwrap_or(0.0),
+                    prism: (0..prisms).map(Prism::at).find(fits),
+                });
+            }
+            let kept = both.iter().filter(|(_, is_kept)| *is_kept);
+            let mut kept: Vec<Reading> = kept.map(|(reading, _)| (*reading).clone()).collect();
+            kept.shrink_to_fit();
+            Arc::new(kept)
         });
-        DriveReadings { tracks, restarts_s: readings.restarts_s.clone() }
+        (DriveReadings { tracks, restarts_s: readings.restarts_s.clone() }, runs)
     }
 }
 
@@ -111,11 +180,10 @@ struct InstantErrors {
 impl InstantErrors {
     fn new(
         placed: &PerStation<PlacedTrack<'_>>,
-        (schedule, rig): (&PrismSchedule, Option<&Rig>),
+        (followed, rig): (&PerStation<Prism>, Option<&Rig>),
         own: Station,
         time_s: f64,
     ) -> Self {
-        let followed = schedule.at(time_s);
         let position = |(station, track): (Station, &PlacedTrack<'_>)| {
             Some((station, followed[station], track.at(time_s)?))
         };

@@ -9,13 +9,13 @@ use super::rig_motion::{align_upright, pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, PoseSigma, Trajectory, trajectory};
 use super::usual_tilt::{ExpectedTilt, UsualTilt};
 use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, MotionInstant, PrismInstant, Solution,
+    ConstantsJacobian, FollowedPrisms, MotionInstant, PrismInstant, Solution,
 };
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
 use crate::calibration::{Calibration, Estimate, Method, distance_errors_m};
 use crate::deployment::{Deployment, Rig};
-use crate::geometry::{RigidTransform, align_rigid};
+use crate::geometry::{RigidTransform, align_rigid, align_weighted};
 use crate::network::{Pair, PerPair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -30,6 +30,8 @@ pub const LARGEST_POSE_SIGMA: PoseSigma =
 const USUAL_HZ: f64 = 10.0;
 /// Instants further apart do not share an inter-prism error (s).
 const NEAR_S: f64 = 0.5;
+/// Usual acceleration of a vehicle, by which a prism without readings departs from its spline (m/s²).
+const USUAL_M_PER_S2: f64 = 0.3;
 /// Time between the instants from which the usual tilt is taken (s).
 const TILT_STEP_S: f64 = 1.0;
 
@@ -312,9 +314,14 @@ impl VehicleRig {
 
     /// Returns the pose at an instant (s) without a covariance.
     fn at(&self, solution: &Solution, time_s: f64) -> Option<RigidTransform> {
-        let (places, prisms_m) = solution.prisms_m(time_s)?;
+        let FollowedPrisms { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
         let rig_m: Vec<Vector3<f64>> = places.iter().map(|place| self.prisms_m[*place]).collect();
-        if let Some(found) = align_rigid(&prisms_m, &rig_m) {
+        let weights = to_reading_s.iter().map(|to_reading_s| {
+            let sigma_m = self.sigma_m + 0.5 * USUAL_M_PER_S2 * to_reading_s.powi(2);
+            sigma_m.powi(-2)
+        });
+        let weights: Vec<f64> = weights.collect();
+        if let Some(found) = align_weighted(&position_m, &rig_m, &weights) {
             return Some(found);
         }
         // Upwards as at the ends of the spans beside it that have all prisms.
@@ -323,13 +330,13 @@ impl VehicleRig {
         let before_s = next.checked_sub(1).map(|last| spans_s[last][1]);
         let beside_s = before_s.into_iter().chain(spans_s.get(next).map(|[start_s, _]| *start_s));
         let up = beside_s.filter_map(|beside_s| {
-            let (_, prisms_m) = solution.prisms_m(beside_s)?;
-            let found = align_rigid(&prisms_m, self.prisms_m.as_slice())?;
+            let beside = solution.prisms_at(beside_s)?;
+            let found = align_rigid(&beside.position_m, self.prisms_m.as_slice())?;
             let near = 1.0 / (beside_s - time_s).abs().max(1e-3);
             Some(found.rotation.inverse() * Vector3::z() * near)
         });
         let up = up.sum::<Vector3<f64>>().try_normalize(0.0)?;
-        align_upright(&prisms_m, &rig_m, &up)
+        align_upright(&position_m, &rig_m, &up)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::calibration::followed_prisms::schedule;
 use crate::calibration::joint::{
     self, DriveReadings, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
 };
-use crate::calibration::joint_data::JointData;
+use crate::calibration::joint_data::{JointData, contradicting_runs};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
@@ -58,6 +58,7 @@ pub fn solve_jointly(
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
     let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
+    let mut runs = Vec::new();
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
@@ -69,7 +70,8 @@ pub fn solve_jointly(
                 sizes: &sizes,
             };
             let heights_m = network.height_differences_m(rig);
-            let readings = all.fitting(deployment, &offer.followed, &start);
+            let (readings, contradicting) = all.fitting(deployment, &offer.followed, &start);
+            runs = contradicting;
             let evidence = (&readings, &used);
             estimate(&input, deployment, (&network, heights_m.as_ref()), evidence, progress)?
         }
@@ -89,6 +91,7 @@ pub fn solve_jointly(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
     joint::findings::add_notes(&mut judgement.findings, &estimate, Some(rig));
+    judgement.findings.extend(contradicting_runs(&runs, triplets.time_s[0]));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     let explain = |span_s: [f64; 2]| {
         let (network, placed) = (network.with_estimates(&estimate), &answer.station1_from_station);

@@ -3,7 +3,7 @@
 use super::chain::ChainEquations;
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
-use super::facets::facet_covariance;
+use super::facets::{facet_effects, incidence_terms};
 use super::priors::Priors;
 use super::random_walks::{SlowPrecisions, SlowPriors};
 use super::state_vector::{Slow, StateVector};
@@ -63,9 +63,10 @@ fn most_significant_step(
     let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
     let slow: Vec<Slow> = solved.collect();
     let search = step_search(&factor, &precisions, &slow, priors, drive, state);
-    search.most_significant_step(|solutions| {
-        let information = normal.matrix.multiply(solutions);
-        facet_covariance(drive, state, &information)
+    let terms = incidence_terms(drive, state);
+    search.most_significant_step(|solution| {
+        let information = normal.matrix.multiply(std::slice::from_ref(solution));
+        facet_effects(drive, &terms, &information[0])
     })
 }
 

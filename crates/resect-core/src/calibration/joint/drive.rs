@@ -30,6 +30,20 @@ pub struct Segment {
     pub middle_s: f64,
 }
 
+impl Segment {
+    /// Time from an instant to the nearest reading of a prism (s), by its place in the segment.
+    pub fn to_reading_s(&self, prism: usize, time_s: f64) -> f64 {
+        let followers = self.readings.iter().zip(&self.prisms.of_station);
+        let own = followers.filter(|(_, followed)| **followed == Some(prism));
+        let nearest_s = own.flat_map(|(readings, _)| {
+            let next = readings.partition_point(|reading| reading.time_s < time_s);
+            let around = &readings[next.saturating_sub(1)..readings.len().min(next + 1)];
+            around.iter().map(|reading| (reading.time_s - time_s).abs())
+        });
+        nearest_s.fold(f64::INFINITY, f64::min)
+    }
+}
+
 /// The readings of a drive by segment, and what its blocks have in common.
 #[derive(Clone, Debug)]
 pub struct Drive {

@@ -22,7 +22,7 @@ const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
 const INSTANTS: usize = 8;
 
 /// Cosine and sine of the incidence on a station's prism by order, as means over a block.
-type IncidenceTerms = [[f64; 2]; ORDERS.len()];
+pub type IncidenceTerms = [[f64; 2]; ORDERS.len()];
 
 /// Covariance of the poses by the errors of the prisms of a rig; `information` is H S, a vector for each coordinate of the poses.
 pub fn facet_covariance(
@@ -30,23 +30,33 @@ pub fn facet_covariance(
     state: &StateVector,
     information: &[ChainVector],
 ) -> DMatrix<f64> {
-    let layout = &drive.layout;
     let terms = incidence_terms(drive, state);
-    let mut covariance = DMatrix::zeros(information.len(), information.len());
+    let effects = information.iter().map(|information| facet_effects(drive, &terms, information));
+    let effects = DMatrix::from_columns(&effects.collect::<Vec<_>>());
+    effects.tr_mul(&effects)
+}
+
+/// Effects on a linear function of the states by one σ of each coefficient of the errors; `information` is H S for it.
+pub fn facet_effects(
+    drive: &Drive,
+    terms: &[PerStation<IncidenceTerms>],
+    information: &ChainVector,
+) -> DVector<f64> {
+    let layout = &drive.layout;
+    let mut effects = Vec::new();
     for station in (0..layout.stations()).map(Station::at) {
         for (row, rms_m) in slow_errors(layout, station).into_iter().zip(FACETS_M) {
             let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
             for term in 0..2 * ORDERS.len() {
                 let of_block = |block: usize| terms[block][station].as_flattened()[term];
-                let effect = DVector::<f64>::from_fn(information.len(), |k, _| {
-                    let slow = information[k].slow.iter().enumerate();
-                    slow.map(|(block, slow)| slow[row] * (sigma_m * of_block(block))).sum::<f64>()
-                });
-                covariance += &effect * effect.transpose();
+                let slow = information.slow.iter().enumerate();
+                effects.push(
+                    slow.map(|(block, slow)| slow[row] * (sigma_m * of_block(block))).sum::<f64>(),
+                );
             }
         }
     }
-    covariance
+    effects.into()
 }
 
 /// Indices of a station's slow errors along the sight, across it and upward.
@@ -56,7 +66,7 @@ fn slow_errors(layout: &Layout, station: Station) -> [usize; 3] {
 }
 
 /// The terms of all blocks by station.
-fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<IncidenceTerms>> {
+pub fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<IncidenceTerms>> {
     let stations = StationModel::all(&drive.layout, &state.constants).into_iter();
     let stations_m: PerStation<Vector3<f64>> = stations.map(|model| model.position_m).collect();
     let mut terms = Vec::new();

@@ -42,7 +42,8 @@ pub struct SplineWeights {
 pub fn segment_grids(span: &Span, knot_s: f64, block_s: f64) -> Vec<KnotGrid> {
     let Span { start_s, end_s, .. } = *span;
     let segments = ((end_s - start_s) / (MOST_KNOTS * knot_s)).ceil().max(1.0);
-    let cut_s = |k: f64| start_s + (end_s - start_s) * k / segments;
+    // Whole knots apart, so that the motion across a cut has the knots of both sides.
+    let cut_s = |k: f64| start_s + knot_s * ((end_s - start_s) * k / segments / knot_s).round();
     let block_s = block_s.max(BLOCK_KNOTS * knot_s);
     let grid = |k: usize| {
         // No instant is in two of them.

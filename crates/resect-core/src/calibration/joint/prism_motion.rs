@@ -59,6 +59,17 @@ pub struct PrismInstant {
     pub velocity_covariance: Matrix3<f64>,
 }
 
+/// The prisms that are followed at one instant, without their covariance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FollowedPrisms {
+    /// Their places among the prisms of the drive, in order.
+    pub places: Arc<[usize]>,
+    /// Positions in the frame of station 1 as it was set up (m).
+    pub position_m: Vec<Vector3<f64>>,
+    /// Time to the nearest reading of each (s).
+    pub to_reading_s: Vec<f64>,
+}
+
 impl MotionInstant {
     /// Position of a prism (m), by its place among those that are followed.
     pub fn prism_m(&self, place: usize) -> Vector3<f64> {
@@ -179,12 +190,11 @@ impl Solution {
         Ok(mapped.flatten().flatten().collect())
     }
 
-    /// Positions of the prisms that are followed at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m), with
-    /// their places among the prisms of the drive.
+    /// The prisms that are followed at an instant (s, stamps of station 1).
     ///
     /// Returns `None` outside of all segments. This evaluates the splines without covariance, fast enough for each frame of a window.
     /// Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
-    pub fn prisms_m(&self, time_s: f64) -> Option<(Arc<[usize]>, Vec<Vector3<f64>>)> {
+    pub fn prisms_at(&self, time_s: f64) -> Option<FollowedPrisms> {
         let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
         let segment = segments.get(index)?;
@@ -206,8 +216,12 @@ impl Solution {
             (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>()
         };
         let position_m = |prism| as_set_up(&(position_m(prism) + shift_m), &settled);
-        let positions_m = (0..segment.prisms.count()).map(position_m).collect();
-        Some((Arc::clone(&segment.prisms.in_drive), positions_m))
+        let prisms = 0..segment.prisms.count();
+        Some(FollowedPrisms {
+            places: Arc::clone(&segment.prisms.in_drive),
+            position_m: prisms.clone().map(position_m).collect(),
+            to_reading_s: prisms.map(|prism| segment.to_reading_s(prism, time_s)).collect(),
+        })
     }
 
     /// Start and end of each segment that has all prisms of the drive (s), if others have some of them.

@@ -5,7 +5,7 @@
 //! of a station has four parameters, one of station 1 acting through all others; a step of a clock has one. The step with the
 //! largest χ² is detected.
 
-use nalgebra::{DVector, Vector4};
+use nalgebra::{DMatrix, DVector, Vector4};
 use rayon::prelude::*;
 
 use super::chain::ChainVector;
@@ -26,6 +26,8 @@ const DRIFT_CHI_SQUARE: f64 = 20.0;
 /// Standard deviation of an error of a sight that changes with the incidence on the prism, along each axis (m): where a vehicle starts to
 /// move, it changes at once. Field: facets cause 1 to 4 mm.
 const SIGHT_ERROR_M: f64 = 0.0015;
+/// Most solutions for components of an increment at a time.
+const MOST_SOLUTIONS: usize = 2;
 /// Variances of a station's step beside which the data must determine it, as a multiple of those of settling.
 const STEP_SETTLING: f64 = 9.0;
 /// The same multiple once a step is detected, so that it is measured in all directions.
@@ -97,11 +99,11 @@ pub struct StepSearch<'a> {
 impl StepSearch<'_> {
     /// Returns the most significant step that is not known yet.
     ///
-    /// `by_incidence` returns the covariance of some linear functions of the states by errors that repeat with the incidence. It is costly, and
-    /// asked for steps alone that are significant without it.
+    /// `by_incidence` returns the effects of errors that repeat with the incidence on a linear function of the states. It is costly, and asked for
+    /// steps alone that are significant without it.
     pub fn most_significant_step(
         &self,
-        by_incidence: impl Fn(&[ChainVector]) -> WalkMatrix,
+        by_incidence: impl Fn(&ChainVector) -> DVector<f64>,
     ) -> Option<StationStep> {
         // Station 1 alone moves nothing.
         if self.layout.moved() == 0 {
@@ -124,7 +126,9 @@ impl StepSearch<'_> {
             if best.as_ref().is_some_and(|(significance, _)| *significance >= largest) {
                 break;
             }
-            let errors = by_incidence(&self.increment_solutions(index, index + 1));
+            let effects = self.map_increment_solutions(index, index + 1, &by_incidence);
+            let effects = DMatrix::from_columns(&effects);
+            let errors = effects.tr_mul(&effects);
             let step = best_of(self.tested_steps(index + 1, &covariances[index], Some(&errors)));
             let is_better = |(significance, _): &(f64, StationStep)| {
                 best.as_ref().is_none_or(|(best, _)| significance > best)
@@ -260,24 +264,34 @@ impl StepSearch<'_> {
 
     /// Covariance of the increment from a block to a later one, with priors and data.
     fn increment_covariance(&self, from: usize, to: usize) -> WalkMatrix {
-        let walks = self.layout.slow_ranges();
-        let solutions = self.increment_solutions(from, to);
-        WalkMatrix::from_fn(walks, walks, |i, k| {
-            solutions[k].slow[to][i] - solutions[k].slow[from][i]
-        })
+        let columns = self.map_increment_solutions(from, to, |solution| {
+            (&solution.slow[to] - &solution.slow[from])
+                .rows(0, self.layout.slow_ranges())
+                .into_owned()
+        });
+        WalkMatrix::from_fn(columns.len(), columns.len(), |row, column| columns[column][row])
     }
 
-    /// Solutions for the components of the increment from a block to a later one.
-    fn increment_solutions(&self, from: usize, to: usize) -> Vec<ChainVector> {
+    /// Maps the solutions for the components of the increment from a block to a later one. Those of a long drive need much memory, so there are
+    /// few at a time.
+    fn map_increment_solutions<T>(
+        &self,
+        from: usize,
+        to: usize,
+        map: impl Fn(&ChainVector) -> T,
+    ) -> Vec<T> {
         let blocks = self.block_times_s.len();
-        let difference = |k: usize| {
+        let difference = |component: &usize| {
             let mut difference = ChainVector::zeros(self.layout, blocks);
-            difference.slow[to][k] = 1.0;
-            difference.slow[from][k] = -1.0;
+            difference.slow[to][*component] = 1.0;
+            difference.slow[from][*component] = -1.0;
             difference
         };
-        let walks = 0..self.layout.slow_ranges();
-        self.factor.solve(&walks.map(difference).collect::<Vec<_>>())
+        let walks: Vec<usize> = (0..self.layout.slow_ranges()).collect();
+        let solutions =
+            |some: &[usize]| self.factor.solve(&some.iter().map(difference).collect::<Vec<_>>());
+        let mapped = walks.chunks(MOST_SOLUTIONS);
+        mapped.flat_map(|some| solutions(some).iter().map(&map).collect::<Vec<T>>()).collect()
     }
 }
 
