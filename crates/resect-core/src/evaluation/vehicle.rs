@@ -30,8 +30,8 @@ pub const LARGEST_POSE_SIGMA: PoseSigma =
 const USUAL_HZ: f64 = 10.0;
 /// Instants further apart do not share an inter-prism error (s).
 const NEAR_S: f64 = 0.5;
-/// Usual acceleration of a vehicle, by which a prism without readings departs from its spline (m/s²).
-const USUAL_M_PER_S2: f64 = 0.3;
+/// Usual jerk of a vehicle, by which a prism without readings departs from its spline (m/s³).
+const USUAL_M_PER_S3: f64 = 0.5;
 /// Time between the instants from which the usual tilt is taken (s).
 const TILT_STEP_S: f64 = 1.0;
 
@@ -317,7 +317,7 @@ impl VehicleRig {
         let FollowedPrisms { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
         let rig_m: Vec<Vector3<f64>> = places.iter().map(|place| self.prisms_m[*place]).collect();
         let weights = to_reading_s.iter().map(|to_reading_s| {
-            let sigma_m = self.sigma_m + 0.5 * USUAL_M_PER_S2 * to_reading_s.powi(2);
+            let sigma_m = self.sigma_m + USUAL_M_PER_S3 * to_reading_s.powi(3) / 6.0;
             sigma_m.powi(-2)
         });
         let weights: Vec<f64> = weights.collect();

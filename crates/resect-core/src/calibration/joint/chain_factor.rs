@@ -77,6 +77,11 @@ impl ChainFactor {
         Some((factor, solution))
     }
 
+    /// Frees memory; rows that are needed again are recomputed.
+    pub fn forget_rows(&mut self) {
+        self.stored = Vec::new();
+    }
+
     /// Returns the rows of one chunk of [`ChainMatrix::chunks`].
     fn rows(&self, blocks: Range<usize>) -> Cow<'_, [FactorRow]> {
         if let Some(stored) = self.stored.get(blocks.clone()) {

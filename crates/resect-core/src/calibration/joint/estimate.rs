@@ -385,6 +385,8 @@ impl Iteration<'_> {
             widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
         }
         add_survey(step, &mut self.pending_survey, state, priors, trace)?;
+        // The search has a factor of its own.
+        step.factor.forget_rows();
         if self.sizes.ranges_wander {
             choose_processes(&step.normal, priors, state, progress)?;
         }

@@ -23,6 +23,8 @@ const USUAL_TIMES: f64 = 3.0;
 const MOVING_M: f64 = 0.1;
 /// Fewest third differences of a moving vehicle from which the usual square is taken.
 const FEWEST_MOVING: usize = 10;
+/// Most third differences from which the usual square is taken.
+const MOST_USUAL: usize = 20_000;
 /// Largest jerk (m/s³): wheels slip and masts bend, but a prism on a vehicle does not move more roughly.
 const MOST_M_PER_S3: f64 = 3.0;
 /// Median of the mean of three squared normal errors. Textbook: χ² with three degrees of freedom.
@@ -34,20 +36,31 @@ pub struct ExcessJerk {
     by_station: PerStation<SquaredJerks>,
 }
 
-/// Squared jerks of one track.
-#[derive(Clone, Debug, Default)]
+/// Squared jerks of one track. They are computed when they are needed: long drives have millions of readings.
+#[derive(Clone, Debug)]
 struct SquaredJerks {
-    /// Middles of the third differences (s).
-    time_s: Vec<f64>,
-    /// Sums of the squares before each of them, by coordinate (m²/s⁶), and after the last.
-    sums: Vec<f64>,
-    usual: f64,
+    track: Arc<Vec<Reading>>,
+    /// Readings from one of the four of a third difference to the next.
+    stride: usize,
+    /// Usual and longest time between them (s).
     step_s: f64,
+    longest_s: f64,
+    /// Usual squared jerk, by coordinate (m²/s⁶).
+    usual: f64,
+}
+
+/// A third difference of the readings of a track.
+struct SquaredJerk {
+    /// Its middle (s).
+    time_s: f64,
+    /// By coordinate (m²/s⁶).
+    square: f64,
+    is_moving: bool,
 }
 
 impl ExcessJerk {
     pub fn new(tracks: &PerStation<Arc<Vec<Reading>>>) -> Self {
-        Self { by_station: tracks.map(|track| SquaredJerks::new(track)) }
+        Self { by_station: tracks.map(SquaredJerks::new) }
     }
 
     /// Returns the variance of the jerk at an instant (s) beyond the usual one, by coordinate (m²/s⁶), for knots this far apart (s).
@@ -63,43 +76,50 @@ impl ExcessJerk {
 }
 
 impl SquaredJerks {
-    fn new(track: &[Reading]) -> Self {
+    fn new(track: &Arc<Vec<Reading>>) -> Self {
         let usual_s = median(track.windows(2).map(|both| both[1].time_s - both[0].time_s));
         let usual_s = usual_s.filter(|usual_s| *usual_s > 0.0).unwrap_or(LEAST_STEP_S);
         let stride = (LEAST_STEP_S / usual_s).ceil().max(1.0) as usize;
-        let longest_s = STEPS_APART * stride as f64 * usual_s;
-        let mut jerks = Self { step_s: stride as f64 * usual_s, ..Self::default() };
-        let (mut squares, mut moving) = (Vec::new(), Vec::new());
-        for first in 0..track.len().saturating_sub(3 * stride) {
-            let four = [0, 1, 2, 3].map(|k| &track[first + k * stride]);
-            if four.windows(2).any(|both| both[1].time_s - both[0].time_s > longest_s) {
-                continue;
-            }
-            let square = third_derivative(four).norm_squared() / 3.0;
-            if (four[3].point_m - four[0].point_m).norm() > MOVING_M {
-                moving.push(square);
-            }
-            jerks.time_s.push(0.5 * (four[0].time_s + four[3].time_s));
-            squares.push(square);
-        }
-        let usual = if moving.len() < FEWEST_MOVING { &squares } else { &moving };
-        jerks.usual = median(usual.iter().copied()).unwrap_or(0.0) / MEDIAN_OF_THREE;
-        jerks.sums = std::iter::once(0.0)
-            .chain(squares.iter().scan(0.0, |sum, square| {
-                *sum += square;
-                Some(*sum)
-            }))
-            .collect();
+        let step_s = stride as f64 * usual_s;
+        let longest_s = STEPS_APART * step_s;
+        let mut jerks = Self { track: Arc::clone(track), stride, step_s, longest_s, usual: 0.0 };
+        let every = track.len().div_ceil(MOST_USUAL).max(1);
+        let of = |is_wanted: &dyn Fn(&SquaredJerk) -> bool| -> Vec<f64> {
+            let some = (0..track.len()).step_by(every).filter_map(|first| jerks.at(first));
+            some.filter(is_wanted).map(|jerk| jerk.square).collect()
+        };
+        let moving = of(&|jerk| jerk.is_moving);
+        let squares = if moving.len() < FEWEST_MOVING { of(&|_| true) } else { moving };
+        jerks.usual = median(squares.into_iter()).unwrap_or(0.0) / MEDIAN_OF_THREE;
         jerks
+    }
+
+    /// The third difference from a reading on; `None` across a gap.
+    fn at(&self, first: usize) -> Option<SquaredJerk> {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.track.get(first + k * self.stride));
+        let four = [a?, b?, c?, d?];
+        if four.windows(2).any(|both| both[1].time_s - both[0].time_s > self.longest_s) {
+            return None;
+        }
+        Some(SquaredJerk {
+            time_s: 0.5 * (four[0].time_s + four[3].time_s),
+            square: third_derivative(four).norm_squared() / 3.0,
+            is_moving: (four[3].point_m - four[0].point_m).norm() > MOVING_M,
+        })
     }
 
     /// Excess of the variance at an instant; `None` without readings.
     fn excess(&self, time_s: f64, knot_s: f64) -> Option<f64> {
-        let from = self.time_s.partition_point(|t| *t < time_s - HALF_WINDOW_S);
-        let to = self.time_s.partition_point(|t| *t <= time_s + HALF_WINDOW_S);
-        let mean = (self.sums[to] - self.sums[from]) / (to - from) as f64;
+        let earliest_s = time_s - HALF_WINDOW_S - 1.5 * self.longest_s;
+        let first = self.track.partition_point(|reading| reading.time_s < earliest_s);
+        let end = self.track.partition_point(|reading| reading.time_s <= time_s + HALF_WINDOW_S);
+        let near = (first..end).filter_map(|first| self.at(first));
+        let near = near.filter(|jerk| (jerk.time_s - time_s).abs() <= HALF_WINDOW_S);
+        let (sum, count) =
+            near.fold((0.0, 0_u32), |(sum, count), jerk| (sum + jerk.square, count + 1));
+        let mean = sum / f64::from(count);
         // A white jerk has the larger variance the shorter the time that it is averaged over.
-        (to > from).then(|| (mean - USUAL_TIMES * self.usual).max(0.0) * self.step_s / knot_s)
+        (count > 0).then(|| (mean - USUAL_TIMES * self.usual).max(0.0) * self.step_s / knot_s)
     }
 }
 
