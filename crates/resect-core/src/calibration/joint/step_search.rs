@@ -110,15 +110,13 @@ impl StepSearch<'_> {
             return None;
         }
         let covariances = self.factor.increment_covariances();
-        let tested = covariances.par_iter().enumerate();
-        let tested: Vec<Vec<TestedStep>> =
-            tested.map(|(index, own)| self.tested_steps(index + 1, own, None)).collect();
         let best_of = |steps: Vec<TestedStep>| {
             let all = steps.into_iter().map(|step| (step.significance(), step.step));
             all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(significance, _)| *significance > 1.0)
         };
-        let candidates = tested.into_iter().enumerate();
-        let candidates = candidates.filter_map(|(index, steps)| Some((best_of(steps)?.0, index)));
+        let candidates = covariances.par_iter().enumerate().filter_map(|(index, own)| {
+            Some((best_of(self.tested_steps(index + 1, own, None))?.0, index))
+        });
         let mut candidates: Vec<(f64, usize)> = candidates.collect();
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut best: Option<(f64, StationStep)> = None;
