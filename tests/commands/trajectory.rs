@@ -374,8 +374,9 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
         let told = [50, 95, 100].map(|percent| off_sigmas[(off_sigmas.len() - 1) * percent / 100]);
         (trajectory, told)
     };
+    // In gaps of one prism, up to two seconds long, its readings do not show how certain it is.
     let (_, told) = off_sigmas(true);
-    assert!(told[0] < 0.25 && told[1] < 0.5 && told[2] < 2.0, "{told:?} σ");
+    assert!(told[0] < 0.25 && told[1] < 0.5 && told[2] < 2.5, "{told:?} σ");
     // Where two prisms are followed, the scene has the tilt of the spans beside it, and σ is that of the tilt about one axis.
     let (trajectory, told) = off_sigmas(false);
     assert!(told[2] < 3.0, "{told:?} σ");

@@ -106,11 +106,12 @@ fn an_estimate_by_tighter_priors_is_not_the_answer() {
 }
 
 #[test]
-fn an_estimate_far_from_its_start_has_diverged() {
+fn an_estimate_far_from_its_start_has_not_converged() {
     let deployment = simulate(Preset::SinglePrism, 1).readings();
     let analysis = Analyst::new(deployment.into()).run(&Settings::default());
     assert_eq!(trace_from(analysis.triplets(), 0.0).status, SolverStatus::Converged);
-    assert_eq!(trace_from(analysis.triplets(), 200.0).status, SolverStatus::Diverged);
+    let far = trace_from(analysis.triplets(), 200.0).status;
+    assert!(matches!(far, SolverStatus::Diverged | SolverStatus::TooManySteps), "{far:?}");
 }
 
 #[test]

@@ -194,9 +194,9 @@ mod tests {
         assert!(way.why_not.is_none() && way.instants.len() > 2000, "{}", way.instants.len());
         let all_s = [f64::NEG_INFINITY, f64::INFINITY];
         let pieces: Vec<&[Instant]> = way.pieces(all_s).collect();
-        assert!(
-            pieces.len() > 5 && pieces.iter().map(|p| p.len()).sum::<usize>() == way.instants.len()
-        );
+        // Two long pauses of the recording are gaps.
+        assert!(pieces.len() > 1, "{}", pieces.len());
+        assert_eq!(pieces.iter().map(|p| p.len()).sum::<usize>(), way.instants.len());
         let middle = way.instants[way.instants.len() / 2];
         assert_eq!(way.at(middle.time_s), Some(middle));
         assert!(way.at(way.instants[0].time_s - 60.0).is_none());

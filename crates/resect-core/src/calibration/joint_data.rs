@@ -20,8 +20,9 @@ const STEPS_APART: f64 = 2.5;
 /// Most readings of a station from which the usual error is taken.
 const MOST_MEASURED: usize = 2000;
 
-/// Fewest readings of a run that is reported, and its shortest time (s). Single outliers are common.
+/// Fewest readings of a run that is reported. Single outliers are common.
 const FEWEST_IN_RUN: usize = 4;
+/// Shortest time of a run that is reported (s).
 const SHORTEST_RUN_S: f64 = 1.5;
 
 /// Consecutive readings of a station that contradict those of other stations.
@@ -69,13 +70,6 @@ impl<'a> JointData<'a> {
         Self { triplets: all, of_published: triplets }
     }
 
-    fn readings(&self) -> DriveReadings {
-        match std::ptr::eq(self.triplets, self.of_published) {
-            true => DriveReadings::of_triplets(self.triplets),
-            false => DriveReadings::all(self.triplets),
-        }
-    }
-
     /// Returns the readings whose distances to those of other stations fit an answer, those of a station alone, and the runs of the others.
     ///
     /// Of two that contradict each other, the one that fits more other stations is kept; neither, if they fit as many.
@@ -85,7 +79,7 @@ impl<'a> JointData<'a> {
         followed: &PerStation<Prism>,
         station1_from_station: &PerStation<LevelTransform>,
     ) -> (DriveReadings, Vec<ContradictingRun>) {
-        let readings = self.readings();
+        let readings = DriveReadings::taken(self.of_published);
         let both = readings.tracks.iter().zip(station1_from_station);
         let placed: PerStation<PlacedTrack<'_>> =
             both.map(|(track, transform)| PlacedTrack::new(track, transform)).collect();

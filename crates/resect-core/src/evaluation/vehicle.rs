@@ -9,7 +9,7 @@ use super::rig_motion::{align_upright, pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, PoseSigma, Trajectory, trajectory};
 use super::usual_tilt::{ExpectedTilt, UsualTilt};
 use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, FollowedPrisms, MotionInstant, PrismInstant, Solution,
+    ConstantsJacobian, MotionInstant, PrismInstant, PrismsAtInstant, Solution,
 };
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
@@ -314,7 +314,7 @@ impl VehicleRig {
 
     /// Returns the pose at an instant (s) without a covariance.
     fn at(&self, solution: &Solution, time_s: f64) -> Option<RigidTransform> {
-        let FollowedPrisms { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
+        let PrismsAtInstant { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
         let rig_m: Vec<Vector3<f64>> = places.iter().map(|place| self.prisms_m[*place]).collect();
         let weights = to_reading_s.iter().map(|to_reading_s| {
             let sigma_m = self.sigma_m + USUAL_M_PER_S3 * to_reading_s.powi(3) / 6.0;

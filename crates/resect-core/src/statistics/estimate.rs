@@ -42,7 +42,7 @@ pub enum Quantity {
     Drift,
     /// Ratio to a range.
     Share,
-    /// A number without a unit.
+    /// Curvature of a sight over that of the earth.
     Coefficient,
 }
 
@@ -66,7 +66,7 @@ impl Quantity {
             Self::Time => (1e3, "ms"),
             Self::Drift => (1e6, "µs/s"),
             Self::Share => (1e6, "ppm"),
-            Self::Coefficient => (1.0, ""),
+            Self::Coefficient => (1.0, "k"),
         }
     }
 }

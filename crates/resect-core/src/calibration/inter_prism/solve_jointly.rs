@@ -23,7 +23,7 @@ use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
 use crate::deployment::findings::outliers::{prism_changed, span_left_out};
-use crate::deployment::{Deployment, Finding, Rig};
+use crate::deployment::{Deployment, Finding, Rig, kinds};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::PerStation;
 use crate::pipeline::Triplets;
@@ -101,7 +101,10 @@ pub fn solve_jointly(
             None => span_left_out(span_s, start_s),
         }
     };
-    doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s, explain));
+    // The joint estimate takes readings, which are counted instead of triplets.
+    let left_out = gross_errors::left_out(&triplets.time_s, &kept_s, explain);
+    let is_told = |(_, finding): &(Verdict, Finding)| finding.kind != kinds::OUTLIERS_LEFT_OUT;
+    doubts.extend(left_out.into_iter().filter(is_told));
     judgement.put_first(doubts);
     Ok(MethodAnswer {
         method: Method::Joint,

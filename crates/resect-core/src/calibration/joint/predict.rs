@@ -58,7 +58,7 @@ pub fn predict(
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
     let mean = prior_mean(layout, station1_from_station, inter_prism_m);
-    let readings = DriveReadings::of_triplets(triplets);
+    let readings = DriveReadings::taken(triplets);
     for block_s in BLOCK_LENGTHS_S {
         let Some(drive) = Drive::new(layout, &readings, block_s) else { return Ok(None) };
         let estimate = predict_step(Arc::new(drive), triplets, &mean, sizes, expected, progress)?;

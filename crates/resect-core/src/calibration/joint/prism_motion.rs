@@ -61,7 +61,7 @@ pub struct PrismInstant {
 
 /// The prisms that are followed at one instant, without their covariance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FollowedPrisms {
+pub struct PrismsAtInstant {
     /// Their places among the prisms of the drive, in order.
     pub places: Arc<[usize]>,
     /// Positions in the frame of station 1 as it was set up (m).
@@ -194,7 +194,7 @@ impl Solution {
     ///
     /// Returns `None` outside of all segments. This evaluates the splines without covariance, fast enough for each frame of a window.
     /// Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
-    pub fn prisms_at(&self, time_s: f64) -> Option<FollowedPrisms> {
+    pub fn prisms_at(&self, time_s: f64) -> Option<PrismsAtInstant> {
         let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
         let segment = segments.get(index)?;
@@ -217,7 +217,7 @@ impl Solution {
         };
         let position_m = |prism| as_set_up(&(position_m(prism) + shift_m), &settled);
         let prisms = 0..segment.prisms.count();
-        Some(FollowedPrisms {
+        Some(PrismsAtInstant {
             places: Arc::clone(&segment.prisms.in_drive),
             position_m: prisms.clone().map(position_m).collect(),
             to_reading_s: prisms.map(|prism| segment.to_reading_s(prism, time_s)).collect(),

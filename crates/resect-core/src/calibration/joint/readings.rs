@@ -36,6 +36,14 @@ pub struct DriveReadings {
 }
 
 impl DriveReadings {
+    /// Returns the readings that the joint estimate takes: all, or those that triplets are interpolated from, if they have no others.
+    pub fn taken(triplets: &Triplets) -> Self {
+        match triplets.of_all_readings.as_deref() {
+            Some(all) => Self::all(all),
+            None => Self::of_triplets(triplets),
+        }
+    }
+
     /// Returns all readings of the tracks behind triplets.
     pub fn all(triplets: &Triplets) -> Self {
         Self::some(triplets, |_| true)
