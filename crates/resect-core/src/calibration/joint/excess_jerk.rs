@@ -90,7 +90,7 @@ impl SquaredJerks {
         };
         let moving = of(&|jerk| jerk.is_moving);
         let squares = if moving.len() < FEWEST_MOVING { of(&|_| true) } else { moving };
-        jerks.usual = median(squares.into_iter()).unwrap_or(0.0) / MEDIAN_OF_THREE;
+        jerks.usual = median(squares).unwrap_or(0.0) / MEDIAN_OF_THREE;
         jerks
     }
 
