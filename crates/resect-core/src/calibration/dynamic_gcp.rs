@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint::{JointInput, Layout, RigDistances};
+use super::joint::{JointEstimate, JointInput, Layout, RigDistances};
 use super::joint_data::{JointData, contradicting_runs};
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
@@ -19,15 +19,15 @@ use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
 use super::{
-    Alignment, CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks,
+    Alignment, CalibrationError, CalibrationSettings, Estimate, Method, Offer, Verdict, checks,
     common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
-use crate::deployment::Deployment;
 use crate::deployment::findings::outliers::outliers_shift_answer;
 use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
 };
+use crate::deployment::{Deployment, Finding};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::{PerPair, PerStation, Station};
 use crate::pipeline::Triplets;
@@ -77,14 +77,8 @@ pub fn solve_jointly(
     let triplets = all.triplets;
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
-    let mut judgement = tracks.judge(offer);
-    if let Some(clocks) = &tracks.clocks {
-        judgement.doubt(clocks_in_words::implausible_drifts(
-            &clocks.drifts,
-            &clocks.drifts.map(|_| false),
-            false,
-        ));
-    }
+    let judgement = tracks.judge(offer);
+    let drifts = tracks.clocks.as_ref().map(|clocks| clocks.drifts.clone());
     let mut answer = tracks.into_answer(Alignment::Level, judgement);
     let plain = answer
         .station1_from_station
@@ -122,6 +116,9 @@ pub fn solve_jointly(
     let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
     let judgement = &mut answer.judgement;
+    if let Some(drifts) = drifts {
+        judgement.doubt(drifts_beyond_the_estimate(&drifts, &estimate));
+    }
     let rig = deployment.rig.as_ref();
     joint::findings::add_notes(&mut judgement.findings, &estimate, rig);
     judgement.findings.extend(contradicting_runs(&runs, triplets.time_s[0]));
@@ -135,6 +132,18 @@ pub fn solve_jointly(
         details: (Ok(estimate), answer.details),
         prior_ms: 0.0,
     })
+}
+
+/// Returns the implausible drifts of the tracks where the estimate determines none: such a clock wanders more than it allows for.
+fn drifts_beyond_the_estimate(
+    drifts: &PerStation<Estimate>,
+    estimate: &JointEstimate,
+) -> Vec<Finding> {
+    let by_readings = estimate.clock_drifts_by_readings();
+    let beyond = drifts.zip(&by_readings, |of_tracks, by_readings| {
+        if by_readings.sigma.is_finite() { Estimate::ZERO } else { *of_tracks }
+    });
+    clocks_in_words::implausible_drifts(&beyond, &beyond.map(|_| false), false)
 }
 
 fn require_triplets(

@@ -56,7 +56,8 @@ impl Default for ErrorSizes {
             range_scale: 7e-6,
             index_rad: 4.0 * ARCSECOND_RAD,
             collimation_rad: 3.0 * ARCSECOND_RAD,
-            refraction: 3.0,
+            // 15 in a tunnel or over hot ground (gradients of 2 K/m) is three times that.
+            refraction: 5.0,
             settling_rad: 36e-6,
             settling_m: 0.0007,
             ranges_wander: true,

@@ -96,7 +96,7 @@ advice! {
         "An instrument error is implausibly large",
         "The estimated error is larger than those of sound instruments: probably another error biases the answer.",
         "Check the instrument for that error: temperature, pressure and prism constant for ranges, levelling and calibration for \
-               angles; then its view of the prism."
+               angles, hot or cold ground below the sights for refraction; then its view of the prism."
     }
     SOLVER {
         "The solver did not converge",
