@@ -218,7 +218,7 @@ fn number_row<S: Copy + Default>(number: &NumberSetting<S>, table: &str) -> Stri
     let flag = number.flag.map_or_else(|| "–".to_owned(), |flag| format!("`--{flag}`"));
     let mut default = in_toml(number.value(&S::default()));
     let unit = stored_unit(key);
-    if number.unit != unit {
+    if number.unit != unit && !number.unit.is_empty() {
         _ = write!(default, " ({} {})", in_toml(number.default_shown()), number.unit);
     }
     let mut limits = match number.least {
