@@ -208,7 +208,7 @@ impl FramedTrajectory<'_> {
             calibration.verdict_in_words(),
             without,
         ))?;
-        if let Some(sigma) = trajectory.middle_sigma() {
+        if let Some(sigma) = trajectory.median_sigma() {
             print(&format!(
                 "typical σ, {}: {:.1} mm in position, {:.2} mrad in orientation\n",
                 if calibration.joint().is_some() {
