@@ -25,7 +25,7 @@ const ANSWERS: usize = 2;
 /// A deployment with the triplets on which all answers are judged.
 struct Judged<'a> {
     deployment: &'a Deployment,
-    triplets: Triplets,
+    triplets: Arc<Triplets>,
 }
 
 /// Absolute distance errors of one answer (mm), or the reason why there is none, in a few words.
