@@ -23,7 +23,7 @@ use resect_core::progress::Progress;
 const ANSWERS: usize = 2;
 
 /// A deployment with the triplets on which all answers are judged.
-struct Judged<'a> {
+struct SweptDeployment<'a> {
     deployment: &'a Deployment,
     triplets: Arc<Triplets>,
 }
@@ -40,7 +40,7 @@ pub fn sweep_answers(
     progress: &Progress,
 ) -> Result<Study, StudyError> {
     sweep.check(&settings.pipeline).map_err(StudyError::Nothing)?;
-    let judged = deployments.iter().map(|deployment| Judged {
+    let judged = deployments.iter().map(|deployment| SweptDeployment {
         deployment,
         triplets: pipeline::run(deployment, &settings.pipeline).triplets,
     });
@@ -89,7 +89,7 @@ pub fn sweep_answers(
 
 /// Errors of both answers of all deployments; without an answer of one deployment there are none.
 fn pooled_errors_mm(
-    judged: &[Judged<'_>],
+    judged: &[SweptDeployment<'_>],
     pipeline: &PipelineSettings,
     settings: &Settings,
 ) -> [AnswerErrors; ANSWERS] {
@@ -109,7 +109,7 @@ fn pooled_errors_mm(
     pools
 }
 
-impl Judged<'_> {
+impl SweptDeployment<'_> {
     /// Calibrates by one method with the triplets of the changed settings.
     fn errors_mm(
         &self,
