@@ -151,11 +151,10 @@ fn require_triplets(
     triplets: &Triplets,
     offer: &Offer,
 ) -> Result<(), CalibrationError> {
-    // The joint estimate of one station starts from its track.
-    let method = match offer.first_method() {
-        Method::Joint => Method::Joint,
-        _ => Method::DynamicGcp,
-    };
+    // The joint estimate starts from all readings, also where the paper's pipeline leaves no triplets, and from the track of one station.
+    let published_lacks = offer.lack(offer.published_method()).is_some();
+    let is_joint_alone = published_lacks && offer.lack(Method::Joint).is_none();
+    let method = if is_joint_alone { Method::Joint } else { Method::DynamicGcp };
     if offer.lack(method).is_some() {
         return Err(CalibrationError::lacking(deployment, method, offer));
     }

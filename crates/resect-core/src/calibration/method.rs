@@ -140,9 +140,7 @@ impl Offer {
     /// Returns the method of the first answer: the paper's, or the joint estimate of one station, whose track no method of the paper
     /// calibrates.
     pub fn first_method(&self) -> Method {
-        let published = self.published_method();
-        let is_joint_alone = self.lack(published).is_some() && self.lack(Method::Joint).is_none();
-        if is_joint_alone { Method::Joint } else { published }
+        if self.followed.len() == 1 { Method::Joint } else { self.published_method() }
     }
 }
 

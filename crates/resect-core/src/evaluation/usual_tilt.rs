@@ -70,15 +70,18 @@ impl UsualTilt {
         if changes[1].1 < FEWEST || variance_rad2 <= 0.0 {
             return None;
         }
+        // A covariance that grew with the distance would give weights far beyond one.
+        let mut least_rad2 = variance_rad2;
         let covariance_rad2 = changes.into_iter().enumerate().map(|(apart, (sum, count))| {
-            match (apart, count >= FEWEST) {
+            least_rad2 = match (apart, count >= FEWEST) {
                 (0, _) => variance_rad2,
-                (_, true) => variance_rad2 - sum / count as f64,
+                (_, true) => (variance_rad2 - sum / count as f64).clamp(0.0, least_rad2),
                 // Few drives have pairs at one distance and not at the others.
                 (_, false) => 0.0,
-            }
+            };
+            least_rad2
         });
-        Some(Self { known, mean, covariance_rad2: covariance_rad2.collect() })
+        Some(Self { covariance_rad2: covariance_rad2.collect(), known, mean })
     }
 
     /// Returns the expected tilt at an instant (s).
@@ -93,7 +96,8 @@ impl UsualTilt {
             beside.iter().map(|known| covariance(known.time_s - time_s)),
         );
         let among = DMatrix::from_fn(beside.len(), beside.len(), |i, k| {
-            covariance(beside[i].time_s - beside[k].time_s)
+            let error_rad2 = if i == k { beside[i].variance_rad2 } else { 0.0 };
+            covariance(beside[i].time_s - beside[k].time_s) + error_rad2
         });
         let weights = among.cholesky().map(|among| among.solve(&with_instant));
         let weights = weights.unwrap_or_else(|| DVector::zeros(beside.len()));
@@ -148,6 +152,29 @@ mod tests {
             }
         };
         (0..count).map(&mut pose).collect()
+    }
+
+    /// The covariances of a short drive hardly fall at first, and may even rise. Weights of hundreds would tilt the vehicle by tens of
+    /// degrees.
+    #[test]
+    fn the_expected_tilt_of_a_short_drive_is_no_larger_than_the_known_ones() {
+        for seconds in [12, 20, 40, 60] {
+            let all = poses(0.03, 20.0, seconds);
+            let (before, after) = all.split_at(seconds / 2);
+            let gap_s = 8.0;
+            let later =
+                after.iter().map(|pose| Pose { time_s: pose.time_s + gap_s, ..pose.clone() });
+            let known: Vec<Pose> = before.iter().cloned().chain(later).collect();
+            let tilt = UsualTilt::new(&known).expect("enough poses");
+            let from_mean_rad = |up: Vector3<f64>| (up - tilt.mean).norm();
+            let most_rad =
+                tilt.known.iter().map(|known| from_mean_rad(known.up)).fold(0.0, f64::max);
+            for tenth in 0..80 {
+                let time_s = before[before.len() - 1].time_s + 0.1 * f64::from(tenth);
+                let found_rad = from_mean_rad(tilt.at(time_s).up);
+                assert!(found_rad < 2.0 * most_rad, "{seconds} s: {found_rad} of {most_rad}");
+            }
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
 use crate::calibration::{Calibration, Estimate, Method, distance_errors_m};
 use crate::deployment::{Deployment, Rig};
 use crate::geometry::{RigidTransform, align_rigid, align_weighted};
-use crate::network::{Pair, PerPair, PerPrism, PerStation, Prism, Station};
+use crate::network::{Number, Pair, PerPair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -352,14 +352,23 @@ fn tilt_times_s(solution: &Solution) -> Vec<f64> {
     spans_s.into_iter().flat_map(of_span).collect()
 }
 
-/// Returns the prisms on the vehicle by an estimate.
+/// Returns the followed prisms on the vehicle by an estimate.
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
     distances_m: &PerPair<Estimate>,
 ) -> Result<VehicleRig, NoTrajectory> {
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.clone(), ..rig.clone() };
+    let followed = |all: &PerPrism<Vector3<f64>>| -> Option<PerPrism<Vector3<f64>>> {
+        let prisms = joint.layout().followed_prisms();
+        prisms.map(|prism| all.as_slice().get(prism.index()).copied()).collect()
+    };
+    let shaped = |rig: &Rig| Rig {
+        inter_prism_m: inter_prism_m.clone(),
+        prisms_m: rig.prisms_m.as_ref().and_then(followed),
+        in_vehicle_m: rig.in_vehicle_m.as_ref().and_then(followed),
+        inter_antenna_m: rig.inter_antenna_m,
+    };
     let (prisms_m, frame) = rig_of(deployment, &shaped)?;
     let sigma_m = match frame {
         // Two prisms share the error of their distance.
@@ -388,14 +397,14 @@ fn rig_of(
     shaped: &dyn Fn(&Rig) -> Rig,
 ) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
-    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
+    let rig = shaped(deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?);
     let is_unknown = rig.inter_prism_m.len() > Pair::count(3)
         && rig.prisms_m.is_none()
         && rig.in_vehicle_m.is_none();
     if is_unknown {
         return Err(NoTrajectory::UnknownLayout(name()));
     }
-    let found = prisms_in_vehicle(&shaped(rig)).filter(|(prisms_m, _)| span_a_plane(prisms_m));
+    let found = prisms_in_vehicle(&rig).filter(|(prisms_m, _)| span_a_plane(prisms_m));
     found.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
 }
 

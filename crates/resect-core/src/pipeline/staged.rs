@@ -153,6 +153,8 @@ impl StagedPipeline {
                 triplets_of_all_readings(deployment, &positions_m)
             })
         });
+        // Stations that read more rarely than its limits allow have their triplets by the settings alone.
+        let of_all_readings = of_all_readings.filter(|all| !all.is_empty());
         let key = (settings.interpolation, settings.rate_hz, settings.all_readings);
         // Removed before the computation, so that cancelled triplets are not replaced by those of other readings.
         let known = self.triplets.take_if(|(known, _)| *known == key && !stale);

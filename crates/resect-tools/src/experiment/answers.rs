@@ -97,7 +97,7 @@ fn pooled_errors_mm(
     for one in judged {
         let triplets = pipeline::run(one.deployment, pipeline).triplets;
         let offer = Offer::of(one.deployment, &triplets);
-        let methods = [offer.first_method(), Method::Joint];
+        let methods = [offer.published_method(), Method::Joint];
         for (pool, method) in pools.iter_mut().zip(methods) {
             let errors = one.errors_mm(&triplets, method, &offer, settings);
             *pool = std::mem::replace(pool, Ok(Vec::new())).and_then(|mut pool| {

@@ -107,6 +107,11 @@ impl Layout {
         self.followed.changes_s()
     }
 
+    /// Returns the followed prisms by their numbers on the rig, in order.
+    pub fn followed_prisms(&self) -> impl Iterator<Item = Prism> {
+        self.prisms.iter().copied()
+    }
+
     /// Returns the place of a prism among those that are followed.
     pub fn place_of(&self, prism: Prism) -> usize {
         self.prisms.as_slice().partition_point(|other| *other < prism)
