@@ -234,15 +234,19 @@ class Calibration:
         *,
         times_s: Sequence[float] | Array | None = None,
         max_error_m: float | None = None,
+        max_sigma_m: float | None = None,
+        max_sigma_rad: float | None = None,
         lever_arm_m: Sequence[float] | Array | None = None,
         frame: Literal["station1", "control-points"] = "station1",
     ) -> Trajectory:
         """Returns the poses of the vehicle, or the positions of the one prism that all stations follow.
 
         Args:
-            rate: poses per second, evenly spaced (Hz); one pose at each triplet by default.
+            rate: poses per second, evenly spaced (Hz); by default ten wherever the joint estimate has a motion.
             times_s: times of the poses (s), instead of a rate.
             max_error_m: poses with a larger inter-prism error are left out (m); 0.02 by default.
+            max_sigma_m: poses with a larger σ in position are left out (m); 0.05 by default.
+            max_sigma_rad: poses with a larger σ in orientation are left out (rad); 0.0524 (3°) by default.
             lever_arm_m: origin of a sensor in the vehicle's frame (m), whose poses are returned.
             frame: frame of the poses: station 1's, or the one in which the control points were surveyed.
 
@@ -254,6 +258,8 @@ class Calibration:
             "rate": arguments.optional_number("rate", plain(rate)),
             "times_s": None if times is None else arguments.numbers("times_s", times),
             "max_error_m": arguments.optional_number("max_error_m", plain(max_error_m)),
+            "max_sigma_m": arguments.optional_number("max_sigma_m", plain(max_sigma_m)),
+            "max_sigma_rad": arguments.optional_number("max_sigma_rad", plain(max_sigma_rad)),
             "lever_arm_m": None if lever_m is None else arguments.numbers("lever_arm_m", lever_m, 3),
             "frame": arguments.choice("frame", frame, ("station1", "control-points")),
         }

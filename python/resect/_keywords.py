@@ -23,6 +23,8 @@ class Settings(TypedDict, total=False):
 
     outlier_filter: bool
     interval_filter: bool
+    # The joint estimate takes all readings, not only those of the kept intervals.
+    all_readings: bool
     tau_r_m_per_s: float
     tau_a_deg_per_s: float
     tau_e_deg_per_s: float
@@ -45,6 +47,7 @@ class Settings(TypedDict, total=False):
     range_scale: float
     index_rad: float
     collimation_rad: float
+    refraction: float
     settling_rad: float
     settling_m: float
     ranges_wander: bool

@@ -39,6 +39,8 @@ struct TrajectoryOptions {
     rate: Option<f64>,
     times_s: Option<Vec<f64>>,
     max_error_m: Option<f64>,
+    max_sigma_m: Option<f64>,
+    max_sigma_rad: Option<f64>,
     lever_arm_m: Option<[f64; 3]>,
     frame: String,
 }
@@ -135,14 +137,20 @@ impl TrajectoryOptions {
                     format!("rate is {hz} Hz; it must be above 0 and {LARGEST_RATE_HZ} at most");
                 return Err(Failure(line));
             }
-            (None, None) => Instants::Triplets,
+            (None, None) => Instants::Usual,
         };
         let mut request = TrajectoryRequest { instants, ..TrajectoryRequest::default() };
-        if let Some(error_m) = self.max_error_m {
-            if !(error_m > 0.0 && error_m.is_finite()) {
-                return Err(Failure(format!("max_error_m is {error_m} m; it must be above zero")));
+        let limits = &mut request.limits;
+        for (name, given, limit) in [
+            ("max_error_m", self.max_error_m, &mut limits.inter_prism_error_m),
+            ("max_sigma_m", self.max_sigma_m, &mut limits.sigma.position_m),
+            ("max_sigma_rad", self.max_sigma_rad, &mut limits.sigma.orientation_rad),
+        ] {
+            let Some(given) = given else { continue };
+            if !(given > 0.0 && given.is_finite()) {
+                return Err(Failure(format!("{name} is {given}; it must be above zero")));
             }
-            request.largest_inter_prism_error_m = error_m;
+            *limit = given;
         }
         if let Some(lever_arm_m) = self.lever_arm_m {
             if !lever_arm_m.iter().all(|value| value.is_finite()) {

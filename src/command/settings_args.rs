@@ -73,6 +73,9 @@ pub struct SettingsArguments {
     /// Omit module 3, the interval filter
     #[arg(long)]
     no_interval_filter: bool,
+    /// Give the joint estimate the readings of the kept intervals alone, as methods A to D have them
+    #[arg(long)]
+    kept_readings: bool,
     /// Module 4, interpolation between readings [default: linear]
     #[arg(long, value_parser = choice(INTERPOLATIONS))]
     interpolation: Option<Interpolation>,
@@ -115,6 +118,9 @@ impl SettingsArguments {
         }
         if self.no_interval_filter {
             settings.pipeline.interval_filter = false;
+        }
+        if self.kept_readings {
+            settings.pipeline.all_readings = false;
         }
         let calibration = &mut settings.calibration;
         settings.pipeline.interpolation =

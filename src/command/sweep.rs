@@ -9,7 +9,7 @@ use super::{Failure, print};
 use resect_core::calibration::Method;
 use resect_core::progress::Progress;
 use resect_report::study;
-use resect_tools::experiment::{Parameter, Sweep, sweep};
+use resect_tools::experiment::{Parameter, Sweep, sweep, sweep_answers};
 
 #[derive(Args)]
 pub struct SweepArguments {
@@ -30,6 +30,9 @@ pub struct SweepArguments {
     /// Reference method [default: as in the paper, static-gcp with control points, dynamic-gcp for one prism, else inter-prism]
     #[arg(long, value_parser = choice(METHODS), value_name = "METHOD")]
     reference: Option<Method>,
+    /// Calibrate for each value by method D (C with one prism) and by the joint estimate, and judge both on the same triplets
+    #[arg(long, conflicts_with_all = ["reference", "splits"])]
+    answers: bool,
 }
 
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
@@ -40,7 +43,13 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     range.check(&settings.pipeline).map_err(Failure::Usage)?;
     let deployments = arguments.study.deployments()?;
     let reference = arguments.reference;
-    let study = |it: &Progress| sweep(&deployments, &settings, &range, reference, splits, it);
+    let study = |it: &Progress| {
+        if arguments.answers {
+            sweep_answers(&deployments, &settings, &range, it)
+        } else {
+            sweep(&deployments, &settings, &range, reference, splits, it)
+        }
+    };
     let result = with_progress("sweeping", study)?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;

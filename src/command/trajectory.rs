@@ -16,8 +16,8 @@ use resect_core::deployment::Deployment;
 use resect_core::evaluation::requested_trajectory::{
     LARGEST_RATE_HZ, RequestedMotion, TrajectoryRequest, requested_trajectory,
 };
-use resect_core::evaluation::trajectory::Trajectory;
-use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M};
+use resect_core::evaluation::trajectory::{PoseSigma, Trajectory};
+use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, PoseLimits};
 use resect_core::network::MOST_STATIONS;
 use resect_core::pipeline::Triplets;
 use resect_core::statistics::median;
@@ -37,13 +37,16 @@ pub struct TrajectoryArguments {
     /// Omit epochs with an inter-prism error above this (mm)
     #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
-    /// Rate of evenly spaced poses (1/s), instead of one at each triplet (the joint estimate only)
+    /// Omit epochs with a larger σ: in position (mm), and in orientation (°)
+    #[arg(long, value_name = "MM,DEG", default_value = "50,3", allow_hyphen_values = true, value_parser = two_limits)]
+    max_sigma: [f64; 2],
+    /// Rate of evenly spaced poses (1/s), instead of ten wherever the joint estimate has a motion
     #[arg(long, value_name = "HZ", conflicts_with_all = ["at", "at_readings"], allow_negative_numbers = true)]
     pose_rate: Option<f64>,
-    /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
+    /// Poses at the times in the first column of this file (s; TUM, CSV), instead of ten a second (the joint estimate only)
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
-    /// Poses at the stamps of all readings, instead of at the triplets (the joint estimate only)
+    /// Poses at the stamps of all readings, instead of ten a second (the joint estimate only)
     #[arg(long, conflicts_with = "at")]
     at_readings: bool,
     /// Poses of a sensor instead of the vehicle: its origin in the vehicle's frame (m), with parallel axes
@@ -71,6 +74,26 @@ impl TrajectoryArguments {
     fn file(&self) -> Option<&Path> {
         self.out.as_deref().filter(|out| !is_standard_output(out))
     }
+
+    fn limits(&self) -> PoseLimits {
+        let [position_mm, orientation_deg] = self.max_sigma;
+        let (position_m, orientation_rad) = (position_mm / 1e3, orientation_deg.to_radians());
+        PoseLimits {
+            inter_prism_error_m: self.max_error / 1e3,
+            sigma: PoseSigma { position_m, orientation_rad },
+            ..PoseLimits::default()
+        }
+    }
+}
+
+/// Reads two numbers above zero.
+fn two_limits(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split(',').map(|number| number.trim().parse::<f64>());
+    let numbers: Result<Vec<f64>, _> = numbers.collect();
+    match numbers.as_deref() {
+        Ok(&[a, b]) if a > 0.0 && b > 0.0 => Ok([a, b]),
+        _ => Err("give two numbers above zero: mm and degrees".to_owned()),
+    }
 }
 
 pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
@@ -93,11 +116,11 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let instants = match (times_s.as_ref().or(reading_s.as_ref()), arguments.pose_rate) {
         (Some(times_s), _) => Instants::At(times_s),
         (None, Some(hz)) => Instants::Rate(hz),
-        (None, None) => Instants::Triplets,
+        (None, None) => Instants::Usual,
     };
     let request = TrajectoryRequest {
         instants,
-        largest_inter_prism_error_m: arguments.max_error / 1e3,
+        limits: arguments.limits(),
         lever_arm_m: arguments.lever_arm,
         is_in_site_frame: arguments.frame == FrameArgument::ControlPoints,
     };
@@ -179,13 +202,13 @@ impl FramedTrajectory<'_> {
              by {}, verdict {}\n{}",
             file.display(),
             trajectory.poses.len(),
-            dropped(trajectory, arguments.max_error),
+            dropped(trajectory, arguments),
             vehicle,
             calibration.method_in_words(),
             calibration.verdict_in_words(),
             without,
         ))?;
-        if let Some(sigma) = trajectory.middle_sigma() {
+        if let Some(sigma) = trajectory.median_sigma() {
             print(&format!(
                 "typical σ, {}: {:.1} mm in position, {:.2} mrad in orientation\n",
                 if calibration.joint().is_some() {
@@ -258,11 +281,15 @@ fn one_prism(
 }
 
 /// Counts the epochs without a pose, by reason.
-fn dropped(trajectory: &Trajectory, largest_error_mm: f64) -> String {
-    let Trajectory { dropped, above_limit, .. } = trajectory;
+fn dropped(trajectory: &Trajectory, arguments: &TrajectoryArguments) -> String {
+    let Trajectory { dropped, above_limit, too_uncertain, .. } = trajectory;
+    let TrajectoryArguments { max_error, max_sigma: [position_mm, orientation_deg], .. } =
+        arguments;
+    let undetermined = dropped - above_limit - too_uncertain;
     let reasons = [
-        (*above_limit, format!("with an inter-prism error above {largest_error_mm} mm")),
-        (dropped - above_limit, "without a motion that the readings determine".to_owned()),
+        (*above_limit, format!("with an inter-prism error above {max_error} mm")),
+        (*too_uncertain, format!("with σ above {position_mm} mm or {orientation_deg}°")),
+        (undetermined, "without a motion that the readings determine".to_owned()),
     ];
     let reasons = reasons.into_iter().filter(|(count, _)| *count > 0);
     let reasons: Vec<String> = reasons.map(|(count, why)| format!("{count} {why}")).collect();

@@ -105,6 +105,7 @@ fn told_in_order() -> Settings {
         range_scale: 0.0,
         index_rad: 0.0,
         collimation_rad: 0.0,
+        refraction: 0.0,
         settling_rad: 0.0,
         settling_m: 0.0,
         ranges_wander: false,

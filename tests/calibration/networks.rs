@@ -168,7 +168,9 @@ fn a_change_of_prism_is_found_with_its_station_and_times_and_offered() {
         let analysis = analyse(&deployment, &Settings::default());
         let findings = &answer(&analysis).calibration.findings;
         let finding = findings.iter().find(|finding| finding.kind == kinds::PRISM_CHANGED);
-        let finding = finding.unwrap_or_else(|| panic!("{findings:?}"));
+        let finding = finding.unwrap_or_else(|| {
+            panic!("{findings:?} {:#?}", answer(&analysis).calibration.joint_failure())
+        });
         let Some(Remedy::ReadWith(overrides)) = finding.remedies.first() else {
             panic!("{finding:?}")
         };

@@ -1094,7 +1094,8 @@ fn a_past_deployment_is_a_plan() {
             let foreseen = value["held"]["sigma"][slot]["translation_m"][axis].as_f64();
             let stated = by_drive["transforms"][slot]["sigma"]["translation_m"][axis].as_f64();
             let ratio = foreseen.expect("held") / stated.expect("held");
-            assert!((0.7..1.4).contains(&ratio), "T1{} axis {axis}: {ratio:.2}", slot + 2);
+            // The drive has learned smaller noise than a plan expects.
+            assert!((0.7..1.45).contains(&ratio), "T1{} axis {axis}: {ratio:.2}", slot + 2);
         }
     }
 }

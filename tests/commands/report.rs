@@ -8,7 +8,7 @@ use crate::common::{of_field, sample_folder};
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::trajectory::Pose;
-use resect_core::evaluation::vehicle::{Instants, trajectory_by};
+use resect_core::evaluation::vehicle::{Instants, PoseLimits, trajectory_by};
 use resect_io::file_mark::FileMark;
 use resect_io::sample::Sample;
 use resect_report::report::{Chapter, page};
@@ -252,7 +252,8 @@ fn own_poses(deployment: &Deployment, analysis: &Analysis) -> Vec<EstimatedPose>
     let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
     let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let wanted = Instants::Rate(2.0);
-    let found = trajectory_by(deployment, triplets, followed, calibration, wanted, f64::INFINITY);
+    let found =
+        trajectory_by(deployment, triplets, followed, calibration, wanted, &PoseLimits::NONE);
     let pose = |pose: &Pose| EstimatedPose {
         time_s: pose.time_s,
         position_m: pose.position_m,

@@ -11,7 +11,9 @@ use resect_core::progress::Progress;
 use resect_io::open::open;
 use resect_io::sample::Sample;
 use resect_report::study;
-use resect_tools::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
+use resect_tools::experiment::{
+    Parameter, Splits, StudyError, Sweep, ablate, compare, sweep, sweep_answers,
+};
 use resect_tools::simulation::{Preset, simulate};
 
 fn sample() -> Vec<Arc<Deployment>> {
@@ -164,4 +166,21 @@ fn ten_deployments_are_compared_as_one() {
     assert_eq!(result.deployments.len(), 10);
     assert_eq!(progress.share(), Some(1.0));
     assert_eq!(result.study.groups[2].note, "1 of 10 deployments");
+}
+
+/// The thresholds of the paper decide the answer of method D only.
+#[test]
+fn the_joint_estimate_does_not_follow_a_threshold_and_method_d_does() {
+    let range = Sweep { parameter: Parameter::TauL, from: 1.0, to: 15.0, steps: 4 };
+    let study = sweep_answers(&sample(), &Settings::default(), &range, &Progress::default())
+        .expect("sweeps");
+    let spread_mm = |series: usize| {
+        let medians_mm =
+            study.groups.iter().map(|group| group.boxes[series].as_ref().expect("a box").median);
+        let [least, most] =
+            [f64::min, f64::max].map(|pick| medians_mm.clone().reduce(pick).expect("four values"));
+        most - least
+    };
+    assert!(spread_mm(1) < 1e-9, "{}", spread_mm(1));
+    assert!(spread_mm(0) > 1e-3, "{}", spread_mm(0));
 }

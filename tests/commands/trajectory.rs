@@ -1,12 +1,14 @@
 //! The vehicle's poses in six degrees of freedom, compared with the simulator's ground truth and by the real evo.
 
+use std::path::Path;
 use std::process::Command;
 
 use crate::common::{analyse, answer, by, of_field, published, sample_folder};
 use resect_core::calibration::Method;
 use resect_core::calibration::joint::prism_motion::MotionInstant;
+use resect_core::evaluation::rig_layout::VehicleFrame;
 use resect_core::evaluation::vehicle::{
-    Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
+    Instants, NoTrajectory, PoseLimits, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
 use resect_core::geometry::RigidTransform;
 use resect_core::progress::Progress;
@@ -36,7 +38,7 @@ fn the_poses_carry_the_prisms_to_where_they_were_seen() {
         .collect();
     tilts.sort_by(f64::total_cmp);
     assert!(tilts[tilts.len() / 2] < 0.1, "{}", tilts[tilts.len() / 2]);
-    let sigma = trajectory.middle_sigma().expect("poses");
+    let sigma = trajectory.median_sigma().expect("poses");
     assert!((0.0005..0.005).contains(&sigma.position_m), "{sigma:?}");
     assert!((0.0005..0.01).contains(&sigma.orientation_rad), "{sigma:?}");
 }
@@ -149,8 +151,9 @@ fn a_stiff_drive_has_a_pose_at_every_triplet_with_readings() {
         .output()
         .expect("runs");
     let said = String::from_utf8_lossy(&output.stdout);
-    let reason = "2426 poses, 1 epoch dropped (1 without a motion that the readings determine)";
-    assert!(said.contains(reason), "{said}");
+    let reasons = "(6 with an inter-prism error above 20 mm, 592 with σ above 50 mm or 3°, 583 without a motion that the readings \
+                   determine)";
+    assert!(said.contains("4700 poses, 1181 epochs dropped") && said.contains(reasons), "{said}");
 }
 
 #[test]
@@ -199,19 +202,23 @@ fn the_csv_has_the_covariance_and_the_field_data_its_poses() {
     let text = std::fs::read_to_string(&file).expect("written");
     let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
     assert_eq!(header.len(), 9 + 6 + 21 + 12);
-    // 2032 triplets, a few of them in segments too short for a motion.
+    // 2032 triplets; together with the times at which two prisms or all are followed beyond the paper's intervals, twice as many.
     let poses = text.lines().count() - 1;
-    assert!((1950..=2032).contains(&poses), "{poses}");
+    assert!((4000..4600).contains(&poses), "{poses}");
     assert!(open(&path).is_ok());
 }
 
 /// Returns times, positions and their σ from the CSV that the command writes.
 fn csv_of(arguments: &[&str]) -> Vec<[f64; 5]> {
+    csv_of_folder(&sample_folder("warthog"), arguments)
+}
+
+fn csv_of_folder(deployment: &Path, arguments: &[&str]) -> Vec<[f64; 5]> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.csv");
     let output = resect()
         .arg("trajectory")
-        .arg(sample_folder("warthog"))
+        .arg(deployment)
         .args(arguments)
         .arg("--out")
         .arg(&file)
@@ -261,7 +268,21 @@ fn poses_are_had_at_a_rate_and_at_the_stamps_of_a_file() {
 
 #[test]
 fn a_pose_is_less_certain_where_readings_end_and_none_is_made_up_in_a_gap() {
-    let poses = csv_of(&["--pose-rate", "10"]);
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in std::fs::read_dir(sample_folder("warthog")).expect("a folder") {
+        let entry = entry.expect("a file");
+        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).expect("copied");
+    }
+    // No station has readings during ten seconds of each minute.
+    let readings = folder.path().join("inter_prism.csv");
+    let is_kept = |line: &&str| {
+        let time_s = line.split(',').next().expect("a field").parse::<f64>();
+        time_s.map_or(true, |time_s| time_s % 60.0 < 50.0)
+    };
+    let text = std::fs::read_to_string(&readings).expect("read");
+    let kept: Vec<&str> = text.lines().filter(is_kept).collect();
+    std::fs::write(&readings, kept.join("\n") + "\n").expect("written");
+    let poses = csv_of_folder(folder.path(), &["--pose-rate", "10"]);
     let (mut ends, mut middles) = (Vec::new(), Vec::new());
     for stretch in poses.chunk_by(|a, b| b[0] - a[0] < 0.15).filter(|stretch| stretch.len() > 60) {
         ends.push(stretch[0][4]);
@@ -337,21 +358,28 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     let (calibration, triplets) = (&answer(&analysis).calibration, &analysis.pipeline.triplets);
     let followed = &analysis.offer.followed;
     let rate = Instants::Rate(10.0);
-    let (trajectory, _) =
-        trajectory_by(&deployment, triplets, followed, calibration, rate, f64::INFINITY)
-            .expect("a rig");
-    let mut off_sigmas: Vec<f64> = Vec::new();
-    for pose in &trajectory.poses {
-        let quick = vehicle_at(&deployment, calibration, pose.time_s).expect("in a stretch");
-        let sigma = pose.sigma();
-        let off_m = (quick.translation_m - pose.position_m).norm();
-        let off_rad = pose.orientation.to_rotation_matrix().angle_to(&quick.rotation);
-        off_sigmas.push((off_m / sigma.position_m).max(off_rad / sigma.orientation_rad));
-    }
-    off_sigmas.sort_by(f64::total_cmp);
-    let share = |percent: usize| off_sigmas[(off_sigmas.len() - 1) * percent / 100];
-    let told = [50, 95, 100].map(share);
-    assert!(told[0] < 0.25 && told[1] < 0.5 && told[2] < 2.0, "{told:?} σ");
+    let off_sigmas = |needs_three_prisms: bool| {
+        let limits = PoseLimits { needs_three_prisms, ..PoseLimits::NONE };
+        let found = trajectory_by(&deployment, triplets, followed, calibration, rate, &limits);
+        let (trajectory, _) = found.expect("a rig");
+        let off_sigmas = trajectory.poses.iter().map(|pose| {
+            let quick = vehicle_at(&deployment, calibration, pose.time_s).expect("in a stretch");
+            let sigma = pose.sigma();
+            let off_m = (quick.translation_m - pose.position_m).norm();
+            let off_rad = pose.orientation.to_rotation_matrix().angle_to(&quick.rotation);
+            (off_m / sigma.position_m).max(off_rad / sigma.orientation_rad)
+        });
+        let mut off_sigmas: Vec<f64> = off_sigmas.collect();
+        off_sigmas.sort_by(f64::total_cmp);
+        let told = [50, 95, 100].map(|percent| off_sigmas[(off_sigmas.len() - 1) * percent / 100]);
+        (trajectory, told)
+    };
+    // In gaps of one prism, up to two seconds long, its readings do not show how certain it is.
+    let (_, told) = off_sigmas(true);
+    assert!(told[0] < 0.25 && told[1] < 0.5 && told[2] < 2.5, "{told:?} σ");
+    // Where two prisms are followed, the scene has the tilt of the spans beside it, and σ is that of the tilt about one axis.
+    let (trajectory, told) = off_sigmas(false);
+    assert!(told[2] < 3.0, "{told:?} σ");
     for gap in trajectory.poses.windows(2).filter(|two| two[1].time_s - two[0].time_s > 0.5) {
         let middle_s = 0.5 * (gap[0].time_s + gap[1].time_s);
         assert_eq!(vehicle_at(&deployment, calibration, middle_s), None, "in a gap");
@@ -421,9 +449,10 @@ fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     let calibration = &answer(&analysis).calibration;
     let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let dropped = |limit_m: f64| {
-        let wanted = Instants::Triplets;
+        let wanted = Instants::Usual;
+        let limits = PoseLimits { inter_prism_error_m: limit_m, ..PoseLimits::NONE };
         let (found, _) =
-            trajectory_by(&deployment, triplets, followed, calibration, wanted, limit_m)
+            trajectory_by(&deployment, triplets, followed, calibration, wanted, &limits)
                 .expect("three prisms");
         assert!(found.poses.iter().all(|pose| pose.inter_prism_error_m <= limit_m));
         found.dropped
@@ -543,7 +572,7 @@ fn poses_are_had_at_the_readings_of_all_stations() {
     let shared = first.iter().filter(found).count();
     assert!(3 * shared > 2 * first.len(), "{shared} of {}", first.len());
     let all: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
-    assert!((all / 2..all).contains(&times_s.len()), "{} of {all}", times_s.len());
+    assert!((all / 2..=all).contains(&times_s.len()), "{} of {all}", times_s.len());
     assert!(times_s.is_sorted());
 }
 

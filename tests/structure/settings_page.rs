@@ -51,7 +51,7 @@ struct Choice {
 
 const SWITCH: &[&str] = &["true", "false"];
 
-const CHOICES: [Choice; 10] = [
+const CHOICES: [Choice; 11] = [
     Choice {
         path: "pipeline.outlier_filter",
         flag: "--no-outlier-filter",
@@ -63,6 +63,12 @@ const CHOICES: [Choice; 10] = [
         flag: "--no-interval-filter",
         values: SWITCH,
         meaning: "Module 3, the interval filter",
+    },
+    Choice {
+        path: "pipeline.all_readings",
+        flag: "--kept-readings",
+        values: SWITCH,
+        meaning: "The joint estimate takes all readings, not only those of the kept intervals",
     },
     Choice {
         path: "pipeline.interpolation",
@@ -212,7 +218,7 @@ fn number_row<S: Copy + Default>(number: &NumberSetting<S>, table: &str) -> Stri
     let flag = number.flag.map_or_else(|| "–".to_owned(), |flag| format!("`--{flag}`"));
     let mut default = in_toml(number.value(&S::default()));
     let unit = stored_unit(key);
-    if number.unit != unit {
+    if number.unit != unit && !number.unit.is_empty() {
         _ = write!(default, " ({} {})", in_toml(number.default_shown()), number.unit);
     }
     let mut limits = match number.least {

@@ -268,7 +268,7 @@ fn each_pane_shows_numbers_of_the_analysis() {
     let panes = [
         (Pane::Deployment, format!("{} readings", readings[0])),
         (Pane::Pipeline, format!("→ {triplets} triplets")),
-        (Pane::Result, format!("{x_m:.4}")),
+        (Pane::Result, format!("{x_m:.3}")),
         (Pane::SideBySide, triplets.to_string()),
         (Pane::Runs, "Run 1, good: warthog (simulated)".to_owned()),
         (Pane::Residuals, "distance errors 2–3 over time".to_owned()),

@@ -163,10 +163,10 @@ fn the_result_follows_the_units() {
     assert!(has(&harness, " gon") && !has(&harness, " rad"));
     let summary = harness.state().state.active().and_then(|o| o.summary.clone()).expect("one");
     // As many decimals as σ, which has two digits.
-    let sigma_mm = summary.stations[0].sigma.expect("held")[0] * 1e3;
+    let sigma_mm = summary.stations[0].sigma.expect("held")[2] * 1e3;
     assert!((0.995..9.95).contains(&sigma_mm), "{sigma_mm}");
-    let x = format!("{:.1} ", summary.stations[0].translation_m[0] * 1e3);
-    assert!(has(&harness, &x) && has(&harness, &format!(" ± {sigma_mm:.1}")), "{x}");
+    let z = format!("{:.1} ", summary.stations[0].translation_m[2].abs() * 1e3);
+    assert!(has(&harness, &z) && has(&harness, &format!(" ± {sigma_mm:.1}")), "{z}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     send(&mut harness, WorkspaceCommand::ShowPane(Pane::Result));
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "gon");

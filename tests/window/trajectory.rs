@@ -16,7 +16,7 @@ use resect::app::{
 };
 use resect_core::calibration::Method;
 use resect_core::evaluation::trajectory::Trajectory;
-use resect_core::evaluation::vehicle::{Instants, trajectory_by};
+use resect_core::evaluation::vehicle::{Instants, PoseLimits, trajectory_by};
 use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Place;
@@ -38,9 +38,8 @@ fn own(harness: &Window) -> Trajectory {
     let answer = analysis.answer.as_ref().expect("an answer");
     let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
     let wanted = Instants::Rate(10.0);
-    let limit_m = f64::INFINITY;
     let calibration = &answer.calibration;
-    trajectory_by(&open.deployment, triplets, followed, calibration, wanted, limit_m)
+    trajectory_by(&open.deployment, triplets, followed, calibration, wanted, &PoseLimits::NONE)
         .expect("poses")
         .0
 }

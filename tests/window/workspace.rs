@@ -24,7 +24,7 @@ fn cursor_s(harness: &Window) -> f64 {
 #[test]
 fn unused_readings_and_changed_settings_stand_beside_the_verdict() {
     let mut harness = window(LARGE, Theme::Dark);
-    assert!(harness.query_by_label("2348 of 2996 readings used").is_some());
+    assert!(harness.query_by_label("2971 of 2996 readings used").is_some());
     assert!(harness.query_by_label_contains("other than the defaults").is_none());
     let mut changed = settings(&harness);
     changed.pipeline.thresholds.tau_l_seconds = 7.0;

@@ -242,6 +242,7 @@ mod tests {
         assert_eq!(to_drive(5.0, |_, _| ()), Some(OPENING));
         // A long drive needs another remedy, rotations are useless with one prism, and no drive replaces a rig.
         let no_interval = |_: &mut Deployment, settings: &mut Settings| {
+            settings.pipeline.all_readings = false;
             settings.pipeline.thresholds.tau_l_seconds = 1e3;
         };
         assert_eq!(to_drive(60.0, no_interval), None);

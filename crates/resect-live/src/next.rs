@@ -10,7 +10,7 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::ErrorSizes;
 use resect_core::calibration::joint::ExpectedNoise;
 use resect_core::deployment::Deployment;
-use resect_core::evaluation::vehicle::prisms_in_vehicle;
+use resect_core::evaluation::rig_layout::prisms_in_vehicle;
 use resect_core::geometry::LevelTransform;
 use resect_core::network::Prism;
 use resect_core::progress::Progress;

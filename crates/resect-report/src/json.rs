@@ -342,6 +342,7 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
             "slow_upward_m": found.slow_upward.sigma_m,
             "slow_upward_correlation_s": found.slow_upward.correlation_s,
         },
+        "readings": found.solution.readings().as_slice(),
         "steps": steps,
         // Order: x, y, z (m) and yaw (rad) of station 2, then of station 3, ….
         "sigma_by_source": sigma_by_source,

@@ -52,6 +52,16 @@ pub fn calibration(
     if let Some(unused) = unused_readings(out) {
         _ = writeln!(text, "            not used: {unused}");
     }
+    if let Some(joint) = calibration.joint() {
+        let taken = joint.solution.readings();
+        _ = writeln!(
+            text,
+            "joint       {} readings taken ({}: {})",
+            taken.iter().sum::<usize>(),
+            all_stations(taken.len()),
+            taken.zip(&raw, |taken, raw| format!("{taken}/{raw}")).as_slice().join(", "),
+        );
+    }
     let named = deployment.tracks.each().filter(|(_, track)| track.name.is_some());
     let named: Vec<String> = named.map(|(at, _)| deployment.station_in_words(at)).collect();
     if !named.is_empty() {

@@ -30,6 +30,9 @@ const PAIRS: [Rgb; 3] = [[172, 128, 248], [205, 55, 115], [150, 140, 50]];
 /// Metrics of a study: control points blue, inter-prism distances vermilion.
 pub const METRICS: [Rgb; 2] = [[60, 130, 200], [213, 94, 0]];
 
+/// Answers of a sweep: of the published method sand, the joint estimate teal.
+pub const ANSWERS: [Rgb; 2] = [[200, 150, 90], [20, 140, 140]];
+
 /// The two steps of the paper's search of the prior: steel and rust.
 pub const STEPS: [Rgb; 2] = [[110, 150, 190], [190, 110, 70]];
 

@@ -1,6 +1,5 @@
 //! A made-up error of the instruments, all in this file: it is simulated, estimated and listed like those of the table of unknowns.
 
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -8,7 +7,9 @@ use resect_core::calibration::joint::instrument_errors::instrument_errors;
 use resect_core::calibration::joint::unknown::{
     Effect, Owner, PriorSize, ReadingError, UNKNOWNS, Unknown,
 };
-use resect_core::calibration::joint::{JointEstimate, JointInput, Layout, RigDistances, estimate};
+use resect_core::calibration::joint::{
+    DriveReadings, JointEstimate, JointInput, Layout, RigDistances, estimate,
+};
 use resect_core::calibration::{ErrorSizes, Quantity};
 use resect_core::deployment::Rig;
 use resect_core::network::{Number, PerStation, Prism, PrismSchedule};
@@ -58,7 +59,7 @@ fn estimated(amplitudes_m: &PerStation<f64>) -> JointEstimate {
         is_determined_by_drive: true,
         sizes: &ErrorSizes::default(),
     };
-    let result = estimate(&|| Cow::Borrowed(&*triplets), &input, &Progress::default());
+    let result = estimate(&DriveReadings::of_triplets(&triplets), &input, &Progress::default());
     result.expect("not cancelled").expect("it converges")
 }
 

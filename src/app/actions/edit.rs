@@ -95,6 +95,9 @@ fn pipeline(state: &State) -> Vec<Action> {
         setting(state, "Pipeline", "Interval filter", now.interval_filter, |settings| {
             settings.pipeline.interval_filter ^= true;
         }),
+        setting(state, "Pipeline", "Joint estimate: all readings", now.all_readings, |settings| {
+            settings.pipeline.all_readings ^= true;
+        }),
     ];
     actions.extend(Interpolation::ALL.map(|choice| {
         let name = format!("Interpolation: {}", choice.title());

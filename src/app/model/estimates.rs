@@ -80,7 +80,7 @@ impl Units {
         match row.quantity {
             Quantity::Length => self.length_estimate(row.value, row.sigma),
             Quantity::Angle => self.angle_estimate(row.value, row.sigma),
-            Quantity::Time | Quantity::Drift | Quantity::Share => {
+            Quantity::Time | Quantity::Drift | Quantity::Share | Quantity::Coefficient => {
                 let (per, unit) = row.quantity.told();
                 Shown::new(row.value * per, row.sigma.map(|sigma| sigma * per), unit, 1)
             }

@@ -10,6 +10,7 @@ use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_tools::experiment::{
     Comparison, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare, sweep,
+    sweep_answers,
 };
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,17 +19,29 @@ pub enum StudyKind {
     Comparison,
     Ablation,
     Sensitivity,
+    Answers,
 }
 
 impl StudyKind {
-    pub const ALL: [Self; 3] = [Self::Comparison, Self::Ablation, Self::Sensitivity];
+    pub const ALL: [Self; 4] = [Self::Comparison, Self::Ablation, Self::Sensitivity, Self::Answers];
 
     pub fn title(self) -> &'static str {
         match self {
             Self::Comparison => "Compare calibrations",
             Self::Ablation => "Ablate the pipeline",
             Self::Sensitivity => "Sweep a threshold",
+            Self::Answers => "Sweep D and the joint estimate",
         }
+    }
+
+    /// Returns true if a threshold is swept.
+    pub fn is_sweep(self) -> bool {
+        matches!(self, Self::Sensitivity | Self::Answers)
+    }
+
+    /// Returns true if the transforms that the errors are computed with can be chosen.
+    pub fn has_reference(self) -> bool {
+        matches!(self, Self::Ablation | Self::Sensitivity)
     }
 }
 
@@ -116,6 +129,9 @@ pub fn run(
         }
         StudyKind::Sensitivity => sweep(deployments, settings, range, *reference, splits, progress)
             .map(StudyResult::Pipeline),
+        StudyKind::Answers => {
+            sweep_answers(deployments, settings, range, progress).map(StudyResult::Pipeline)
+        }
     }
 }
 

@@ -100,6 +100,9 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
     outlier_filter(ui, &mut settings.pipeline, counts, sliders);
     intervals(ui, &mut settings.pipeline, counts, sliders);
     interpolation(ui, &mut settings.pipeline, counts, sliders);
+    ui.checkbox(&mut settings.pipeline.all_readings, "Joint estimate: all readings").on_hover_text(
+        "The joint estimate takes all readings and finds outliers itself. Otherwise it takes those of the kept intervals",
+    );
 }
 
 /// Shows the counts below a module; a dash until there are any.

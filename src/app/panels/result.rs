@@ -199,7 +199,7 @@ fn head(
         let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
         words::explain(ui.label(text), &glossary::INTER_PRISM_METRIC);
     }
-    readings(ui, open, analysis);
+    readings(ui, open, analysis, answer);
     // A verdict may have become worse by them.
     let changes = state.workspace.units.changes(&Settings::default(), &open.settings);
     if !changes.is_empty() {
@@ -209,14 +209,17 @@ fn head(
 }
 
 /// Shows the number of readings that the answer uses; the hover card counts the others by reason.
-fn readings(ui: &mut egui::Ui, open: &OpenDeployment, analysis: &Analysis) {
+fn readings(ui: &mut egui::Ui, open: &OpenDeployment, analysis: &Analysis, answer: &Answer) {
     let out = &analysis.pipeline;
     let all: usize = open.deployment.tracks.iter().map(|track| track.measurements.len()).sum();
-    let used: usize = out.counts(SampleFate::Kept).iter().sum();
+    let kept: usize = out.counts(SampleFate::Kept).iter().sum();
+    let joint = answer.calibration.joint();
+    let used = joint.map_or(kept, |joint| joint.solution.readings().iter().sum());
     if all > 0 {
         let label = ui.weak(format!("{used} of {all} readings used"));
+        let by = if joint.is_some() { "Not used by methods A to D" } else { "Not used" };
         if let Some(unused) = text::unused_readings(out) {
-            label.on_hover_text(format!("Not used: {unused}"));
+            label.on_hover_text(format!("{by}: {unused}"));
         }
     }
 }

@@ -68,36 +68,14 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         )
         .on_hover_text("All use the settings of the active deployment");
     });
-    if options.kind == StudyKind::Sensitivity {
+    if options.kind.is_sweep() {
         sweep(ui, &mut options.sweep);
     }
-    if options.kind != StudyKind::Comparison {
+    if options.kind.has_reference() {
         reference(ui, &mut options);
     }
-    ui.horizontal(|ui| {
-        ui.checkbox(&mut options.split, "75 % splits,").on_hover_text(
-            "Calibrates with a random 75 % of the data and evaluates on the rest, split in segments of 5 s",
-        );
-        ui.add_enabled_ui(options.split, |ui| {
-            let (repeats, range) = (&mut options.splits.repeats, StudyOptions::REPEATS);
-            number::field(ui, ("Repeats", "repeats"), repeats, range, |ui, repeats, parse| {
-                let repeats =
-                    egui::DragValue::new(repeats).range(StudyOptions::REPEATS).suffix(" repeats");
-                ui.add(repeats.custom_parser(parse))
-            })
-            .on_hover_text("Repeats");
-        });
-    });
-    if options.split {
-        ui.horizontal(|ui| {
-            let label = ui.label("seed");
-            let seed = &mut options.splits.seed;
-            number::field(ui, ("seed", ""), seed, StudyOptions::SEEDS, |ui, seed, parse| {
-                let seed = egui::DragValue::new(seed).range(StudyOptions::SEEDS);
-                ui.add(seed.custom_parser(parse))
-            })
-            .labelled_by(label.id);
-        });
+    if options.kind != StudyKind::Answers {
+        splits(ui, &mut options);
     }
     if options != state.results.studies.options {
         commands.push(ResultsCommand::SetStudy(options).into());
@@ -125,10 +103,9 @@ fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         }
         None => {
             ui.horizontal(|ui| {
-                let wrong = match options.kind {
-                    StudyKind::Sensitivity => options.sweep.check(&state.settings().pipeline).err(),
-                    _ => None,
-                };
+                let settings = &state.settings().pipeline;
+                let is_sweep = options.kind.is_sweep();
+                let wrong = is_sweep.then(|| options.sweep.check(settings).err()).flatten();
                 let wrong = wrong.or_else(|| {
                     state.deployments.open.is_empty().then(|| "Nothing is open".to_owned())
                 });
@@ -179,6 +156,35 @@ fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
         })
         .labelled_by(label.id);
     });
+}
+
+/// Shows the options of the random splits.
+fn splits(ui: &mut egui::Ui, options: &mut StudyOptions) {
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut options.split, "75 % splits,").on_hover_text(
+            "Calibrates with a random 75 % of the data and evaluates on the rest, split in segments of 5 s",
+        );
+        ui.add_enabled_ui(options.split, |ui| {
+            let (repeats, range) = (&mut options.splits.repeats, StudyOptions::REPEATS);
+            number::field(ui, ("Repeats", "repeats"), repeats, range, |ui, repeats, parse| {
+                let repeats =
+                    egui::DragValue::new(repeats).range(StudyOptions::REPEATS).suffix(" repeats");
+                ui.add(repeats.custom_parser(parse))
+            })
+            .on_hover_text("Repeats");
+        });
+    });
+    if options.split {
+        ui.horizontal(|ui| {
+            let label = ui.label("seed");
+            let seed = &mut options.splits.seed;
+            number::field(ui, ("seed", ""), seed, StudyOptions::SEEDS, |ui, seed, parse| {
+                let seed = egui::DragValue::new(seed).range(StudyOptions::SEEDS);
+                ui.add(seed.custom_parser(parse))
+            })
+            .labelled_by(label.id);
+        });
+    }
 }
 
 fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {

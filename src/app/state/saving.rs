@@ -7,7 +7,7 @@ use super::State;
 use crate::app::file_dialog::{Answer, Question, Wanted};
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
-use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
+use resect_core::evaluation::vehicle::{Instants, PoseLimits, prism_by, trajectory_by};
 use resect_core::network::Prism;
 use resect_io::atomic;
 use resect_io::file_mark::marks_of;
@@ -155,7 +155,7 @@ fn trajectory_file(
         calibration.verdict_in_words()
     );
     let (triplets, followed, wanted) =
-        (analysis.triplets(), &analysis.offer.followed, Instants::Triplets);
+        (analysis.triplets(), &analysis.offer.followed, Instants::Usual);
     if Prism::is_one(followed) {
         let positions = prism_by(deployment, triplets, calibration, wanted);
         let positions = positions.map_err(|why| why.to_string())?;
@@ -163,7 +163,7 @@ fn trajectory_file(
             .map_err(|why| why.to_string());
     }
     let (trajectory, _) =
-        trajectory_by(deployment, triplets, followed, calibration, wanted, LARGEST_POSE_ERROR_M)
+        trajectory_by(deployment, triplets, followed, calibration, wanted, &PoseLimits::default())
             .map_err(|why| why.to_string())?;
     resect_report::trajectory::file(kind, &trajectory, &header, STATION1)
         .map_err(|why| why.to_string())

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
-use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
+use resect_core::evaluation::vehicle::{Instants, PoseLimits, trajectory_by, vehicle_trajectory};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
 use resect_tools::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 
@@ -67,15 +67,16 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
         triplets,
         followed,
         &answer.calibration,
-        Instants::Triplets,
-        f64::INFINITY,
+        Instants::Usual,
+        &PoseLimits::NONE,
     );
     let placing = answer.calibration.placing_tracks(&deployment);
     let lines = vehicle_trajectory(&deployment, triplets, followed, placing, f64::INFINITY);
     let (Ok((found, _)), Ok((lines, _))) = (found, lines) else { return Vec::new() };
-    let mut lines = lines.poses.iter();
+    let mut lines = lines.poses.iter().peekable();
     let each = found.poses.iter().filter_map(|pose| {
-        let line = lines.find(|line| line.time_s == pose.time_s)?;
+        while lines.next_if(|line| line.time_s < pose.time_s).is_some() {}
+        let line = lines.next_if(|line| line.time_s == pose.time_s)?;
         let (truth, later) =
             (true_pose(&simulated, pose.time_s), true_pose(&simulated, pose.time_s + 0.1));
         let rate = (later.orientation * truth.orientation.inverse()).scaled_axis() / 0.1;
@@ -182,8 +183,9 @@ fn campaign(count: u64, rig_sigma_m: f64) -> (Vec<(Place, Summary)>, Summary) {
 
 #[test]
 fn poses_are_as_certain_as_they_say_in_a_short_campaign() {
-    // An error of the rig is constant during a drive, and some drives determine its frequency poorly.
-    let (places, all) = campaign(24, 0.0);
+    // An error of the rig is constant during a drive, and some drives determine its frequency poorly. So is the attitude of the rig in a tunnel, to
+    // 20 mrad: ten of its drives are in these sixty.
+    let (places, all) = campaign(60, 0.0);
     for (place, found) in places {
         assert!(found.covers_position > 0.90, "{place:?}: {:.3}", found.covers_position);
         assert!(found.covers_rotation > 0.90, "{place:?}: {:.3}", found.covers_rotation);

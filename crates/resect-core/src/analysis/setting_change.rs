@@ -64,6 +64,7 @@ fn named_values(settings: &Settings) -> Vec<NamedValue> {
         switch("interval filter", pipeline.interval_filter),
     ];
     values.extend(PIPELINE_NUMBERS.map(|setting| number(setting, pipeline)));
+    values.push(switch("all readings", pipeline.all_readings));
     values.extend([
         word("interpolation", pipeline.interpolation.title()),
         NamedValue { name: "method", value: method, unit: "" },

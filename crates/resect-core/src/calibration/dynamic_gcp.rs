@@ -11,22 +11,23 @@ use nalgebra::{DMatrix, Vector3};
 use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint::{JointInput, Layout, RigDistances};
+use super::joint::{JointEstimate, JointInput, Layout, RigDistances};
+use super::joint_data::{JointData, contradicting_runs};
 use super::joint_failure::{JointFailure, JointResult};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
 use super::{
-    Alignment, CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks,
+    Alignment, CalibrationError, CalibrationSettings, Estimate, Method, Offer, Verdict, checks,
     common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
-use crate::deployment::Deployment;
 use crate::deployment::findings::outliers::outliers_shift_answer;
 use crate::deployment::findings::points::{
     few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
 };
+use crate::deployment::{Deployment, Finding};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::{PerPair, PerStation, Station};
 use crate::pipeline::Triplets;
@@ -68,21 +69,16 @@ pub fn solve(
 /// Calibrates by the joint estimate of one prism, which starts from the aligned tracks. If it fails, the answer is that of method C.
 pub fn solve_jointly(
     deployment: &Deployment,
-    triplets: &Triplets,
+    all: &JointData<'_>,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, DynamicGcpDetails)>, CalibrationError> {
+    let triplets = all.triplets;
     require_triplets(deployment, triplets, offer)?;
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
-    let mut judgement = tracks.judge(offer);
-    if let Some(clocks) = &tracks.clocks {
-        judgement.doubt(clocks_in_words::implausible_drifts(
-            &clocks.drifts,
-            &clocks.drifts.map(|_| false),
-            false,
-        ));
-    }
+    let judgement = tracks.judge(offer);
+    let drifts = tracks.clocks.as_ref().map(|clocks| clocks.drifts.clone());
     let mut answer = tracks.into_answer(Alignment::Level, judgement);
     let plain = answer
         .station1_from_station
@@ -100,11 +96,12 @@ pub fn solve_jointly(
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
-    let estimate = joint::estimate(&|| Cow::Borrowed(triplets), &input, progress)?;
+    let (readings, runs) = all.fitting(deployment, &offer.followed, &plain);
+    let estimate = joint::estimate(&readings, &input, progress)?;
     let estimate = match estimate {
         Ok(estimate) => estimate,
         Err(trace) => {
-            let published = solve(deployment, triplets, settings, offer)?;
+            let published = solve(deployment, all.of_published, settings, offer)?;
             return Ok(published.in_place_of_joint(JointFailure::from(trace)));
         }
     };
@@ -119,8 +116,12 @@ pub fn solve_jointly(
     let (rms_m, survey) = (answer.details.rms_m, estimate.survey.as_ref());
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, survey);
     let judgement = &mut answer.judgement;
+    if let Some(drifts) = drifts {
+        judgement.doubt(drifts_beyond_the_estimate(&drifts, &estimate));
+    }
     let rig = deployment.rig.as_ref();
     joint::findings::add_notes(&mut judgement.findings, &estimate, rig);
+    judgement.findings.extend(contradicting_runs(&runs, triplets.time_s[0]));
     judgement.put_first(joint::findings::doubts(&estimate));
     Ok(MethodAnswer {
         method: Method::Joint,
@@ -133,16 +134,27 @@ pub fn solve_jointly(
     })
 }
 
+/// Returns the implausible drifts of the tracks where the estimate determines none: such a clock wanders more than it allows for.
+fn drifts_beyond_the_estimate(
+    drifts: &PerStation<Estimate>,
+    estimate: &JointEstimate,
+) -> Vec<Finding> {
+    let by_readings = estimate.clock_drifts_by_readings();
+    let beyond = drifts.zip(&by_readings, |of_tracks, by_readings| {
+        if by_readings.sigma.is_finite() { Estimate::ZERO } else { *of_tracks }
+    });
+    clocks_in_words::implausible_drifts(&beyond, &beyond.map(|_| false), false)
+}
+
 fn require_triplets(
     deployment: &Deployment,
     triplets: &Triplets,
     offer: &Offer,
 ) -> Result<(), CalibrationError> {
-    // The joint estimate of one station starts from its track.
-    let method = match offer.first_method() {
-        Method::Joint => Method::Joint,
-        _ => Method::DynamicGcp,
-    };
+    // The joint estimate starts from all readings, also where the paper's pipeline leaves no triplets, and from the track of one station.
+    let published_lacks = offer.lack(offer.published_method()).is_some();
+    let is_joint_alone = published_lacks && offer.lack(Method::Joint).is_none();
+    let method = if is_joint_alone { Method::Joint } else { Method::DynamicGcp };
     if offer.lack(method).is_some() {
         return Err(CalibrationError::lacking(deployment, method, offer));
     }

@@ -27,10 +27,13 @@ const COINCIDE_M: f64 = 0.05;
 const KEPT: f64 = 0.9;
 /// Rounds of alignment, each with the triplets that fit best.
 const ROUNDS: usize = 3;
-/// Most triplets that are used; more add no information.
-const MOST_TRIPLETS: usize = 2000;
-/// Fewest triplets from which coinciding tracks are recognised.
-const FEWEST_TRIPLETS: usize = 10;
+/// Distance that the prism of some station moves from place to place (m): much more than noise. A vehicle that stands for minutes is at one
+/// place, at which any tracks coincide.
+const PLACE_M: f64 = 0.2;
+/// Most places that are used; more add no information.
+const MOST_PLACES: usize = 2000;
+/// Fewest places from which coinciding tracks are recognised.
+const FEWEST_PLACES: usize = 10;
 /// Length of the chords by which the direction of travel is measured (m): much longer than noise, shorter than bends.
 const CHORD_M: f64 = 1.0;
 /// Share of the chords that count.
@@ -63,10 +66,11 @@ pub fn followed_prisms(deployment: &Deployment, triplets: &Triplets) -> PrismAss
         None => {}
     }
     let by_rig = || several(deployment.rig.is_none());
-    if triplets.len() < FEWEST_TRIPLETS {
+    let places = distinct_places(triplets);
+    if places.len() < FEWEST_PLACES {
         return by_rig();
     }
-    match median_distance_m(triplets).filter(|median_m| *median_m < COINCIDE_M) {
+    match median_distance_m(triplets, &places).filter(|median_m| *median_m < COINCIDE_M) {
         None => several(false),
         Some(median_m) if turns(triplets, median_m) => one(),
         Some(_) => by_rig(),
@@ -90,11 +94,27 @@ pub fn several_prisms(deployment: &Deployment, triplets: &Triplets) -> PerStatio
     deployment.prism_schedule().at(time_s).clone()
 }
 
-/// Returns the median distance between the tracks after the others are aligned to that of station 1 (m).
-fn median_distance_m(triplets: &Triplets) -> Option<f64> {
-    let step = triplets.len().div_ceil(MOST_TRIPLETS);
+/// Returns the triplets at which the vehicle has moved since the one before.
+fn distinct_places(triplets: &Triplets) -> Vec<usize> {
+    let mut places: Vec<usize> = Vec::new();
+    for index in 0..triplets.len() {
+        let has_moved = |last: &usize| {
+            let mut tracks = triplets.points_m.iter();
+            tracks.any(|points_m| (points_m[index] - points_m[*last]).norm() > PLACE_M)
+        };
+        if places.last().is_none_or(has_moved) {
+            places.push(index);
+        }
+    }
+    places
+}
+
+/// Returns the median distance between the tracks at these places after the others are aligned to that of station 1 (m).
+fn median_distance_m(triplets: &Triplets, places: &[usize]) -> Option<f64> {
+    let step = places.len().div_ceil(MOST_PLACES);
+    let at_places = || places.iter().step_by(step);
     let points: PerStation<Vec<Vector3<f64>>> =
-        triplets.points_m.map(|points| points.iter().step_by(step).copied().collect());
+        triplets.points_m.map(|points| at_places().map(|index| points[*index]).collect());
     let (first, others) = points.as_slice().split_first()?;
     let mut placed = vec![first.clone()];
     for other in others {

@@ -34,6 +34,8 @@ pub struct ErrorSizes {
     pub index_rad: f64,
     /// Collimation error of the sight, or of the tracker on its prism (rad).
     pub collimation_rad: f64,
+    /// Coefficients of refraction beyond the usual one, upward and sideways: the curvature of a sight over that of the earth.
+    pub refraction: f64,
     /// Rotation (rad) and displacement (m) of a tripod during a drive.
     pub settling_rad: f64,
     pub settling_m: f64,
@@ -54,6 +56,8 @@ impl Default for ErrorSizes {
             range_scale: 7e-6,
             index_rad: 4.0 * ARCSECOND_RAD,
             collimation_rad: 3.0 * ARCSECOND_RAD,
+            // 15 in a tunnel or over hot ground (gradients of 2 K/m) is three times that.
+            refraction: 5.0,
             settling_rad: 36e-6,
             settling_m: 0.0007,
             ranges_wander: true,

@@ -117,8 +117,12 @@ pub struct Offer {
 
 impl Offer {
     pub fn of(deployment: &Deployment, triplets: &Triplets) -> Self {
-        let followed = followed_prisms(deployment, triplets);
-        let lacks = Method::ALL.map(|method| lack(method, deployment, triplets, &followed));
+        let all = triplets.of_all_readings.as_deref().unwrap_or(triplets);
+        let followed = followed_prisms(deployment, all);
+        let lacks = Method::ALL.map(|method| {
+            let triplets = if method == Method::Joint { all } else { triplets };
+            lack(method, deployment, triplets, &followed)
+        });
         let PrismAssignment { by_station, is_undecided } = followed;
         Self { followed: by_station, is_undecided, lacks }
     }
@@ -136,9 +140,7 @@ impl Offer {
     /// Returns the method of the first answer: the paper's, or the joint estimate of one station, whose track no method of the paper
     /// calibrates.
     pub fn first_method(&self) -> Method {
-        let published = self.published_method();
-        let is_joint_alone = self.lack(published).is_some() && self.lack(Method::Joint).is_none();
-        if is_joint_alone { Method::Joint } else { published }
+        if self.followed.len() == 1 { Method::Joint } else { self.published_method() }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::geometry::ARCSECOND_RAD;
 use crate::number_setting::{NumberSetting, check_all};
 
 /// All numbers: σ of the inter-prism distances, then the priors of the instrument errors.
-pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
+pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 13] = [
     &SIGMA_DISTANCES,
     &SIGMA_CLOCK_OFFSETS,
     &SIGMA_CLOCK_DRIFTS,
@@ -18,6 +18,7 @@ pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
     &SIGMA_RANGE_SCALES,
     &SIGMA_INDICES,
     &SIGMA_COLLIMATIONS,
+    &SIGMA_REFRACTION,
     &SIGMA_SETTLING_TURN,
     &SIGMA_SETTLING_PLACE,
 ];
@@ -136,6 +137,14 @@ static SIGMA_COLLIMATIONS: NumberSetting<CalibrationSettings> = prior(
     "Collimation error",
     ("″", 1.0 / ARCSECOND_RAD),
     |settings| &mut settings.errors.collimation_rad,
+);
+
+static SIGMA_REFRACTION: NumberSetting<CalibrationSettings> = prior(
+    "σ refraction",
+    "refraction",
+    "Coefficient of refraction upward, beyond 0.13; sideways a quarter",
+    ("", 1.0),
+    |settings| &mut settings.errors.refraction,
 );
 
 static SIGMA_SETTLING_TURN: NumberSetting<CalibrationSettings> = prior(

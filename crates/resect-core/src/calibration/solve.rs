@@ -4,6 +4,7 @@ use crate::deployment::findings::answers::{published_answer_missing, tracks_not_
 
 use super::inter_prism::{FirstSolution, StartingPoint};
 use super::joint::JointEstimate;
+use super::joint_data::JointData;
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Method, Offer, Verdict, Witness, checks,
     control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
@@ -63,11 +64,15 @@ impl<'a> Problem<'a> {
     ) -> Result<Calibration, CalibrationError> {
         let started = Stopwatch::start();
         let Self { deployment, triplets, progress, .. } = self;
+        let all = JointData::new(triplets);
+        let of_all = Self { triplets: all.triplets, ..self };
+        let is_same_data = std::ptr::eq(all.triplets, triplets);
         let published_method = self.offer.published_method();
         let [by_published, by_joint] =
             [published_method, Method::Joint].map(|method| settings.with_method(method));
-        // Method D and the joint estimate begin with the same solution.
-        let is_shared = published_method == Method::InterPrism && settings.evidence.drive;
+        // Method D and the joint estimate begin with the same solution if they have the same triplets.
+        let is_shared =
+            published_method == Method::InterPrism && settings.evidence.drive && is_same_data;
         let first = is_shared.then(|| self.first_solution(settings)).transpose();
         let first = first.map_err(|error| self.explained(error))?;
         let start = first.as_ref().map(FirstSolution::without_data);
@@ -80,21 +85,25 @@ impl<'a> Problem<'a> {
                 None => self.answer_by(published_method, &by_published),
             })
         };
-        let estimate = || self.timed(&started, || self.estimate_jointly(&by_joint, start));
+        let estimate = || self.timed(&started, || of_all.estimate_jointly(&by_joint, &all, start));
         let (published, joint) = if triplets.len() < LONG {
             rayon::join(publish, estimate)
         } else {
             (publish(), estimate())
         };
         self.progress.check()?;
-        // Both checks try the same misreadings.
+        // Both checks try the same misreadings of the same triplets.
         let mut tried = sense::Tried::default();
-        let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
-            self.check(answer?, &settings.with_method(method), &mut tried)
-        };
-        let published = checked(published, published_method);
+        let published = published.and_then(|answer| self.check(answer, &by_published, &mut tried));
         self.progress.check()?;
-        let mut joint = match (checked(joint, Method::Joint), &published) {
+        let joint = joint.and_then(|answer| {
+            // In place of a joint estimate that failed, the published method answers from its own triplets.
+            if is_same_data || answer.joint().is_none() {
+                return self.check(answer, &by_joint, &mut tried);
+            }
+            of_all.check(answer, &by_joint, &mut sense::Tried::default())
+        });
+        let mut joint = match (joint, &published) {
             (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
                 let (why, published) = (Box::new(why), published_method);
                 return Err(CalibrationError::NoJointEstimate { why, published });
@@ -178,7 +187,10 @@ impl<'a> Problem<'a> {
                 let first = self.first_solution(settings)?;
                 inter_prism::solve(first, deployment, triplets, settings, progress).map(Into::into)
             }
-            Method::Joint => self.estimate_jointly(settings, None),
+            Method::Joint => {
+                let all = JointData::new(triplets);
+                Self { triplets: all.triplets, ..self }.estimate_jointly(settings, &all, None)
+            }
         }
     }
 
@@ -186,6 +198,7 @@ impl<'a> Problem<'a> {
     fn estimate_jointly(
         self,
         settings: &CalibrationSettings,
+        all: &JointData<'_>,
         start: Option<StartingPoint<'_>>,
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
@@ -199,13 +212,13 @@ impl<'a> Problem<'a> {
                 None => self.first_solution(settings)?.without_data(),
             };
             let answer =
-                inter_prism::solve_jointly(start, deployment, triplets, settings, offer, progress)?;
+                inter_prism::solve_jointly(start, deployment, all, settings, offer, progress)?;
             return Ok(answer.into());
         }
         if offer.lack(Method::Joint).is_some() {
             return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
         }
-        let answer = dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)?;
+        let answer = dynamic_gcp::solve_jointly(deployment, all, settings, offer, progress)?;
         Ok(answer.into())
     }
 

@@ -95,8 +95,8 @@ advice! {
     INSTRUMENT {
         "An instrument error is implausibly large",
         "The estimated error is larger than those of sound instruments: probably another error biases the answer.",
-        "Check the instrument for that error: temperature, pressure and prism constant for ranges, levelling and calibration for \
-               angles; then its view of the prism."
+        "Check the instrument: temperature, pressure and prism constant for ranges, levelling and calibration for angles, hot ground for \
+               refraction; then its view of the prism."
     }
     SOLVER {
         "The solver did not converge",

@@ -125,6 +125,8 @@ crate::finding_kinds! {
     OUTLIERS_LEFT_OUT = "outliers-left-out", Note;
     /// So many outlying triplets were left out that the rest may be wrong too.
     MANY_OUTLIERS_LEFT_OUT = "many-outliers-left-out", Warning, DISTANCES;
+    /// Readings of a station in a row contradict the other stations, and were left out.
+    STATION_LEFT_OUT = "station-left-out", Note;
     /// Most triplets of a span of time were left out.
     SPAN_LEFT_OUT = "span-left-out", Warning, STATION_MOVED;
     /// A station followed another prism for some time.

@@ -5,10 +5,12 @@ mod evaluation;
 pub mod far_end;
 pub mod gnss;
 pub mod requested_trajectory;
+pub mod rig_layout;
 pub mod rig_motion;
 pub mod site;
 mod spread;
 pub mod trajectory;
+pub mod usual_tilt;
 pub mod vehicle;
 
 pub use evaluation::{

@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::rig_layout::VehicleFrame;
 use super::site::{NoSite, SiteFrame};
 use super::trajectory::Trajectory;
-use super::vehicle::{
-    Instants, LARGEST_POSE_ERROR_M, NoTrajectory, VehicleFrame, prism_by, trajectory_by,
-};
+use super::vehicle::{Instants, NoTrajectory, PoseLimits, prism_by, trajectory_by};
 use crate::calibration::Calibration;
 use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::deployment::Deployment;
@@ -20,8 +19,8 @@ pub const LARGEST_RATE_HZ: f64 = 10_000.0;
 #[derive(Clone, Copy, Debug)]
 pub struct TrajectoryRequest<'a> {
     pub instants: Instants<'a>,
-    /// Poses with a larger inter-prism error are left out (m).
-    pub largest_inter_prism_error_m: f64,
+    /// Poses beyond these limits are left out.
+    pub limits: PoseLimits,
     /// Origin of a sensor in the vehicle's frame (m), whose poses are requested; its axes are those of the vehicle.
     pub lever_arm_m: Option<Vector3<f64>>,
     /// True for poses in the frame of the control points, false for station 1's.
@@ -31,8 +30,8 @@ pub struct TrajectoryRequest<'a> {
 impl Default for TrajectoryRequest<'_> {
     fn default() -> Self {
         Self {
-            instants: Instants::Triplets,
-            largest_inter_prism_error_m: LARGEST_POSE_ERROR_M,
+            instants: Instants::Usual,
+            limits: PoseLimits::default(),
             lever_arm_m: None,
             is_in_site_frame: false,
         }
@@ -64,8 +63,8 @@ pub enum RequestError {
     #[error("{0}: a lever arm needs an orientation, and one prism has none; leave it out")]
     NoOrientation(String),
     #[error(
-        "{name}: no pose: all {dropped} epochs have an inter-prism error above {limit_mm} mm or lie outside of the \
-         drive; check the distances and times, or raise the largest error"
+        "{name}: no pose: all {dropped} epochs have an inter-prism error above {limit_mm} mm, have too large a σ, or lie outside of \
+         the drive; check the distances and times, or raise the largest error and σ"
     )]
     NoPose { name: String, dropped: usize, limit_mm: f64 },
     #[error("{0}: no position: all times lie outside of the drive")]
@@ -110,9 +109,9 @@ pub fn requested_trajectory(
         }
         return Ok(RequestedTrajectory { motion: RequestedMotion::Prism(positions), site });
     }
-    let limit_m = request.largest_inter_prism_error_m;
+    let limits = &request.limits;
     let (mut trajectory, vehicle) =
-        trajectory_by(deployment, triplets, followed, calibration, request.instants, limit_m)?;
+        trajectory_by(deployment, triplets, followed, calibration, request.instants, limits)?;
     if let Some(lever_arm_m) = &request.lever_arm_m {
         trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
     }
@@ -124,7 +123,7 @@ pub fn requested_trajectory(
         return Err(RequestError::NoPose {
             name: name(),
             dropped,
-            limit_mm: (limit_m * 1e9).round() / 1e6,
+            limit_mm: (limits.inter_prism_error_m * 1e9).round() / 1e6,
         });
     }
     Ok(RequestedTrajectory { motion: RequestedMotion::Poses { trajectory, vehicle }, site })

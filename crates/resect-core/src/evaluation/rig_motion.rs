@@ -3,46 +3,67 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 use super::trajectory::{Pose, Twist};
+use super::usual_tilt::ExpectedTilt;
 use crate::calibration::joint::prism_motion::MotionInstant;
-use crate::geometry::align_rigid;
+use crate::geometry::{RigidTransform, align_rigid};
 use crate::network::{Number, Pair};
 
 /// Gauss–Newton steps to the pose; the first is accurate to millimetres.
 const STEPS: usize = 4;
+/// Prisms nearer to each other have no line (m).
+const SHORTEST_LINE_M: f64 = 1e-3;
+/// A line is upright if the sine of its angle to the vertical is smaller.
+const MOST_UPRIGHT: f64 = 0.2;
 
-/// Generalised least-squares pose of the rig; `None` if the prisms lie on a line.
+/// Generalised least-squares pose of the rig; `None` if its prisms do not determine it.
 ///
 /// The weights are from the covariance of the prisms and of the rig. `rig_m` are the prisms in the vehicle's frame (m), and
 /// `rig_sigma_m` is σ of each along any axis (m). Gauss–Newton steps start at the unweighted pose, and the covariance is
 /// (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). The twist is estimated likewise from the
-/// velocities.
-pub fn rig_pose(rig_m: &[Vector3<f64>], rig_sigma_m: f64, at: &MotionInstant) -> Option<Pose> {
-    let points_m: Vec<Vector3<f64>> = (0..rig_m.len()).map(|place| at.prism_m(place)).collect();
-    let start = align_rigid(&points_m, rig_m)?;
+/// velocities. Where prisms on a line are followed, the expected tilt determines the rotation about it, and its rate.
+pub fn rig_pose(
+    rig_m: &[Vector3<f64>],
+    rig_sigma_m: f64,
+    at: &MotionInstant,
+    expected: Option<&ExpectedTilt>,
+) -> Option<Pose> {
+    let followed_m: Vec<Vector3<f64>> = at.prisms.iter().map(|place| rig_m[*place]).collect();
+    let points_m: Vec<Vector3<f64>> = (0..followed_m.len()).map(|k| at.prism_m(k)).collect();
+    let (start, tilt) = match align_rigid(&points_m, &followed_m) {
+        Some(start) => (start, None),
+        None => (align_upright(&points_m, &followed_m, &expected?.up)?, expected),
+    };
     let (mut position_m, mut orientation) =
         (start.translation_m, UnitQuaternion::from(start.rotation));
     let weight = with_rig(at, rig_sigma_m).cholesky()?.inverse();
     let mut covariance = Matrix6::zeros();
     for _ in 0..STEPS {
-        let design = design(rig_m, &orientation);
+        let design = design(&followed_m, &orientation);
         let mut error = DVector::zeros(at.position_m.len());
-        for (prism, own_m) in rig_m.iter().enumerate() {
-            let expected = position_m + orientation * own_m;
-            error.fixed_rows_mut::<3>(3 * prism).copy_from(&(points_m[prism] - expected));
+        for (prism, own_m) in followed_m.iter().enumerate() {
+            let expected_m = position_m + orientation * own_m;
+            error.fixed_rows_mut::<3>(3 * prism).copy_from(&(points_m[prism] - expected_m));
         }
-        let (step, left) = solve(&design, &weight, &error)?;
+        let tilt_error = tilt.map(|tilt| {
+            // δ(R u) = θ × R u, whose level components are θ_y and −θ_x.
+            let up = orientation * tilt.up;
+            ([up.y, -up.x], tilt.sigma_rad)
+        });
+        let (step, left) = solve(&design, &weight, &error, tilt_error)?;
         position_m += step.fixed_rows::<3>(0);
         orientation = UnitQuaternion::from_scaled_axis(step.fixed_rows::<3>(3)) * orientation;
         covariance = left;
     }
     // Masts bend slowly, so the rig's own error is nearly constant.
     let weight = at.velocity_covariance.clone().cholesky()?.inverse();
-    let (rates, left) = solve(&design(rig_m, &orientation), &weight, &at.velocity_m_per_s)?;
+    let still = tilt.map(|tilt| ([0.0; 2], tilt.rate_sigma_rad_per_s));
+    let design = design(&followed_m, &orientation);
+    let (rates, left) = solve(&design, &weight, &at.velocity_m_per_s, still)?;
     let distance_error_m = |Pair { first, second }: Pair| {
         let distance_m = |all: &[Vector3<f64>]| (all[first.index()] - all[second.index()]).norm();
-        (distance_m(&points_m) - distance_m(rig_m)).abs()
+        (distance_m(&points_m) - distance_m(&followed_m)).abs()
     };
-    let pairs = (0..Pair::count(rig_m.len())).map(Pair::at);
+    let pairs = (0..Pair::count(followed_m.len())).map(Pair::at);
     let twist = Twist {
         velocity_m_per_s: rates.fixed_rows::<3>(0).into(),
         rate_rad_per_s: rates.fixed_rows::<3>(3).into(),
@@ -58,6 +79,23 @@ pub fn rig_pose(rig_m: &[Vector3<f64>], rig_sigma_m: f64, at: &MotionInstant) ->
     })
 }
 
+/// Returns the transform from prisms on a line and a direction that points upwards, both in the vehicle's frame; `None` if the line is upright,
+/// or has no length.
+pub fn align_upright(
+    points_m: &[Vector3<f64>],
+    rig_m: &[Vector3<f64>],
+    up: &Vector3<f64>,
+) -> Option<RigidTransform> {
+    let above = |all: &[Vector3<f64>], up: &Vector3<f64>| -> Option<Vec<Vector3<f64>>> {
+        let (first_m, last_m) = (all.first()?, all.last()?);
+        let line = (last_m - first_m).try_normalize(SHORTEST_LINE_M)?;
+        // Across the line, so that the two shapes are alike.
+        let across = line.cross(up).try_normalize(MOST_UPRIGHT)?;
+        Some([all, &[first_m + across]].concat())
+    };
+    align_rigid(&above(points_m, &Vector3::z())?, &above(rig_m, up)?)
+}
+
 /// Jacobian of the pose of [`rig_pose`] with respect to the prisms; rows are position (m) and rotation (rad). `None` if the
 /// covariance of the prisms is not positive definite.
 pub fn pose_by_prisms(
@@ -66,8 +104,9 @@ pub fn pose_by_prisms(
     at: &MotionInstant,
     pose: &Pose,
 ) -> Option<DMatrix<f64>> {
+    let followed_m: Vec<Vector3<f64>> = at.prisms.iter().map(|place| rig_m[*place]).collect();
     let weight = with_rig(at, rig_sigma_m).cholesky()?.inverse();
-    let gain = pose.covariance * design(rig_m, &pose.orientation).transpose() * weight;
+    let gain = pose.covariance * design(&followed_m, &pose.orientation).transpose() * weight;
     Some(gain.resize_vertically(6, 0.0))
 }
 
@@ -88,22 +127,30 @@ fn design(rig_m: &[Vector3<f64>], orientation: &UnitQuaternion<f64>) -> DMatrix<
     design
 }
 
+/// Solution with its covariance. `level` are observed rotations about x and y (rad), or their rates (rad/s), with σ.
 fn solve(
     design: &DMatrix<f64>,
     weight: &DMatrix<f64>,
     error: &DVector<f64>,
+    level: Option<([f64; 2], f64)>,
 ) -> Option<(Vector6<f64>, Matrix6<f64>)> {
     let pulled = design.transpose() * weight;
-    let normal: Matrix6<f64> = (&pulled * design).fixed_view::<6, 6>(0, 0).into();
+    let mut normal: Matrix6<f64> = (&pulled * design).fixed_view::<6, 6>(0, 0).into();
+    let mut right: Vector6<f64> = (pulled * error).fixed_rows::<6>(0).into();
+    for (axis, (angle, sigma)) in level
+        .into_iter()
+        .flat_map(|(both, sigma)| both.into_iter().map(move |angle| (angle, sigma)).enumerate())
+    {
+        normal[(3 + axis, 3 + axis)] += sigma.powi(-2);
+        right[3 + axis] += angle / sigma.powi(2);
+    }
     let covariance = normal.cholesky()?.inverse();
-    let right: Vector6<f64> = (pulled * error).fixed_rows::<6>(0).into();
     Some((covariance * right, covariance))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::RigidTransform;
     use nalgebra::Rotation3;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -128,6 +175,7 @@ mod tests {
         };
         MotionInstant {
             time_s: 7.0,
+            prisms: [0, 1, 2].into(),
             position_m: all(&|p| pose.apply(p)),
             velocity_m_per_s: all(&|p| velocity + rate.cross(&pose.rotate(p))),
             position_covariance: DMatrix::identity(9, 9) * 1e-6,
@@ -138,14 +186,14 @@ mod tests {
     #[test]
     fn prisms_without_an_error_give_pose_and_twist_exactly() {
         let (truth, velocity, rate) = moving();
-        let pose = rig_pose(&rig(), 1e-3, &exact()).expect("a triangle");
+        let pose = rig_pose(&rig(), 1e-3, &exact(), None).expect("a triangle");
         assert!((pose.position_m - truth.translation_m).norm() < 1e-12);
         assert!(pose.orientation.angle_to(&truth.rotation.into()) < 1e-12);
         let twist = pose.twist.expect("it moves");
         assert!((twist.velocity_m_per_s - velocity).norm() < 1e-12);
         assert!((twist.rate_rad_per_s - rate).norm() < 1e-12);
         let line = [0.0, 1.0, 3.0].map(|s| Vector3::new(s, 2.0 * s, 0.5));
-        assert_eq!(rig_pose(&line, 1e-3, &exact()), None);
+        assert_eq!(rig_pose(&line, 1e-3, &exact(), None), None);
     }
 
     /// Monte Carlo test with errors common to all prisms, as of a calibration, with their own errors, and with an error of the
@@ -171,7 +219,7 @@ mod tests {
                 ..exact()
             };
             let given_m = rig().map(|p| p.map(|value| value + RIG_SIGMA_M * normal()));
-            let pose = rig_pose(&given_m, RIG_SIGMA_M, &at).expect("a triangle");
+            let pose = rig_pose(&given_m, RIG_SIGMA_M, &at, None).expect("a triangle");
             let moved = pose.position_m - truth.translation_m;
             let turned =
                 (pose.orientation * UnitQuaternion::from(truth.rotation).inverse()).scaled_axis();

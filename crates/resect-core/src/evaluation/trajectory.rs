@@ -6,6 +6,7 @@ use crate::calibration::Estimate;
 use crate::deployment::pairwise_distances;
 use crate::geometry::align_rigid;
 use crate::network::PerPrism;
+use crate::statistics::median;
 
 /// Pose of the vehicle at one instant: `station1_from_vehicle`.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,8 +47,10 @@ pub struct Trajectory {
     pub poses: Vec<Pose>,
     /// Number of instants without a pose, for any reason.
     pub dropped: usize,
-    /// Number of them whose inter-prism error exceeds the limit. At the others no motion is known, or the points determine no pose.
+    /// Number of them whose inter-prism error exceeds the limit.
     pub above_limit: usize,
+    /// Number of them whose σ exceeds its limit. At the others no motion is known, or the points determine no pose.
+    pub too_uncertain: usize,
 }
 
 /// Standard deviations of a pose: the root of the mean variance of the three axes.
@@ -55,6 +58,13 @@ pub struct Trajectory {
 pub struct PoseSigma {
     pub position_m: f64,
     pub orientation_rad: f64,
+}
+
+impl PoseSigma {
+    /// Returns true if neither is above its limit.
+    pub fn is_within(&self, limits: &Self) -> bool {
+        self.position_m <= limits.position_m && self.orientation_rad <= limits.orientation_rad
+    }
 }
 
 impl Pose {
@@ -131,11 +141,13 @@ pub fn speed_of(velocity_m_per_s: &Vector3<f64>, covariance: &Matrix3<f64>) -> E
 }
 
 impl Trajectory {
-    /// Standard deviations of the pose with the median position σ; `None` without poses.
-    pub fn middle_sigma(&self) -> Option<PoseSigma> {
-        let mut all: Vec<PoseSigma> = self.poses.iter().map(Pose::sigma).collect();
-        all.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
-        all.get(all.len() / 2).copied()
+    /// Medians of the standard deviations of position and of orientation; `None` without poses.
+    pub fn median_sigma(&self) -> Option<PoseSigma> {
+        let sigmas = || self.poses.iter().map(Pose::sigma);
+        Some(PoseSigma {
+            position_m: median(sigmas().map(|sigma| sigma.position_m))?,
+            orientation_rad: median(sigmas().map(|sigma| sigma.orientation_rad))?,
+        })
     }
 }
 

@@ -1,22 +1,68 @@
 //! Trajectory of the vehicle by an answer, with its frame and the covariance of each pose.
 
-use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
 
-use super::rig_motion::{pose_by_prisms, rig_pose};
-use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::prism_motion::{ConstantsJacobian, PrismInstant, Solution};
+use nalgebra::{DMatrix, UnitQuaternion, Vector3};
+
+use super::rig_layout::{VehicleFrame, prisms_in_vehicle, span_a_plane};
+use super::rig_motion::{align_upright, pose_by_prisms, rig_pose};
+use super::trajectory::{ObservedRig, Pose, PoseSigma, Trajectory, trajectory};
+use super::usual_tilt::{ExpectedTilt, UsualTilt};
+use crate::calibration::joint::prism_motion::{
+    ConstantsJacobian, MotionInstant, PrismInstant, PrismsAtInstant, Solution,
+};
 use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
 use crate::calibration::{Calibration, Estimate, Method, distance_errors_m};
 use crate::deployment::{Deployment, Rig};
-use crate::geometry::{RigidTransform, align_rigid};
-use crate::network::{Pair, PerPair, PerPrism, PerStation, Prism, Station};
+use crate::geometry::{RigidTransform, align_rigid, align_weighted};
+use crate::network::{Number, Pair, PerPair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
 
 /// Default limit of the inter-prism error (m); trajectories leave out epochs above it.
 pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
+/// Default limits of σ of a pose in position (m) and orientation (rad).
+pub const LARGEST_POSE_SIGMA: PoseSigma =
+    PoseSigma { position_m: 0.050, orientation_rad: 3.0 * PI / 180.0 };
+/// Rate of the poses of the joint estimate where there are no triplets (Hz).
+const USUAL_HZ: f64 = 10.0;
+/// Instants further apart do not share an inter-prism error (s).
+const NEAR_S: f64 = 0.5;
+/// Usual jerk of a vehicle, by which a prism without readings departs from its spline (m/s³).
+const USUAL_M_PER_S3: f64 = 0.5;
+/// Time between the instants from which the usual tilt is taken (s).
+const TILT_STEP_S: f64 = 1.0;
+
+/// Limits beyond which a trajectory has no pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseLimits {
+    /// Largest inter-prism error (m).
+    pub inter_prism_error_m: f64,
+    pub sigma: PoseSigma,
+    /// True for no poses that the usual tilt completes.
+    pub needs_three_prisms: bool,
+}
+
+impl PoseLimits {
+    /// All poses, however uncertain.
+    pub const NONE: Self = Self {
+        needs_three_prisms: false,
+        inter_prism_error_m: f64::INFINITY,
+        sigma: PoseSigma { position_m: f64::INFINITY, orientation_rad: f64::INFINITY },
+    };
+}
+
+impl Default for PoseLimits {
+    fn default() -> Self {
+        Self {
+            inter_prism_error_m: LARGEST_POSE_ERROR_M,
+            sigma: LARGEST_POSE_SIGMA,
+            needs_three_prisms: false,
+        }
+    }
+}
 
 /// Reason why there are no poses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -52,96 +98,11 @@ pub enum NoTrajectory {
     NoMotionFits(String),
 }
 
-/// The frame of the vehicle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VehicleFrame {
-    /// The frame in which `deployment.toml` gives the prisms.
-    Given,
-    /// Origin at prism 1, z up in the attitude in which the rig was read, x level and towards prism 2.
-    Reading,
-    /// Origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three.
-    Triangle,
-}
-
-impl VehicleFrame {
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::Given => "the vehicle's own, as prisms_m of deployment.toml",
-            Self::Reading => {
-                "origin at prism 1, z up as in the reading of the rig, x level towards prism 2"
-            }
-            Self::Triangle => {
-                "origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three"
-            }
-        }
-    }
-}
-
-/// Prisms in the vehicle's frame (m); `None` if they lie on a line, or if nothing determines the positions of more than three.
-///
-/// The shape is that of the inter-prism distances, which average many readings. The single reading of the rig gives its
-/// attitude only; that of more than three prisms selects one of the mirrored shapes as well.
-pub fn prisms_in_vehicle(rig: &Rig) -> Option<(PerPrism<Vector3<f64>>, VehicleFrame)> {
-    if let Some(given) = &rig.in_vehicle_m {
-        return Some((given.clone(), VehicleFrame::Given));
-    }
-    let standing = match (rig.inter_prism_m.as_array(), &rig.prisms_m) {
-        (Some(distances_m), read) => {
-            let triangle = rig_from_distances(distances_m)?;
-            let Some(read) = read else {
-                return Some((triangle.into(), VehicleFrame::Triangle));
-            };
-            let reading_from_triangle = align_rigid(read.as_slice(), &triangle)?;
-            triangle.map(|prism| reading_from_triangle.rotate(&prism)).into()
-        }
-        (None, Some(read)) => with_distances(read, &rig.inter_prism_m)?,
-        (None, None) => return None,
-    };
-    let towards = standing.iter().skip(1).find(|p| p.xy().norm() > 1e-3)?;
-    let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -towards.y.atan2(towards.x));
-    Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
-}
-
-/// Twice the area of the smallest triangle of prisms that has an orientation (m²).
-const SMALLEST_SPAN_M2: f64 = 1e-6;
-/// Gauss–Newton steps to the shape of a rig; the reading is accurate to millimetres.
-const SHAPE_STEPS: usize = 4;
-/// Singular values below this share of the largest belong to motions of the whole rig, which distances do not determine.
-const RIGID_MOTION: f64 = 1e-9;
-
-/// Returns the positions nearest to the reading that have these distances, or fit them best; the origin is at prism 1 (m).
-fn with_distances(
-    read: &PerPrism<Vector3<f64>>,
-    inter_prism_m: &PerPair<f64>,
-) -> Option<PerPrism<Vector3<f64>>> {
-    let mut prisms_m = read.clone();
-    for _ in 0..SHAPE_STEPS {
-        let mut jacobian = DMatrix::zeros(inter_prism_m.len(), 3 * prisms_m.len());
-        let mut error_m = DVector::zeros(inter_prism_m.len());
-        for (row, (pair, known_m)) in inter_prism_m.each().enumerate() {
-            let [a, b] = pair.indices();
-            let apart_m = prisms_m.as_slice().get(b)? - prisms_m[a];
-            let along = apart_m.try_normalize(0.0)?;
-            error_m[row] = known_m - apart_m.norm();
-            jacobian.fixed_view_mut::<1, 3>(row, 3 * a).copy_from(&-along.transpose());
-            jacobian.fixed_view_mut::<1, 3>(row, 3 * b).copy_from(&along.transpose());
-        }
-        let svd = jacobian.svd(true, true);
-        let least = RIGID_MOTION * svd.singular_values.max();
-        let step = svd.solve(&error_m, least).ok()?;
-        for (place, prism_m) in prisms_m.iter_mut().enumerate() {
-            *prism_m += step.fixed_rows::<3>(3 * place);
-        }
-    }
-    let first_m = *prisms_m.iter().next()?;
-    Some(prisms_m.map(|prism_m| prism_m - first_m))
-}
-
 /// The instants at which poses are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instants<'a> {
-    /// The times of the triplets.
-    Triplets,
+    /// The times of the triplets; with a joint estimate, further ten a second wherever it has a motion.
+    Usual,
     /// Multiples of the period of this rate (Hz).
     Rate(f64),
     /// These times (s).
@@ -152,21 +113,20 @@ impl Instants<'_> {
     /// Times in ascending order (s).
     fn times_s(self, triplets: &Triplets, solution: &Solution) -> Vec<f64> {
         match self {
-            Self::Triplets => triplets.time_s.clone(),
-            Self::Rate(hz) => {
-                // Segments that one long segment was split into share an instant.
-                let mut last = f64::NEG_INFINITY;
-                let mut times_s = Vec::new();
-                for [start_s, end_s] in solution.spans_s() {
-                    let mut step = (start_s * hz).ceil().max(last + 1.0);
-                    while step / hz <= end_s {
-                        times_s.push(step / hz);
-                        last = step;
-                        step += 1.0;
-                    }
-                }
+            Self::Usual => {
+                let known_s = &triplets.time_s;
+                let is_between = |time_s: &f64| {
+                    let next = known_s.partition_point(|known_s| known_s < time_s);
+                    let around = &known_s[next.saturating_sub(1)..known_s.len().min(next + 1)];
+                    // Half of a step is as near as another triplet.
+                    around.iter().all(|known_s| (known_s - time_s).abs() > 0.5 / USUAL_HZ)
+                };
+                let between_s = at_rate(USUAL_HZ, solution).into_iter().filter(is_between);
+                let mut times_s: Vec<f64> = known_s.iter().copied().chain(between_s).collect();
+                times_s.sort_by(f64::total_cmp);
                 times_s
             }
+            Self::Rate(hz) => at_rate(hz, solution),
             Self::At(times_s) => {
                 let mut times_s = times_s.to_vec();
                 times_s.sort_by(f64::total_cmp);
@@ -176,38 +136,53 @@ impl Instants<'_> {
     }
 }
 
-/// Returns the poses by an answer, without those above the limit of the inter-prism error (m).
+/// Multiples of the period of a rate within the segments of a solution (s).
+fn at_rate(hz: f64, solution: &Solution) -> Vec<f64> {
+    // Segments that one long segment was split into share an instant.
+    let mut last = f64::NEG_INFINITY;
+    let mut times_s = Vec::new();
+    for [start_s, end_s] in solution.spans_s() {
+        let mut step = (start_s * hz).ceil().max(last + 1.0);
+        while step / hz <= end_s {
+            times_s.push(step / hz);
+            last = step;
+            step += 1.0;
+        }
+    }
+    times_s
+}
+
+/// Returns the poses by an answer within the limits.
 ///
-/// The motion of a joint estimate gives poses at any time, with their full covariance. Other answers give one pose for each
-/// triplet, and its covariance lacks the errors of the calibration.
+/// The motion of a joint estimate gives poses at any time, with their full covariance; where two prisms are followed, the usual tilt of
+/// the vehicle completes them. Other answers give one pose for each triplet, and its covariance lacks the errors of the calibration.
 pub fn trajectory_by(
     deployment: &Deployment,
     triplets: &Triplets,
     followed: &PerStation<Prism>,
     calibration: &Calibration,
     wanted: Instants<'_>,
-    largest_inter_prism_error_m: f64,
+    limits: &PoseLimits,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let placing = calibration.placing_tracks(deployment);
-    let limit_m = largest_inter_prism_error_m;
+    let limit_m = limits.inter_prism_error_m;
     let by_triplets = || vehicle_trajectory(deployment, triplets, followed, placing, limit_m);
     let Some((joint, distances_m)) =
         calibration.joint().and_then(|joint| Some((joint, joint.distances_m()?)))
     else {
         return match wanted {
-            Instants::Triplets => by_triplets(),
+            Instants::Usual => by_triplets(),
             _ if calibration.method == Method::Joint => {
                 Err(NoTrajectory::NoMotionFits(deployment.name.clone()))
             }
             _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
         };
     };
-    let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
+    let rig = rig_by(deployment, joint, &distances_m)?;
     let inter_prism_m = distances_m.map(|distance| distance.value);
     let times_s = wanted.times_s(triplets, &joint.solution);
-    let found = joint.solution.instants(&times_s, &Progress::default());
     // Unreachable else branch: nothing cancels this calculation.
-    let Ok(instants) = found else { return by_triplets() };
+    let Some(found) = rig.poses(&joint.solution, &times_s) else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
@@ -217,15 +192,22 @@ pub fn trajectory_by(
         let inter_prism_error_m = pose.inter_prism_error_m.max(read_m);
         Pose { inter_prism_error_m, ..pose }
     };
-    let mut poses: Vec<Pose> = instants
-        .iter()
-        .filter_map(|at| rig_pose(prisms_m.as_slice(), rig_sigma_m, at).map(with_error))
-        .collect();
-    let determined = poses.len();
-    poses.retain(|pose| pose.inter_prism_error_m <= limit_m);
-    let above_limit = determined - poses.len();
-    let dropped = times_s.len() - poses.len();
-    Ok((Trajectory { poses, dropped, above_limit }, frame))
+    let is_wanted = |(at, _): &(MotionInstant, Option<Pose>)| {
+        !limits.needs_three_prisms || at.prisms.len() == rig.prisms_m.len()
+    };
+    let found = found.into_iter().filter(is_wanted);
+    let mut trajectory = Trajectory {
+        poses: found.filter_map(|(_, pose)| pose.map(with_error)).collect(),
+        ..Trajectory::default()
+    };
+    let determined = trajectory.poses.len();
+    trajectory.poses.retain(|pose| pose.inter_prism_error_m <= limit_m);
+    trajectory.above_limit = determined - trajectory.poses.len();
+    let consistent = trajectory.poses.len();
+    trajectory.poses.retain(|pose| pose.sigma().is_within(&limits.sigma));
+    trajectory.too_uncertain = consistent - trajectory.poses.len();
+    trajectory.dropped = times_s.len() - trajectory.poses.len();
+    Ok((trajectory, rig.frame))
 }
 
 /// Vehicle's pose at an instant (s) by the motion of the joint estimate, `station1_from_vehicle`. It has no covariance, which
@@ -237,16 +219,22 @@ pub fn vehicle_at(
 ) -> Option<RigidTransform> {
     calibration.placing_tracks(deployment)?;
     let joint = calibration.joint()?;
-    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
-    align_rigid(joint.solution.prisms_m(time_s)?.as_slice(), rig_m.as_slice())
+    let rig = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    rig.at(&joint.solution, time_s)
 }
 
-/// Largest |distance error| of all pairs at the triplet of this time, else at the triplets before and after it.
+/// Largest |distance error| of all pairs at the triplet of this time, else at those just before and after it; zero without any.
 pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &PerPair<Vec<f64>>) -> f64 {
     let after = triplet_s.partition_point(|other| *other < time_s);
     let is_there = triplet_s.get(after) == Some(&time_s);
     let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
     let around = around.start..around.end.min(triplet_s.len());
+    let is_near = |index: &usize| (triplet_s[*index] - time_s).abs() < NEAR_S;
+    let (Some(first), Some(last)) = (around.clone().find(is_near), around.rev().find(is_near))
+    else {
+        return 0.0;
+    };
+    let around = first..last + 1;
     let each = errors.iter().flat_map(|pair| pair.get(around.clone()).unwrap_or_default());
     each.fold(0.0, |most, error| error.abs().max(most))
 }
@@ -267,19 +255,20 @@ pub fn common_errors(
     if Prism::is_one(followed) {
         return Some(found);
     }
-    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
-    let instants = joint.solution.instants(times_s, &progress).ok()?;
+    let rig = rig_by(deployment, joint, &joint.distances_m()?).ok()?;
+    let (rig_m, rig_sigma_m) = (&rig.prisms_m, rig.sigma_m);
+    let poses = rig.poses(&joint.solution, times_s)?;
     let (constants, of_rig) = (found.covariance.nrows(), 3 * rig_m.len());
-    let each = instants.iter().zip(&found.instants).filter_map(|(at, (time_s, prisms))| {
-        let pose = rig_pose(rig_m.as_slice(), rig_sigma_m, at)?;
-        let gain = pose_by_prisms(rig_m.as_slice(), rig_sigma_m, at, &pose)?;
+    let each = poses.iter().zip(&found.instants).filter_map(|((at, pose), (time_s, prisms))| {
+        let pose = pose.as_ref()?;
+        let gain = pose_by_prisms(rig_m.as_slice(), rig_sigma_m, at, pose)?;
         let mut moved = DMatrix::zeros(6, constants + of_rig);
         moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
         // An error of a prism's position on the vehicle moves the pose in the opposite direction.
         let turn = pose.orientation.to_rotation_matrix();
-        for prism in 0..rig_m.len() {
-            let by_rig = -gain.columns(3 * prism, 3) * turn.matrix();
-            moved.columns_mut(constants + 3 * prism, 3).copy_from(&by_rig);
+        for (index, place) in at.prisms.iter().enumerate() {
+            let by_rig = -gain.columns(3 * index, 3) * turn.matrix();
+            moved.columns_mut(constants + 3 * place, 3).copy_from(&by_rig);
         }
         Some((*time_s, moved))
     });
@@ -289,21 +278,104 @@ pub fn common_errors(
     Some(ConstantsJacobian { instants: each.collect(), covariance })
 }
 
-/// Prisms in the vehicle's frame (m) with the estimated distances, the frame, and σ of each prism along any axis (m).
+/// The prisms on the vehicle.
+struct VehicleRig {
+    /// In the vehicle's frame, with the estimated distances (m).
+    prisms_m: PerPrism<Vector3<f64>>,
+    frame: VehicleFrame,
+    /// σ of each prism along any axis (m).
+    sigma_m: f64,
+}
+
+impl VehicleRig {
+    /// Returns the motion at those of some increasing times that have one (s), with the pose where the prisms determine it; `None` if the
+    /// calculation is cancelled.
+    fn poses(
+        &self,
+        solution: &Solution,
+        times_s: &[f64],
+    ) -> Option<Vec<(MotionInstant, Option<Pose>)>> {
+        let pose = |at: &MotionInstant, expected: Option<&ExpectedTilt>| {
+            rig_pose(self.prisms_m.as_slice(), self.sigma_m, at, expected)
+        };
+        let instants = |times_s: &[f64]| solution.instants(times_s, &Progress::default()).ok();
+        let with_all_prisms: Vec<Pose> = match &tilt_times_s(solution)[..] {
+            [] => Vec::new(),
+            times_s => instants(times_s)?.iter().filter_map(|at| pose(at, None)).collect(),
+        };
+        let tilt = UsualTilt::new(&with_all_prisms);
+        let with_pose = |at: MotionInstant| {
+            let expected = tilt.as_ref().map(|tilt| tilt.at(at.time_s));
+            let pose = pose(&at, expected.as_ref());
+            (at, pose)
+        };
+        Some(instants(times_s)?.into_iter().map(with_pose).collect())
+    }
+
+    /// Returns the pose at an instant (s) without a covariance.
+    fn at(&self, solution: &Solution, time_s: f64) -> Option<RigidTransform> {
+        let PrismsAtInstant { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
+        let rig_m: Vec<Vector3<f64>> = places.iter().map(|place| self.prisms_m[*place]).collect();
+        let weights = to_reading_s.iter().map(|to_reading_s| {
+            let sigma_m = self.sigma_m + USUAL_M_PER_S3 * to_reading_s.powi(3) / 6.0;
+            sigma_m.powi(-2)
+        });
+        let weights: Vec<f64> = weights.collect();
+        if let Some(found) = align_weighted(&position_m, &rig_m, &weights) {
+            return Some(found);
+        }
+        // Upwards as at the ends of the spans beside it that have all prisms.
+        let spans_s = solution.spans_beside_gaps_s();
+        let next = spans_s.partition_point(|[_, end_s]| *end_s < time_s);
+        let before_s = next.checked_sub(1).map(|last| spans_s[last][1]);
+        let beside_s = before_s.into_iter().chain(spans_s.get(next).map(|[start_s, _]| *start_s));
+        let up = beside_s.filter_map(|beside_s| {
+            let beside = solution.prisms_at(beside_s)?;
+            let found = align_rigid(&beside.position_m, self.prisms_m.as_slice())?;
+            let near = 1.0 / (beside_s - time_s).abs().max(1e-3);
+            Some(found.rotation.inverse() * Vector3::z() * near)
+        });
+        let up = up.sum::<Vector3<f64>>().try_normalize(0.0)?;
+        align_upright(&position_m, &rig_m, &up)
+    }
+}
+
+/// Instants from which the usual tilt is taken (s): one a second where all prisms are followed, and the last ones before gaps. None where
+/// no prism is missing.
+fn tilt_times_s(solution: &Solution) -> Vec<f64> {
+    let spans_s = solution.spans_beside_gaps_s();
+    let of_span = |[start_s, end_s]: [f64; 2]| {
+        let steps = ((end_s - start_s) / TILT_STEP_S) as usize;
+        let within = (0..=steps).map(move |step| start_s + TILT_STEP_S * step as f64);
+        within.chain(std::iter::once(end_s))
+    };
+    spans_s.into_iter().flat_map(of_span).collect()
+}
+
+/// Returns the followed prisms on the vehicle by an estimate.
 fn rig_by(
     deployment: &Deployment,
     joint: &JointEstimate,
     distances_m: &PerPair<Estimate>,
-) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame, f64), NoTrajectory> {
+) -> Result<VehicleRig, NoTrajectory> {
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let shaped = |rig: &Rig| Rig { inter_prism_m: inter_prism_m.clone(), ..rig.clone() };
+    let followed = |all: &PerPrism<Vector3<f64>>| -> Option<PerPrism<Vector3<f64>>> {
+        let prisms = joint.layout().followed_prisms();
+        prisms.map(|prism| all.as_slice().get(prism.index()).copied()).collect()
+    };
+    let shaped = |rig: &Rig| Rig {
+        inter_prism_m: inter_prism_m.clone(),
+        prisms_m: rig.prisms_m.as_ref().and_then(followed),
+        in_vehicle_m: rig.in_vehicle_m.as_ref().and_then(followed),
+        inter_antenna_m: rig.inter_antenna_m,
+    };
     let (prisms_m, frame) = rig_of(deployment, &shaped)?;
-    let rig_sigma_m = match frame {
+    let sigma_m = match frame {
         // Two prisms share the error of their distance.
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
         VehicleFrame::Reading | VehicleFrame::Triangle => RIG_FLEX_SIGMA_M,
     };
-    Ok((prisms_m, frame, rig_sigma_m))
+    Ok(VehicleRig { prisms_m, frame, sigma_m })
 }
 
 /// Positions of the single prism that all stations follow, by the motion of the joint estimate.
@@ -325,22 +397,15 @@ fn rig_of(
     shaped: &dyn Fn(&Rig) -> Rig,
 ) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
-    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
+    let rig = shaped(deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?);
     let is_unknown = rig.inter_prism_m.len() > Pair::count(3)
         && rig.prisms_m.is_none()
         && rig.in_vehicle_m.is_none();
     if is_unknown {
         return Err(NoTrajectory::UnknownLayout(name()));
     }
-    let found = prisms_in_vehicle(&shaped(rig)).filter(|(prisms_m, _)| span_a_plane(prisms_m));
+    let found = prisms_in_vehicle(&rig).filter(|(prisms_m, _)| span_a_plane(prisms_m));
     found.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
-}
-
-/// Returns true if three of the prisms (m) do not lie on a line, so that they have an orientation.
-fn span_a_plane(prisms_m: &PerPrism<Vector3<f64>>) -> bool {
-    let from_first = || prisms_m.iter().skip(1).map(|prism_m| prism_m - prisms_m[0]);
-    let pairs = from_first().flat_map(|a| from_first().map(move |b| a.cross(&b).norm()));
-    pairs.fold(0.0, f64::max) > SMALLEST_SPAN_M2
 }
 
 /// Returns one pose for every triplet whose inter-prism distances are within the limit.
@@ -437,35 +502,4 @@ pub fn station1_from_vehicle(
     orientation: UnitQuaternion<f64>,
 ) -> RigidTransform {
     RigidTransform { rotation: orientation.to_rotation_matrix(), translation_m: position_m }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::deployment::pairwise_distances;
-
-    #[test]
-    fn four_prisms_have_the_measured_distances_in_the_attitude_of_the_reading() {
-        let prisms_m = [[0.0, 0.0, 0.0], [1.1, 0.0, 0.0], [0.2, 0.9, 0.1], [0.4, 0.3, 0.8]];
-        let prisms_m = prisms_m.map(Vector3::from);
-        let inter_prism_m = pairwise_distances(&prisms_m);
-        let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.7);
-        // Every reading of a prism has an error of millimetres.
-        let read = prisms_m.map(|p| turn * p + Vector3::new(4.0, 7.0 + 2e-3 * p.x, -1e-3 * p.z));
-        let rig = |read: Option<PerPrism<Vector3<f64>>>| Rig {
-            inter_prism_m: inter_prism_m.clone(),
-            prisms_m: read,
-            in_vehicle_m: None,
-            inter_antenna_m: None,
-        };
-        let (found, frame) = prisms_in_vehicle(&rig(Some(read.into()))).expect("a layout");
-        assert_eq!(frame, VehicleFrame::Reading);
-        for (found_m, known_m) in pairwise_distances(found.as_slice()).iter().zip(&inter_prism_m) {
-            assert!((found_m - known_m).abs() < 1e-9, "{found_m} {known_m}");
-        }
-        for (found_m, prism_m) in found.iter().zip(&prisms_m) {
-            assert!((found_m - prism_m).norm() < 5e-3, "{found_m} {prism_m}");
-        }
-        assert_eq!(prisms_in_vehicle(&rig(None)), None);
-    }
 }

@@ -34,8 +34,17 @@ const NARROWEST: f64 = 1e-12;
 /// `None` if the rotation is not unique: fewer than three points, points on a line, or a mirror image whose two shorter extents
 /// are equal. `None` too if a coordinate is not finite.
 pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
-    let (rotation, _) = turn_and_scale(points_a, points_b)?;
-    let translation_m = centroid(points_a) - rotation * centroid(points_b);
+    align_weighted(points_a, points_b, &vec![1.0; points_a.len()])
+}
+
+/// Least-squares rigid transform as [`align_rigid`], with a weight for each point.
+pub fn align_weighted(
+    points_a: &[Vector3<f64>],
+    points_b: &[Vector3<f64>],
+    weights: &[f64],
+) -> Option<RigidTransform> {
+    let (rotation, _) = turn_and_scale(points_a, points_b, weights)?;
+    let translation_m = mean(points_a, weights) - rotation * mean(points_b, weights);
     Some(RigidTransform { rotation, translation_m })
 }
 
@@ -46,7 +55,7 @@ pub fn align_similar(
     points_a: &[Vector3<f64>],
     points_b: &[Vector3<f64>],
 ) -> Option<(RigidTransform, f64)> {
-    let (rotation, scale) = turn_and_scale(points_a, points_b)?;
+    let (rotation, scale) = turn_and_scale(points_a, points_b, &vec![1.0; points_a.len()])?;
     let translation_m = centroid(points_a) - rotation * centroid(points_b) * scale;
     Some((RigidTransform { rotation, translation_m }, scale))
 }
@@ -58,15 +67,17 @@ pub fn align_similar(
 fn turn_and_scale(
     points_a: &[Vector3<f64>],
     points_b: &[Vector3<f64>],
+    weights: &[f64],
 ) -> Option<(Rotation3<f64>, f64)> {
-    if points_a.len() != points_b.len() {
+    if points_a.len() != points_b.len() || points_a.len() != weights.len() {
         return None;
     }
-    let (centre_a, centre_b) = (centroid(points_a), centroid(points_b));
+    let (centre_a, centre_b) = (mean(points_a, weights), mean(points_b, weights));
     let spread: Matrix3<f64> = points_a
         .iter()
         .zip(points_b)
-        .map(|(a, b)| (a - centre_a) * (b - centre_b).transpose())
+        .zip(weights)
+        .map(|((a, b), weight)| *weight * (a - centre_a) * (b - centre_b).transpose())
         .sum();
     // The decomposition does not terminate on NaN or infinity. The squared norm overflows before it does, so the norm is checked.
     if !spread.norm_squared().is_finite() {
@@ -81,9 +92,16 @@ fn turn_and_scale(
         return None;
     }
     let rotation = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;
-    let size_b: f64 = points_b.iter().map(|b| (b - centre_b).norm_squared()).sum();
+    let sizes =
+        points_b.iter().zip(weights).map(|(b, weight)| weight * (b - centre_b).norm_squared());
+    let size_b: f64 = sizes.sum();
     let scale = (first + second + handedness * third) / size_b;
     Some((Rotation3::from_matrix_unchecked(rotation), scale))
+}
+
+fn mean(points: &[Vector3<f64>], weights: &[f64]) -> Vector3<f64> {
+    let weighted = points.iter().zip(weights).map(|(point, weight)| *weight * point);
+    weighted.sum::<Vector3<f64>>() / weights.iter().sum::<f64>()
 }
 
 fn centroid(points: &[Vector3<f64>]) -> Vector3<f64> {

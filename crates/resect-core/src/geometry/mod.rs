@@ -9,7 +9,7 @@ mod polar;
 mod rigid_transform;
 mod units;
 
-pub use alignment::{align_level, align_rigid, align_similar};
+pub use alignment::{align_level, align_rigid, align_similar, align_weighted};
 pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
 pub use polar::{LONGEST_RANGE_M, Polar, wrap_to_pi};

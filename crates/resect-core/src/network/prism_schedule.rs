@@ -53,6 +53,11 @@ impl PrismSchedule {
         last.map_or(&self.first, |(_, followed)| followed)
     }
 
+    /// Returns the instants of the changes (s), in order.
+    pub fn changes_s(&self) -> impl Iterator<Item = f64> {
+        self.changes.iter().map(|(time_s, _)| *time_s)
+    }
+
     /// Returns all prisms that are followed at some time, in order.
     pub fn prisms(&self) -> PerPrism<Prism> {
         let changed = self.changes.iter().map(|(_, followed)| followed);

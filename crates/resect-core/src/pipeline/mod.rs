@@ -6,6 +6,7 @@
 //! Each stage is a pure function of the one before it and of its own settings. `StagedPipeline` stores the last output of
 //! each stage, so that a change re-runs only the stages that depend on it.
 
+mod all_readings;
 pub mod explanation;
 pub mod interpolation;
 pub mod interval_filter;

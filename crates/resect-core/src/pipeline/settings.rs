@@ -76,6 +76,8 @@ pub struct PipelineSettings {
     pub interpolation: Interpolation,
     /// Module 4: triplets per second.
     pub rate_hz: f64,
+    /// The joint estimate takes all readings, and not only those of the kept intervals.
+    pub all_readings: bool,
 }
 
 impl Default for PipelineSettings {
@@ -87,6 +89,7 @@ impl Default for PipelineSettings {
             thresholds: Thresholds::default(),
             interpolation: Interpolation::Linear,
             rate_hz: 10.0,
+            all_readings: true,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::all_readings::triplets_of_all_readings;
 use super::interval_split::Interval;
 use super::outlier_filter::{FilteredTrack, OutlierReason};
 use super::settings::{Interpolation, PipelineSettings, Thresholds};
@@ -98,8 +99,9 @@ pub struct StagedPipeline {
     filtered: Memory<Option<RateThresholds>, PerStation<FilteredTrack>>,
     intervals: Memory<f64, Vec<Interval>>,
     kept: Memory<Option<f64>, Vec<Interval>>,
-    triplets: Memory<(Interpolation, f64), Triplets>,
+    triplets: Memory<(Interpolation, f64, bool), Triplets>,
     fates: Memory<(), PerStation<Fates>>,
+    of_all_readings: Memory<(), Triplets>,
 }
 
 /// Settings of module 1.
@@ -146,7 +148,14 @@ impl StagedPipeline {
         let fates = remember(&mut self.fates, (), &mut fates_stale, || {
             filtered.map(|track| fates(track, &intervals, &kept_intervals))
         });
-        let key = (settings.interpolation, settings.rate_hz);
+        let of_all_readings = settings.all_readings.then(|| {
+            remember(&mut self.of_all_readings, (), &mut false, || {
+                triplets_of_all_readings(deployment, &positions_m)
+            })
+        });
+        // Stations that read more rarely than its limits allow have their triplets by the settings alone.
+        let of_all_readings = of_all_readings.filter(|all| !all.is_empty());
+        let key = (settings.interpolation, settings.rate_hz, settings.all_readings);
         // Removed before the computation, so that cancelled triplets are not replaced by those of other readings.
         let known = self.triplets.take_if(|(known, _)| *known == key && !stale);
         let triplets = match known {
@@ -163,6 +172,7 @@ impl StagedPipeline {
                 let all = Triplets {
                     readings: Arc::clone(&filtered),
                     restarts_s: deployment.restarts_s.clone(),
+                    of_all_readings,
                     ..triplets
                 };
                 Arc::new(match deployment.prism_schedule() {

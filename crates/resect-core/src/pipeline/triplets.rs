@@ -30,6 +30,8 @@ pub struct Triplets {
     pub readings: Arc<PerStation<FilteredTrack>>,
     /// Triplets of the spans in which stations follow other prisms. The joint estimate uses them, the paper's methods do not.
     pub of_other_prisms: Option<Arc<Self>>,
+    /// Triplets of all readings, from which the joint estimate starts; `None` if it takes the readings of these intervals.
+    pub of_all_readings: Option<Arc<Self>>,
 }
 
 impl Triplets {
@@ -52,6 +54,7 @@ impl Triplets {
             restarts_s: Vec::new(),
             readings,
             of_other_prisms: None,
+            of_all_readings: None,
         }
     }
 
@@ -59,7 +62,7 @@ impl Triplets {
         self.time_s.len()
     }
 
-    /// Returns some of the instants, in the order given.
+    /// Returns some of the instants, in the order given, for an estimate from them alone.
     pub fn select(&self, indices: &[usize]) -> Self {
         let points = |all: &Vec<Vector3<f64>>| indices.iter().map(|i| all[*i]).collect();
         Self {
@@ -70,6 +73,7 @@ impl Triplets {
             restarts_s: self.restarts_s.clone(),
             readings: Arc::clone(&self.readings),
             of_other_prisms: self.of_other_prisms.clone(),
+            of_all_readings: None,
             sigma_m: self.sigma_m.as_ref().map(|all| all.map(points)),
         }
     }
@@ -92,7 +96,11 @@ impl Triplets {
         let is_other = |index: &usize| followed(index) != *most;
         let others: Vec<usize> = (0..self.len()).filter(is_other).collect();
         let of_other_prisms = Some(Arc::new(self.select(&others)));
-        Self { of_other_prisms, ..self.select(of_most) }
+        Self {
+            of_other_prisms,
+            of_all_readings: self.of_all_readings.clone(),
+            ..self.select(of_most)
+        }
     }
 
     /// Returns these triplets with those of the spans in which stations follow other prisms, in order of time, with positions alone.

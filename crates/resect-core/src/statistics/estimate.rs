@@ -42,6 +42,8 @@ pub enum Quantity {
     Drift,
     /// Ratio to a range.
     Share,
+    /// Curvature of a sight over that of the earth.
+    Coefficient,
 }
 
 impl Quantity {
@@ -52,7 +54,7 @@ impl Quantity {
             Self::Angle => "rad",
             Self::Time => "s",
             Self::Drift => "s/s",
-            Self::Share => "1",
+            Self::Share | Self::Coefficient => "1",
         }
     }
 
@@ -64,6 +66,7 @@ impl Quantity {
             Self::Time => (1e3, "ms"),
             Self::Drift => (1e6, "µs/s"),
             Self::Share => (1e6, "ppm"),
+            Self::Coefficient => (1.0, "k"),
         }
     }
 }

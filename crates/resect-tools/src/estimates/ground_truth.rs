@@ -12,7 +12,7 @@ use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::deployment::Deployment;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::vehicle::{
-    Instants, NoTrajectory, common_errors, largest_about, prism_by, trajectory_by,
+    Instants, NoTrajectory, PoseLimits, common_errors, largest_about, prism_by, trajectory_by,
 };
 use resect_core::network::Prism;
 
@@ -143,9 +143,10 @@ fn by_rig(
     wanted: Instants<'_>,
 ) -> Result<Vec<TruePose>, NoTrajectory> {
     let (triplets, followed) = (analysis.triplets(), &analysis.offer.followed);
-    // No limit: contradictions between readings and rig are reported, not left out.
+    // No limit: contradictions between readings and rig are reported, not left out. A ground truth does not rest on a usual tilt.
+    let limits = PoseLimits { needs_three_prisms: true, ..PoseLimits::NONE };
     let (trajectory, _) =
-        trajectory_by(deployment, triplets, followed, calibration, wanted, f64::INFINITY)?;
+        trajectory_by(deployment, triplets, followed, calibration, wanted, &limits)?;
     let known = trajectory.poses.into_iter().filter_map(|pose| {
         let twist = pose.twist?;
         let block = |row, column| pose.covariance.fixed_view::<3, 3>(row, column).into_owned();

@@ -1,10 +1,11 @@
 //! The paper's studies, over one or many deployments: [`ablate`] (modules of the pipeline), [`sweep`] (a threshold),
-//! [`compare`] (the calibrations).
+//! [`sweep_answers`] (a threshold, with a calibration for each value), [`compare`] (the calibrations).
 //!
 //! Each returns a [`Study`]: labelled boxes of errors, which the terminal, CSV, JSON, pictures and the window show.
 //! [`Progress`](resect_core::progress::Progress) counts the steps of a study, and cancels it.
 
 mod ablation;
+mod answers;
 mod comparison;
 mod error;
 mod reference;
@@ -13,6 +14,7 @@ mod split;
 mod study;
 
 pub use ablation::ablate;
+pub use answers::sweep_answers;
 pub use comparison::{Compared, Comparison, compare};
 pub use error::StudyError;
 pub use reference::Reference;

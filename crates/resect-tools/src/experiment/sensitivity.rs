@@ -76,6 +76,25 @@ impl Sweep {
         (0..self.steps).map(|i| self.from + (self.to - self.from) * i as f64 / last).collect()
     }
 
+    /// Returns the settings with one value of the parameter.
+    pub fn with(&self, settings: &PipelineSettings, value: f64) -> PipelineSettings {
+        let mut variant = *settings;
+        *(self.parameter.setting().field)(&mut variant) = value;
+        variant
+    }
+
+    /// Returns a value with enough digits to distinguish the steps, without trailing zeros.
+    pub fn label_of(&self, value: f64) -> String {
+        let values = self.values();
+        short(value, values[1] - values[0])
+    }
+
+    /// Returns the parameter with its unit and the value of the settings.
+    pub fn axis_label(&self, settings: &PipelineSettings) -> String {
+        let setting = self.parameter.setting();
+        format!("{} ({}), set to {}", setting.title, setting.unit, setting.value(settings))
+    }
+
     /// Checks the values; the error is one line.
     pub fn check(&self, settings: &PipelineSettings) -> Result<(), String> {
         let Self { parameter, steps, .. } = *self;
@@ -89,9 +108,7 @@ impl Sweep {
             return Err(format!("{} has no effect while its filter is off", parameter.flag()));
         }
         for value in [self.from, self.to] {
-            let mut variant = *settings;
-            *(parameter.setting().field)(&mut variant) = value;
-            variant.check()?;
+            self.with(settings, value).check()?;
         }
         Ok(())
     }
@@ -115,11 +132,10 @@ pub fn sweep(
     let groups = values
         .par_iter()
         .map(|value| {
-            let mut variant = settings.pipeline;
-            *(parameter.setting().field)(&mut variant) = *value;
+            let variant = sweep.with(&settings.pipeline, *value);
             let (errors, count) = progress.step(|| reference::pooled(&judges, &variant))?;
             Ok(Group {
-                label: short(*value, values[1] - values[0]),
+                label: sweep.label_of(*value),
                 note: format!("{count}"),
                 boxes: vec![Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned())],
             })
@@ -130,12 +146,7 @@ pub fn sweep(
         title: format!("Sensitivity of the errors to {}", parameter.setting().title),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
-        group_label: format!(
-            "{} ({}), set to {}; below: number of triplets",
-            parameter.setting().title,
-            parameter.setting().unit,
-            parameter.setting().value(&settings.pipeline)
-        ),
+        group_label: format!("{}; below: number of triplets", sweep.axis_label(&settings.pipeline)),
         series: vec![Series {
             name: settings.pipeline.interpolation.title().to_owned(),
             rgb: palette::interpolation(settings.pipeline.interpolation),

@@ -264,14 +264,19 @@ fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
     };
     let points_m = so_far.points_m.zip(&next.points_m, |own, more| [&own[..], more].concat());
     let interval = next.interval.iter().map(|interval| interval + intervals);
-    let mut joined = Triplets::new(
+    let mut both = Triplets::new(
         [so_far.time_s.clone(), times_s(&next.time_s)].concat(),
         so_far.interval.iter().copied().chain(interval).collect(),
         points_m,
     );
-    joined.restarts_s.clone_from(&so_far.restarts_s);
-    joined.readings = Arc::new(so_far.readings.zip(&next.readings, track));
-    joined
+    both.restarts_s.clone_from(&so_far.restarts_s);
+    both.readings = Arc::new(so_far.readings.zip(&next.readings, track));
+    // Predictions before and after a manoeuvre take the same readings.
+    both.of_all_readings = so_far.of_all_readings.as_deref().map(|all| {
+        let more = next.of_all_readings.as_deref().unwrap_or(next);
+        Arc::new(joined(all, more))
+    });
+    both
 }
 
 /// Returns the extreme places of interest as seen from the stations: far, left, right and near.

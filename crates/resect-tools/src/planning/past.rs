@@ -9,7 +9,7 @@ use resect_core::analysis::Analysis;
 use resect_core::calibration::Verdict;
 use resect_core::calibration::joint::JointEstimate;
 use resect_core::deployment::Deployment;
-use resect_core::evaluation::vehicle::prisms_in_vehicle;
+use resect_core::evaluation::rig_layout::prisms_in_vehicle;
 use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{RigidTransform, align_level, align_rigid};
 use resect_core::network::{PerStation, Prism};

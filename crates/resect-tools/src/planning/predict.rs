@@ -237,7 +237,7 @@ fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>)
 /// rotation, and the position of their middle.
 fn sigma_of_instant(plan: &Plan, instant: &MotionInstant) -> Option<(f64, [Option<f64>; 2])> {
     let (_, prisms_m) = plan.rig.followed(plan.stations_m.len());
-    let Some(pose) = rig_pose(prisms_m.as_slice(), RIG_FLEX_SIGMA_M, instant) else {
+    let Some(pose) = rig_pose(prisms_m.as_slice(), RIG_FLEX_SIGMA_M, instant, None) else {
         let prisms = instant.position_m.len() / 3;
         let share = 1.0 / prisms as f64;
         let mean = |axis: usize, at: usize| if at % 3 == axis { share } else { 0.0 };

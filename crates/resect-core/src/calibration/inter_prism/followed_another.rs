@@ -14,8 +14,9 @@ use crate::statistics::median;
 const FITS_M: f64 = 0.05;
 /// Largest ratio of this median to that of any other assignment.
 const DECISIVE: f64 = 0.25;
-/// Consecutive triplets that fit the prism of before better, after which the other prism is no longer followed. Some fit by chance.
-const END_TRIPLETS: usize = 3;
+/// Time of triplets that fit the prism of before better, after which the other prism is no longer followed (s). Some fit by chance, and in
+/// a gap of the readings none is accurate.
+const END_S: f64 = 2.5;
 
 /// Returns the changes to the other prism that a station followed within a span (s), and back; `None` if no other prism explains the
 /// triplets there.
@@ -51,7 +52,8 @@ pub fn prism_changes(
     if *best_m > FITS_M || *best_m > DECISIVE * next_m.min(median_m(network)?) {
         return None;
     }
-    let is_other = |index: usize| worst_m(index, other) < worst_m(index, network);
+    let is_other =
+        |index: usize| (triplets.time_s[index], worst_m(index, other) < worst_m(index, network));
     let middle = usize::midpoint(first, end);
     let begin = middle + 1 - run((0..=middle).rev().map(is_other));
     let end = middle + run((middle..triplets.len()).map(is_other));
@@ -68,18 +70,20 @@ fn worst_error_m(network: &PrismNetwork, placed_m: &PerStation<Vector3<f64>>) ->
     network.errors_m(placed_m.as_slice()).fold(0.0, |worst, error_m| worst.max(error_m.abs()))
 }
 
-/// Returns the length of a run of true values that ends with [`END_TRIPLETS`] false ones.
-fn run(values: impl Iterator<Item = bool>) -> usize {
-    let (mut length, mut last_true) = (0, 0);
-    for value in values {
-        length += 1;
+/// Returns the length of a run of true values, which ends once they are false for [`END_S`]; each with its time (s).
+fn run(values: impl Iterator<Item = (f64, bool)>) -> usize {
+    let (mut last, mut last_true_s) = (0, f64::NAN);
+    for (index, (time_s, value)) in values.enumerate() {
+        if value || index == 0 {
+            last_true_s = time_s;
+        }
         if value {
-            last_true = length;
-        } else if length - last_true >= END_TRIPLETS {
+            last = index + 1;
+        } else if (time_s - last_true_s).abs() >= END_S {
             break;
         }
     }
-    last_true
+    last
 }
 
 /// Returns the time in the middle between a triplet and the one before (s).

@@ -6,17 +6,12 @@ use crate::network::{PerStation, Station};
 use nalgebra::Vector3;
 
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, PrismNetwork};
+use crate::calibration::gross_error_limit::gross_error_limit_m;
 use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
 use crate::geometry::LevelTransform;
 use crate::statistics::median;
 
-/// A triplet is a gross outlier if one of its distances exceeds both limits: this error (m), and the multiple [`WILD_TIMES`].
-/// Bends and stops cause chord errors of 20 mm. Outliers seem to rotate the rig, so unobservable directions seem observable.
-/// A hundredth of the triplets with errors of 20 mm adds 5e-6 to the smallest eigenvalue.
-const WILD_M: f64 = 0.02;
-/// A gross outlier also exceeds this multiple of the median of the worst errors.
-const WILD_TIMES: f64 = 5.0;
 /// Ratio of the mean square of all triplets to that of the inliers from which outliers affect least squares.
 const LONG_TAIL: f64 = 1.3;
 /// An answer without this share of the triplets depends on the selection, and not on the drive.
@@ -31,17 +26,12 @@ pub const NOTABLE_PULL_M: f64 = 0.002;
 /// Returns the indices of the inliers, from the errors of each triplet's distances (m).
 pub fn fitting<E: IntoIterator<Item = f64>>(errors_m: impl Iterator<Item = E>) -> Vec<usize> {
     let worst_m: Vec<f64> = errors_m.map(worst).collect();
-    let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
+    let Some(limit_m) = gross_error_limit_m(worst_m.iter().copied()) else { return Vec::new() };
     (0..worst_m.len()).filter(|i| worst_m[*i] < limit_m).collect()
 }
 
 fn worst(errors_m: impl IntoIterator<Item = f64>) -> f64 {
     errors_m.into_iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
-}
-
-/// Returns the limit of a triplet's worst error (m).
-fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
-    Some(WILD_M.max(WILD_TIMES * median(worst_m)?))
 }
 
 /// Returns the worst error of each triplet, from the errors of its pairs (m).
@@ -125,7 +115,7 @@ pub fn pull(
     sigma: Option<&PerStation<TransformSigma>>,
 ) -> Option<Finding> {
     let some_m = thinned.distance_errors_m(&answer.parameters);
-    let limit_m = limit_m(worst_by_triplet(thinned, &some_m))?;
+    let limit_m = gross_error_limit_m(worst_by_triplet(thinned, &some_m))?;
     // All triplets are examined only if their mean square shows more than noise: outliers that do not affect it cause no bias.
     let (fitting_m2, count) = some_m
         .iter()

@@ -14,15 +14,16 @@ use super::{
 };
 use crate::calibration::followed_prisms::schedule;
 use crate::calibration::joint::{
-    self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
+    self, DriveReadings, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
 };
+use crate::calibration::joint_data::{JointData, contradicting_runs};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
     CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
 };
 use crate::deployment::findings::outliers::{prism_changed, span_left_out};
-use crate::deployment::{Deployment, Finding, Rig};
+use crate::deployment::{Deployment, Finding, Rig, kinds};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::network::PerStation;
 use crate::pipeline::Triplets;
@@ -35,12 +36,13 @@ const MOST_SCREENINGS: usize = 4;
 pub fn solve_jointly(
     start: StartingPoint<'_>,
     deployment: &Deployment,
-    triplets: &Triplets,
+    all: &JointData<'_>,
     settings: &CalibrationSettings,
     offer: &Offer,
     progress: &Progress,
 ) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
     let StartingPoint { rig, network, published } = start;
+    let triplets = all.triplets;
     let layout = &Arc::new(Layout::of_schedule(&schedule(deployment, &offer.followed)));
     let (screened, survey) = rayon::join(
         || screened(published, deployment, (rig, &network), triplets, settings, progress),
@@ -56,6 +58,7 @@ pub fn solve_jointly(
     let by_survey = || Some(survey.as_ref()?.poses(&sizes)?.0);
     // A direction that is unobservable for the published answer is so for the joint estimate, unless control points determine it.
     let start = if is_determined_by_drive { Some(plain) } else { by_survey() };
+    let mut runs = Vec::new();
     let estimated = match start {
         Some(start) => {
             let input = JointInput {
@@ -67,13 +70,17 @@ pub fn solve_jointly(
                 sizes: &sizes,
             };
             let heights_m = network.height_differences_m(rig);
-            estimate(&input, deployment, (&network, heights_m.as_ref()), &used, progress)?
+            let (readings, contradicting) = all.fitting(deployment, &offer.followed, &start);
+            runs = contradicting;
+            let evidence = (&readings, &used);
+            estimate(&input, deployment, (&network, heights_m.as_ref()), evidence, progress)?
         }
         None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
     let (estimate, evaluated) = match estimated {
         Ok(estimated) => estimated,
         Err(failure) => {
+            let triplets = all.of_published;
             let first = FirstSolution::new(deployment, triplets, settings, offer, progress)?;
             let published = super::solve::solve(first, deployment, triplets, settings, progress)?;
             return Ok(published.in_place_of_joint(failure));
@@ -84,6 +91,7 @@ pub fn solve_jointly(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, estimate.survey.as_ref());
     joint::findings::add_notes(&mut judgement.findings, &estimate, Some(rig));
+    judgement.findings.extend(contradicting_runs(&runs, triplets.time_s[0]));
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     let explain = |span_s: [f64; 2]| {
         let (network, placed) = (network.with_estimates(&estimate), &answer.station1_from_station);
@@ -93,7 +101,10 @@ pub fn solve_jointly(
             None => span_left_out(span_s, start_s),
         }
     };
-    doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s, explain));
+    // The joint estimate takes readings, which are counted instead of triplets.
+    let left_out = gross_errors::left_out(&triplets.time_s, &kept_s, explain);
+    let is_told = |(_, finding): &(Verdict, Finding)| finding.kind != kinds::OUTLIERS_LEFT_OUT;
+    doubts.extend(left_out.into_iter().filter(is_told));
     judgement.put_first(doubts);
     Ok(MethodAnswer {
         method: Method::Joint,
@@ -146,13 +157,13 @@ fn estimate(
     input: &JointInput<'_>,
     deployment: &Deployment,
     (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
-    used: &Used<'_>,
+    (readings, used): (&DriveReadings, &Used<'_>),
     progress: &Progress,
 ) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
     let points = deployment.comparable_control_points();
     let estimate_from = |published: &PerStation<LevelTransform>| {
         let input = JointInput { published, ..input.clone() };
-        let estimate = joint::estimate(&|| used.triplets(), &input, progress)?;
+        let estimate = joint::estimate(readings, &input, progress)?;
         progress.check()?;
         Ok(estimate.map_err(JointFailure::from).map(|estimate| {
             let known = (network, heights_m);

@@ -37,7 +37,8 @@ pub fn required_rig<'a>(
     }
     let no_rig = || CalibrationError::NoRig { deployment: name() };
     let rig = deployment.rig.as_ref().ok_or_else(no_rig)?;
-    if offer.lack(Method::InterPrism).is_some() {
+    // The joint estimate has triplets of its own.
+    if [Method::InterPrism, Method::Joint].iter().all(|method| offer.lack(*method).is_some()) {
         return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
     }
     Ok((rig, PrismNetwork::new(offer.followed.clone(), &rig.inter_prism_m)))

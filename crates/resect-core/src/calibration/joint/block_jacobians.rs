@@ -1,7 +1,8 @@
 //! Jacobians of a block's unknowns u with respect to the constants θ and the slow states s.
 //!
-//! Within a block the errors of an instrument are approximated by one shift of its station, that of the mean sight, and a shift of station 1
-//! by the opposite shift of all others. So the readings of a block have the Jacobians of its unknowns, `∂u = J_θ ∂θ + J_s ∂s`.
+//! Within a block the errors of an instrument are approximated by one shift of its station, that of the mean sight. The first station that has
+//! readings there is the reference of the block: the motion has its errors, and its shift is the opposite shift of all others. So the
+//! readings of a block have the Jacobians of its unknowns, `∂u = J_θ ∂θ + J_s ∂s`.
 
 use std::sync::Arc;
 
@@ -46,23 +47,41 @@ impl BlockJacobians {
         self.drive.coupled_to_next[block]
     }
 
-    /// Jacobians of the shift (m) and the rotation about the station (rad) of station 1's readings during a block.
-    pub fn of_station_1(&self, block: usize) -> BlockJacobian {
+    /// Jacobians of the shift (m) and the rotation about the origin (rad) of the motion during a block, by the errors of its reference.
+    pub fn of_motion(&self, block: usize) -> BlockJacobian {
         let layout = &self.drive.layout;
-        let (station, mean_sight) = (&self.stations[0], &self.drive.mean_sights[block][0]);
-        let (shift_by_constants, shift_by_slow) =
-            point_jacobian(layout, station, mean_sight, Station::FIRST);
         let mut by_constants = DMatrix::zeros(6, layout.constants);
         let mut by_slow = DMatrix::zeros(6, layout.slow());
+        let Some((reference, mean_sight)) = reference(&self.drive.mean_sights[block]) else {
+            return (by_constants, by_slow);
+        };
+        let model = &self.stations[reference.index()];
+        let (shift_by_constants, shift_by_slow) =
+            point_jacobian(layout, model, mean_sight, reference);
         by_constants.rows_mut(0, 3).copy_from(&shift_by_constants);
         by_slow.rows_mut(0, 3).copy_from(&shift_by_slow);
-        for (column, axis) in station_1_rotations(layout, station) {
+        let mean_m = model.rotation * mean_sight.point_m;
+        for (column, axis) in rotations(layout, model, reference) {
             let mut shift = by_constants.fixed_view_mut::<3, 1>(0, column);
-            shift -= axis.cross(&(station.rotation * mean_sight.point_m));
+            shift -= axis.cross(&(mean_m + model.position_m));
             by_constants.fixed_view_mut::<3, 1>(3, column).copy_from(&axis);
+        }
+        if let Some(slot) = reference.slot() {
+            for by_pose in [&mut by_constants, &mut by_slow] {
+                by_pose.fixed_view_mut::<3, 3>(0, 4 * slot).fill_with_identity();
+                let yaw = 4 * slot + 3;
+                let by_yaw_m = -Vector3::z().cross(&model.position_m);
+                by_pose.fixed_view_mut::<3, 1>(0, yaw).copy_from(&by_yaw_m);
+                by_pose.fixed_view_mut::<3, 1>(3, yaw).copy_from(&Vector3::z());
+            }
         }
         (by_constants, by_slow)
     }
+}
+
+/// Returns the reference of a block, with its mean sight.
+fn reference(mean_sights: &PerStation<Option<MeanSight>>) -> Option<(Station, &MeanSight)> {
+    mean_sights.each().find_map(|(station, mean_sight)| Some((station, mean_sight.as_ref()?)))
 }
 
 /// Jacobians of the mean point of a station's readings (m, station 1's axes) by its instrument's constants and slow states.
@@ -80,8 +99,9 @@ pub fn point_jacobian(
     for (unknown, axis) in [(&LEAN_X, Vector3::x()), (&LEAN_Y, Vector3::y())] {
         set(layout.index(unknown, station.index()), axis.cross(&mean_sight.point_m));
     }
-    for ((_, first), correction_m) in layout.reading_errors().zip(&mean_sight.corrections_m) {
-        set(first + station.index(), *correction_m);
+    for ((_, index), correction_m) in layout.reading_errors(station).zip(&mean_sight.corrections_m)
+    {
+        set(index, *correction_m);
     }
     let mut by_slow = DMatrix::zeros(3, layout.slow());
     let across = layout.slow_across() + 2 * station.index();
@@ -95,79 +115,119 @@ pub fn point_jacobian(
     (by_constants, by_slow)
 }
 
-/// Correction of station 1's slow errors in a position (m, station 1's level axes).
-pub fn station_1_shift_m(
+/// Jacobian of the mean point of a station's readings in station 1's frame (m), by constants and slow states.
+fn placed_jacobian(
+    layout: &Layout,
+    model: &StationModel,
+    mean_sight: &MeanSight,
+    station: Station,
+) -> BlockJacobian {
+    let (mut by_constants, mut by_slow) = point_jacobian(layout, model, mean_sight, station);
+    if let Some(slot) = station.slot() {
+        let by_yaw_m = Vector3::z().cross(&(model.rotation * mean_sight.point_m));
+        for by_pose in [&mut by_constants, &mut by_slow] {
+            by_pose.fixed_view_mut::<3, 3>(0, 4 * slot).fill_with_identity();
+            by_pose.fixed_view_mut::<3, 1>(0, 4 * slot + 3).copy_from(&by_yaw_m);
+        }
+    }
+    (by_constants, by_slow)
+}
+
+/// Correction of the slow errors of a block's reference in a position (m, station 1's level axes).
+pub fn reference_shift_m(
     layout: &Layout,
     constants: &Constants,
-    mean_sight: &MeanSight,
+    mean_sights: &PerStation<Option<MeanSight>>,
     slow: &Slow,
 ) -> Vector3<f64> {
-    let model = StationModel::new(layout, constants, Station::FIRST);
-    let shift_m = point_jacobian(layout, &model, mean_sight, Station::FIRST).1 * slow;
+    let Some((reference, mean_sight)) = reference(mean_sights) else { return Vector3::zeros() };
+    let model = StationModel::new(layout, constants, reference);
+    let shift_m = placed_jacobian(layout, &model, mean_sight, reference).1 * slow;
     shift_m.fixed_rows::<3>(0).into()
 }
 
-/// The constants that rotate all readings of station 1 about it, with their axes in station 1's level axes.
+/// The constants that rotate all readings of a station about it, with their axes in station 1's level axes.
 ///
 /// A collimation error is a rotation about the vertical for level sights only.
-fn station_1_rotations(layout: &Layout, model: &StationModel) -> [(usize, Vector3<f64>); 3] {
+fn rotations(
+    layout: &Layout,
+    model: &StationModel,
+    station: Station,
+) -> [(usize, Vector3<f64>); 3] {
     let axes = [(&LEAN_X, Vector3::x()), (&LEAN_Y, Vector3::y()), (&COLLIMATION, Vector3::z())];
-    axes.map(|(unknown, axis)| (layout.index(unknown, 0), model.rotation * axis))
+    axes.map(|(unknown, axis)| (layout.index(unknown, station.index()), model.rotation * axis))
 }
 
 /// Jacobians of a block's unknowns, `since_middle_s` after the middle of its drive.
 fn block_jacobian(
     layout: &Layout,
     stations: &[StationModel],
-    mean_sights: &PerStation<MeanSight>,
+    mean_sights: &PerStation<Option<MeanSight>>,
     since_middle_s: f64,
 ) -> BlockJacobian {
     // (19)
     let mut by_constants = DMatrix::zeros(layout.block(), layout.constants);
     let mut by_slow = DMatrix::zeros(layout.block(), layout.slow());
     for (station, mean_sight) in mean_sights.each() {
-        let model = &stations[station.index()];
-        let (shift_by_constants, shift_by_slow) =
-            point_jacobian(layout, model, mean_sight, station);
-        // A shift of station 1 is the opposite shift of all others.
-        let (shifted, sign) = match station.slot() {
-            Some(slot) => (slot..slot + 1, 1.0),
-            None => (0..layout.moved(), -1.0),
-        };
-        for slot in shifted {
-            let mut rows = by_constants.rows_mut(3 * slot, 3);
-            rows += &shift_by_constants * sign;
-            let mut rows = by_slow.rows_mut(3 * slot, 3);
-            rows += &shift_by_slow * sign;
-        }
         let latency = layout.index(&LATENCY, station.index());
         by_constants[(layout.block_latencies() + station.index(), latency)] = 1.0;
         let Some(slot) = station.slot() else { continue };
-        let point_m = model.rotation * mean_sight.point_m;
-        // A rotation of station 1 is unobservable from the rig alone, because it rotates the rig as well. With the shift above it becomes the
-        // opposite rotation of the points of the others about station 1, which yaws and positions can compensate.
-        let separation_m =
-            point_m + model.position_m - stations[0].rotation * mean_sights[Station::FIRST].point_m;
-        for (column, axis) in station_1_rotations(layout, &stations[0]) {
-            let mut rows = by_constants.fixed_view_mut::<3, 1>(3 * slot, column);
-            rows -= axis.cross(&separation_m);
-        }
-        let by_yaw_m = Vector3::z().cross(&point_m);
-        for axis in 0..3 {
-            by_constants[(3 * slot + axis, 4 * slot + axis)] = 1.0;
-            by_slow[(3 * slot + axis, 4 * slot + axis)] = 1.0;
-            by_constants[(3 * slot + axis, 4 * slot + 3)] = by_yaw_m[axis];
-            by_slow[(3 * slot + axis, 4 * slot + 3)] = by_yaw_m[axis];
-        }
         let clock = layout.block_clocks() + slot;
         by_constants[(clock, layout.index(&CLOCK_OFFSET, slot))] = 1.0;
         by_constants[(clock, layout.index(&CLOCK_DRIFT, slot))] = since_middle_s;
         by_slow[(clock, layout.slow_clocks() + slot)] = 1.0;
+        let Some(mean_sight) = mean_sight else { continue };
+        let model = &stations[station.index()];
+        let (shift_by_constants, shift_by_slow) =
+            placed_jacobian(layout, model, mean_sight, station);
+        by_constants.rows_mut(3 * slot, 3).copy_from(&shift_by_constants);
+        by_slow.rows_mut(3 * slot, 3).copy_from(&shift_by_slow);
     }
     for (pair, index) in layout.indices(&DISTANCE).enumerate() {
         by_constants[(layout.block_distances() + pair, index)] = 1.0;
     }
+    subtract_reference(layout, stations, mean_sights, &mut by_constants, &mut by_slow);
     (by_constants, by_slow)
+}
+
+/// Subtracts the shift of a block's reference from all others, and its rotation.
+///
+/// A rotation of the reference is unobservable from the rig alone, because it rotates the rig as well. It is the opposite rotation of the points
+/// of the others about it, which yaws and positions can compensate.
+fn subtract_reference(
+    layout: &Layout,
+    stations: &[StationModel],
+    mean_sights: &PerStation<Option<MeanSight>>,
+    by_constants: &mut DMatrix<f64>,
+    by_slow: &mut DMatrix<f64>,
+) {
+    let Some((reference, sight)) = reference(mean_sights) else { return };
+    let placed_m = |station: Station, mean_sight: &MeanSight| {
+        let model = &stations[station.index()];
+        model.rotation * mean_sight.point_m + model.position_m
+    };
+    let model = &stations[reference.index()];
+    let (shift_by_constants, shift_by_slow) = placed_jacobian(layout, model, sight, reference);
+    let rotations = rotations(layout, model, reference);
+    let reference_m = placed_m(reference, sight);
+    for (station, mean_sight) in mean_sights.each() {
+        let (Some(slot), Some(mean_sight)) = (station.slot(), mean_sight) else { continue };
+        let mut rows = by_constants.rows_mut(3 * slot, 3);
+        rows -= &shift_by_constants;
+        let mut rows = by_slow.rows_mut(3 * slot, 3);
+        rows -= &shift_by_slow;
+        let separation_m = placed_m(station, mean_sight) - reference_m;
+        for (column, axis) in rotations {
+            let mut rows = by_constants.fixed_view_mut::<3, 1>(3 * slot, column);
+            rows -= axis.cross(&separation_m);
+        }
+        let Some(of_reference) = reference.slot() else { continue };
+        let by_yaw_m = Vector3::z().cross(&separation_m);
+        for by_pose in [&mut *by_constants, &mut *by_slow] {
+            let mut rows = by_pose.fixed_view_mut::<3, 1>(3 * slot, 4 * of_reference + 3);
+            rows -= by_yaw_m;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -177,7 +237,7 @@ mod tests {
     use super::*;
 
     /// Stations and their mean sights to a rig that rotates, far from level.
-    fn example() -> (Constants, Vec<StationModel>, PerStation<MeanSight>) {
+    fn example() -> (Constants, Vec<StationModel>, PerStation<Option<MeanSight>>) {
         let layout = layout(3);
         let mut constants = Constants::zeros(layout.constants);
         for (index, value) in
@@ -195,16 +255,19 @@ mod tests {
                 let prism_m = Vector3::new(30.0 + t, 20.0 - 0.5 * t, 0.8) + rig_m;
                 Sight::to(&model.rotation.tr_mul(&(prism_m - model.position_m)))
             });
-            MeanSight::of(&layout, sights).expect("sights")
+            MeanSight::of(&layout, sights)
         });
         (constants, stations, mean_sights.into())
     }
 
     /// Largest change of the block's unknowns if everything rotates about an axis through station 1: each station by its lean, or
     /// by its yaw and station 1 by its collimation.
-    fn change_by_common_rotation(axis: &Vector3<f64>, lean: bool) -> f64 {
+    fn change_by_common_rotation(axis: &Vector3<f64>, lean: bool, silent: Option<usize>) -> f64 {
         let layout = layout(3);
-        let (constants, stations, mean_sights) = example();
+        let (constants, stations, mut mean_sights) = example();
+        if let Some(silent) = silent {
+            mean_sights[silent] = None;
+        }
         let mut rotation = Constants::zeros(layout.constants);
         for slot in 0..2 {
             let position: Vector3<f64> = constants.fixed_rows::<3>(4 * slot).into();
@@ -225,10 +288,16 @@ mod tests {
 
     #[test]
     fn a_common_rotation_of_all_stations_is_unobservable() {
-        assert!(change_by_common_rotation(&Vector3::x(), true) < 1e-9);
-        assert!(change_by_common_rotation(&Vector3::y(), true) < 1e-9);
+        // In a block without station 1, station 2 is the reference.
+        for silent in [None, Some(0), Some(1)] {
+            for axis in [Vector3::x(), Vector3::y()] {
+                assert!(change_by_common_rotation(&axis, true, silent) < 1e-9, "{silent:?}");
+            }
+        }
         // A collimation error acts on the slope distance, and a yaw on the horizontal one: they differ where sights are steep.
-        let steep = change_by_common_rotation(&Vector3::z(), false);
+        let steep = change_by_common_rotation(&Vector3::z(), false, None);
         assert!(steep > 1e-4 && steep < 0.03, "{steep} m a radian");
+        // Station 1 is not there, and its collimation has no effect.
+        assert!(change_by_common_rotation(&Vector3::z(), false, Some(0)) < 1e-9);
     }
 }

@@ -77,6 +77,11 @@ impl ChainFactor {
         Some((factor, solution))
     }
 
+    /// Frees memory; rows that are needed again are recomputed.
+    pub fn forget_rows(&mut self) {
+        self.stored = Vec::new();
+    }
+
     /// Returns the rows of one chunk of [`ChainMatrix::chunks`].
     fn rows(&self, blocks: Range<usize>) -> Cow<'_, [FactorRow]> {
         if let Some(stored) = self.stored.get(blocks.clone()) {
@@ -337,17 +342,20 @@ mod tests {
                 side: vector(),
                 up: vector(),
                 point_m: vector(),
-                corrections_m: (0..4).map(|_| vector()).collect(),
+                corrections_m: (0..6).map(|_| vector()).collect(),
             }
         };
         let layout = layout(3);
         let drive = Drive {
             layout: Arc::clone(&layout),
             segments: Vec::new(),
-            mean_sights: (0..blocks).map(|_| PerStation::from_fn(3, |_| mean_sight())).collect(),
+            mean_sights: (0..blocks)
+                .map(|_| PerStation::from_fn(3, |_| Some(mean_sight())))
+                .collect(),
             block_times_s: (0..blocks).map(|block| 6.0 * block as f64).collect(),
             coupled_to_next: (0..blocks).map(|block| block % 3 < 2 && block + 1 < blocks).collect(),
             spans_s: vec![[0.0, 6.0 * blocks as f64]],
+            excess_jerk: Arc::default(),
         };
         let size = layout.block();
         let mut matrix = || DMatrix::from_fn(size, size, |_, _| random());

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::sight::EARTH_RADIUS_M;
 use super::state_vector::{Constants, Layout};
-use super::station_model::EARTH_RADIUS_M;
 use super::unknown::{DISTANCE, LEAN_X, LEAN_Y};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;

@@ -32,9 +32,10 @@ pub struct CutMotion {
 
 /// Start and end of the motion across the cut after a segment (s); `None` without a cut.
 pub fn cut_span_s(drive: &Drive, index: usize) -> Option<[f64; 2]> {
-    let [grid, next] = [index, index + 1].map(|k| drive.segments.get(k).map(|it| &it.grid));
-    let (grid, half_s) = (grid?, USED_KNOTS * grid?.knot_s);
-    grid.across_cut(next?)?;
+    let [segment, next] = [index, index + 1].map(|k| drive.segments.get(k));
+    let (segment, next) = (segment?, next?);
+    let (grid, half_s) = (&segment.grid, USED_KNOTS * segment.grid.knot_s);
+    grid.across_cut(&next.grid).filter(|_| Arc::ptr_eq(&segment.prisms, &next.prisms))?;
     Some([grid.end_s - half_s, grid.end_s + half_s])
 }
 
@@ -48,12 +49,14 @@ pub fn estimate_cut_motion(
     let sides = linearisation.drive.segments.get(index..index + 2)?;
     let grid = sides[0].grid.across_cut(&sides[1].grid)?;
     let readings = sides[0].readings.zip(&sides[1].readings, |before, after| {
-        let both = before.iter().chain(after);
-        both.filter(|reading| grid.contains(reading.time_s)).cloned().collect()
+        let both = before.iter().chain(after.iter());
+        let near = both.filter(|reading| grid.contains(reading.time_s));
+        near.cloned().collect::<Vec<_>>().into()
     });
     let mut coefficients_m = initial_coefficients_m(linearisation, &grid, index);
     let prisms = Arc::clone(&sides[0].prisms);
-    let segment = Segment { grid, prisms, readings, middle_s: sides[0].middle_s };
+    let excess_jerks = linearisation.drive.excess_jerks(&grid);
+    let segment = Segment { grid, prisms, readings, excess_jerks, middle_s: sides[0].middle_s };
     // The last block before the cut, and the first after it.
     let next = linearisation.first_blocks[index + 1];
     let blocks = next - 1..next + 1;

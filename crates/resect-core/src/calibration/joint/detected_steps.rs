@@ -3,6 +3,7 @@
 use super::chain::ChainEquations;
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
+use super::facets::{facet_effects, incidence_terms};
 use super::priors::Priors;
 use super::random_walks::{SlowPrecisions, SlowPriors};
 use super::state_vector::{Slow, StateVector};
@@ -61,7 +62,12 @@ fn most_significant_step(
         ChainFactor::new(&normal.matrix, &priors.information(), &precisions, &right)?;
     let solved = state.slow.iter().zip(&step.slow).map(|(slow, step)| slow - step);
     let slow: Vec<Slow> = solved.collect();
-    step_search(&factor, &precisions, &slow, priors, drive, state).most_significant_step()
+    let search = step_search(&factor, &precisions, &slow, priors, drive, state);
+    let terms = incidence_terms(drive, state);
+    search.most_significant_step(|solution| {
+        let information = normal.matrix.multiply(std::slice::from_ref(solution));
+        facet_effects(drive, &terms, &information[0])
+    })
 }
 
 /// Returns the steps with their size in the final solution; without a step, a significant drift of one station over the whole drive.

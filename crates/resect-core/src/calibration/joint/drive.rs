@@ -1,13 +1,13 @@
 //! The readings of a drive by segment, and the mean sights of its blocks.
 
-use super::knot_grid::{KnotGrid, segment_grids};
+use super::excess_jerk::ExcessJerk;
+use super::knot_grid::{FEWEST_KNOTS, KnotGrid, segment_grids};
+use super::readings::{DriveReadings, Reading, ReadingSpan, median_step_s};
 use super::segment_prisms::SegmentPrisms;
-use super::sight::Sight;
+use super::spans::spans;
 use super::state_vector::{Constants, Layout, Slow, StateVector};
 use super::station_model::{MeanSight, StationModel};
-use crate::network::{Number, PerStation, Prism};
-use crate::pipeline::Triplets;
-use crate::statistics::median;
+use crate::network::{Number, PerStation};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -18,27 +18,30 @@ pub const BLOCK_LENGTHS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// step, which nearly doubles its time and needs memory for one segment a thread.
 const MOST_STORED_KNOTS: usize = 4096;
 
-/// One reading of one station, in its own frame. Its [`Sight`] is computed when it is needed: long drives have millions of readings.
-#[derive(Clone, Debug)]
-pub struct Reading {
-    pub time_s: f64,
-    pub point_m: Vector3<f64>,
-}
-
-impl Reading {
-    pub fn sight(&self) -> Sight {
-        Sight::to(&self.point_m)
-    }
-}
-
 /// An unbroken span of a drive with its readings by station.
 #[derive(Clone, Debug)]
 pub struct Segment {
     pub grid: KnotGrid,
     pub prisms: Arc<SegmentPrisms>,
-    pub readings: PerStation<Vec<Reading>>,
+    pub readings: PerStation<ReadingSpan>,
+    /// Variance of the jerks beyond that of the whole drive, in the order of the jerks (m²/s⁶).
+    pub excess_jerks: Vec<f64>,
     /// Middle of the drive (s), from which clock drifts count.
     pub middle_s: f64,
+}
+
+impl Segment {
+    /// Time from an instant to the nearest reading of a prism (s), by its place in the segment.
+    pub fn to_reading_s(&self, prism: usize, time_s: f64) -> f64 {
+        let followers = self.readings.iter().zip(&self.prisms.of_station);
+        let own = followers.filter(|(_, followed)| **followed == Some(prism));
+        let nearest_s = own.flat_map(|(readings, _)| {
+            let next = readings.partition_point(|reading| reading.time_s < time_s);
+            let around = &readings[next.saturating_sub(1)..readings.len().min(next + 1)];
+            around.iter().map(|reading| (reading.time_s - time_s).abs())
+        });
+        nearest_s.fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// The readings of a drive by segment, and what its blocks have in common.
@@ -46,20 +49,22 @@ pub struct Segment {
 pub struct Drive {
     pub layout: Arc<Layout>,
     pub segments: Vec<Segment>,
-    /// Mean sights of the stations, by block over all segments.
-    pub mean_sights: Vec<PerStation<MeanSight>>,
+    /// Mean sights of the stations, by block over all segments; `None` for a station without readings in the segment.
+    pub mean_sights: Vec<PerStation<Option<MeanSight>>>,
     pub block_times_s: Vec<f64>,
     /// True for a block whose next block belongs to the same segment.
     pub coupled_to_next: Vec<bool>,
     /// Start and end of each drive (s), where several are solved together.
     pub spans_s: Vec<[f64; 2]>,
+    pub excess_jerk: Arc<ExcessJerk>,
 }
 
 impl Drive {
-    /// Segments with blocks of about `block_s`; `None` without a segment that all stations observe.
-    pub fn new(layout: &Arc<Layout>, triplets: &Triplets, block_s: f64) -> Option<Self> {
-        let knot_s =
-            triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
+    /// Segments with blocks of about `block_s`; `None` without a segment.
+    pub fn new(layout: &Arc<Layout>, readings: &DriveReadings, block_s: f64) -> Option<Self> {
+        let step_s =
+            |track: &Arc<Vec<Reading>>| median_step_s(track.iter().map(|reading| reading.time_s));
+        let knot_s = readings.tracks.iter().map(step_s).fold(0.0, f64::max);
         if !(0.01..=2.0).contains(&knot_s) {
             return None;
         }
@@ -69,41 +74,44 @@ impl Drive {
             mean_sights: Vec::new(),
             block_times_s: Vec::new(),
             coupled_to_next: Vec::new(),
-            spans_s: spans_s(triplets),
+            spans_s: readings.spans_s(),
+            excess_jerk: Arc::new(ExcessJerk::new(&readings.tracks)),
         };
-        let mut last: Option<(&PerStation<Prism>, Arc<SegmentPrisms>)> = None;
-        for grid in segment_grids(&triplets.time_s, &triplets.interval, knot_s, block_s) {
-            let readings = triplets.readings.map(|track| {
-                let from = track.time_s.partition_point(|t| *t < grid.start_s);
-                let to = track.time_s.partition_point(|t| *t <= grid.end_s);
-                let both = track.time_s[from..to].iter().zip(&track.position_m[from..to]);
-                both.map(|(time_s, point_m)| Reading { time_s: *time_s, point_m: *point_m })
-                    .collect::<Vec<_>>()
-            });
-            if readings.iter().any(Vec::is_empty) {
-                continue;
+        for span in spans(layout, readings, FEWEST_KNOTS * knot_s) {
+            let followed = layout.followed_at(span.start_s);
+            let prisms = Arc::new(SegmentPrisms::new(layout, followed, &span.prisms));
+            for grid in segment_grids(&span, knot_s, block_s) {
+                drive.add_segment(grid, &prisms, readings);
             }
-            let followed = layout.followed_at(grid.start_s);
-            let prisms = match &last {
-                Some((known, prisms)) if *known == followed => Arc::clone(prisms),
-                _ => Arc::new(SegmentPrisms::new(layout, followed)),
-            };
-            last = Some((followed, Arc::clone(&prisms)));
-            for block in 0..grid.blocks {
-                drive.mean_sights.push(readings.map(|readings| {
-                    let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
-                    let all = readings.iter().map(Reading::sight);
-                    MeanSight::of(layout, of_block.map(Reading::sight))
-                        .or_else(|| MeanSight::of(layout, all))
-                        .unwrap_or_default()
-                }));
-                drive.block_times_s.push(grid.block_time_s(block));
-                drive.coupled_to_next.push(block + 1 < grid.blocks);
-            }
-            let middle_s = drive.middle_s(grid.start_s);
-            drive.segments.push(Segment { grid, prisms, readings, middle_s });
         }
         (!drive.segments.is_empty()).then_some(drive)
+    }
+
+    fn add_segment(&mut self, grid: KnotGrid, prisms: &Arc<SegmentPrisms>, all: &DriveReadings) {
+        let layout = &self.layout;
+        let readings = all.tracks.zip(&prisms.of_station, |track, prism| match prism {
+            Some(_) => ReadingSpan::between(track, grid.start_s, grid.end_s),
+            None => Vec::new().into(),
+        });
+        for block in 0..grid.blocks {
+            self.mean_sights.push(readings.map(|readings| {
+                let of_block = readings.iter().filter(|r| grid.block_at(r.time_s) == block);
+                let all = readings.iter().map(Reading::sight);
+                MeanSight::of(layout, of_block.map(Reading::sight))
+                    .or_else(|| MeanSight::of(layout, all))
+            }));
+            self.block_times_s.push(grid.block_time_s(block));
+            self.coupled_to_next.push(block + 1 < grid.blocks);
+        }
+        let (middle_s, prisms) = (self.middle_s(grid.start_s), Arc::clone(prisms));
+        let excess_jerks = self.excess_jerks(&grid);
+        self.segments.push(Segment { grid, prisms, readings, excess_jerks, middle_s });
+    }
+
+    /// Variance of the jerks of a grid beyond that of the whole drive (m²/s⁶).
+    pub fn excess_jerks(&self, grid: &KnotGrid) -> Vec<f64> {
+        let at = |first: usize| self.excess_jerk.variance(grid.jerk_time_s(first), grid.knot_s);
+        (0..grid.jerks()).map(at).collect()
     }
 
     /// Knots of all segments.
@@ -135,6 +143,7 @@ impl Drive {
             block_times_s: blocks().map(|block| self.block_times_s[block]).collect(),
             coupled_to_next: blocks().map(|block| self.coupled_to_next[block]).collect(),
             spans_s: self.spans_s.clone(),
+            excess_jerk: Arc::clone(&self.excess_jerk),
         }
     }
 
@@ -153,31 +162,34 @@ impl Drive {
         first
     }
 
-    /// The state in which the iteration starts: splines through the triplets, and slow states of zero.
-    pub fn initial_state(&self, triplets: &Triplets, constants: &Constants) -> StateVector {
+    /// The state in which the iteration starts: splines through the readings, and slow states of zero.
+    pub fn initial_state(&self, constants: &Constants) -> StateVector {
         StateVector {
             constants: constants.clone(),
             slow: vec![Slow::zeros(self.layout.slow()); self.mean_sights.len()],
-            coefficients_m: self.coefficients_m(triplets, constants),
+            coefficients_m: self.coefficients_m(constants),
         }
     }
 
-    /// Coefficients of splines through the triplets (m), by segment.
-    fn coefficients_m(&self, triplets: &Triplets, constants: &Constants) -> Vec<Vec<f64>> {
+    /// Coefficients of splines through the readings (m), by segment.
+    fn coefficients_m(&self, constants: &Constants) -> Vec<Vec<f64>> {
         let stations = StationModel::all(&self.layout, constants);
         let of_segment = |segment: &Segment| {
-            let Segment { grid, prisms, .. } = segment;
-            let followers = (0..prisms.count()).filter_map(|prism| prisms.follower(prism));
-            let followers: Vec<_> = followers.collect();
-            let mut coefficients_m = Vec::with_capacity(grid.knots * 3 * followers.len());
+            let Segment { grid, prisms, readings, .. } = segment;
+            let mut coefficients_m = Vec::with_capacity(grid.knots * prisms.coordinates());
             for knot in 0..grid.knots {
                 let time_s = grid.knot_time_s(knot).clamp(grid.start_s, grid.end_s);
-                let after = triplets.time_s.partition_point(|t| *t < time_s);
-                let index = after.min(triplets.len() - 1);
-                for station in &followers {
-                    let own_m = triplets.points_m[*station][index];
-                    let model = &stations[station.index()];
-                    coefficients_m.extend((model.rotation * own_m + model.position_m).iter());
+                for prism in 0..prisms.count() {
+                    // The station whose readings are nearest in time.
+                    let followers = readings.each().zip(&prisms.of_station);
+                    let followers = followers.filter(|(_, followed)| **followed == Some(prism));
+                    let read = followers.filter_map(|((station, readings), _)| {
+                        let (point_m, apart_s) = interpolated(readings, time_s)?;
+                        let model = &stations[station.index()];
+                        Some((model.rotation * point_m + model.position_m, apart_s))
+                    });
+                    let nearest = read.min_by(|(_, a_s), (_, b_s)| a_s.total_cmp(b_s));
+                    coefficients_m.extend(nearest.unwrap_or_default().0.iter());
                 }
             }
             coefficients_m
@@ -186,20 +198,20 @@ impl Drive {
     }
 }
 
-/// Start and end of each drive (s).
-fn spans_s(triplets: &Triplets) -> Vec<[f64; 2]> {
-    let mut cuts: Vec<usize> = triplets
-        .restarts_s
-        .iter()
-        .map(|restart_s| triplets.time_s.partition_point(|time_s| time_s < restart_s))
-        .collect();
-    cuts.insert(0, 0);
-    cuts.push(triplets.len());
-    let spans = cuts.windows(2).filter_map(|cut| triplets.time_s.get(cut[0]..cut[1]));
-    spans.filter_map(|times_s| Some([*times_s.first()?, *times_s.last()?])).collect()
-}
-
-/// Median time between consecutive instants (s).
-fn median_step_s(time_s: &[f64]) -> f64 {
-    median(time_s.windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN)
+/// Returns the point of a station's readings at an instant (m), and the time between the readings that it is interpolated from (s). Beyond
+/// the first and the last reading it is theirs.
+fn interpolated(readings: &[Reading], time_s: f64) -> Option<(Vector3<f64>, f64)> {
+    let after = readings.partition_point(|reading| reading.time_s < time_s);
+    let (before, after) = (after.checked_sub(1).map(|k| &readings[k]), readings.get(after));
+    match (before, after) {
+        (Some(before), Some(after)) => {
+            let apart_s = after.time_s - before.time_s;
+            let share = (time_s - before.time_s) / apart_s;
+            Some((before.point_m.lerp(&after.point_m, share), apart_s))
+        }
+        (before, after) => {
+            let end = before.or(after)?;
+            Some((end.point_m, 2.0 * (time_s - end.time_s).abs()))
+        }
+    }
 }

@@ -4,15 +4,20 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::drive::{Reading, Segment};
+use super::drive::Segment;
 use super::knot_grid::{KnotGrid, ORDER};
 use super::loss::{robust_loss, robust_weight};
 use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows, band_shape};
+use super::readings::Reading;
 use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
     jerk_factors, jerk_residuals,
 };
 use crate::network::{PerStation, Station};
+
+/// Steps of a coefficient that are longer are shortened where the readings hardly determine it (m): a third of a rig, whose distances are
+/// linear that far.
+const DAMPED_M: f64 = 0.3;
 
 /// Robust weights of a segment's readings and then of its jerks, in their order. Steps with fixed weights share them.
 pub type RobustWeights = Arc<[f64]>;
@@ -107,14 +112,15 @@ pub fn equations(
         signs: RandomSigns(0x5eed),
     };
     for (station, readings) in segment.readings.each() {
-        for reading in readings {
+        for reading in readings.iter() {
             builder.add_reading(grid, station, reading);
         }
     }
     if !point.prisms.pairs.is_empty() {
         builder.add_distances(grid);
     }
-    builder.add_jerks(grid);
+    builder.add_jerks(grid, &segment.excess_jerks);
+    builder.add_damping(grid);
     let EquationsBuilder { band, squares, cost, weights, .. } = builder;
     let weights = weighting.fixed.map_or_else(|| weights.into(), Arc::clone);
     SegmentEquations { band, squares, cost, weights }
@@ -164,6 +170,7 @@ impl EquationsBuilder<'_> {
         let square = residual_m.dot(&weighted_m);
         let numbers = 3.0 * self.weighting.redundancy;
         let weight = self.weight(square / numbers, numbers);
+        self.cost += self.weighting.redundancy * residual.log_determinant;
 
         let sources = [
             (RANGES, Vector3::x() * residual.range_sigma_m),
@@ -257,11 +264,12 @@ impl EquationsBuilder<'_> {
     }
 
     /// Adds the smoothness prior of the motion: one equation a coordinate and knot.
-    fn add_jerks(&mut self, grid: &KnotGrid) {
-        let factors = jerk_factors(grid, &self.weighting.levels);
+    fn add_jerks(&mut self, grid: &KnotGrid, excess_jerks: &[f64]) {
+        let usual = self.weighting.levels.jerk_m_per_s3.powi(2);
         let local = self.point.prisms.coordinates();
         let (mut residuals, mut values) = (vec![0.0; local], vec![0.0; local]);
-        for first in 0..grid.knots - (ORDER - 1) {
+        for (first, excess) in excess_jerks.iter().copied().enumerate() {
+            let factors = jerk_factors(grid, &self.weighting.levels, excess);
             jerk_residuals(self.point, first, &factors, &mut residuals);
             let knots = KnotFactors { first, factors: &factors };
             // Vehicles start and stop: their jerks are weighted robustly.
@@ -269,14 +277,31 @@ impl EquationsBuilder<'_> {
             let weight = self.weight(square / local as f64, local as f64);
             // (17). The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
             // like noise of stamps.
-            self.squares.observed[JERKS] += square;
-            self.squares.expected[JERKS] += local as f64;
-            if self.weighting.fixed.is_none() {
+            let is_usual = excess < usual;
+            if is_usual {
+                self.squares.observed[JERKS] += square;
+                self.squares.expected[JERKS] += local as f64;
+            }
+            if self.weighting.fixed.is_none() && is_usual {
                 values.fill_with(|| self.signs.next());
                 self.band.add_probe(knots, 0, JERKS, &values);
             }
             residuals.iter_mut().for_each(|residual| *residual *= weight);
             self.band.add_each(knots, weight, &residuals);
+        }
+    }
+}
+
+impl EquationsBuilder<'_> {
+    /// Shortens steps of coefficients that the readings hardly determine (Levenberg 1944). The solution is that without it.
+    fn add_damping(&mut self, grid: &KnotGrid) {
+        let precision = DAMPED_M.powi(-2);
+        let none = vec![0.0; self.point.prisms.coordinates()];
+        for knot in 0..grid.knots {
+            let first = knot.min(grid.knots - ORDER);
+            let mut factors = [0.0; ORDER];
+            factors[knot - first] = 1.0;
+            self.band.add_each(KnotFactors { first, factors: &factors }, precision, &none);
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Gauss–Newton iteration of the joint estimate.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::constants_prior::prior_mean;
@@ -14,6 +13,7 @@ use super::marginal_likelihood::{choose_processes, likeliest_clocks_s2};
 use super::noise_levels::{FIRST_LEVELS, estimate_noise_levels};
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
+use super::readings::DriveReadings;
 use super::residuals::NoiseLevels;
 use super::solver_status::SolverStatus;
 use super::state_vector::{Constants, ConstantsMatrix, Layout, StateVector};
@@ -25,30 +25,34 @@ use super::unknown::DISTANCE;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::network::PerStation;
-use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
 /// Largest number of Gauss–Newton steps.
 const MOST_ITERATIONS: usize = 40;
 /// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
+/// They do not show them before the squared length of a step is this small (σ²).
+const NEAR_SQUARE: f64 = 4.0;
 /// The normal matrix is reused while the squared length of the steps shrinks at least by this factor: the length by 3.2.
 const FAST: f64 = 0.1;
 /// Noise levels are estimated on a sample of about so many knots.
 const SAMPLE_KNOTS: usize = 600;
-/// Steps of the sample: of all unknowns (true), or of the motion alone, which needs a third of the time. Before the constants are
-/// nearly right, their errors would count as noise.
-const SAMPLE_STEPS: [bool; 5] = [true, true, false, true, false];
+/// Steps of all unknowns of the sample, between which noise levels are estimated.
+const SAMPLE_STEPS: usize = 2;
+/// Steps of the motion alone before noise levels are estimated: until the motion has followed the constants, their errors count as noise.
+const SAMPLE_MOTION_STEPS: usize = 1;
 /// Least number of searches for slow changes near the solution: detected changes move everything else. Simulated: with one search
 /// alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
 const SEARCHES: usize = 2;
 /// Steps of the motion alone that bring a whole drive near its readings once a sample of it is solved.
-const MOTION_STEPS: usize = 2;
+const MOTION_STEPS: usize = 3;
 /// A step that raises the cost by more than this share is taken again. The Jacobians are approximations, so the cost may rise a
 /// little although the steps converge.
 const COST_TOLERANCE: f64 = 0.01;
 /// Share of a step that is taken again, over its share before.
 const SHORTER: f64 = 0.25;
+/// Share of a step after one that has raised the cost a little.
+const OVERSHOT: f64 = 0.5;
 /// A smaller share of a step is not taken again.
 const SHORTEST: f64 = 1e-3;
 /// Normal matrices are not reused after a longer step (σ²).
@@ -103,27 +107,22 @@ impl From<SolverStatus> for AttemptEnd {
 
 /// Estimates all unknowns.
 ///
-/// Returns the trace with its status if there is no estimate. `triplets` is called where they are needed: a copy for the whole
-/// iteration would double its memory.
-pub fn estimate<'a>(
-    triplets: &dyn Fn() -> Cow<'a, Triplets>,
+/// Returns the trace with its status if there is no estimate.
+pub fn estimate(
+    readings: &DriveReadings,
     input: &JointInput<'_>,
     progress: &Progress,
 ) -> Result<Result<JointEstimate, Trace>, Cancelled> {
-    let triplets = || {
-        let triplets = triplets();
-        triplets.with_other_prisms().map_or(triplets, Cow::Owned)
-    };
     let mut trace = Trace { status: SolverStatus::NoReadings, ..Trace::default() };
     let survey_first = !input.is_determined_by_drive;
     for block_s in BLOCK_LENGTHS_S {
-        let Some(drive) = Drive::new(input.layout, &triplets(), block_s).map(Arc::new) else {
+        let Some(drive) = Drive::new(input.layout, readings, block_s).map(Arc::new) else {
             break;
         };
         let mut attempt = |event: TraceEvent, survey_first: bool| {
             trace.add_event(event);
             let drive = Arc::clone(&drive);
-            match solve(drive, triplets(), input, survey_first, &mut trace, progress) {
+            match solve(drive, readings, input, survey_first, &mut trace, progress) {
                 Ok(estimate) => Ok(Ok(estimate)),
                 Err(AttemptEnd::Cancelled) => Err(Cancelled),
                 Err(AttemptEnd::Failed(status)) => {
@@ -157,7 +156,7 @@ pub fn estimate<'a>(
 /// otherwise look like outliers of the drive.
 fn solve(
     drive: Arc<Drive>,
-    triplets: Cow<'_, Triplets>,
+    readings: &DriveReadings,
     input: &JointInput<'_>,
     survey_first: bool,
     trace: &mut Trace,
@@ -165,7 +164,7 @@ fn solve(
 ) -> Result<JointEstimate, AttemptEnd> {
     let JointInput { layout, published, rig, survey, sizes, .. } = input;
     let mean = prior_mean(layout, published, &rig.measured_m);
-    let mut priors = Priors::new(layout, sizes, &mean, rig, &triplets.restarts_s);
+    let mut priors = Priors::new(layout, sizes, &mean, rig, &readings.restarts_s);
     let survey = survey.as_ref();
     let mut pending_survey =
         survey.and_then(|survey| SurveyEvidence::new(layout, survey, sizes, &mean));
@@ -173,12 +172,11 @@ fn solve(
         priors.survey = pending_survey.take();
     }
     let sample = Arc::new(drive.sample(SAMPLE_KNOTS));
-    let (weighting, mut state) = learn_noise(&sample, &triplets, &priors, trace, progress)?;
+    let (weighting, mut state) = learn_noise(&sample, &priors, trace, progress)?;
     let is_sampled = sample.segments.len() < drive.segments.len();
     if is_sampled {
-        state = drive.initial_state(&triplets, &state.constants);
+        state = drive.initial_state(&state.constants);
     }
-    drop(triplets);
     if is_sampled {
         for _ in 0..MOTION_STEPS {
             step_motion(&drive, &mut state, &weighting, progress)?.ok_or_else(not_definite)?;
@@ -186,7 +184,8 @@ fn solve(
         }
     }
     // The whole drive determines the constants better than its sample: the first step may be that much longer.
-    let near_sigmas = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
+    let times = drive.knots() as f64 / sample.knots() as f64;
+    let near = (NEAR_SIGMAS * times.sqrt(), NEAR_SQUARE * times);
     let (steps, buffers, iterations, before) = (Vec::new(), RowBuffers::default(), 0, None);
     let mut iteration = Iteration {
         drive,
@@ -202,7 +201,7 @@ fn solve(
         pending_survey,
         trace,
     };
-    let step = iteration.step_reweighted(near_sigmas)?;
+    let step = iteration.step_reweighted(near)?;
     let step = iteration.step_with_fixed_weights(step)?;
     if step.is_stiffer {
         return Err(SolverStatus::StifferPriors.into());
@@ -237,13 +236,16 @@ struct StateBefore {
 
 impl Iteration<'_> {
     /// Steps with robust weights that follow the residuals, until the searches find no further slow change. Returns the last step.
-    fn step_reweighted(&mut self, near_sigmas: f64) -> Result<GaussNewtonStep, AttemptEnd> {
+    fn step_reweighted(
+        &mut self,
+        (near_sigmas, near_square): (f64, f64),
+    ) -> Result<GaussNewtonStep, AttemptEnd> {
         let mut searches = 0;
         loop {
             let mut step = self.linearise()?;
             let mut is_settled = false;
             let largest_step_sigmas = step.largest_step_sigmas();
-            if largest_step_sigmas < near_sigmas {
+            if largest_step_sigmas < near_sigmas && step.squared_length < near_square {
                 let known = self.steps.len();
                 searches += 1;
                 self.search_slow_changes(&mut step, searches == SEARCHES)?;
@@ -324,6 +326,11 @@ impl Iteration<'_> {
 
     fn linearise_here(&mut self) -> Result<Option<GaussNewtonStep>, Cancelled> {
         let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
+        // The motion follows the sights within the blocks, which the Jacobians of the constants neglect. Otherwise the cost of a good step
+        // seems to rise.
+        if step_motion(drive, state, weighting, progress)?.is_none() {
+            return Ok(None);
+        }
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
 
@@ -333,8 +340,14 @@ impl Iteration<'_> {
         step: &GaussNewtonStep,
         change_row: impl FnOnce(&mut TraceRow),
     ) -> Result<(), AttemptEnd> {
-        let last_share = self.before.as_ref().map_or(1.0, |before| before.share);
-        self.take_share(step, (2.0 * last_share).min(1.0), change_row);
+        let cost = step.cost(&self.state, &self.priors);
+        let share = self.before.as_ref().map_or(1.0, |before| {
+            // The last step went too far. The next one, as long, would return.
+            let has_overshot = self.weighting.fixed.is_some() && cost > before.cost;
+            let factor = if has_overshot { OVERSHOT } else { 2.0 };
+            (factor * before.share).min(1.0)
+        });
+        self.take_share(step, share, change_row);
         let moved = self.priors.layout.moved();
         let has_diverged = has_diverged(&self.state.constants, &self.priors.mean, moved);
         if has_diverged { Err(SolverStatus::Diverged.into()) } else { Ok(()) }
@@ -372,14 +385,28 @@ impl Iteration<'_> {
             widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
         }
         add_survey(step, &mut self.pending_survey, state, priors, trace)?;
+        // The search has a factor of its own.
+        step.factor.forget_rows();
         if self.sizes.ranges_wander {
             choose_processes(&step.normal, priors, state, progress)?;
         }
-        // Steps have their own variance by now, so the random walk does not absorb them.
-        if is_last {
-            priors.slow.clocks_s2 = likeliest_clocks_s2(&step.normal, priors, state, progress)?;
+        let (known, prior_s2) = (self.steps.len(), self.sizes.clock_wander_s.powi(2));
+        let choose_clocks = |priors: &mut Priors| -> Result<(), Cancelled> {
+            priors.slow.clocks_s2 =
+                likeliest_clocks_s2(&step.normal, priors, state, prior_s2, progress)?;
+            Ok(())
+        };
+        let (mut suspected, mut with_steps) = (self.steps.clone(), priors.clone());
+        add_steps(&mut suspected, &step.normal, &mut with_steps, state, progress)?;
+        if suspected.len() > known {
+            // Stamps that wander are no steps. Beside a step that happened they wander less than without it.
+            choose_clocks(&mut with_steps)?;
+            priors.slow.clocks_s2 = with_steps.slow.clocks_s2;
+            add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
         }
-        add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
+        if is_last || suspected.len() > known {
+            choose_clocks(priors)?;
+        }
         let slow = &priors.slow;
         trace.add_event(TraceEvent::Search(SlowChanges {
             processes: [slow.ranges, slow.across, slow.upward],
@@ -441,7 +468,6 @@ fn has_diverged(constants: &Constants, mean: &Constants, slots: usize) -> bool {
 /// Estimates noise levels on a sample of the drive; returns them with the state of the sample.
 fn learn_noise(
     sample: &Arc<Drive>,
-    triplets: &Triplets,
     priors: &Priors,
     trace: &mut Trace,
     progress: &Progress,
@@ -454,27 +480,25 @@ fn learn_noise(
     let squares = ResidualSquares::zeros(priors.layout.stations());
     let levels = NoiseLevels { distance_m: priors.observed_distance_m, ..FIRST_LEVELS };
     let mut weighting = Weighting { levels, redundancy: 0.5, fixed: None, squares };
-    let mut state = sample.initial_state(triplets, &priors.mean);
+    let mut state = sample.initial_state(&priors.mean);
     let mut buffers = RowBuffers::default();
-    for (index, is_whole_step) in SAMPLE_STEPS.into_iter().enumerate() {
-        let squares = if is_whole_step {
+    for round in 0..=SAMPLE_STEPS {
+        for _ in 0..SAMPLE_MOTION_STEPS {
+            step_motion(sample, &mut state, &weighting, progress)?.ok_or_else(not_definite)?;
+            trace.add_row(TraceRow::of_motion(weighting.levels));
+        }
+        // Residuals of a motion that has not followed the constants yet are not those of noise.
+        let squares = step_motion(sample, &mut state, &weighting, progress)?;
+        trace.add_row(TraceRow::of_motion(weighting.levels));
+        (weighting.levels, weighting.redundancy) =
+            estimate_noise_levels(&weighting.levels, &squares.ok_or_else(not_definite)?);
+        if round < SAMPLE_STEPS {
             let step =
                 GaussNewtonStep::new(sample, &state, &weighting, &priors, &mut buffers, progress)?;
             let step = step.ok_or_else(not_definite)?;
             trace.add_step(step.trace_row(SolverPhase::Sample), step.is_stiffer);
             step.apply(&mut state, 1.0);
-            let squares = step.squares();
             buffers = step.into_buffers();
-            squares
-        } else {
-            let squares = step_motion(sample, &mut state, &weighting, progress)?;
-            trace.add_row(TraceRow::of_motion(weighting.levels));
-            squares.ok_or_else(not_definite)?
-        };
-        // The first residuals are those of splines through the triplets, not of noise.
-        if index > 0 {
-            (weighting.levels, weighting.redundancy) =
-                estimate_noise_levels(&weighting.levels, &squares);
         }
     }
     Ok((weighting, state))

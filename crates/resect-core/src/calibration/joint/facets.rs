@@ -22,7 +22,7 @@ const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
 const INSTANTS: usize = 8;
 
 /// Cosine and sine of the incidence on a station's prism by order, as means over a block.
-type IncidenceTerms = [[f64; 2]; ORDERS.len()];
+pub type IncidenceTerms = [[f64; 2]; ORDERS.len()];
 
 /// Covariance of the poses by the errors of the prisms of a rig; `information` is H S, a vector for each coordinate of the poses.
 pub fn facet_covariance(
@@ -30,23 +30,33 @@ pub fn facet_covariance(
     state: &StateVector,
     information: &[ChainVector],
 ) -> DMatrix<f64> {
-    let layout = &drive.layout;
     let terms = incidence_terms(drive, state);
-    let mut covariance = DMatrix::zeros(information.len(), information.len());
+    let effects = information.iter().map(|information| facet_effects(drive, &terms, information));
+    let effects = DMatrix::from_columns(&effects.collect::<Vec<_>>());
+    effects.tr_mul(&effects)
+}
+
+/// Effects on a linear function of the states by one σ of each coefficient of the errors; `information` is H S for it.
+pub fn facet_effects(
+    drive: &Drive,
+    terms: &[PerStation<IncidenceTerms>],
+    information: &ChainVector,
+) -> DVector<f64> {
+    let layout = &drive.layout;
+    let mut effects = Vec::new();
     for station in (0..layout.stations()).map(Station::at) {
         for (row, rms_m) in slow_errors(layout, station).into_iter().zip(FACETS_M) {
             let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
             for term in 0..2 * ORDERS.len() {
                 let of_block = |block: usize| terms[block][station].as_flattened()[term];
-                let effect = DVector::<f64>::from_fn(information.len(), |k, _| {
-                    let slow = information[k].slow.iter().enumerate();
-                    slow.map(|(block, slow)| slow[row] * (sigma_m * of_block(block))).sum::<f64>()
-                });
-                covariance += &effect * effect.transpose();
+                let slow = information.slow.iter().enumerate();
+                effects.push(
+                    slow.map(|(block, slow)| slow[row] * (sigma_m * of_block(block))).sum::<f64>(),
+                );
             }
         }
     }
-    covariance
+    effects.into()
 }
 
 /// Indices of a station's slow errors along the sight, across it and upward.
@@ -56,7 +66,7 @@ fn slow_errors(layout: &Layout, station: Station) -> [usize; 3] {
 }
 
 /// The terms of all blocks by station.
-fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<IncidenceTerms>> {
+pub fn incidence_terms(drive: &Drive, state: &StateVector) -> Vec<PerStation<IncidenceTerms>> {
     let stations = StationModel::all(&drive.layout, &state.constants).into_iter();
     let stations_m: PerStation<Vector3<f64>> = stations.map(|model| model.position_m).collect();
     let mut terms = Vec::new();
@@ -94,7 +104,8 @@ fn of_block(
         let axis = prism_m(1) - prism_m(0);
         let heading_rad = axis.y.atan2(axis.x);
         for (station, station_m) in stations_m.each() {
-            let sight = station_m - prism_m(segment.prisms.of_station[station]);
+            let Some(prism) = segment.prisms.of_station[station] else { continue };
+            let sight = station_m - prism_m(prism);
             let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
             for (term, order) in terms[station].iter_mut().zip(ORDERS) {
                 let (sin, cos) = (order * incidence_rad).sin_cos();
@@ -112,6 +123,7 @@ mod tests {
 
     use super::super::knot_grid::segment_grids;
     use super::super::segment_prisms::SegmentPrisms;
+    use super::super::spans::Span;
     use super::super::state_vector::Constants;
     use super::super::state_vector::tests::layout;
     use super::*;
@@ -119,8 +131,8 @@ mod tests {
     /// Variance of the first pose by errors of station 1's ranges (m²), each of which moves it by the same amount in every block, for
     /// a rig that turns at this rate; and the number of blocks.
     fn variance_m2(rate_rad_per_s: f64) -> (f64, usize) {
-        let time_s: Vec<f64> = (0..200).map(|i| 0.3 * f64::from(i)).collect();
-        let grid = segment_grids(&time_s, &[0; 200], 0.4, 6.0).remove(0);
+        let span = Span { start_s: 0.0, end_s: 39.9, prisms: vec![0, 1, 2] };
+        let grid = segment_grids(&span, 0.4, 6.0).remove(0);
         let rig_m = |angle_rad: f64| {
             let at = |angle_rad: f64| [20.0 + angle_rad.cos(), 5.0 + angle_rad.sin(), 1.0];
             [0.0, 2.1, 4.2].map(|beyond_rad| at(angle_rad + beyond_rad))
@@ -137,10 +149,11 @@ mod tests {
             block_times_s: Vec::new(),
             coupled_to_next: Vec::new(),
             spans_s: Vec::new(),
+            excess_jerk: Arc::default(),
         };
-        let prisms = Arc::new(SegmentPrisms::new(&layout, layout.followed_at(0.0)));
-        let (readings, middle_s) = (Default::default(), 0.0);
-        drive.segments.push(Segment { grid, prisms, readings, middle_s });
+        let prisms = Arc::new(SegmentPrisms::new(&layout, layout.followed_at(0.0), &span.prisms));
+        let (readings, excess_jerks, middle_s) = (Default::default(), Vec::new(), 0.0);
+        drive.segments.push(Segment { grid, prisms, readings, excess_jerks, middle_s });
         let state = StateVector {
             constants: Constants::zeros(layout.constants),
             slow: Vec::new(),

@@ -142,11 +142,9 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
         doubt(set_up_change_undecided(UndecidedChange::Whether));
     }
     doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
-    doubts.extend(
-        clocks_in_words::implausible_drifts(&joint.clock_drifts(), &jumping_clocks(joint), true)
-            .into_iter()
-            .map(|finding| (Verdict::Weak, finding)),
-    );
+    let drifts = joint.clock_drifts_by_readings();
+    let implausible = clocks_in_words::implausible_drifts(&drifts, &jumping_clocks(joint), true);
+    doubts.extend(implausible.into_iter().map(|finding| (Verdict::Weak, finding)));
     doubts
 }
 

@@ -118,7 +118,7 @@ impl GaussNewtonStep {
     pub fn trace_row(&self, phase: SolverPhase) -> TraceRow {
         let (mut readings, mut downweighted) = (0, 0);
         for (eliminated, segment) in self.segments.iter().zip(&self.normal.drive().segments) {
-            let count: usize = segment.readings.iter().map(Vec::len).sum();
+            let count: usize = segment.readings.iter().map(|readings| readings.len()).sum();
             readings += count;
             // The weights of jerks follow those of readings.
             downweighted += eliminated.weights[..count].iter().filter(|it| **it < 0.5).count();

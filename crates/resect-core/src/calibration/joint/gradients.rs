@@ -1,7 +1,7 @@
 //! Gradients of a segment's equations alone, for steps near the solution that reuse an earlier normal matrix.
 
 use super::drive::Segment;
-use super::knot_grid::{KnotGrid, ORDER};
+use super::knot_grid::KnotGrid;
 use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
     jerk_factors, jerk_residuals,
@@ -32,7 +32,7 @@ pub fn gradients(
     let mut weights = weights.iter();
     let mut next_weight = || weights.next().copied().unwrap_or(1.0);
     for (station, readings) in segment.readings.each() {
-        for reading in readings {
+        for reading in readings.iter() {
             let residual = ReadingResidual::new(grid, point, levels, station, reading);
             // (20)
             let gradient =
@@ -52,9 +52,9 @@ pub fn gradients(
     if !point.prisms.pairs.is_empty() {
         sums.add_distances(grid, point, levels);
     }
-    let factors = jerk_factors(grid, levels);
     let mut residuals = vec![0.0; local];
-    for first in 0..grid.knots - (ORDER - 1) {
+    for (first, excess) in segment.excess_jerks.iter().copied().enumerate() {
+        let factors = jerk_factors(grid, levels, excess);
         jerk_residuals(point, first, &factors, &mut residuals);
         let weight = next_weight();
         for (knot, factor) in sums.knots[local * first..].chunks_exact_mut(local).zip(&factors) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::detected_steps::is_usual;
-use super::prior_conflict::PriorConflict;
+use super::prior_conflict::{LEAST_INFORMATION, PriorConflict};
 use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
 use super::reliability::GroupReliability;
@@ -115,7 +115,20 @@ impl JointEstimate {
 
     /// Returns the clock drifts; zero for station 1.
     pub fn clock_drifts(&self) -> PerStation<Estimate> {
-        by_station(Estimate { value: 0.0, sigma: 0.0 }, self.estimates(&CLOCK_DRIFT))
+        by_station(Estimate::ZERO, self.estimates(&CLOCK_DRIFT))
+    }
+
+    /// Returns the clock drifts by the readings alone, without their prior; with an infinite σ where the readings hardly determine one.
+    pub fn clock_drifts_by_readings(&self) -> PerStation<Estimate> {
+        let without_prior = |Estimate { value, sigma }: Estimate| {
+            let share = 1.0 - (sigma / self.sizes.clock_drift).powi(2);
+            if share > LEAST_INFORMATION {
+                Estimate { value: value / share, sigma: sigma / share.sqrt() }
+            } else {
+                Estimate { value: 0.0, sigma: f64::INFINITY }
+            }
+        };
+        by_station(Estimate::ZERO, self.estimates(&CLOCK_DRIFT).map(without_prior))
     }
 
     /// Returns the distances of the followed prisms (m); `None` for one prism.

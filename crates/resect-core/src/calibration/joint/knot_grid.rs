@@ -3,22 +3,18 @@
 //! A segment is an unbroken span of time with at most [`MOST_KNOTS`] knots. It consists of blocks of equal length, in each of which
 //! the slow states are constant.
 
-use std::ops::Range;
-
-use crate::statistics::median;
+use super::spans::Span;
 
 /// Coefficients on which an instant depends. Textbook: the order of a cubic spline.
 pub const ORDER: usize = 4;
 
 /// The splines reach this far beyond their segments (s), because clock offsets shift the readings.
 const MARGIN_S: f64 = 0.25;
-/// Segments of fewer knots are left out: they have too few readings for a motion.
-const FEWEST_KNOTS: f64 = 4.0;
+/// Fewest knot intervals of a segment: shorter ones have too few readings for a motion.
+pub const FEWEST_KNOTS: f64 = 4.0;
 /// Longer spans are cut, so that segments are eliminated in parallel and their rows stay in the cache. The information that a cut
 /// loses is negligible beside so many knots. [`super::cut_motion`] restores it where the motion itself is evaluated.
 const MOST_KNOTS: f64 = 100.0;
-/// A gap longer than this many median steps ends a segment.
-const STEPS_APART: f64 = 2.5;
 /// The slow states are constant for at least this many knots.
 const BLOCK_KNOTS: f64 = 16.0;
 
@@ -42,29 +38,21 @@ pub struct SplineWeights {
     pub velocity: [f64; ORDER],
 }
 
-/// The segments of consecutive instants of the same interval, in blocks of about `block_s`; what is too short is left out.
-pub fn segment_grids(time_s: &[f64], interval: &[u32], knot_s: f64, block_s: f64) -> Vec<KnotGrid> {
-    let gap_s = STEPS_APART * median(time_s.windows(2).map(|w| w[1] - w[0])).unwrap_or(1.0);
-    unbroken(time_s, interval, gap_s)
-        .into_iter()
-        .map(|range| (time_s[range.start], time_s[range.end - 1]))
-        .filter(|(start_s, end_s)| end_s - start_s >= FEWEST_KNOTS * knot_s)
-        .flat_map(|(start_s, end_s)| {
-            let segments = ((end_s - start_s) / (MOST_KNOTS * knot_s)).ceil().max(1.0);
-            let cut_s = move |k: f64| start_s + (end_s - start_s) * k / segments;
-            // No instant is in two of them.
-            (0..segments as usize).map(move |k| match k as f64 {
-                0.0 => (start_s, if segments > 1.0 { cut_s(1.0) } else { end_s }),
-                k if k + 1.0 < segments => (cut_s(k).next_up(), cut_s(k + 1.0)),
-                k => (cut_s(k).next_up(), end_s),
-            })
-        })
-        .map(|(start_s, end_s)| {
-            let block_s = block_s.max(BLOCK_KNOTS * knot_s);
-            let blocks = ((end_s - start_s) / block_s).floor().max(1.0) as usize;
-            KnotGrid::new([start_s, end_s], knot_s, blocks)
-        })
-        .collect()
+/// The segments of a span, in blocks of about `block_s`.
+pub fn segment_grids(span: &Span, knot_s: f64, block_s: f64) -> Vec<KnotGrid> {
+    let Span { start_s, end_s, .. } = *span;
+    let segments = ((end_s - start_s) / (MOST_KNOTS * knot_s)).ceil().max(1.0);
+    // Whole knots apart, so that the motion across a cut has the knots of both sides.
+    let cut_s = |k: f64| start_s + knot_s * ((end_s - start_s) * k / segments / knot_s).round();
+    let block_s = block_s.max(BLOCK_KNOTS * knot_s);
+    let grid = |k: usize| {
+        // No instant is in two of them.
+        let from_s = if k == 0 { start_s } else { cut_s(k as f64).next_up() };
+        let to_s = if k as f64 + 1.0 < segments { cut_s(k as f64 + 1.0) } else { end_s };
+        let blocks = ((to_s - from_s) / block_s).floor().max(1.0) as usize;
+        KnotGrid::new([from_s, to_s], knot_s, blocks)
+    };
+    (0..segments as usize).map(grid).collect()
 }
 
 impl KnotGrid {
@@ -102,6 +90,11 @@ impl KnotGrid {
         self.start_s - MARGIN_S + (knot as f64 - 1.0) * self.knot_s
     }
 
+    /// Number of jerks.
+    pub fn jerks(&self) -> usize {
+        self.knots - (ORDER - 1)
+    }
+
     /// Time in the middle of four knots from `first` on (s), of which a jerk is the third difference.
     pub fn jerk_time_s(&self, first: usize) -> f64 {
         self.knot_time_s(first) + 1.5 * self.knot_s
@@ -135,27 +128,17 @@ impl KnotGrid {
     }
 }
 
-fn unbroken(time_s: &[f64], interval: &[u32], gap_s: f64) -> Vec<Range<usize>> {
-    let mut ranges = Vec::new();
-    let mut start = 0;
-    for i in 1..=time_s.len() {
-        if i == time_s.len() || interval[i] != interval[start] || time_s[i] - time_s[i - 1] > gap_s
-        {
-            ranges.push(start..i);
-            start = i;
-        }
-    }
-    ranges
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn span(end_s: f64) -> Span {
+        Span { start_s: 0.0, end_s, prisms: vec![0] }
+    }
+
     #[test]
     fn a_line_is_reproduced_and_velocities_are_its_slope() {
-        let time_s: Vec<f64> = (0..50).map(|i| f64::from(i) * 0.1).collect();
-        let grid = &segment_grids(&time_s, &[0; 50], 0.4, 6.0)[0];
+        let grid = &segment_grids(&span(4.9), 0.4, 6.0)[0];
         let knot = |k: usize| 2.0 * grid.knot_time_s(k) - 1.0;
         for time_s in [-0.2, 0.0, 0.13, 2.0, 4.9, 5.1] {
             let place = grid.weights(time_s);
@@ -173,10 +156,11 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_or_another_interval_ends_a_segment() {
-        let time_s = [0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 5.3, 9.0];
-        let segment_grids = segment_grids(&time_s, &[0, 0, 0, 0, 0, 1, 1, 1], 0.02, 6.0);
-        let ends: Vec<_> = segment_grids.iter().map(|s| (s.start_s, s.end_s)).collect();
-        assert_eq!(ends, [(0.0, 0.2), (5.0, 5.1), (5.2, 5.3)]);
+    fn a_long_span_is_cut_and_no_instant_is_in_two_segments() {
+        let grids = segment_grids(&span(100.0), 0.4, 6.0);
+        assert_eq!(grids.len(), 3);
+        let (first, last) = (&grids[0], &grids[2]);
+        assert_eq!((first.start_s, last.end_s), (0.0, 100.0));
+        assert!(grids.windows(2).all(|pair| pair[1].start_s == pair[0].end_s.next_up()));
     }
 }

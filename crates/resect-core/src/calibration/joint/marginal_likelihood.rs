@@ -122,9 +122,9 @@ pub fn likeliest_clocks_s2(
     normal: &ChainEquations,
     priors: &Priors,
     state: &StateVector,
+    prior_s2: f64,
     progress: &Progress,
 ) -> Result<f64, Cancelled> {
-    let prior_s2 = priors.slow.clocks_s2;
     let mut tried_s2 = vec![prior_s2];
     tried_s2.extend(CLOCK_MULTIPLES.map(|multiple| multiple * prior_s2));
     let slow = |clocks_s2: &f64| SlowPriors { clocks_s2: *clocks_s2, ..priors.slow.clone() };

@@ -9,11 +9,12 @@
 //!
 //! | symbol | size | content | prior | code |
 //! |---|---|---|---|---|
-//! | θ | 36 a deployment | positions `o_i` = (x, y, z) (m) and yaws `ψ_i` (rad) of all stations but the first | none | [`unknown`] |
+//! | θ | 42 a deployment | positions `o_i` = (x, y, z) (m) and yaws `ψ_i` (rad) of all stations but the first | none | [`unknown`] |
 //! | | | clock offsets `Δt_i` (s) and drifts `Δf_i` of these stations; latencies `λ_i` of the angles (s) | N(0, σ²) | [`priors`] |
 //! | | | distances `d_jl` of prisms j and l (m) | N(measured, σ²), correlated by the prism constant of their reading (10 mm) | |
 //! | | | leans `η_i`, `ξ_i` of the stations about their own x and y (rad) | N(earth's curvature, σ²); zero mean for station 1 | |
 //! | | | range offsets `a_i` (m) and scales `k_i`, vertical index errors `ι_i` and collimation errors `κ_i` (rad) | N(0, σ²) | |
+//! | | | coefficients of refraction beyond 0.13 upward `β_i`, and to the right `ζ_i` | N(0, σ²) | |
 //! | `s_b` | 19 a block b | changes of (x, y, z, yaw) and of the clocks of all stations but the first | (10) | [`random_walks`] |
 //! | | | errors of the sights of the stations along, across and upward (m) | (11) | |
 //! | Δθ | 14 | poses of all stations but the first and leans, survey less drive | N(0, D): settling, and σ² of a lean | [`survey_change`] |
@@ -26,7 +27,10 @@
 //! and κ are reading minus truth, ι of a zenith angle: with `κ > 0` the line of sight points right of the prism. `Δt > 0` are late
 //! stamps, `λ > 0` older angles.
 //!
-//! A segment is an unbroken span of at most 100 knots. The knot interval h is the median time between readings of the slowest station.
+//! All readings are taken that the user does not exclude and that fit the start (step 0 below), each at its own time. A prism is followed while its
+//! readings are at most 2 s apart, by whichever stations. A span of time with the same followed prisms is cut into segments of at most 100 knots
+//! ([`spans`]). Prisms that nobody follows have no unknowns there. The knot interval h is the median time between readings of the
+//! slowest station.
 //! A segment has blocks of equal length, in which s is constant. Each is one to two times as long as the longer of 6 s and 16 knot intervals; a
 //! shorter segment is one block. If these blocks give no estimate, because a matrix is singular or the iteration diverges, blocks of
 //! 30 s are tried, and then whole segments.
@@ -37,7 +41,7 @@
 //! `R_E`, the point is p ([`station_model`]). `R_i` rotates it to the axes of station 1:
 //!
 //! ```text
-//! p = (ρ (1 − k_i) − a_i) e_ρ + ρ (ι_i − 0.13 ρ / 2R_E) e_v − ρ κ_i e_h                       (1)
+//! p = (ρ (1 − k_i) − a_i) e_ρ + ρ (ι_i − (0.13 + β_i) ρ / 2R_E) e_v − ρ (κ_i + ζ_i ρ / 2R_E) e_h   (1)
 //! R_i = Rz(ψ_i) Rot(η_i, ξ_i)                                                                 (2)
 //! ```
 //!
@@ -48,7 +52,7 @@
 //! q(t′) = Σ B_n(t′) c_n                                                                       (4)
 //! ```
 //!
-//! For all stations but the first, `sᵗ_ib` (s) and the displacement `sᵒ_ib` (m) are rows of `J_s s_b` (19); for station 1 they are zero. The block b is
+//! `sᵗ_ib` (s) and the displacement `sᵒ_ib` (m) are rows of `J_s s_b` (19). For station 1, and for the reference of a block, they are zero. The block b is
 //! that of t′ without `sᵗ_ib`. The angles are older than the range by `λ_i`, during which the prism moves with its velocity across the
 //! sight `v⊥`. The residual in the axes `A = R_i [e_ρ e_h e_v]` is ([`residuals`])
 //!
@@ -64,8 +68,10 @@
 //!
 //! ```text
 //! ‖q_j − q_l‖ − d_jl ~ N(0, σ_rig²)                                                           (8)
-//! jerk = (c_{n+3} − 3 c_{n+2} + 3 c_{n+1} − c_n) / h³ ~ N(0, σ_jerk²)                         (9)
+//! jerk = (c_{n+3} − 3 c_{n+2} + 3 c_{n+1} − c_n) / h³ ~ N(0, σ_jerk² + ν_n²)                  (9)
 //! ```
+//!
+//! `ν_n` is the jerk beyond the usual one, where the readings themselves show that the vehicle starts, stops or turns sharply ([`excess_jerk`]).
 //!
 //! # Slow states
 //! Poses and clocks are random walks from the set-up. Their increments have a share ω of the variance of a whole drive, with the middles `t_b` of
@@ -100,7 +106,7 @@
 //! ```text
 //! ℓ(m) = 2.4² ln(1 + m / 2.4²),  w(m) = ℓ′(m) = 1 / (1 + m / 2.4²)                            (13)
 //!
-//! Φ = Σ_readings 3r ℓ(εᵀ (cov ε)⁻¹ ε / 3r) + Σ_knots 9 ℓ(‖jerk‖² / 9σ_jerk²)
+//! Φ = Σ_readings 3r ℓ(εᵀ (cov ε)⁻¹ ε / 3r) + r ln(1 + σ_t² vᵀ (cov ε − σ_t² v vᵀ)⁻¹ v) + Σ_knots 9 ℓ(‖jerk‖² / 9(σ_jerk² + ν_n²))
 //!   + Σ_knots (‖q_j − q_l‖ − d_jl)² / σ_rig² + (θ − θ₀)ᵀ P (θ − θ₀) + sᵀ P_s s + (12)         (14)
 //! ```
 //!
@@ -125,7 +131,7 @@
 //! σ_jerk ← σ_jerk ((Σ ‖jerk‖² / σ_jerk² + absorbed) / expected)^(1 / 2r_jerk)                 (17)
 //! ```
 //!
-//! A step changes a level by a factor of at most 2.7, within limits.
+//! Jerks with `ν_n > σ_jerk` are left out of (17). A step changes a level by a factor of at most 2.7, within limits.
 //!
 //! The variances in `P_s` of errors of the sights and clocks are chosen from a few values by their [marginal likelihood](marginal_likelihood). g is the
 //! gradient of Φ/2, and H the normal matrix of the data, both without the motion:
@@ -162,7 +168,9 @@
 //! | slow changes and slow errors | of each reading, because `sᵒ_ib` is defined by the mean sight of the block |
 //! | drifts | at the middle of the block |
 //! | yaws, leans, range offsets, scales, vertical index and collimation errors | one shift of the station, by the mean sight of the block |
-//! | the same errors of station 1 | the opposite shift of all others; leans and collimation rotate their points about station 1 |
+//! | the same errors of the reference | the opposite shift of all others; leans, collimation and yaw rotate their points about it |
+//!
+//! The reference of a block is the first station that has readings there: station 1 as a rule. The motion c has its errors.
 //!
 //! Changes of A, v and `v⊥` with the state are neglected in all Jacobians. The information that sights differ within a block is not used.
 //!
@@ -184,10 +192,13 @@
 //! # Iteration
 //! [`mod@estimate`] starts from the transforms of a published method, the measured distances, and splines through the triplets.
 //!
-//! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad. The levels are
-//!    constant from then on.
+//! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
+//!    other, the one that fits more other stations is kept; neither, if they fit as many. A station alone has no such test.
+//! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad: after two steps of the
+//!    motion alone, and twice again after a step of all unknowns. The levels are constant from then on.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: once no constant moves by more
-//!    than 1.5 σ, times the root of the knots of the drive over those of the sample. It searches twice, and again while a search detects a step.
+//!    than 1.5 σ, and the squared length of a step (21) is below 4, times the knots of the drive over those of the sample (their root for σ). It
+//!    searches twice, and again while a search detects a step.
 //! 3. It steps with fixed weights until a step is small (converged), or after 40 steps of parts 2 and 3 (not converged). An estimate with a station 30 m
 //!    from the published answer has diverged.
 //!
@@ -202,7 +213,9 @@
 //!
 //! **Step control.** After a step that does not keep Φ below 1.01 times its value, the iteration returns to the state before it. It
 //! linearises there again, and applies a quarter of the share. The next step has twice the share of the last one, and at most all. θ and s take the share, to which the motion is fitted. A share below 0.001 is
-//! accepted in any case. The cost may rise by 1 %, because (20) is not the minimum of Φ. Steps that reuse the normal matrix are
+//! accepted in any case. The cost may rise by 1 %, because (20) is not the minimum of Φ. Before it is compared, a step of the motion alone follows
+//! the sights within the blocks, which (19) neglects. Steps of coefficients that the readings hardly determine are shortened: 1/(0.3 m)² is
+//! added to the diagonal of the motion (Levenberg 1944). Steps that reuse the normal matrix are
 //! not controlled. A new normal matrix after them compares Φ with the data's cost at the one before.
 //!
 //! **Searches** solve the same normal equations with other priors, in this order:
@@ -220,13 +233,17 @@
 //!   D ← D + J_i diag(max(5 mm, |Δo|)², max(2 mrad, |Δψ|)²) J_iᵀ                                 (23)
 //!   ```
 //!
-//! - Standard deviations and correlation times of (11) are replaced by likelier ones (18). The second search chooses the variance of the clocks in (10).
+//! - Standard deviations and correlation times of (11) are replaced by likelier ones (18), and the variance of the clocks in (10): before steps are
+//!   detected, so that stamps that wander are no steps, and after it.
 //! - Steps of stations and clocks are detected, four at most ([`detected_steps`], [`step_search`]). With the precision `(ωQ)⁻¹` of an increment
 //!   Δs and its posterior covariance C, the data alone has this normal matrix and right-hand side:
 //!
 //!   ```text
 //!   (ωQ)⁻¹ − (ωQ)⁻¹ C (ωQ)⁻¹,  (ωQ)⁻¹ Δs                                                      (24)
 //!   ```
+//!
+//!   The covariance of the second is the first, and that of errors which (11) does not have: 1.5 mm of each sight along each axis, because a vehicle
+//!   that starts to move changes the incidence at once, and the facets where a step is significant without them.
 //!
 //! Far from the solution a normal matrix may be positive definite only with tighter priors of the slow states. If the last one is such a matrix, σ would be too
 //! small, and longer blocks are tried. The [`Trace`] has a row a step, and the [`SolverStatus`] at the end.
@@ -269,6 +286,7 @@ mod detected_steps;
 mod drive;
 mod equations;
 mod estimate;
+mod excess_jerk;
 mod facets;
 pub mod findings;
 mod gauss_newton_step;
@@ -287,12 +305,14 @@ mod prior_conflict;
 mod priors;
 pub mod prism_motion;
 mod random_walks;
+mod readings;
 pub mod reliability;
 mod residuals;
 mod segment_prisms;
 mod settling;
 mod sight;
 mod solver_status;
+mod spans;
 mod state_vector;
 mod stated_size_conflict;
 mod station_model;
@@ -311,6 +331,7 @@ pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, Survey
 pub use self::predict::{ExpectedNoise, predict};
 pub use self::priors::RigDistances;
 pub use self::random_walks::GaussMarkov;
+pub use self::readings::{DriveReadings, Reading};
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };

@@ -13,6 +13,7 @@ use super::noise_levels::FIRST_LEVELS;
 use super::priors::{Priors, RigDistances};
 use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
+use super::readings::DriveReadings;
 use super::residuals::NoiseLevels;
 use super::state_vector::{Constants, Layout};
 use crate::calibration::ErrorSizes;
@@ -57,8 +58,9 @@ pub fn predict(
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
     let mean = prior_mean(layout, station1_from_station, inter_prism_m);
+    let readings = DriveReadings::taken(triplets);
     for block_s in BLOCK_LENGTHS_S {
-        let Some(drive) = Drive::new(layout, triplets, block_s) else { return Ok(None) };
+        let Some(drive) = Drive::new(layout, &readings, block_s) else { return Ok(None) };
         let estimate = predict_step(Arc::new(drive), triplets, &mean, sizes, expected, progress)?;
         if estimate.is_some() {
             return Ok(estimate);
@@ -87,7 +89,7 @@ fn predict_step(
     // A prediction has no residuals.
     let (levels, squares) = (expected.levels, ResidualSquares::zeros(layout.stations()));
     let weighting = Weighting { levels, redundancy: REDUNDANCY, fixed: None, squares };
-    let mut state = drive.initial_state(triplets, mean);
+    let mut state = drive.initial_state(mean);
     for _ in 0..MOTION_STEPS {
         if step_motion(&drive, &mut state, &weighting, progress)?.is_none() {
             return Ok(None);

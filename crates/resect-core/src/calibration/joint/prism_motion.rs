@@ -2,15 +2,14 @@
 //!
 //! The motion is that of the splines. Its covariance combines that of four knots given the unknowns of their block
 //! ([`super::knot_covariance`]) with that of the block's unknowns ([`super::chain_factor`]): transforms, clocks, instruments, and
-//! stations that settle. An instant between two segments has no motion, nor has one at which some prism of
-//! the drive is not followed.
+//! stations that settle. An instant between two segments has no motion, nor has a prism that is not followed there.
 
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3, Vector4};
 use rayon::prelude::*;
 
-use super::block_jacobians::station_1_shift_m;
+use super::block_jacobians::reference_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
 use super::drive::{Drive, Segment};
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
@@ -19,10 +18,11 @@ use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
 use super::linearisation::{Linearisation, Weighting};
 use super::motion_band::MotionBand;
 use super::priors::Priors;
+use super::segment_prisms::SegmentPrisms;
 use super::settling::station_1_by_relative;
 use super::state_vector::{Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
-use crate::network::PerPrism;
+use crate::network::{PerStation, Station};
 use crate::progress::{Cancelled, Progress};
 
 /// The solution of an estimate, from which its motion is evaluated.
@@ -35,10 +35,12 @@ pub struct Solution {
     pub(super) sizes: ErrorSizes,
 }
 
-/// The prisms at one instant: x, y, z of each, in the frame of station 1 as it was set up.
+/// The prisms that are followed at one instant: x, y, z of each, in the frame of station 1 as it was set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionInstant {
     pub time_s: f64,
+    /// Their places among the prisms of the drive, in order.
+    pub prisms: Arc<[usize]>,
     pub position_m: DVector<f64>,
     pub velocity_m_per_s: DVector<f64>,
     /// Covariances of the positions (m²), and of the velocities (m²/s²).
@@ -55,6 +57,17 @@ pub struct PrismInstant {
     /// Covariances of the position (m²), and of the velocity (m²/s²).
     pub position_covariance: Matrix3<f64>,
     pub velocity_covariance: Matrix3<f64>,
+}
+
+/// The prisms that are followed at one instant, without their covariance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrismsAtInstant {
+    /// Their places among the prisms of the drive, in order.
+    pub places: Arc<[usize]>,
+    /// Positions in the frame of station 1 as it was set up (m).
+    pub position_m: Vec<Vector3<f64>>,
+    /// Time to the nearest reading of each (s).
+    pub to_reading_s: Vec<f64>,
 }
 
 impl MotionInstant {
@@ -115,7 +128,7 @@ impl Solution {
         let jacobians = &step.normal.matrix.jacobians;
         let instants = self.map_instants(&step, time_s, progress, |at| {
             let own = jacobians.of_block(at.block).0;
-            let frame_by_constants = with_station_1(&own, &jacobians.of_station_1(at.block).0);
+            let frame_by_constants = with_motion(&own, &jacobians.of_motion(at.block).0);
             let by_knots = jacobian_by_knots(at.local(), &at.weights.position);
             let knots_m = DVector::from_column_slice(&at.knots_m[..by_knots.ncols()]);
             let position_m = &by_knots * knots_m;
@@ -143,9 +156,6 @@ impl Solution {
         let across_cut = |index: usize| {
             progress.check()?;
             let Some(span_s) = cut_span_s(drive, index) else { return Ok(None) };
-            if !drive.segments[index].prisms.is_complete() {
-                return Ok(None);
-            }
             let times_s = between(time_s, |t| t < span_s[0], |t| t > span_s[1]);
             if times_s.is_empty() {
                 return Ok(None);
@@ -154,7 +164,8 @@ impl Solution {
             let motion = estimate_cut_motion(&linearisation, &self.weighting, index);
             Ok(motion.map(|CutMotion { grid, coefficients_m, band }| {
                 let last_block = linearisation.first_blocks[index + 1] - 1;
-                (span_s, map_times(&grid, &coefficients_m, &band, (times_s, last_block), &map))
+                let segment = (&grid, &*drive.segments[index].prisms);
+                (span_s, map_times(segment, &coefficients_m, &band, (times_s, last_block), &map))
             }))
         };
         let cuts = (0..drive.segments.len()).into_par_iter().map(across_cut);
@@ -162,9 +173,6 @@ impl Solution {
         let (cut_spans_s, of_cuts): (Vec<_>, Vec<_>) = cuts.into_iter().map(Option::unzip).unzip();
         let of_segment = |index: usize, band: &MotionBand| {
             let Segment { grid, prisms, .. } = &drive.segments[index];
-            if !prisms.is_complete() {
-                return Vec::new();
-            }
             let before = index.checked_sub(1).and_then(|k| cut_spans_s[k]);
             let after = cut_spans_s[index];
             let times_s = between(
@@ -174,7 +182,7 @@ impl Solution {
             );
             let coefficients_m = &self.state.coefficients_m[index];
             let first_block = linearisation.first_blocks[index];
-            map_times(grid, coefficients_m, band, (times_s, first_block), &map)
+            map_times((grid, prisms.as_ref()), coefficients_m, band, (times_s, first_block), &map)
         };
         let of_segments = step.map_segments(&self.state, of_segment);
         progress.check()?;
@@ -182,23 +190,23 @@ impl Solution {
         Ok(mapped.flatten().flatten().collect())
     }
 
-    /// Positions of the followed prisms at an instant (s, stamps of station 1), in the frame of station 1 as it was set up (m).
+    /// The prisms that are followed at an instant (s, stamps of station 1).
     ///
     /// Returns `None` outside of all segments. This evaluates the splines without covariance, fast enough for each frame of a window.
     /// Unlike [`Self::instants`] it ignores the motion across cuts ([`super::cut_motion`]).
-    pub fn prisms_m(&self, time_s: f64) -> Option<PerPrism<Vector3<f64>>> {
+    pub fn prisms_at(&self, time_s: f64) -> Option<PrismsAtInstant> {
         let (layout, segments) = (self.layout(), &self.drive.segments);
         let index = segments.partition_point(|segment| segment.grid.end_s < time_s);
         let segment = segments.get(index)?;
         let grid = &segment.grid;
-        if !grid.contains(time_s) || !segment.prisms.is_complete() {
+        if !grid.contains(time_s) {
             return None;
         }
         let first_block: usize = segments[..index].iter().map(|segment| segment.grid.blocks).sum();
         let slow = &self.state.slow[first_block + grid.block_at(time_s)];
         let settled = settled(&self.station_1_by_relative().0, slow);
-        let mean_sight = &self.drive.mean_sights[first_block + grid.block_at(time_s)][0];
-        let shift_m = station_1_shift_m(layout, &self.state.constants, mean_sight, slow);
+        let mean_sights = &self.drive.mean_sights[first_block + grid.block_at(time_s)];
+        let shift_m = reference_shift_m(layout, &self.state.constants, mean_sights, slow);
         let weights = grid.weights(time_s);
         let local = segment.prisms.coordinates();
         let knots_m = &self.state.coefficients_m[index][local * weights.first..];
@@ -207,13 +215,34 @@ impl Solution {
                 |k: usize| Vector3::from_column_slice(&knots_m[local * k + 3 * prism..][..3]);
             (0..ORDER).map(|k| weights.position[k] * knot_m(k)).sum::<Vector3<f64>>()
         };
-        let prisms = 0..layout.prisms();
-        Some(prisms.map(|prism| as_set_up(&(position_m(prism) + shift_m), &settled)).collect())
+        let position_m = |prism| as_set_up(&(position_m(prism) + shift_m), &settled);
+        let prisms = 0..segment.prisms.count();
+        Some(PrismsAtInstant {
+            places: Arc::clone(&segment.prisms.in_drive),
+            position_m: prisms.clone().map(position_m).collect(),
+            to_reading_s: prisms.map(|prism| segment.to_reading_s(prism, time_s)).collect(),
+        })
+    }
+
+    /// Start and end of each segment that has all prisms of the drive (s), if others have some of them.
+    pub fn spans_beside_gaps_s(&self) -> Vec<[f64; 2]> {
+        let complete = self.drive.segments.iter().filter(|segment| segment.prisms.is_complete());
+        let spans_s: Vec<[f64; 2]> =
+            complete.map(|segment| [segment.grid.start_s, segment.grid.end_s]).collect();
+        if spans_s.len() == self.drive.segments.len() { Vec::new() } else { spans_s }
     }
 
     /// Regression of station 1's own settling on the relative one, and the variance that remains.
     fn station_1_by_relative(&self) -> (DMatrix<f64>, SMatrix<f64, 4, 4>) {
         station_1_by_relative(&self.sizes, &self.priors.mean, self.layout().moved())
+    }
+
+    /// Number of readings that the estimate takes, by station.
+    pub fn readings(&self) -> PerStation<usize> {
+        let of_station = |station: Station| {
+            self.drive.segments.iter().map(|segment| segment.readings[station].len()).sum()
+        };
+        PerStation::from_fn(self.layout().stations(), of_station)
     }
 
     /// Start and end of each segment (s).
@@ -239,9 +268,9 @@ impl Solution {
         let jacobians = &step.normal.matrix.jacobians;
         step.factor.each_covariance(|block, slow| {
             let (block_by_constants, block_by_slow) = jacobians.of_block(block);
-            let (readings_by_constants, readings_by_slow) = jacobians.of_station_1(block);
-            let by_constants = with_station_1(&block_by_constants, &readings_by_constants);
-            let mut by_slow = with_station_1(&block_by_slow, &readings_by_slow);
+            let (motion_by_constants, motion_by_slow) = jacobians.of_motion(block);
+            let by_constants = with_motion(&block_by_constants, &motion_by_constants);
+            let mut by_slow = with_motion(&block_by_slow, &motion_by_slow);
             let first = block_by_slow.nrows();
             let mut settling = by_slow.view_mut((first, 0), (6, station_1_by_slow.ncols()));
             settling += by_settling * &station_1_by_slow;
@@ -253,18 +282,22 @@ impl Solution {
             let mut station_1 = covariance.view_mut((first, first), (6, 6));
             station_1 += by_settling * remaining * by_settling.transpose() * shares[block];
             let settled = settled(&station_1_by_slow, &self.state.slow[block]);
-            let shift_m = readings_by_slow.rows(0, 3) * &self.state.slow[block];
-            let shift_m = shift_m.fixed_rows::<3>(0).into();
+            let shift_m = reference_shift_m(
+                self.layout(),
+                &self.state.constants,
+                &self.drive.mean_sights[block],
+                &self.state.slow[block],
+            );
             frames[block] = BlockFrame { shift_m, settled, covariance };
         });
         frames
     }
 }
 
-/// Rows of a block's unknowns, followed by the six of station 1's readings.
-fn with_station_1(block: &DMatrix<f64>, station_1: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut rows = block.clone().resize_vertically(block.nrows() + station_1.nrows(), 0.0);
-    rows.rows_mut(block.nrows(), station_1.nrows()).copy_from(station_1);
+/// Rows of a block's unknowns, followed by the six of its motion.
+fn with_motion(block: &DMatrix<f64>, motion: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut rows = block.clone().resize_vertically(block.nrows() + motion.nrows(), 0.0);
+    rows.rows_mut(block.nrows(), motion.nrows()).copy_from(motion);
     rows
 }
 
@@ -277,6 +310,7 @@ fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
 /// Input of the evaluation at one instant.
 struct InstantInput<'a> {
     time_s: f64,
+    prisms: &'a Arc<[usize]>,
     weights: SplineWeights,
     /// Coefficients from the first of the four knots on (m).
     knots_m: &'a [f64],
@@ -287,7 +321,7 @@ struct InstantInput<'a> {
 
 /// Maps some increasing times of a segment, whose first block has an index in the drive.
 fn map_times<T>(
-    grid: &KnotGrid,
+    (grid, prisms): (&KnotGrid, &SegmentPrisms),
     coefficients_m: &[f64],
     band: &MotionBand,
     (times_s, first_block): (&[f64], usize),
@@ -301,7 +335,8 @@ fn map_times<T>(
         while let Some((weights, time_s)) = remaining.pop_if(is_next) {
             let knots_m = &coefficients_m[band.shape().size * weights.first..];
             let block = first_block + grid.block_at(time_s);
-            mapped.push(map(InstantInput { time_s, weights, knots_m, covariance, block }));
+            let prisms = &prisms.in_drive;
+            mapped.push(map(InstantInput { time_s, prisms, weights, knots_m, covariance, block }));
         }
     });
     mapped.reverse();
@@ -398,6 +433,7 @@ fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant
     };
     MotionInstant {
         time_s: *time_s,
+        prisms: Arc::clone(input.prisms),
         position_m,
         velocity_m_per_s,
         position_covariance: covariance(&position_by_knots, &position_by_frame),

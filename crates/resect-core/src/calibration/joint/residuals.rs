@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::drive::Reading;
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
+use super::readings::Reading;
 use super::segment_prisms::SegmentPrisms;
 use super::state_vector::{BlockVector, Layout};
 use super::station_model::StationModel;
@@ -85,6 +85,8 @@ pub struct ReadingResidual {
     pub range_sigma_m: f64,
     pub across_sigma_m: f64,
     pub jitter_m: Vector3<f64>,
+    /// Logarithm of the determinant of the covariance, less that without the noise of the stamp.
+    pub log_determinant: f64,
 }
 
 impl ReadingResidual {
@@ -107,7 +109,8 @@ impl ReadingResidual {
             offset_s += slow[point.layout.block_clocks() + slot];
             prism_m += slow.fixed_rows::<3>(3 * slot);
         }
-        let prism = point.prisms.of_station[station];
+        let prism =
+            point.prisms.of_station[station].expect("a station with readings follows a prism");
         let weights = grid.weights(reading.time_s - offset_s);
         let velocity = spline_value(point, &weights, &weights.velocity, prism);
         let axes = model.rotation * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
@@ -127,6 +130,7 @@ impl ReadingResidual {
         let weighted = precision.component_mul(&jitter_m);
         let information = Matrix3::from_diagonal(&precision)
             - weighted * weighted.transpose() / (1.0 + weighted.dot(&jitter_m));
+        let log_determinant = weighted.dot(&jitter_m).ln_1p();
         Self {
             residual_m: axes.tr_mul(&difference_m),
             weights,
@@ -139,6 +143,7 @@ impl ReadingResidual {
             range_sigma_m,
             across_sigma_m,
             jitter_m,
+            log_determinant,
         }
     }
 
@@ -196,9 +201,10 @@ pub fn distance_residual(
     (between / length_m, length_m - distance_m) // (8)
 }
 
-/// Jacobian of a jerk by four knots, in σ.
-pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels) -> [f64; ORDER] {
-    let scale = 1.0 / (levels.jerk_m_per_s3 * grid.knot_s.powi(3));
+/// Jacobian of a jerk by four knots, in σ; `excess` is its variance beyond that of the whole drive (m²/s⁶).
+pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels, excess: f64) -> [f64; ORDER] {
+    let sigma_m_per_s3 = (levels.jerk_m_per_s3.powi(2) + excess).sqrt();
+    let scale = 1.0 / (sigma_m_per_s3 * grid.knot_s.powi(3));
     [-scale, 3.0 * scale, -3.0 * scale, scale] // (9)
 }
 

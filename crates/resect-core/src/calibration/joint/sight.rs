@@ -2,6 +2,9 @@
 
 use nalgebra::Vector3;
 
+/// Radius of the earth (m). Textbook: mean radius.
+pub const EARTH_RADIUS_M: f64 = 6.371e6;
+
 /// A reading's direction in the station's own axes: unit vectors along the sight, to its right, and up.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {

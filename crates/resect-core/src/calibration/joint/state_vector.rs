@@ -102,6 +102,16 @@ impl Layout {
         self.followed.at(time_s)
     }
 
+    /// Returns the instants from which a station follows another prism (s).
+    pub fn prism_changes_s(&self) -> impl Iterator<Item = f64> {
+        self.followed.changes_s()
+    }
+
+    /// Returns the followed prisms by their numbers on the rig, in order.
+    pub fn followed_prisms(&self) -> impl Iterator<Item = Prism> {
+        self.prisms.iter().copied()
+    }
+
     /// Returns the place of a prism among those that are followed.
     pub fn place_of(&self, prism: Prism) -> usize {
         self.prisms.as_slice().partition_point(|other| *other < prism)
@@ -147,10 +157,10 @@ impl Layout {
         own.map(move |placed| (placed.unknown, placed.first + placed.stride * station.index()))
     }
 
-    /// Returns the unknowns that displace readings, and their indices by owner.
-    pub fn reading_errors(&self) -> impl Iterator<Item = (ReadingError, usize)> {
-        self.unknowns.iter().filter_map(|placed| match placed.unknown.effect {
-            Effect::Reading(error) => Some((error, placed.first)),
+    /// Returns the unknowns that displace readings of a station, with their indices.
+    pub fn reading_errors(&self, station: Station) -> impl Iterator<Item = (ReadingError, usize)> {
+        self.of_instrument(station).filter_map(|(unknown, index)| match unknown.effect {
+            Effect::Reading(error) => Some((error, index)),
             _ => None,
         })
     }
@@ -269,8 +279,8 @@ pub mod tests {
         }
         let layout = layout(3);
         let sizes = [layout.constants, layout.slow(), layout.block()];
-        assert_eq!(sizes, [36, 19, 14]);
-        assert_eq!(layout.indices(&LEAN_Y).collect::<Vec<usize>>(), [28, 30, 32]);
+        assert_eq!(sizes, [42, 19, 14]);
+        assert_eq!(layout.indices(&LEAN_Y).collect::<Vec<usize>>(), [34, 36, 38]);
     }
 
     #[test]

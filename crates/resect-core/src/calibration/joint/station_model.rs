@@ -2,13 +2,11 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::sight::Sight;
+use super::sight::{EARTH_RADIUS_M, Sight};
 use super::state_vector::{Constants, Layout};
 use super::unknown::{CLOCK_DRIFT, CLOCK_OFFSET, LATENCY, LEAN_X, LEAN_Y, ReadingError};
 use crate::network::{Number, Station};
 
-/// Radius of the earth (m). Textbook: mean radius.
-pub const EARTH_RADIUS_M: f64 = 6.371e6;
 /// Coefficient of refraction: the curvature of a sight over that of the earth. Textbook: Gauss's value.
 const REFRACTION: f64 = 0.13;
 
@@ -37,8 +35,8 @@ impl StationModel {
         let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
         let of_clock = |unknown| slot.map_or(0.0, |slot| constants[layout.index(unknown, slot)]);
         let reading_errors = layout
-            .reading_errors()
-            .map(|(error, first)| (error, constants[first + station.index()]))
+            .reading_errors(station)
+            .map(|(error, index)| (error, constants[index]))
             .collect();
         Self {
             rotation: *(yaw * lean(own(&LEAN_X), own(&LEAN_Y))).matrix(), // (2)
@@ -101,7 +99,8 @@ pub struct MeanSight {
 impl MeanSight {
     /// The mean of sights; `None` without any.
     pub fn of(layout: &Layout, sights: impl Iterator<Item = Sight>) -> Option<Self> {
-        let errors: Vec<ReadingError> = layout.reading_errors().map(|(error, _)| error).collect();
+        let errors = layout.reading_errors(Station::FIRST).map(|(error, _)| error);
+        let errors: Vec<ReadingError> = errors.collect();
         let mut mean =
             Self { corrections_m: vec![Vector3::zeros(); errors.len()], ..Self::default() };
         let mut count = 0.0;

@@ -5,7 +5,7 @@
 //! of a station has four parameters, one of station 1 acting through all others; a step of a clock has one. The step with the
 //! largest χ² is detected.
 
-use nalgebra::{DVector, Vector4};
+use nalgebra::{DMatrix, DVector, Vector4};
 use rayon::prelude::*;
 
 use super::chain::ChainVector;
@@ -17,12 +17,17 @@ use crate::calibration::Estimate;
 use crate::network::{Number, Station};
 
 /// Critical χ² of a step of a station at any time of a drive (4 degrees of freedom).
-const STATION_CHI_SQUARE: f64 = 28.0;
+const STATION_CHI_SQUARE: f64 = 38.0;
 /// Critical χ² of a step of a clock at any time of a drive (1 degree of freedom).
-const CLOCK_CHI_SQUARE: f64 = 25.0;
+const CLOCK_CHI_SQUARE: f64 = 34.0;
 /// Critical χ² of a drift of one of three stations over the whole drive (4 degrees of freedom).
 const DRIFT_CHI_SQUARE: f64 = 20.0;
 
+/// Standard deviation of an error of a sight that changes with the incidence on the prism, along each axis (m): where a vehicle starts to
+/// move, it changes at once. Field: facets cause 1 to 4 mm.
+const SIGHT_ERROR_M: f64 = 0.0015;
+/// Most solutions for components of an increment at a time.
+const MOST_SOLUTIONS: usize = 2;
 /// Variances of a station's step beside which the data must determine it, as a multiple of those of settling.
 const STEP_SETTLING: f64 = 9.0;
 /// The same multiple once a step is detected, so that it is measured in all directions.
@@ -60,6 +65,22 @@ impl StationStep {
     }
 }
 
+/// A possible step with its χ².
+struct TestedStep {
+    chi_square: f64,
+    step: StationStep,
+}
+
+impl TestedStep {
+    /// Returns χ² over the critical one.
+    fn significance(&self) -> f64 {
+        match self.step.size {
+            StepSize::Station { .. } => self.chi_square / STATION_CHI_SQUARE,
+            StepSize::Clock(_) => self.chi_square / CLOCK_CHI_SQUARE,
+        }
+    }
+}
+
 /// Input of the search.
 pub struct StepSearch<'a> {
     pub layout: &'a Layout,
@@ -77,41 +98,94 @@ pub struct StepSearch<'a> {
 
 impl StepSearch<'_> {
     /// Returns the most significant step that is not known yet.
-    pub fn most_significant_step(&self) -> Option<StationStep> {
+    ///
+    /// `by_incidence` returns the effects of errors that repeat with the incidence on a linear function of the states. It is costly, and asked for
+    /// steps alone that are significant without it.
+    pub fn most_significant_step(
+        &self,
+        by_incidence: impl Fn(&ChainVector) -> DVector<f64>,
+    ) -> Option<StationStep> {
+        // Station 1 alone moves nothing.
+        if self.layout.moved() == 0 {
+            return None;
+        }
         let covariances = self.factor.increment_covariances();
-        let steps = covariances.par_iter().enumerate();
-        let steps = steps.filter_map(|(index, covariance)| self.best_step(index + 1, covariance));
-        let (significance, step) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (significance > 1.0).then_some(step)
+        let best_of = |steps: Vec<TestedStep>| {
+            let all = steps.into_iter().map(|step| (step.significance(), step.step));
+            all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(significance, _)| *significance > 1.0)
+        };
+        let candidates = covariances.par_iter().enumerate().filter_map(|(index, own)| {
+            Some((best_of(self.tested_steps(index + 1, own, None))?.0, index))
+        });
+        let mut candidates: Vec<(f64, usize)> = candidates.collect();
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, StationStep)> = None;
+        for (largest, index) in candidates {
+            if best.as_ref().is_some_and(|(significance, _)| *significance >= largest) {
+                break;
+            }
+            let effects = self.map_increment_solutions(index, index + 1, &by_incidence);
+            let effects = DMatrix::from_columns(&effects);
+            let errors = effects.tr_mul(&effects);
+            let step = best_of(self.tested_steps(index + 1, &covariances[index], Some(&errors)));
+            let is_better = |(significance, _): &(f64, StationStep)| {
+                best.as_ref().is_none_or(|(best, _)| significance > best)
+            };
+            best = step.filter(is_better).or(best);
+        }
+        best.map(|(_, step)| step)
     }
 
-    /// Returns the best step before a block with its χ² over the critical one; `covariance` is that of the increment.
-    fn best_step(&self, block: usize, covariance: &WalkMatrix) -> Option<(f64, StationStep)> {
+    /// Returns the steps before a block that are not known yet; `covariance` is that of the increment, `errors` its part by the incidence.
+    fn tested_steps(
+        &self,
+        block: usize,
+        covariance: &WalkMatrix,
+        errors: Option<&WalkMatrix>,
+    ) -> Vec<TestedStep> {
         let [is_moved, is_late] = self.known_blocks.map(|known| known.contains(&block));
         let precision = self.precisions.increment_precision(block);
         let (normal, right) = self.without_prior(block - 1, block, &precision, covariance);
+        let (normal, right) = match errors {
+            // The right-hand side of the data has this part of the covariance.
+            Some(errors) => with_errors(normal, right, &(&precision * errors * &precision)),
+            None => (normal, right),
+        };
         let [before_s, after_s] = [self.block_times_s[block - 1], self.block_times_s[block]];
         let after_s = 0.5 * (before_s + after_s) - self.block_times_s[0];
-        let mut best: Option<(f64, StationStep)> = None;
-        let mut offer = |significance: f64, station: Station, size: StepSize| {
-            if best.as_ref().is_none_or(|(other, _)| significance > *other) {
-                let step = StationStep { station, block, after_s, slowly: false, size };
-                best = Some((significance, step));
-            }
-        };
+        // A displacement has the errors of single sights, too.
+        let of_place = &normal * self.sight_errors_m2() * &normal;
+        let (of_place, right_of_place) = with_errors(normal.clone(), right.clone(), &of_place);
+        let mut tested = Vec::new();
         for station in self.stations() {
+            let mut add = |chi_square: f64, size: StepSize| {
+                let step = StationStep { station, block, after_s, slowly: false, size };
+                tested.push(TestedStep { chi_square, step });
+            };
             let (by_pose, by_clock) = self.jacobians(station);
-            let by_pose =
-                (!is_moved).then(|| fit(&by_pose, &normal, &right, &self.settling(STEP_SETTLING)));
+            let by_pose = (!is_moved)
+                .then(|| fit(&by_pose, &of_place, &right_of_place, &self.settling(STEP_SETTLING)));
             if let Some((chi_square, size)) = by_pose.flatten() {
-                offer(chi_square / STATION_CHI_SQUARE, station, station_size(&size));
+                add(chi_square, station_size(&size));
             }
             let by_clock = (!is_late).then(|| fit(&by_clock, &normal, &right, &[STEP_CLOCK_S2]));
             if let Some((chi_square, size)) = by_clock.flatten() {
-                offer(chi_square / CLOCK_CHI_SQUARE, station, StepSize::Clock(size[0]));
+                add(chi_square, StepSize::Clock(size[0]));
             }
         }
-        best
+        tested
+    }
+
+    /// Covariance of the displacements of an increment by errors of the sights that change at once.
+    fn sight_errors_m2(&self) -> WalkMatrix {
+        // Positions are relative to station 1, whose errors they have in common.
+        let variance_m2 = |i: usize, k: usize| {
+            let is_same_axis = i.max(k) < 4 * self.layout.moved() && i % 4 == k % 4 && i % 4 < 3;
+            let both = if i == k { 2.0 } else { 1.0 };
+            if is_same_axis { both * SIGHT_ERROR_M.powi(2) } else { 0.0 }
+        };
+        let walks = self.layout.slow_ranges();
+        WalkMatrix::from_fn(walks, walks, variance_m2)
     }
 
     fn stations(&self) -> impl Iterator<Item = Station> + use<> {
@@ -188,18 +262,50 @@ impl StepSearch<'_> {
 
     /// Covariance of the increment from a block to a later one, with priors and data.
     fn increment_covariance(&self, from: usize, to: usize) -> WalkMatrix {
-        let walks = self.layout.slow_ranges();
+        let columns = self.map_increment_solutions(from, to, |solution| {
+            (&solution.slow[to] - &solution.slow[from])
+                .rows(0, self.layout.slow_ranges())
+                .into_owned()
+        });
+        WalkMatrix::from_fn(columns.len(), columns.len(), |row, column| columns[column][row])
+    }
+
+    /// Maps the solutions for the components of the increment from a block to a later one. Those of a long drive need much memory, so there are
+    /// few at a time.
+    fn map_increment_solutions<T>(
+        &self,
+        from: usize,
+        to: usize,
+        map: impl Fn(&ChainVector) -> T,
+    ) -> Vec<T> {
         let blocks = self.block_times_s.len();
-        let difference = |k: usize| {
+        let difference = |component: &usize| {
             let mut difference = ChainVector::zeros(self.layout, blocks);
-            difference.slow[to][k] = 1.0;
-            difference.slow[from][k] = -1.0;
+            difference.slow[to][*component] = 1.0;
+            difference.slow[from][*component] = -1.0;
             difference
         };
-        let solutions = self.factor.solve(&(0..walks).map(difference).collect::<Vec<_>>());
-        WalkMatrix::from_fn(walks, walks, |i, k| {
-            solutions[k].slow[to][i] - solutions[k].slow[from][i]
-        })
+        let walks: Vec<usize> = (0..self.layout.slow_ranges()).collect();
+        let solutions =
+            |some: &[usize]| self.factor.solve(&some.iter().map(difference).collect::<Vec<_>>());
+        let mapped = walks.chunks(MOST_SOLUTIONS);
+        mapped.flat_map(|some| solutions(some).iter().map(&map).collect::<Vec<T>>()).collect()
+    }
+}
+
+/// Normal matrix and right-hand side that has further errors.
+///
+/// The right-hand side has the covariance N; with that of further errors E, the generalised least squares have `N (N + E)⁻¹ N` and
+/// `N (N + E)⁻¹ r`.
+fn with_errors(
+    normal: WalkMatrix,
+    right: DVector<f64>,
+    errors: &WalkMatrix,
+) -> (WalkMatrix, DVector<f64>) {
+    let factor = (&normal + errors).lu();
+    match factor.solve(&normal).zip(factor.solve(&right)) {
+        Some((by_normal, by_right)) => (&normal * by_normal, &normal * by_right),
+        None => (normal, right),
     }
 }
 

@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::sight::Sight;
+use super::sight::{EARTH_RADIUS_M, Sight};
 use crate::calibration::{ErrorSizes, Quantity};
 use crate::geometry::ARCSECOND_RAD;
 
@@ -100,7 +100,7 @@ impl Unknown {
 }
 
 /// All unknowns, in the order of tables. Unknowns with the same source stand together.
-pub static UNKNOWNS: [&Unknown; 14] = [
+pub static UNKNOWNS: [&Unknown; 16] = [
     &pose("x", "x", Quantity::Length, Effect::Place(0)),
     &pose("y", "y", Quantity::Length, Effect::Place(1)),
     &pose("z", "z", Quantity::Length, Effect::Place(2)),
@@ -111,6 +111,8 @@ pub static UNKNOWNS: [&Unknown; 14] = [
     &RANGE_SCALE,
     &VERTICAL_INDEX,
     &COLLIMATION,
+    &REFRACTION_UPWARD,
+    &REFRACTION_SIDEWAYS,
     &LATENCY,
     &LEAN_X,
     &LEAN_Y,
@@ -223,6 +225,45 @@ pub static COLLIMATION: Unknown = Unknown {
     }),
     sentence: "station {}'s collimation error is",
 };
+
+pub static REFRACTION_UPWARD: Unknown = refraction(
+    "refraction upward",
+    "β",
+    // The line of sight is bent as the earth is curved.
+    |sight| -sight.up * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
+    |sizes| sizes.refraction,
+    "station {}'s refraction upward differs by",
+);
+pub static REFRACTION_SIDEWAYS: Unknown = refraction(
+    "refraction sideways",
+    "ζ",
+    |sight| -sight.side * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
+    // Air is warmer above the ground than beside it.
+    |sizes| 0.25 * sizes.refraction,
+    "station {}'s refraction sideways is",
+);
+
+const fn refraction(
+    name: &'static str,
+    symbol: &'static str,
+    correction_m: fn(&Sight) -> Vector3<f64>,
+    sigma: fn(&ErrorSizes) -> f64,
+    sentence: &'static str,
+) -> Unknown {
+    Unknown {
+        name,
+        symbol,
+        quantity: Quantity::Coefficient,
+        key: Some("refractions"),
+        owner: Owner::Station,
+        source: "refraction",
+        prior: Some(PriorSize { sigma, least: 1e-3 }),
+        // A gradient of the temperature of 0.2 K/m gives 1.2; in a tunnel or over a hot field it reaches 15.
+        field_sigma: Some(1.0),
+        effect: Effect::Reading(ReadingError { correction_m, is_of_pointing: false }),
+        sentence,
+    }
+}
 
 pub static LATENCY: Unknown = Unknown {
     name: "latency",

@@ -70,10 +70,11 @@ pub fn clock_drift_implausible(station: usize, drift: &Estimate, is_allowed_for:
         "the answer is not corrected for it"
     };
     let message = format!(
-        "station {}'s clock seems to drift by {:+.0} µs a second, more than those of total stations do: it is not \
-         synchronised, jumps or wanders; {consequence}",
+        "station {}'s clock seems to drift by {:+.0} ± {:.0} µs a second, more than those of total stations do: it \
+         is not synchronised, jumps or wanders; {consequence}",
         station + 1,
         drift.value * 1e6,
+        drift.sigma * 1e6,
     );
     about(kinds::CLOCK_DRIFT_IMPLAUSIBLE, station, message).estimate("drift", drift, Unit::Ratio)
 }

@@ -69,7 +69,7 @@ impl NamedError<'_> {
             Quantity::Length => Unit::Metre,
             Quantity::Angle => Unit::Radian,
             Quantity::Time => Unit::Second,
-            Quantity::Drift | Quantity::Share => Unit::Ratio,
+            Quantity::Drift | Quantity::Share | Quantity::Coefficient => Unit::Ratio,
         };
         Finding::new(kind, message).about(subject).estimate("error", &self.estimate, unit).quantity(
             "prior_sigma",

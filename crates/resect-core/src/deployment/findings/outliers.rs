@@ -42,6 +42,44 @@ pub fn span_left_out(span_s: [f64; 2], start_s: f64) -> Finding {
     .with(Remedy::ShowTimes(span_s))
 }
 
+/// Readings of a station (from 0) in a span (s) were left out: so many, off by so much (m). It may have followed another prism. The drive
+/// begins at `start_s`; `others` further spans are like it.
+pub fn station_left_out(
+    (station, prism): (usize, Option<usize>),
+    (span_s, start_s): ([f64; 2], f64),
+    (readings, error_m): (usize, f64),
+    others: usize,
+) -> Finding {
+    let [from_s, to_s] = span_s.map(|time_s| time_s - start_s);
+    let what = prism.map_or_else(
+        || "contradicts the other stations".to_owned(),
+        |prism| format!("followed prism {prism} instead of its own"),
+    );
+    let further = match others {
+        0 => String::new(),
+        1 => "; one further span is like it".to_owned(),
+        _ => format!("; {others} further spans are like it"),
+    };
+    let finding = Finding::new(
+        kinds::STATION_LEFT_OUT,
+        format!(
+            "station {} {what} from {from_s:.0} to {to_s:.0} s of the drive (off by {error_m:.2} m); its {readings} readings \
+             there were left out{further}",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .quantity("from", span_s[0], Unit::Second)
+    .quantity("to", span_s[1], Unit::Second)
+    .quantity("error", error_m, Unit::Metre)
+    .count("readings", readings)
+    .with(Remedy::ShowTimes(span_s));
+    match prism {
+        Some(prism) => finding.count("prism", prism),
+        None => finding,
+    }
+}
+
 /// A station followed another prism from the first of `changes` on, and its own again from the second; the drive begins at `start_s`.
 pub fn prism_changed(
     changes: &[StatedPrismChange],
@@ -119,6 +157,8 @@ pub(super) fn examples() -> Vec<Finding> {
         outliers_left_out(5, 1000, false),
         outliers_left_out(300, 1000, true),
         span_left_out([120.0, 160.0], 20.0),
+        station_left_out((2, Some(2)), ([120.0, 124.0], 20.0), (12, 0.97), 0),
+        station_left_out((1, None), ([120.0, 124.0], 20.0), (12, 0.4), 2),
         prism_changed(
             &[StatedPrismChange { station: 2, time_s: 120.0, prism: 3 }],
             &Deployment::default(),

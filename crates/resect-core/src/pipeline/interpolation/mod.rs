@@ -7,7 +7,7 @@ mod allowance;
 mod dense;
 mod interpolate;
 mod kernel;
-mod linear;
+pub mod linear;
 mod minimise;
 mod series;
 pub mod squared_exponential;

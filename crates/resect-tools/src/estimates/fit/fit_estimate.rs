@@ -205,16 +205,20 @@ fn refuse_other_conventions(
 }
 
 /// Returns the ratio of the estimate's path lengths to the ground truth's; `None` if it is within drift. A larger ratio is
-/// another unit, or the scale of a single camera. It is the median over paths of some metres, which does not depend on frames
-/// and errors.
+/// another unit, or the scale of a single camera. It is the median over paths that are long beside lever arms, which does not depend
+/// on frames and errors.
 fn times_longer(pairs: &[MatchedPose]) -> Option<f64> {
-    const WAY_M: f64 = 2.0;
+    const SHORTEST_M: f64 = 2.0;
+    const WAYS: f64 = 10.0;
     const DRIFT: f64 = 1.1;
+    let first_m = pairs.first()?.truth.position_m;
+    let away_m = pairs.iter().map(|pair| (pair.truth.position_m - first_m).norm());
+    let way_m = (away_m.fold(0.0, f64::max) / WAYS).max(SHORTEST_M);
     let (mut from, mut ratios) = (0, Vec::new());
     for (to, MatchedPose { pose, truth, .. }) in pairs.iter().enumerate() {
         let MatchedPose { pose: first, truth: first_true, .. } = &pairs[from];
         let true_m = (truth.position_m - first_true.position_m).norm();
-        if true_m >= WAY_M {
+        if true_m >= way_m {
             ratios.push((pose.position_m - first.position_m).norm() / true_m);
             from = to;
         }

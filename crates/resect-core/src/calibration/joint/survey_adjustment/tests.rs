@@ -1,6 +1,7 @@
 use super::super::state_vector::Constants;
 use super::super::state_vector::tests::layout;
 use super::*;
+use crate::calibration::Quantity;
 use crate::deployment::kinds;
 use crate::geometry::{ARCSECOND_RAD, Polar};
 
@@ -52,8 +53,13 @@ fn survey_with_errors(index_rad: f64, collimation_rad: f64, of_both_faces: bool)
     adjusted(&sets)
 }
 
+/// Differences of the constants, those of coefficients of refraction in ten thousandths.
 fn off(survey: &Survey, exact: &Survey) -> Constants {
-    &survey.constants - &exact.constants
+    let mut off = &survey.constants - &exact.constants;
+    for (unknown, _, index) in layout(3).each() {
+        off[index] *= if unknown.quantity == Quantity::Coefficient { 1e-4 } else { 1.0 };
+    }
+    off
 }
 
 #[test]

@@ -1,0 +1,227 @@
+//! The data of a joint estimate: the triplets that it starts from, and the readings that it takes.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::followed_prisms::schedule;
+use super::gross_error_limit::gross_error_limit_m;
+use super::joint::{DriveReadings, Reading};
+use crate::deployment::findings::outliers::station_left_out;
+use crate::deployment::{Deployment, Finding, Rig};
+use crate::geometry::LevelTransform;
+use crate::network::{Number, Pair, PerStation, Prism, Station};
+use crate::pipeline::Triplets;
+use crate::statistics::median;
+
+/// Readings of another station further apart than this many median steps are not interpolated.
+const STEPS_APART: f64 = 2.5;
+
+/// Most readings of a station from which the usual error is taken.
+const MOST_MEASURED: usize = 2000;
+
+/// Fewest readings of a run that is reported. Single outliers are common.
+const FEWEST_IN_RUN: usize = 4;
+/// Shortest time of a run that is reported (s).
+const SHORTEST_RUN_S: f64 = 1.5;
+
+/// Consecutive readings of a station that contradict those of other stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContradictingRun {
+    pub station: Station,
+    /// Times of the first and the last reading (s).
+    pub span_s: [f64; 2],
+    pub readings: usize,
+    /// Median of their worst distance errors (m).
+    pub error_m: f64,
+    /// The prism that the station followed instead of its own, if one explains the readings.
+    pub prism: Option<Prism>,
+}
+
+/// Returns a finding for each station with runs, about its longest one; the drive begins at `start_s`.
+pub fn contradicting_runs(runs: &[ContradictingRun], start_s: f64) -> Vec<Finding> {
+    let of_station = |runs: &[ContradictingRun]| {
+        let length_s = |run: &ContradictingRun| run.span_s[1] - run.span_s[0];
+        let longest = runs.iter().max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
+        let ContradictingRun { station, span_s, readings, error_m, prism } = longest;
+        Some(station_left_out(
+            (station.index(), prism.map(Prism::number)),
+            (*span_s, start_s),
+            (*readings, *error_m),
+            runs.len() - 1,
+        ))
+    };
+    runs.chunk_by(|a, b| a.station == b.station).filter_map(of_station).collect()
+}
+
+/// The data of a joint estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct JointData<'a> {
+    /// The triplets that it starts from.
+    pub triplets: &'a Triplets,
+    /// The triplets of the published method, which answers if the joint estimate fails.
+    pub of_published: &'a Triplets,
+}
+
+impl<'a> JointData<'a> {
+    /// Takes all readings, or those that the triplets are interpolated from, if they have no others.
+    pub fn new(triplets: &'a Triplets) -> Self {
+        let all = triplets.of_all_readings.as_deref().unwrap_or(triplets);
+        Self { triplets: all, of_published: triplets }
+    }
+
+    /// Returns the readings whose distances to those of other stations fit an answer, those of a station alone, and the runs of the others.
+    ///
+    /// Of two that contradict each other, the one that fits more other stations is kept; neither, if they fit as many.
+    pub fn fitting(
+        &self,
+        deployment: &Deployment,
+        followed: &PerStation<Prism>,
+        station1_from_station: &PerStation<LevelTransform>,
+    ) -> (DriveReadings, Vec<ContradictingRun>) {
+        let readings = DriveReadings::taken(self.of_published);
+        let both = readings.tracks.iter().zip(station1_from_station);
+        let placed: PerStation<PlacedTrack<'_>> =
+            both.map(|(track, transform)| PlacedTrack::new(track, transform)).collect();
+        let (schedule, rig) = (schedule(deployment, followed), deployment.rig.as_ref());
+        let errors = |station: Station, reading: &Reading| {
+            let followed = schedule.at(reading.time_s);
+            InstantErrors::new(&placed, (followed, rig), station, reading.time_s)
+        };
+        let worst_m = readings.tracks.each().flat_map(|(station, track)| {
+            let some = track.iter().step_by(track.len().div_ceil(MOST_MEASURED).max(1));
+            some.filter_map(move |reading| errors(station, reading).worst_m(station))
+        });
+        let Some(limit_m) = gross_error_limit_m(worst_m) else { return (readings, Vec::new()) };
+        // The error of a run's readings if the station followed another prism (m).
+        let error_m = |station: Station, run: &[&Reading], other: Option<Prism>| {
+            let worst_m = run.iter().filter_map(|reading| {
+                let mut followed = schedule.at(reading.time_s).clone();
+                followed[station] = other.unwrap_or(followed[station]);
+                let errors = InstantErrors::new(&placed, (&followed, rig), station, reading.time_s);
+                errors.worst_m(station)
+            });
+            median(worst_m)
+        };
+        let prisms = rig.and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len())).unwrap_or(0);
+        let mut runs = Vec::new();
+        let tracks = readings.tracks.map_each(|station, track| {
+            let is_kept: Vec<bool> = track
+                .iter()
+                .map(|reading| errors(station, reading).is_kept(station, limit_m))
+                .collect();
+            let both: Vec<(&Reading, bool)> = track.iter().zip(is_kept).collect();
+            for run in both.chunk_by(|(_, a), (_, b)| a == b).filter(|run| !run[0].1) {
+                let run: Vec<&Reading> = run.iter().map(|(reading, _)| *reading).collect();
+                let span_s = [run[0].time_s, run[run.len() - 1].time_s];
+                if run.len() < FEWEST_IN_RUN || span_s[1] - span_s[0] < SHORTEST_RUN_S {
+                    continue;
+                }
+                let fits = |prism: &Prism| {
+                    error_m(station, &run, Some(*prism)).is_some_and(|error_m| error_m < limit_m)
+                };
+                runs.push(ContradictingRun {
+                    station,
+                    span_s,
+                    readings: run.len(),
+                    error_m: error_m(station, &run, None).unwrap_or(0.0),
+                    prism: (0..prisms).map(Prism::at).find(fits),
+                });
+            }
+            let kept = both.iter().filter(|(_, is_kept)| *is_kept);
+            let mut kept: Vec<Reading> = kept.map(|(reading, _)| (*reading).clone()).collect();
+            kept.shrink_to_fit();
+            Arc::new(kept)
+        });
+        (DriveReadings { tracks, restarts_s: readings.restarts_s.clone() }, runs)
+    }
+}
+
+/// A track in the frame of station 1.
+struct PlacedTrack<'a> {
+    track: &'a [Reading],
+    transform: &'a LevelTransform,
+    longest_s: f64,
+}
+
+impl<'a> PlacedTrack<'a> {
+    fn new(track: &'a [Reading], transform: &'a LevelTransform) -> Self {
+        let step_s = median(track.windows(2).map(|both| both[1].time_s - both[0].time_s));
+        Self { track, transform, longest_s: STEPS_APART * step_s.unwrap_or(0.0) }
+    }
+
+    /// Returns the position at an instant (m); `None` in a gap.
+    fn at(&self, time_s: f64) -> Option<Vector3<f64>> {
+        let index = self.track.partition_point(|reading| reading.time_s < time_s);
+        let after = self.track.get(index)?;
+        if after.time_s == time_s {
+            return Some(self.transform.apply(&after.point_m));
+        }
+        let before = &self.track[index.checked_sub(1)?];
+        let apart_s = after.time_s - before.time_s;
+        let share = (time_s - before.time_s) / apart_s;
+        let point_m = before.point_m.lerp(&after.point_m, share);
+        (apart_s <= self.longest_s).then(|| self.transform.apply(&point_m))
+    }
+}
+
+/// Errors of the distances between the stations that have a position at an instant.
+struct InstantErrors {
+    /// Two stations, and the error of their distance (m).
+    pairs: Vec<([Station; 2], f64)>,
+}
+
+impl InstantErrors {
+    fn new(
+        placed: &PerStation<PlacedTrack<'_>>,
+        (followed, rig): (&PerStation<Prism>, Option<&Rig>),
+        own: Station,
+        time_s: f64,
+    ) -> Self {
+        let position = |(station, track): (Station, &PlacedTrack<'_>)| {
+            Some((station, followed[station], track.at(time_s)?))
+        };
+        let present: Vec<(Station, Prism, Vector3<f64>)> =
+            placed.each().filter_map(position).collect();
+        let mut pairs = Vec::new();
+        // Without the own position, all of its pairs are unknown.
+        if present.iter().all(|(station, ..)| *station != own) {
+            return Self { pairs };
+        }
+        for (index, (a, prism_a, a_m)) in present.iter().enumerate() {
+            for (b, prism_b, b_m) in &present[index + 1..] {
+                let known_m = match Pair::between(*prism_a, *prism_b) {
+                    None => Some(0.0),
+                    Some(pair) => rig.and_then(|rig| rig.inter_prism_m.get(pair)).copied(),
+                };
+                let Some(known_m) = known_m else { continue };
+                pairs.push(([*a, *b], ((a_m - b_m).norm() - known_m).abs()));
+            }
+        }
+        Self { pairs }
+    }
+
+    /// Returns the largest error of a station's distances (m); `None` for a station alone.
+    fn worst_m(&self, station: Station) -> Option<f64> {
+        let own = self.pairs.iter().filter(|(stations, _)| stations.contains(&station));
+        own.map(|(_, error_m)| *error_m).reduce(f64::max)
+    }
+
+    /// Number of a station's distances that fit.
+    fn fitting(&self, station: Station, limit_m: f64) -> usize {
+        let own = self.pairs.iter().filter(|(stations, _)| stations.contains(&station));
+        own.filter(|(_, error_m)| *error_m < limit_m).count()
+    }
+
+    fn is_kept(&self, station: Station, limit_m: f64) -> bool {
+        let own = self.fitting(station, limit_m);
+        let contradicts = |(stations, error_m): &([Station; 2], f64)| {
+            stations.contains(&station)
+                && *error_m >= limit_m
+                && stations
+                    .iter()
+                    .any(|other| *other != station && self.fitting(*other, limit_m) >= own)
+        };
+        !self.pairs.iter().any(contradicts)
+    }
+}
