@@ -148,6 +148,10 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         ErrorKind::Curvature => {
             let refraction = between(REFRACTION, rng);
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
+            for unknown in [&unknown::REFRACTION_UPWARD, &unknown::REFRACTION_SIDEWAYS] {
+                let sizes = each_normal(stations, field_sigma(unknown), rng);
+                errors.set_further(unknown, sizes);
+            }
         }
         ErrorKind::Distances => {
             errors.inter_prism_m =

@@ -227,27 +227,28 @@ pub static COLLIMATION: Unknown = Unknown {
 };
 
 pub static REFRACTION_UPWARD: Unknown = refraction(
-    "refraction upward",
-    "β",
+    ("refraction upward", "β"),
     // The line of sight is bent as the earth is curved.
     |sight| -sight.up * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
     |sizes| sizes.refraction,
+    // A gradient of the temperature of 0.2 K/m gives 1.2; in a tunnel or over a hot field it reaches 15.
+    1.0,
     "station {}'s refraction upward differs by",
 );
 pub static REFRACTION_SIDEWAYS: Unknown = refraction(
-    "refraction sideways",
-    "ζ",
+    ("refraction sideways", "ζ"),
     |sight| -sight.side * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
-    // Air is warmer above the ground than beside it.
+    // Temperature changes less sideways than upward from the ground.
     |sizes| 0.25 * sizes.refraction,
+    0.25,
     "station {}'s refraction sideways is",
 );
 
 const fn refraction(
-    name: &'static str,
-    symbol: &'static str,
+    (name, symbol): (&'static str, &'static str),
     correction_m: fn(&Sight) -> Vector3<f64>,
     sigma: fn(&ErrorSizes) -> f64,
+    field_sigma: f64,
     sentence: &'static str,
 ) -> Unknown {
     Unknown {
@@ -258,8 +259,7 @@ const fn refraction(
         owner: Owner::Station,
         source: "refraction",
         prior: Some(PriorSize { sigma, least: 1e-3 }),
-        // A gradient of the temperature of 0.2 K/m gives 1.2; in a tunnel or over a hot field it reaches 15.
-        field_sigma: Some(1.0),
+        field_sigma: Some(field_sigma),
         effect: Effect::Reading(ReadingError { correction_m, is_of_pointing: false }),
         sentence,
     }
