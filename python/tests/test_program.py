@@ -277,9 +277,9 @@ def test_an_error_is_the_line_of_the_program(simulated: Path, tmp_path: Path, an
     line = complaint("trajectory", SAMPLES / "warthog", "--method", "inter-prism", "--pose-rate", 5)
     same_line(str(error.value), line, {"--method joint": 'method="joint"'})
     with pytest.raises(resect.ResectError) as error:
-        answer.trajectory(max_error_m=1e-7)
-    line = complaint("trajectory", SAMPLES / "warthog", "--max-error", 1e-4)
-    assert "above 0.0001 mm" in line
+        answer.trajectory(max_error_m=1e-8)
+    line = complaint("trajectory", SAMPLES / "warthog", "--max-error", 1e-5)
+    assert "above 0.00001 mm" in line
     same_line(str(error.value).partition(", or raise")[0], line.partition(", or raise")[0], {})
     assert str(error.value).endswith("(max_error_m)")
     shifted = tmp_path / "other.tum"
