@@ -700,13 +700,18 @@ fn control_points_are_adjusted_as_by_the_peer_scipy() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/adjust_control_points.py");
     let real = ["real/20221129-1", "real/20221205-1", "2022-07-11-2"];
     let real = real.iter().filter_map(|name| field_data(name));
+    // The peer knows the usual refraction only.
+    let other = tempfile::tempdir().expect("a folder");
+    let settings = other.path().join("settings.toml");
+    std::fs::write(&settings, "[calibration.errors]\nrefraction = 0.0\n").expect("written");
     for folder in std::iter::once(sample_folder("warthog")).chain(real) {
         let path = text(&folder);
         let output = Command::new("python").args([script, path]).output();
         let output = output.expect("tests/run --peers has it on the path");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let peer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        let own = json(&["calibrate", path, "--evidence", "control-points", "--json"]);
+        let with_settings = ["--config", text(&settings), "--evidence", "control-points"];
+        let own = json(&[&["calibrate", path, "--json"][..], &with_settings].concat());
         for slot in 0..2 {
             let [peer, own] = [&peer, &own].map(|answer| &answer["transforms"][slot]);
             let number = |value: &Value| value.as_f64().expect("a number");

@@ -645,7 +645,7 @@ fn the_command_agrees_with_its_peer_evo() {
                 .arg("evaluate")
                 .arg(at("slam.tum"))
                 .arg("--against")
-                .arg(at("drive"))
+                .arg(at("truth.tum"))
                 .args(same)
                 .args(more)
                 .arg("--json"),
