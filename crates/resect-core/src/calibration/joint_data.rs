@@ -72,7 +72,7 @@ impl<'a> JointData<'a> {
 
     /// Returns the readings whose distances to those of other stations fit an answer, those of a station alone, and the runs of the others.
     ///
-    /// Of two that contradict each other, the one that fits more other stations is kept; neither, if they fit as many.
+    /// If two contradict each other, the one that fits more other stations is kept; neither, if they fit as many.
     pub fn fitting(
         &self,
         deployment: &Deployment,
@@ -203,24 +203,28 @@ impl InstantErrors {
 
     /// Returns the largest error of a station's distances (m); `None` for a station alone.
     fn worst_m(&self, station: Station) -> Option<f64> {
-        let own = self.pairs.iter().filter(|(stations, _)| stations.contains(&station));
-        own.map(|(_, error_m)| *error_m).reduce(f64::max)
+        self.errors_m(station).reduce(f64::max)
     }
 
     /// Number of a station's distances that fit.
     fn fitting(&self, station: Station, limit_m: f64) -> usize {
-        let own = self.pairs.iter().filter(|(stations, _)| stations.contains(&station));
-        own.filter(|(_, error_m)| *error_m < limit_m).count()
+        self.errors_m(station).filter(|error_m| *error_m < limit_m).count()
+    }
+
+    /// Errors of a station's distances (m).
+    fn errors_m(&self, station: Station) -> impl Iterator<Item = f64> {
+        let pairs = self.pairs.iter().filter(move |(stations, _)| stations.contains(&station));
+        pairs.map(|(_, error_m)| *error_m)
     }
 
     fn is_kept(&self, station: Station, limit_m: f64) -> bool {
-        let own = self.fitting(station, limit_m);
+        let fitting = self.fitting(station, limit_m);
         let contradicts = |(stations, error_m): &([Station; 2], f64)| {
             stations.contains(&station)
                 && *error_m >= limit_m
                 && stations
                     .iter()
-                    .any(|other| *other != station && self.fitting(*other, limit_m) >= own)
+                    .any(|other| *other != station && self.fitting(*other, limit_m) >= fitting)
         };
         !self.pairs.iter().any(contradicts)
     }

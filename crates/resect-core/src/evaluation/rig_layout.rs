@@ -118,12 +118,13 @@ mod tests {
             in_vehicle_m: None,
             inter_antenna_m: None,
         };
-        let (found, frame) = prisms_in_vehicle(&rig(Some(read.into()))).expect("a layout");
+        let (layout_m, frame) = prisms_in_vehicle(&rig(Some(read.into()))).expect("a layout");
         assert_eq!(frame, VehicleFrame::Reading);
-        for (found_m, known_m) in pairwise_distances(found.as_slice()).iter().zip(&inter_prism_m) {
+        for (found_m, known_m) in pairwise_distances(layout_m.as_slice()).iter().zip(&inter_prism_m)
+        {
             assert!((found_m - known_m).abs() < 1e-9, "{found_m} {known_m}");
         }
-        for (found_m, prism_m) in found.iter().zip(&prisms_m) {
+        for (found_m, prism_m) in layout_m.iter().zip(&prisms_m) {
             assert!((found_m - prism_m).norm() < 5e-3, "{found_m} {prism_m}");
         }
         assert_eq!(prisms_in_vehicle(&rig(None)), None);

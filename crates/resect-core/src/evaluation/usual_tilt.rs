@@ -118,8 +118,8 @@ impl UsualTilt {
     /// Covariance of the tilts at instants that are this far apart (s), about each axis (rad²).
     fn covariance(&self, apart_s: f64) -> f64 {
         let (second, share) = (apart_s.abs() as usize, apart_s.abs().fract());
-        let at = |second: usize| self.covariance_rad2.get(second).copied().unwrap_or(0.0);
-        at(second) + share * (at(second + 1) - at(second))
+        let rad2_at = |second: usize| self.covariance_rad2.get(second).copied().unwrap_or(0.0);
+        rad2_at(second) + share * (rad2_at(second + 1) - rad2_at(second))
     }
 }
 

@@ -182,7 +182,7 @@ pub fn trajectory_by(
     let inter_prism_m = distances_m.map(|distance| distance.value);
     let times_s = wanted.times_s(triplets, &joint.solution);
     // Unreachable else branch: nothing cancels this calculation.
-    let Some(found) = rig.poses(&joint.solution, &times_s) else { return by_triplets() };
+    let Some(instants) = rig.poses(&joint.solution, &times_s) else { return by_triplets() };
     let station1_from_station =
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion always satisfies the rig's distances, so the inter-prism error is from the readings around the instant.
@@ -195,9 +195,9 @@ pub fn trajectory_by(
     let is_wanted = |(at, _): &(MotionInstant, Option<Pose>)| {
         !limits.needs_three_prisms || at.prisms.len() == rig.prisms_m.len()
     };
-    let found = found.into_iter().filter(is_wanted);
+    let instants = instants.into_iter().filter(is_wanted);
     let mut trajectory = Trajectory {
-        poses: found.filter_map(|(_, pose)| pose.map(with_error)).collect(),
+        poses: instants.filter_map(|(_, pose)| pose.map(with_error)).collect(),
         ..Trajectory::default()
     };
     let determined = trajectory.poses.len();
@@ -321,8 +321,8 @@ impl VehicleRig {
             sigma_m.powi(-2)
         });
         let weights: Vec<f64> = weights.collect();
-        if let Some(found) = align_weighted(&position_m, &rig_m, &weights) {
-            return Some(found);
+        if let Some(aligned) = align_weighted(&position_m, &rig_m, &weights) {
+            return Some(aligned);
         }
         // Upwards as at the ends of the spans beside it that have all prisms.
         let spans_s = solution.spans_beside_gaps_s();
@@ -331,9 +331,9 @@ impl VehicleRig {
         let beside_s = before_s.into_iter().chain(spans_s.get(next).map(|[start_s, _]| *start_s));
         let up = beside_s.filter_map(|beside_s| {
             let beside = solution.prisms_at(beside_s)?;
-            let found = align_rigid(&beside.position_m, self.prisms_m.as_slice())?;
+            let aligned = align_rigid(&beside.position_m, self.prisms_m.as_slice())?;
             let near = 1.0 / (beside_s - time_s).abs().max(1e-3);
-            Some(found.rotation.inverse() * Vector3::z() * near)
+            Some(aligned.rotation.inverse() * Vector3::z() * near)
         });
         let up = up.sum::<Vector3<f64>>().try_normalize(0.0)?;
         align_upright(&position_m, &rig_m, &up)
@@ -404,8 +404,8 @@ fn rig_of(
     if is_unknown {
         return Err(NoTrajectory::UnknownLayout(name()));
     }
-    let found = prisms_in_vehicle(&rig).filter(|(prisms_m, _)| span_a_plane(prisms_m));
-    found.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
+    let layout = prisms_in_vehicle(&rig).filter(|(prisms_m, _)| span_a_plane(prisms_m));
+    layout.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
 }
 
 /// Returns one pose for every triplet whose inter-prism distances are within the limit.

@@ -57,11 +57,12 @@ pub fn sweep_answers(
     let groups = values.par_iter().map(|value| {
         let pipeline = sweep.with(&settings.pipeline, *value);
         let pooled = progress.step(|| pooled_errors_mm(&judged, &pipeline, settings))?;
-        let of = |errors: AnswerErrors| Quantiles::of(errors?).ok_or_else(|| "no data".to_owned());
+        let quantiles =
+            |errors: AnswerErrors| Quantiles::of(errors?).ok_or_else(|| "no data".to_owned());
         Ok(Group {
             label: sweep.label_of(*value),
             note: String::new(),
-            boxes: pooled.into_iter().map(of).collect(),
+            boxes: pooled.into_iter().map(quantiles).collect(),
         })
     });
     let groups = groups.collect::<Result<Vec<_>, StudyError>>()?;

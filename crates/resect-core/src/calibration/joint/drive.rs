@@ -34,8 +34,8 @@ impl Segment {
     /// Time from an instant to the nearest reading of a prism (s), by its place in the segment.
     pub fn to_reading_s(&self, prism: usize, time_s: f64) -> f64 {
         let followers = self.readings.iter().zip(&self.prisms.of_station);
-        let own = followers.filter(|(_, followed)| **followed == Some(prism));
-        let nearest_s = own.flat_map(|(readings, _)| {
+        let followers = followers.filter(|(_, followed)| **followed == Some(prism));
+        let nearest_s = followers.flat_map(|(readings, _)| {
             let next = readings.partition_point(|reading| reading.time_s < time_s);
             let around = &readings[next.saturating_sub(1)..readings.len().min(next + 1)];
             around.iter().map(|reading| (reading.time_s - time_s).abs())

@@ -290,9 +290,7 @@ impl EquationsBuilder<'_> {
             self.band.add_each(knots, weight, &residuals);
         }
     }
-}
 
-impl EquationsBuilder<'_> {
     /// Shortens steps of coefficients that the readings hardly determine (Levenberg 1944). The solution is that without it.
     fn add_damping(&mut self, grid: &KnotGrid) {
         let precision = DAMPED_M.powi(-2);

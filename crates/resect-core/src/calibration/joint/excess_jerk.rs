@@ -51,7 +51,7 @@ struct SquaredJerks {
 
 /// A third difference of the readings of a track.
 struct SquaredJerk {
-    /// Its middle (s).
+    /// Time of its middle (s).
     time_s: f64,
     /// By coordinate (m²/s⁶).
     square: f64,
@@ -84,12 +84,12 @@ impl SquaredJerks {
         let longest_s = STEPS_APART * step_s;
         let mut jerks = Self { track: Arc::clone(track), stride, step_s, longest_s, usual: 0.0 };
         let every = track.len().div_ceil(MOST_USUAL).max(1);
-        let of = |is_wanted: &dyn Fn(&SquaredJerk) -> bool| -> Vec<f64> {
+        let squares_of = |is_wanted: &dyn Fn(&SquaredJerk) -> bool| -> Vec<f64> {
             let some = (0..track.len()).step_by(every).filter_map(|first| jerks.at(first));
             some.filter(is_wanted).map(|jerk| jerk.square).collect()
         };
-        let moving = of(&|jerk| jerk.is_moving);
-        let squares = if moving.len() < FEWEST_MOVING { of(&|_| true) } else { moving };
+        let moving = squares_of(&|jerk| jerk.is_moving);
+        let squares = if moving.len() < FEWEST_MOVING { squares_of(&|_| true) } else { moving };
         jerks.usual = median(squares).unwrap_or(0.0) / MEDIAN_OF_THREE;
         jerks
     }

@@ -91,8 +91,8 @@ impl DriveReadings {
             let of_track = |track: &Arc<Vec<Reading>>| {
                 let from = track.partition_point(|reading| reading.time_s < *start_s);
                 let to = track.partition_point(|reading| reading.time_s < next_s);
-                let own = &track[from..to];
-                Some([own.first()?.time_s, own.last()?.time_s])
+                let of_drive = &track[from..to];
+                Some([of_drive.first()?.time_s, of_drive.last()?.time_s])
             };
             let spans_s = self.tracks.iter().filter_map(of_track);
             spans_s.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])

@@ -64,20 +64,20 @@ pub fn spans(layout: &Layout, readings: &DriveReadings, shortest_s: f64) -> Vec<
 
 /// Adds a span to the one beside it that follows most prisms; removes it without one.
 fn merge(layout: &Layout, spans: &mut Vec<Span>, index: usize) {
-    let own = spans.remove(index);
+    let short = spans.remove(index);
     let is_same_drive =
-        |other_s: f64| layout.followed_at(other_s) == layout.followed_at(own.start_s);
+        |other_s: f64| layout.followed_at(other_s) == layout.followed_at(short.start_s);
     let before = index.checked_sub(1).filter(|before| {
-        spans[*before].end_s.next_up() >= own.start_s && is_same_drive(spans[*before].start_s)
+        spans[*before].end_s.next_up() >= short.start_s && is_same_drive(spans[*before].start_s)
     });
     let after = Some(index).filter(|after| {
-        let is_next = |next: &Span| own.end_s.next_up() >= next.start_s;
+        let is_next = |next: &Span| short.end_s.next_up() >= next.start_s;
         spans.get(*after).is_some_and(|next| is_next(next) && is_same_drive(next.start_s))
     });
     let beside = before.into_iter().chain(after).max_by_key(|beside| spans[*beside].prisms.len());
     match beside {
-        Some(beside) if beside < index => spans[beside].end_s = own.end_s,
-        Some(beside) => spans[beside].start_s = own.start_s,
+        Some(beside) if beside < index => spans[beside].end_s = short.end_s,
+        Some(beside) => spans[beside].start_s = short.start_s,
         None => {}
     }
 }
