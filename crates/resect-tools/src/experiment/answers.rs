@@ -57,12 +57,11 @@ pub fn sweep_answers(
     let groups = values.par_iter().map(|value| {
         let pipeline = sweep.with(&settings.pipeline, *value);
         let pooled = progress.step(|| pooled_errors_mm(&judged, &pipeline, settings))?;
-        let quantiles =
-            |errors: AnswerErrors| Quantiles::of(errors?).ok_or_else(|| "no data".to_owned());
+        let box_of = |errors: AnswerErrors| Quantiles::of(errors?).ok_or_else(|| "no data".into());
         Ok(Group {
             label: sweep.label_of(*value),
             note: String::new(),
-            boxes: pooled.into_iter().map(quantiles).collect(),
+            boxes: pooled.into_iter().map(box_of).collect(),
         })
     });
     let groups = groups.collect::<Result<Vec<_>, StudyError>>()?;
