@@ -18,14 +18,15 @@ use super::motion_band::BlockEquations;
 use super::priors::Priors;
 use super::random_walks::{SlowMatrix, SlowPrecisions};
 use super::state_vector::{BlockVector, Constants, ConstantsMatrix, Layout, Slow, StateVector};
+use crate::linear_algebra::sparse_products::{by_sparse, by_sparse_transpose};
 
-/// A matrix of slow states by constants.
-pub type SlowByConstants = DMatrix<f64>;
+/// A matrix of constants by slow states.
+pub type ConstantsBySlow = DMatrix<f64>;
 
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
-/// Blocks whose rows are stored (11 MB with the factor; an hour of a usual drive).
-pub const MOST_STORED_BLOCKS: usize = 2 * CHUNK;
+/// Blocks whose rows are stored (100 MB with the factor; seven hours of a usual drive).
+pub const MOST_STORED_BLOCKS: usize = 16 * CHUNK;
 
 /// A right-hand side or a solution: slow states of each block, and the constants.
 #[derive(Clone, Debug)]
@@ -47,12 +48,13 @@ impl ChainVector {
     }
 }
 
-/// Block row of the normal matrix, from the data without the priors.
+/// Block column of the normal matrix, from the data without the priors.
 #[derive(Clone, Debug)]
 pub struct ChainRow {
     pub diagonal: SlowMatrix,
-    pub upper: SlowMatrix,
-    pub border: SlowByConstants,
+    /// The next block's states by those of this block.
+    pub next: SlowMatrix,
+    pub border: ConstantsBySlow,
 }
 
 /// Normal matrix H of constants and slow states, from the data without the priors.
@@ -95,20 +97,24 @@ impl ChainEquations {
 impl ChainMatrix {
     pub fn new(blocks: Vec<BlockEquations>, jacobians: BlockJacobians) -> Self {
         let size = jacobians.drive().layout.constants;
-        let constants = ConstantsMatrix::zeros(size, size);
-        let mut matrix = Self { blocks, jacobians, stored: Vec::new(), constants };
+        let mut corner = ConstantsMatrix::zeros(size, size);
+        let mut matrix = Self { blocks, jacobians, stored: Vec::new(), constants: corner.clone() };
         for chunk in matrix.chunks() {
-            let rows: Vec<(ChainRow, ConstantsMatrix)> =
-                chunk.clone().into_par_iter().map(|block| matrix.compute_row(block)).collect();
-            for (block, (row, constants)) in chunk.zip(rows) {
-                matrix.constants += constants;
+            let with_corner = |block: usize| {
+                let (row, by_constants) = matrix.compute_row(block);
+                let jacobian = matrix.jacobians.of_block(block).0;
+                (row, by_sparse_transpose(&jacobian, &by_constants))
+            };
+            let rows: Vec<_> = chunk.clone().into_par_iter().map(with_corner).collect();
+            for (block, (row, share)) in chunk.zip(rows) {
+                corner += share;
                 if block < MOST_STORED_BLOCKS {
                     matrix.stored.push(row);
                 }
             }
         }
         // Rounding must not make it asymmetric.
-        matrix.constants = 0.5 * (&matrix.constants + matrix.constants.transpose());
+        matrix.constants = 0.5 * (&corner + corner.transpose());
         matrix
     }
 
@@ -131,27 +137,27 @@ impl ChainMatrix {
         }
     }
 
-    /// Row of a block, and its share of the corner.
-    fn compute_row(&self, index: usize) -> (ChainRow, ConstantsMatrix) {
+    /// Row of a block, and `H_u J_θ` of the block with its neighbours.
+    fn compute_row(&self, index: usize) -> (ChainRow, DMatrix<f64>) {
         let block = &self.blocks[index];
-        // Products with a stored transpose are several times faster than `tr_mul`.
-        let (own_by_constants, own_by_slow) = self.jacobians.of_block(index);
-        let (by_slow, by_constants) = (own_by_slow.transpose(), own_by_constants.transpose());
-        let mut product = &block.information * own_by_constants;
-        let upper = if self.jacobians.is_coupled_to_next(index) {
+        let (own_by_constants, by_slow) = self.jacobians.of_block(index);
+        let mut by_constants = by_sparse(&block.information, &own_by_constants);
+        let next = if self.jacobians.is_coupled_to_next(index) {
             let (next_by_constants, next_by_slow) = self.jacobians.of_block(index + 1);
-            product += &block.with_next * next_by_constants;
-            &by_slow * (&block.with_next * next_by_slow)
+            by_constants += by_sparse(&block.with_next, &next_by_constants);
+            by_sparse(&by_sparse(&block.with_next, &next_by_slow).transpose(), &by_slow)
         } else {
-            SlowMatrix::zeros(by_slow.nrows(), by_slow.nrows())
+            SlowMatrix::zeros(by_slow.ncols(), by_slow.ncols())
         };
         let before = index.checked_sub(1);
         if let Some(before) = before.filter(|before| self.jacobians.is_coupled_to_next(*before)) {
             let before_by_constants = self.jacobians.of_block(before).0;
-            product += self.blocks[before].with_next.transpose() * before_by_constants;
+            let with_before = self.blocks[before].with_next.transpose();
+            by_constants += by_sparse(&with_before, &before_by_constants);
         }
-        let diagonal = &by_slow * (&block.information * own_by_slow);
-        (ChainRow { diagonal, upper, border: by_slow * &product }, by_constants * product)
+        let diagonal = by_sparse_transpose(&by_slow, &by_sparse(&block.information, &by_slow));
+        let border = by_sparse(&by_constants.transpose(), &by_slow);
+        (ChainRow { diagonal, next, border }, by_constants)
     }
 
     /// Gradients of the blocks' unknowns at the linearisation point.
@@ -182,11 +188,11 @@ impl ChainMatrix {
             for (block, row) in chunk.clone().zip(self.rows(chunk).iter()) {
                 for (x, product) in all.iter().zip(&mut products) {
                     let slow = &x.slow[block];
-                    product.constants += row.border.tr_mul(slow);
-                    product.slow[block] += &row.diagonal * slow + &row.border * &x.constants;
+                    product.constants += &row.border * slow;
+                    product.slow[block] += &row.diagonal * slow + row.border.tr_mul(&x.constants);
                     if let Some(next) = x.slow.get(block + 1) {
-                        product.slow[block] += &row.upper * next;
-                        product.slow[block + 1] += row.upper.tr_mul(slow);
+                        product.slow[block] += row.next.tr_mul(next);
+                        product.slow[block + 1] += &row.next * slow;
                     }
                 }
             }

@@ -9,9 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
-use super::chain::{
-    CHUNK, ChainMatrix, ChainRow, ChainVector, MOST_STORED_BLOCKS, SlowByConstants,
-};
+use super::chain::{CHUNK, ChainMatrix, ChainRow, ChainVector, MOST_STORED_BLOCKS};
 use super::random_walks::{SlowMatrix, SlowPrecisions, WalkMatrix};
 use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use crate::linear_algebra::bordered_rows::{
@@ -42,7 +40,8 @@ pub struct ChainFactor {
 /// Covariance of the slow states of a block.
 pub struct SlowCovariance {
     pub own: SlowMatrix,
-    pub with_constants: SlowByConstants,
+    /// With the constants: slow states by constants.
+    pub with_constants: DMatrix<f64>,
     /// Covariance with the states of the next block; `None` for the last.
     pub with_next: Option<SlowMatrix>,
 }
@@ -229,17 +228,17 @@ fn factor_row(
     rows: &mut FactorRow,
 ) -> Option<()> {
     rows.resize(shape.numbers(), 0.0);
-    let diagonal = priors.diagonal(block) + &data.diagonal;
-    let upper = priors.upper(block) + &data.upper;
+    let (size, constants) = (shape.size, data.border.nrows());
     for (i, row) in rows.chunks_exact_mut(shape.width()).enumerate() {
         let (own, border) = row.split_at_mut(shape.first_of_border());
-        let (own, next) = own.split_at_mut(shape.size);
-        own.iter_mut().zip(diagonal.row(i).iter()).for_each(|(to, from)| *to = *from);
-        next.iter_mut().zip(upper.row(i).iter()).for_each(|(to, from)| *to = *from);
-        let columns = data.border.ncols();
-        border[columns..].fill(0.0);
-        border.iter_mut().zip(data.border.row(i).iter()).for_each(|(to, from)| *to = *from);
+        let (own, next) = own.split_at_mut(size);
+        own.copy_from_slice(&data.diagonal.as_slice()[size * i..][..size]);
+        next.copy_from_slice(&data.next.as_slice()[size * i..][..size]);
+        let (by_constants, rest) = border.split_at_mut(constants);
+        by_constants.copy_from_slice(&data.border.as_slice()[constants * i..][..constants]);
+        rest.fill(0.0);
     }
+    priors.add_to_row(block, rows, shape);
     if let Some(before) = before {
         update(before, rows, shape, 1);
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use super::drive::{Drive, Segment};
-use super::equations::{RobustWeights, SegmentEquations};
+use super::equations::{BlockUnknowns, RobustWeights, SegmentEquations};
 use super::knot_grid::KnotGrid;
 use super::linearisation::{Linearisation, Weighting, eliminate_motion};
 use super::motion_band::{MotionBand, Rows};
@@ -65,8 +65,13 @@ pub fn estimate_cut_motion(
     for step in 0..REWEIGHTED_STEPS + FIXED_STEPS {
         let point = linearisation.point(&segment, blocks.clone(), &coefficients_m);
         let own = weighting.with_fixed(fixed.as_ref());
-        let SegmentEquations { band, weights, .. } =
-            eliminate_motion(&segment, &point, &own, false, std::mem::take(&mut rows))?;
+        let SegmentEquations { band, weights, .. } = eliminate_motion(
+            &segment,
+            &point,
+            &own,
+            BlockUnknowns::Constant,
+            std::mem::take(&mut rows),
+        )?;
         let step_m = band.motion_step(&[]);
         coefficients_m.iter_mut().zip(&step_m).for_each(|(value, step_m)| *value -= step_m);
         rows = band.into_rows();
@@ -78,7 +83,7 @@ pub fn estimate_cut_motion(
     let point = linearisation.point(&segment, blocks, &coefficients_m);
     let own = weighting.with_fixed(fixed.as_ref());
     let SegmentEquations { band, .. } =
-        eliminate_motion(&segment, &point, &own, true, Rows::default())?;
+        eliminate_motion(&segment, &point, &own, BlockUnknowns::Border, Rows::default())?;
     Some(CutMotion { grid: segment.grid, coefficients_m, band })
 }
 

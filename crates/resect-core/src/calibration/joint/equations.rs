@@ -13,6 +13,7 @@ use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
     jerk_factors, jerk_residuals,
 };
+use super::state_vector::BlockVector;
 use crate::network::{PerStation, Station};
 
 /// Steps of a coefficient that are longer are shortened where the readings hardly determine it (m): a third of a rig, whose distances are
@@ -81,6 +82,17 @@ impl ResidualSquares {
     }
 }
 
+/// What is done with the unknowns of the blocks while the motion of a segment is eliminated.
+#[derive(Clone, Copy)]
+pub enum BlockUnknowns<'a> {
+    /// They are constant: for a step of the motion alone.
+    Constant,
+    /// They are the border of the motion.
+    Border,
+    /// They take this step, by block, and the motion follows.
+    Step(&'a [BlockVector]),
+}
+
 /// The equations of a segment, before or after the motion is eliminated. Rows of a long drive are not stored.
 pub struct SegmentEquations {
     pub band: MotionBand,
@@ -90,16 +102,20 @@ pub struct SegmentEquations {
     pub weights: RobustWeights,
 }
 
-/// Linearises a segment; reuses the memory of `rows`. Without blocks the equations are for a step of the motion alone.
+/// Linearises a segment; reuses the memory of `rows`.
 pub fn equations(
     segment: &Segment,
     point: &LinearisationPoint<'_>,
     weighting: &SegmentWeighting<'_>,
-    has_blocks: bool,
+    unknowns: BlockUnknowns<'_>,
     rows: Rows,
 ) -> SegmentEquations {
     let (grid, layout) = (&segment.grid, point.layout);
-    let block = if has_blocks { layout.block() } else { 0 };
+    let (block, steps): (usize, &[BlockVector]) = match unknowns {
+        BlockUnknowns::Constant => (0, &[]),
+        BlockUnknowns::Border => (layout.block(), &[]),
+        BlockUnknowns::Step(steps) => (0, steps),
+    };
     let shape = band_shape(point.prisms.coordinates(), block);
     let mut builder = EquationsBuilder {
         band: MotionBand::new(rows, shape, block, grid.knots, grid.first_knots()),
@@ -109,6 +125,7 @@ pub fn equations(
         weighted: 0,
         point,
         weighting,
+        steps,
         signs: RandomSigns(0x5eed),
     };
     for (station, readings) in segment.readings.each() {
@@ -136,6 +153,8 @@ struct EquationsBuilder<'a> {
     weighted: usize,
     point: &'a LinearisationPoint<'a>,
     weighting: &'a SegmentWeighting<'a>,
+    /// Known steps of the blocks' unknowns; empty without any.
+    steps: &'a [BlockVector],
     signs: RandomSigns,
 }
 
@@ -198,11 +217,16 @@ impl EquationsBuilder<'_> {
         }
         let normal = axes * information * axes.transpose() * weight;
         let gradient = axes * weighted_m * weight;
-        self.band.add_prism(knots, first, &normal, &gradient);
+        let columns = residual.block_jacobian(self.point.layout, station);
+        let mut remaining = gradient;
+        if let Some(step) = self.steps.get(*block) {
+            let moved = columns.iter().flatten().map(|(column, by)| by * step[*column]);
+            remaining -= normal * moved.sum::<Vector3<f64>>();
+        }
+        self.band.add_prism(knots, first, &normal, &remaining);
         if !self.band.has_blocks() {
             return;
         }
-        let columns = residual.block_jacobian(self.point.layout, station);
         for (i, (column, jacobian)) in columns.iter().flatten().enumerate() {
             let values = normal * jacobian;
             let unknown = BlockUnknown { block: *block, column: *column };
@@ -236,6 +260,8 @@ impl EquationsBuilder<'_> {
                 let (along, residual_m) =
                     distance_residual(self.point, &weights, (a, b), distance_m);
                 self.cost += precision * residual_m * residual_m; // (14)
+                let column = layout.block_distances() + pair;
+                let step_m = self.steps.get(block).map_or(0.0, |step| step[column]);
                 let jacobian = [(3 * a, along), (3 * b, -along)];
                 let weighted = jacobian.map(|(first, along)| (first, along * precision));
                 for (row, by_row) in &weighted {
@@ -244,13 +270,12 @@ impl EquationsBuilder<'_> {
                             let row = &mut information[local * (row + i) + column..][..3];
                             (0..3).for_each(|j| row[j] += by_row[i] * by_column[j]);
                         }
-                        gradient[row + i] += by_row[i] * residual_m;
+                        gradient[row + i] += by_row[i] * (residual_m + step_m);
                     }
                 }
                 if !self.band.has_blocks() {
                     continue;
                 }
-                let column = layout.block_distances() + pair;
                 for (first, by_distance) in weighted {
                     let unknown = BlockUnknown { block, column };
                     self.band.add_border(knots, first, unknown, (-by_distance).as_slice());

@@ -66,6 +66,8 @@ const SAMPLE_PRIOR_RAD: f64 = 0.002;
 const DIVERGED_M: f64 = 30.0;
 /// The iteration has converged once the squared length of a step is this small (σ²).
 const CONVERGED: f64 = 4e-3;
+/// So many blocks may share that length; the squared step of a constant is as small on longer drives, too (σ²).
+const CONVERGED_BLOCKS: f64 = 100.0;
 
 /// Input of the joint estimate beside the readings of the drive.
 #[derive(Clone)]
@@ -289,8 +291,7 @@ impl Iteration<'_> {
                 // The cost is that of the state at which the matrix was computed.
                 row.cost = row.cost.filter(|_| !reuse_matrix);
             })?;
-            // (21)
-            if step.squared_length < CONVERGED {
+            if is_small(&step) {
                 return Ok(step);
             }
             if self.iterations >= MOST_ITERATIONS {
@@ -457,6 +458,14 @@ fn poses_by_distances(covariance: &ConstantsMatrix, priors: &Priors) -> PosesByD
     let distances: Vec<usize> = layout.indices(&DISTANCE).collect();
     let by_distances = covariance * priors.own_information().select_columns(&distances);
     by_distances.rows(0, layout.poses()).into_owned()
+}
+
+/// Returns true for a step with which the iteration has converged.
+fn is_small(step: &GaussNewtonStep) -> bool {
+    let times = step.step.slow.len() as f64 / CONVERGED_BLOCKS;
+    // (21)
+    step.squared_length < CONVERGED
+        || step.squared_length < CONVERGED * times && step.largest_step_sigmas().powi(2) < CONVERGED
 }
 
 fn has_diverged(constants: &Constants, mean: &Constants, slots: usize) -> bool {

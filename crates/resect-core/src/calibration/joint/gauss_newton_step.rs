@@ -9,7 +9,9 @@ use super::block_jacobians::BlockJacobians;
 use super::chain::{ChainEquations, ChainMatrix, ChainVector};
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
-use super::equations::{ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting};
+use super::equations::{
+    BlockUnknowns, ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting,
+};
 use super::gradients::gradients;
 use super::linearisation::{Linearisation, Weighting, eliminate_motion};
 use super::motion_band::{BlockEquations, MotionBand, Rows};
@@ -57,8 +59,13 @@ impl GaussNewtonStep {
             progress.check()?;
             let rows = if index < stored { own } else { shared };
             let (segment, point) = linearisation.segment(index);
-            let mut eliminated =
-                eliminate_motion(segment, &point, &weighting.of_segment(index), true, take(rows));
+            let mut eliminated = eliminate_motion(
+                segment,
+                &point,
+                &weighting.of_segment(index),
+                BlockUnknowns::Border,
+                take(rows),
+            );
             if let Some(eliminated) = eliminated.as_mut().filter(|_| index >= stored) {
                 *rows = eliminated.band.take_rows();
             }
@@ -185,7 +192,8 @@ impl GaussNewtonStep {
             }
             let (segment, point) = linearisation.segment(index);
             let weighting = self.weighting_of(eliminated);
-            let again = eliminate_motion(segment, &point, &weighting, true, take(rows))?;
+            let again =
+                eliminate_motion(segment, &point, &weighting, BlockUnknowns::Border, take(rows))?;
             let mapped = map(index, &again.band);
             *rows = again.band.into_rows();
             Some(mapped)
@@ -222,10 +230,11 @@ impl GaussNewtonStep {
             } else {
                 let (segment, point) = linearisation.segment_with(index, own_m);
                 let weighting = self.weighting_of(eliminated);
-                let again = eliminate_motion(segment, &point, &weighting, true, take(rows));
+                let unknowns = BlockUnknowns::Step(&block_steps);
+                let again = eliminate_motion(segment, &point, &weighting, unknowns, take(rows));
                 // The same matrix was positive definite before.
                 let Some(again) = again else { return };
-                let motion_step = again.band.motion_step(&block_steps);
+                let motion_step = again.band.motion_step(&[]);
                 *rows = again.band.into_rows();
                 motion_step
             };
@@ -292,7 +301,8 @@ pub fn step_motion(
         progress.check()?;
         let (segment, point) = linearisation.segment(index);
         let weighting = weighting.of_segment(index);
-        let eliminated = eliminate_motion(segment, &point, &weighting, false, take(rows));
+        let eliminated =
+            eliminate_motion(segment, &point, &weighting, BlockUnknowns::Constant, take(rows));
         let Some(eliminated) = eliminated else {
             return Ok(None);
         };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::block_jacobians::BlockJacobians;
 use super::drive::{Drive, Segment};
 use super::equations::{
-    ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting, equations,
+    BlockUnknowns, ResidualSquares, RobustWeights, SegmentEquations, SegmentWeighting, equations,
 };
 use super::motion_band::Rows;
 use super::residuals::{LinearisationPoint, NoiseLevels};
@@ -37,16 +37,15 @@ impl Weighting {
     }
 }
 
-/// Linearises a segment and eliminates its motion; `None` if its normal matrix is not positive definite. Reuses the memory of `rows`. Without
-/// blocks it is for a step of the motion alone.
+/// Linearises a segment and eliminates its motion; `None` if its normal matrix is not positive definite. Reuses the memory of `rows`.
 pub fn eliminate_motion(
     segment: &Segment,
     point: &LinearisationPoint<'_>,
     weighting: &SegmentWeighting<'_>,
-    has_blocks: bool,
+    unknowns: BlockUnknowns<'_>,
     rows: Rows,
 ) -> Option<SegmentEquations> {
-    let mut eliminated = equations(segment, point, weighting, has_blocks, rows);
+    let mut eliminated = equations(segment, point, weighting, unknowns, rows);
     let is_definite = eliminated.band.eliminate();
     eliminated.squares.absorbed = eliminated.band.absorbed;
     is_definite.then_some(eliminated)

@@ -208,6 +208,8 @@
 //! (∂θ, ∂s)ᵀ (H + M) (∂θ, ∂s) < 0.004                                                          (21)
 //! ```
 //!
+//! Drives of more than 100 blocks may have as much for every 100 of them, if no constant moves by more than the root of 0.004 σ.
+//!
 //! Part 3 reuses the normal matrix and computes [`gradients`] alone while the steps shrink at least by a factor of 3.2: their squared length
 //! by a factor of 10. It begins so if the last squared length of part 2 is below 10. Drives of more than 4096 knots never reuse it.
 //!

@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::drive::Drive;
 use super::state_vector::{Layout, Slow};
+use crate::linear_algebra::bordered_rows::RowShape;
 
 pub type SlowMatrix = DMatrix<f64>;
 /// A matrix of the states that are random walks: poses by slot, and clocks by slot.
@@ -171,43 +172,40 @@ impl SlowPrecisions {
         Self { settling: &self.settling * MORE, transitions, ..self.clone() }
     }
 
-    /// Diagonal block of the precision matrix.
-    pub fn diagonal(&self, block: usize) -> SlowMatrix {
-        let (transition, next) = (self.transitions[block], self.transitions.get(block + 1));
-        let mut own = self.walks(block, 1.0);
-        if let Some(next) = next {
-            self.add_walks(next, 1.0, &mut own);
+    /// Adds the precisions of a block, and of its increment to the next one, to the block row of a normal matrix.
+    pub fn add_to_row(&self, block: usize, row: &mut [f64], shape: RowShape) {
+        let (transition, next) = (&self.transitions[block], self.transitions.get(block + 1));
+        let poses = self.settling.nrows();
+        let after = next.map_or(0.0, |next| next.pose_share.recip());
+        let both = transition.pose_share.recip() + after;
+        for (state, row) in row.chunks_exact_mut(shape.width()).enumerate() {
+            let (diagonal, upper) = row.split_at_mut(shape.size);
+            if state < poses {
+                let precisions = self.settling.column(state);
+                for ((diagonal, upper), precision) in
+                    diagonal.iter_mut().zip(upper).zip(&precisions)
+                {
+                    *diagonal += both * precision;
+                    *upper -= after * precision;
+                }
+                continue;
+            }
+            diagonal[state] += self.innovation(transition, state).precision;
+            if let Some(next) = next {
+                let Innovation { correlation, precision } = self.innovation(next, state);
+                diagonal[state] += correlation * correlation * precision;
+                upper[state] -= correlation * precision;
+            }
         }
-        for state in self.layout.slow_ranges()..self.layout.slow() {
-            let process = process(&self.layout, state);
-            let from_next = next.map_or(0.0, |next| {
-                let Innovation { correlation, precision } = next.processes[process];
-                correlation * correlation * precision
-            });
-            own[(state, state)] = transition.processes[process].precision + from_next;
-        }
-        own
     }
 
-    /// Block of the precision matrix right of the diagonal.
-    pub fn upper(&self, block: usize) -> SlowMatrix {
-        let Some(next) = self.transitions.get(block + 1) else {
-            return SlowMatrix::zeros(self.layout.slow(), self.layout.slow());
-        };
-        let mut both = self.walks(block + 1, -1.0);
-        for state in self.layout.slow_ranges()..self.layout.slow() {
-            let Innovation { correlation, precision } =
-                next.processes[process(&self.layout, state)];
-            both[(state, state)] = -correlation * precision;
+    /// Innovation of a clock, whose correlation with the block before is one, or of an error of the sights.
+    fn innovation(&self, transition: &Transition, state: usize) -> Innovation {
+        if state < self.layout.slow_ranges() {
+            Innovation { correlation: 1.0, precision: transition.clock_precision }
+        } else {
+            transition.processes[process(&self.layout, state)]
         }
-        both
-    }
-
-    /// A matrix of the slow states with the precision of the random walks' increment times a factor.
-    fn walks(&self, block: usize, factor: f64) -> SlowMatrix {
-        let mut matrix = SlowMatrix::zeros(self.layout.slow(), self.layout.slow());
-        self.add_walks(&self.transitions[block], factor, &mut matrix);
-        matrix
     }
 
     fn add_walks(&self, transition: &Transition, factor: f64, matrix: &mut DMatrix<f64>) {
@@ -248,12 +246,30 @@ impl SlowPrecisions {
 
     /// Block row of the product of the precision matrix with slow states.
     pub fn multiply(&self, slow: &[Slow], block: usize) -> Slow {
-        let mut product = self.diagonal(block) * &slow[block];
-        if let Some(next) = slow.get(block + 1) {
-            product += self.upper(block) * next;
-        }
-        if let Some(before) = block.checked_sub(1) {
-            product += self.upper(before).tr_mul(&slow[before]);
+        let own = &slow[block];
+        let (before, after) =
+            (block.checked_sub(1).map(|before| &slow[before]), slow.get(block + 1));
+        let (transition, next) = (&self.transitions[block], self.transitions.get(block + 1));
+        let poses = self.settling.nrows();
+        let increment = |state: usize| {
+            let since = own[state] - before.map_or(0.0, |before| before[state]);
+            let until = after
+                .zip(next)
+                .map_or(0.0, |(after, next)| (after[state] - own[state]) / next.pose_share);
+            since / transition.pose_share - until
+        };
+        let increments = DVector::from_fn(poses, |state, _| increment(state));
+        let mut product = Slow::zeros(own.len());
+        product.rows_mut(0, poses).gemv(1.0, &self.settling, &increments, 0.0);
+        for state in poses..own.len() {
+            let Innovation { correlation, precision } = self.innovation(transition, state);
+            let before = before.map_or(0.0, |before| correlation * before[state]);
+            product[state] = precision * (own[state] - before);
+            if let (Some(next), Some(after)) = (next, after) {
+                let Innovation { correlation, precision } = self.innovation(next, state);
+                product[state] -=
+                    correlation * precision * (after[state] - correlation * own[state]);
+            }
         }
         product
     }
