@@ -7,6 +7,7 @@
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
 
 mod beyond;
+mod clocks;
 mod cramer_rao;
 mod inter_prism_ratio;
 mod poses;

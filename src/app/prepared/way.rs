@@ -48,13 +48,18 @@ impl Way {
         };
         let (calibration, triplets) = (&answer.calibration, analysis.triplets());
         let times_s = &triplets.time_s;
-        let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else {
+        let of_triplets = times_s.first().copied().zip(times_s.last().copied());
+        let motion = calibration.joint().map(|joint| &joint.solution);
+        let of_motion = motion.and_then(|motion| {
+            let both = |[first_s, _]: [f64; 2], [_, last_s]: [f64; 2]| [first_s, last_s];
+            motion.spans_s().reduce(both).map(|[first_s, last_s]| (first_s, last_s))
+        });
+        let Some((first_s, last_s)) = of_motion.or(of_triplets) else {
             return Self::none("no triplet: no time with readings of all stations".to_owned());
         };
         let rate_hz = RATE_HZ.min(MOST / (last_s - first_s).max(1.0));
-        let is_motion = calibration.joint().is_some();
         let few;
-        let (triplets, wanted, step_s) = if is_motion {
+        let (triplets, wanted, step_s) = if motion.is_some() {
             (&**triplets, Instants::Rate(rate_hz), 1.0 / rate_hz)
         } else {
             let stride = (times_s.len() as f64 / MOST).ceil().max(1.0);

@@ -101,8 +101,10 @@ pub fn solve_jointly(
     let estimate = match estimate {
         Ok(estimate) => estimate,
         Err(trace) => {
-            let published = solve(deployment, all.of_published, settings, offer)?;
-            return Ok(published.in_place_of_joint(JointFailure::from(trace)));
+            let failure = JointFailure::from(trace);
+            let published = solve(deployment, all.of_published, settings, offer)
+                .map_err(|why| failure.without_published(why))?;
+            return Ok(published.in_place_of_joint(failure));
         }
     };
     answer.station1_from_station =

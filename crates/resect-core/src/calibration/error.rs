@@ -4,8 +4,8 @@ use std::fmt;
 
 use super::{Method, Offer};
 use crate::deployment::findings::answers::{
-    cancelled, method_lacks_data, no_joint_estimate, no_rig, no_triplets, points_on_a_line,
-    too_few_triplets,
+    cancelled, method_lacks_data, neither_method, no_joint_estimate, no_rig, no_triplets,
+    points_on_a_line, too_few_triplets,
 };
 use crate::deployment::{Deployment, Finding};
 use crate::progress::Cancelled;
@@ -38,6 +38,12 @@ pub enum CalibrationError {
         why: Box<CalibrationError>,
         published: Method,
     },
+    /// The joint estimate failed, and the published method that answers instead failed as well.
+    NeitherMethod {
+        /// Why the joint estimate failed: "the joint estimate diverged".
+        joint: String,
+        why: Box<CalibrationError>,
+    },
     /// The caller cancelled the calibration; not to be shown as an error.
     Cancelled,
 }
@@ -67,7 +73,9 @@ impl CalibrationError {
     pub fn wants_readings(&self) -> bool {
         match self {
             Self::NoTriplets { .. } | Self::TooFewTriplets { .. } => true,
-            Self::NoJointEstimate { why, .. } => why.wants_readings(),
+            Self::NoJointEstimate { why, .. } | Self::NeitherMethod { why, .. } => {
+                why.wants_readings()
+            }
             _ => false,
         }
     }
@@ -90,6 +98,7 @@ impl CalibrationError {
             Self::NoJointEstimate { why, published } => {
                 no_joint_estimate(why.finding(), [&published.to_string(), published.name()])
             }
+            Self::NeitherMethod { joint, why } => neither_method(joint, why.finding()),
             Self::Cancelled => cancelled(),
         }
     }

@@ -1,7 +1,7 @@
 //! Failures of the joint estimate, after which the published method answers.
 
-use super::Method;
 use super::joint::{JointEstimate, SolverStatus, Trace};
+use super::{CalibrationError, Method};
 use crate::deployment::Finding;
 use crate::deployment::findings::answers::{
     estimate_diverged, estimate_not_converged, joint_estimate_undetermined, no_common_readings,
@@ -34,6 +34,14 @@ impl JointFailure {
     /// Returns the reason in words: "the joint estimate did not converge".
     pub fn in_words(&self) -> String {
         format!("the joint estimate {}", self.status().in_words())
+    }
+
+    /// Returns the error that the published method has no answer either.
+    pub fn without_published(&self, why: CalibrationError) -> CalibrationError {
+        match why {
+            CalibrationError::Cancelled => why,
+            _ => CalibrationError::NeitherMethod { joint: self.in_words(), why: Box::new(why) },
+        }
     }
 
     /// Returns the finding that `published` answers instead.

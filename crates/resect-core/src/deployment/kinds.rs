@@ -43,7 +43,7 @@ crate::finding_kinds! {
     ESTIMATE_NOT_CONVERGED = "estimate-not-converged", Warning, SOLVER;
     /// The estimate moved away from its start without reaching a minimum.
     ESTIMATE_DIVERGED = "estimate-diverged", Warning, SOLVER;
-    /// No span of the drive has readings of all stations.
+    /// The drive has no span in which each prism is read at least every 2 s.
     NO_COMMON_READINGS = "no-common-readings", Warning, SOLVER;
     /// The normal matrix of the joint estimate is positive definite only with tighter priors.
     PRIORS_TIGHTENED = "priors-tightened", Warning, SOLVER;

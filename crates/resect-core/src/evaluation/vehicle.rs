@@ -299,9 +299,13 @@ impl VehicleRig {
             rig_pose(self.prisms_m.as_slice(), self.sigma_m, at, expected)
         };
         let instants = |times_s: &[f64]| solution.instants(times_s, &Progress::default()).ok();
-        let with_all_prisms: Vec<Pose> = match &tilt_times_s(solution)[..] {
-            [] => Vec::new(),
-            times_s => instants(times_s)?.iter().filter_map(|at| pose(at, None)).collect(),
+        let wanted = instants(times_s)?;
+        let is_complete = |at: &MotionInstant| at.prisms.len() == self.prisms_m.len();
+        let with_all_prisms: Vec<Pose> = if wanted.iter().all(is_complete) {
+            Vec::new()
+        } else {
+            let all = instants(&tilt_times_s(solution))?;
+            all.iter().filter_map(|at| pose(at, None)).collect()
         };
         let tilt = UsualTilt::new(&with_all_prisms);
         let with_pose = |at: MotionInstant| {
@@ -309,7 +313,7 @@ impl VehicleRig {
             let pose = pose(&at, expected.as_ref());
             (at, pose)
         };
-        Some(instants(times_s)?.into_iter().map(with_pose).collect())
+        Some(wanted.into_iter().map(with_pose).collect())
     }
 
     /// Returns the pose at an instant (s) without a covariance.
@@ -325,7 +329,7 @@ impl VehicleRig {
             return Some(aligned);
         }
         // Upwards as at the ends of the spans beside it that have all prisms.
-        let spans_s = solution.spans_beside_gaps_s();
+        let spans_s = solution.spans_of_all_prisms_s();
         let next = spans_s.partition_point(|[_, end_s]| *end_s < time_s);
         let before_s = next.checked_sub(1).map(|last| spans_s[last][1]);
         let beside_s = before_s.into_iter().chain(spans_s.get(next).map(|[start_s, _]| *start_s));
@@ -340,10 +344,9 @@ impl VehicleRig {
     }
 }
 
-/// Instants from which the usual tilt is taken (s): one a second where all prisms are followed, and the last ones before gaps. None where
-/// no prism is missing.
+/// Instants from which the usual tilt is taken (s): one a second where all prisms are followed, and the last ones before gaps.
 fn tilt_times_s(solution: &Solution) -> Vec<f64> {
-    let spans_s = solution.spans_beside_gaps_s();
+    let spans_s = solution.spans_of_all_prisms_s();
     let of_span = |[start_s, end_s]: [f64; 2]| {
         let steps = ((end_s - start_s) / TILT_STEP_S) as usize;
         let within = (0..=steps).map(move |step| start_s + TILT_STEP_S * step as f64);

@@ -81,8 +81,11 @@ pub fn solve_jointly(
         Ok(estimated) => estimated,
         Err(failure) => {
             let triplets = all.of_published;
-            let first = FirstSolution::new(deployment, triplets, settings, offer, progress)?;
-            let published = super::solve::solve(first, deployment, triplets, settings, progress)?;
+            let first = FirstSolution::new(deployment, triplets, settings, offer, progress);
+            let published = first.and_then(|first| {
+                super::solve::solve(first, deployment, triplets, settings, progress)
+            });
+            let published = published.map_err(|why| failure.without_published(why))?;
             return Ok(published.in_place_of_joint(failure));
         }
     };

@@ -81,8 +81,13 @@ impl ChainFactor {
         self.stored = Vec::new();
     }
 
+    /// Returns the solution of the constants, once all blocks are eliminated from their right-hand side.
+    pub fn solve_constants(&self, right: &[f64]) -> Constants {
+        self.constants.solve(&Constants::from_column_slice(right))
+    }
+
     /// Returns the rows of one chunk of [`ChainMatrix::chunks`].
-    fn rows(&self, blocks: Range<usize>) -> Cow<'_, [FactorRow]> {
+    pub fn rows(&self, blocks: Range<usize>) -> Cow<'_, [FactorRow]> {
         if let Some(stored) = self.stored.get(blocks.clone()) {
             return Cow::Borrowed(stored);
         }

@@ -25,7 +25,8 @@ const FIXED_STEPS: usize = 2;
 
 /// The motion across a cut.
 pub struct CutMotion {
-    pub grid: KnotGrid,
+    /// The readings near the cut, on a grid across it.
+    pub segment: Segment,
     pub coefficients_m: Vec<f64>,
     pub band: MotionBand,
 }
@@ -84,7 +85,7 @@ pub fn estimate_cut_motion(
     let own = weighting.with_fixed(fixed.as_ref());
     let SegmentEquations { band, .. } =
         eliminate_motion(&segment, &point, &own, BlockUnknowns::Border, Rows::default())?;
-    Some(CutMotion { grid: segment.grid, coefficients_m, band })
+    Some(CutMotion { segment, coefficients_m, band })
 }
 
 /// Replaces the weights beyond [`REWEIGHTED_KNOTS`] by those of the sides, so that the motions agree there. Nearer to the cut each side

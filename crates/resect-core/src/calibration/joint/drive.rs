@@ -31,11 +31,23 @@ pub struct Segment {
 }
 
 impl Segment {
+    /// Readings of a prism by each station that follows it, by its place in the segment.
+    fn readings_of(&self, prism: usize) -> impl Iterator<Item = &ReadingSpan> {
+        let all = self.readings.iter().zip(&self.prisms.of_station);
+        all.filter(move |(_, followed)| **followed == Some(prism)).map(|(readings, _)| readings)
+    }
+
+    /// Times of the first and of the last reading of a prism (s), by its place in the segment; `None` without readings.
+    pub fn read_span_s(&self, prism: usize) -> Option<[f64; 2]> {
+        let ends_s =
+            |readings: &ReadingSpan| Some([readings.first()?.time_s, readings.last()?.time_s]);
+        let all = self.readings_of(prism).filter_map(ends_s);
+        all.reduce(|[from_s, to_s], [first_s, last_s]| [from_s.min(first_s), to_s.max(last_s)])
+    }
+
     /// Time from an instant to the nearest reading of a prism (s), by its place in the segment.
     pub fn to_reading_s(&self, prism: usize, time_s: f64) -> f64 {
-        let followers = self.readings.iter().zip(&self.prisms.of_station);
-        let followers = followers.filter(|(_, followed)| **followed == Some(prism));
-        let nearest_s = followers.flat_map(|(readings, _)| {
+        let nearest_s = self.readings_of(prism).flat_map(|readings| {
             let next = readings.partition_point(|reading| reading.time_s < time_s);
             let around = &readings[next.saturating_sub(1)..readings.len().min(next + 1)];
             around.iter().map(|reading| (reading.time_s - time_s).abs())

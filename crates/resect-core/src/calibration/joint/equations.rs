@@ -330,10 +330,10 @@ impl EquationsBuilder<'_> {
 }
 
 /// A reproducible random sequence of +1 and −1 (Steele, Lea & Flood 2014, "splitmix64").
-struct RandomSigns(u64);
+pub struct RandomSigns(pub u64);
 
 impl RandomSigns {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

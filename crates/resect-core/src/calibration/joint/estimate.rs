@@ -6,6 +6,7 @@ use super::constants_prior::prior_mean;
 use super::detected_steps::{add_steps, measured_steps};
 use super::drive::{BLOCK_LENGTHS_S, Drive};
 use super::equations::ResidualSquares;
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
@@ -208,7 +209,7 @@ fn solve(
     if step.is_stiffer {
         return Err(SolverStatus::StifferPriors.into());
     }
-    Ok(iteration.summarise(&step))
+    Ok(iteration.summarise(&step)?)
 }
 
 /// The state of the iteration.
@@ -417,11 +418,12 @@ impl Iteration<'_> {
         step.solve_again(state, priors).ok_or_else(not_definite)
     }
 
-    fn summarise(self, step: &GaussNewtonStep) -> JointEstimate {
-        let Self { drive, state, weighting, priors, sizes, steps, iterations, .. } = self;
+    fn summarise(self, step: &GaussNewtonStep) -> Result<JointEstimate, Cancelled> {
+        let Self { drive, state, weighting, priors, sizes, steps, iterations, progress, .. } = self;
         let steps = measured_steps(&steps, &step.factor, &priors, &drive, &state);
-        let solution = Solution { drive, state, weighting, priors, sizes: *sizes };
-        JointEstimate { steps, iterations, ..step.summary(solution) }
+        let facets = Arc::new(FacetCovariance::zeros(&drive.layout));
+        let solution = Solution { drive, state, weighting, priors, sizes: *sizes, facets };
+        Ok(JointEstimate { steps, iterations, ..step.summary(solution, progress)? })
     }
 }
 

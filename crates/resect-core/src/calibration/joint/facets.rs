@@ -1,11 +1,12 @@
-//! Covariance by errors of prisms that repeat with the incidence.
+//! Errors of prisms that repeat with the incidence, block by block.
 //!
-//! An error that repeats does not average out where a vehicle drives to and fro. It is not estimated but considered: the poses change
-//! by `Sᵀ H ε_F` for an error `ε_F` of the sights (Schmidt 1966, "Application of state-space methods to navigation problems"). S is the
-//! solution for their Jacobian, and H the normal matrix of the data. `ε_F` is a Fourier series of the incidence, the azimuth of a station
-//! in the frame of the rig.
+//! An error that repeats does not average out where a vehicle drives to and fro. It is not estimated but considered: a linear function of the
+//! states changes by `Sᵀ H ε_F` for an error `ε_F` of the sights (Schmidt 1966, "Application of state-space methods to navigation
+//! problems"). S is the solution for its Jacobian, and H the normal matrix of the data. `ε_F` is a Fourier series of the incidence, the
+//! azimuth of a station in the frame of the rig. The search for steps takes the means of blocks, the covariance each reading
+//! ([`super::facet_covariance`]).
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 
 use super::chain::ChainVector;
 use super::drive::{Drive, Segment};
@@ -15,26 +16,14 @@ use crate::network::{Number, PerStation, Station};
 
 /// Root mean squares of errors that repeat with the incidence: along the sight, across it and upward (m). Measured: on the
 /// published drives.
-const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
+pub const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
 /// Orders of the Fourier series of the incidence. Field: 360° prisms have six to eight facets.
-const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
+pub const ORDERS: [f64; 3] = [6.0, 7.0, 8.0];
 /// Instants of a block at which the incidence is taken.
 const INSTANTS: usize = 8;
 
 /// Cosine and sine of the incidence on a station's prism by order, as means over a block.
 pub type IncidenceTerms = [[f64; 2]; ORDERS.len()];
-
-/// Covariance of the poses by the errors of the prisms of a rig; `information` is H S, a vector for each coordinate of the poses.
-pub fn facet_covariance(
-    drive: &Drive,
-    state: &StateVector,
-    information: &[ChainVector],
-) -> DMatrix<f64> {
-    let terms = incidence_terms(drive, state);
-    let effects = information.iter().map(|information| facet_effects(drive, &terms, information));
-    let effects = DMatrix::from_columns(&effects.collect::<Vec<_>>());
-    effects.tr_mul(&effects)
-}
 
 /// Effects on a linear function of the states by one σ of each coefficient of the errors; `information` is H S for it.
 pub fn facet_effects(
@@ -159,10 +148,10 @@ mod tests {
             slow: Vec::new(),
             coefficients_m: vec![coefficients_m],
         };
-        let mut information = vec![ChainVector::zeros(&layout, blocks); 8];
-        information[0].slow.iter_mut().for_each(|slow| slow[layout.slow_ranges()] = 1.0);
-        let covariance = facet_covariance(&drive, &state, &information);
-        (covariance[(0, 0)], blocks)
+        let mut information = ChainVector::zeros(&layout, blocks);
+        information.slow.iter_mut().for_each(|slow| slow[layout.slow_ranges()] = 1.0);
+        let effects = facet_effects(&drive, &incidence_terms(&drive, &state), &information);
+        (effects.norm_squared(), blocks)
     }
 
     #[test]

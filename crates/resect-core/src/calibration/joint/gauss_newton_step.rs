@@ -1,6 +1,7 @@
 //! One Gauss–Newton step: linearisation of all segments, elimination of the motion, solution of the chain, back substitution.
 
 use std::mem::take;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -102,6 +103,11 @@ impl GaussNewtonStep {
         squares
     }
 
+    /// Noise levels of the linearisation.
+    pub fn levels(&self) -> NoiseLevels {
+        self.levels
+    }
+
     /// Robust weights by segment.
     pub fn weights(&self) -> Vec<RobustWeights> {
         self.segments.iter().map(|segment| Arc::clone(&segment.weights)).collect()
@@ -178,10 +184,11 @@ impl GaussNewtonStep {
             .sqrt()
     }
 
-    /// Maps the eliminated motion of each segment, recomputing rows that are not stored; `None` where that fails.
+    /// Maps the eliminated motion of some segments, recomputing rows that are not stored; `None` where that fails.
     pub fn map_segments<T: Send>(
         &self,
         state: &StateVector,
+        segments: Range<usize>,
         map: impl Fn(usize, &MotionBand) -> T + Sync,
     ) -> Vec<Option<T>> {
         let linearisation = Linearisation::new(state, &self.normal.matrix.jacobians);
@@ -198,7 +205,7 @@ impl GaussNewtonStep {
             *rows = again.band.into_rows();
             Some(mapped)
         };
-        (0..self.segments.len()).into_par_iter().map_init(Rows::default, map_one).collect()
+        segments.into_par_iter().map_init(Rows::default, map_one).collect()
     }
 
     /// Cost of data, priors and survey at the state of the linearisation (σ²).

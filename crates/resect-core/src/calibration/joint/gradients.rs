@@ -1,14 +1,17 @@
 //! Gradients of a segment's equations alone, for steps near the solution that reuse an earlier normal matrix.
 
+use nalgebra::Vector3;
+
 use super::drive::Segment;
 use super::knot_grid::KnotGrid;
 use super::residuals::{
-    LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
-    jerk_factors, jerk_residuals,
+    BlockColumns, LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual,
+    distance_times_s, jerk_factors, jerk_residuals,
 };
-use super::state_vector::BlockVector;
+use super::state_vector::{BlockVector, Layout};
 
 /// Gradients of a segment's equations.
+#[derive(Clone)]
 pub struct Gradients {
     /// By spline coefficient, knot by knot.
     pub knots: Vec<f64>,
@@ -25,10 +28,7 @@ pub fn gradients(
 ) -> Gradients {
     let (grid, layout) = (&segment.grid, point.layout);
     let local = point.prisms.coordinates();
-    let mut sums = Gradients {
-        knots: vec![0.0; local * grid.knots],
-        blocks: vec![BlockVector::zeros(layout.block()); grid.blocks],
-    };
+    let mut sums = Gradients::zeros(segment, layout);
     let mut weights = weights.iter();
     let mut next_weight = || weights.next().copied().unwrap_or(1.0);
     for (station, readings) in segment.readings.each() {
@@ -37,16 +37,7 @@ pub fn gradients(
             // (20)
             let gradient =
                 residual.axes * (residual.information * residual.residual_m) * next_weight();
-            for (k, factor) in residual.weights.position.iter().enumerate() {
-                let knot = &mut sums.knots[local * (residual.weights.first + k)..];
-                for axis in 0..3 {
-                    knot[3 * residual.prism + axis] += factor * gradient[axis];
-                }
-            }
-            for (column, jacobian) in residual.block_jacobian(layout, station).into_iter().flatten()
-            {
-                sums.blocks[residual.block][column] += jacobian.dot(&gradient);
-            }
+            sums.add(&residual, &residual.block_jacobian(layout, station), &gradient, local);
         }
     }
     if !point.prisms.pairs.is_empty() {
@@ -67,7 +58,42 @@ pub fn gradients(
 }
 
 impl Gradients {
-    fn add_distances(
+    pub fn zeros(segment: &Segment, layout: &Layout) -> Self {
+        Self {
+            knots: vec![0.0; segment.prisms.coordinates() * segment.grid.knots],
+            blocks: vec![BlockVector::zeros(layout.block()); segment.grid.blocks],
+        }
+    }
+
+    /// Adds a multiple of other gradients.
+    pub fn add_multiple(&mut self, other: &Self, multiple: f64) {
+        let knots = self.knots.iter_mut().zip(&other.knots);
+        knots.for_each(|(sum, value)| *sum += multiple * value);
+        let blocks = self.blocks.iter_mut().zip(&other.blocks);
+        blocks.for_each(|(sum, value)| sum.axpy(multiple, value, 1.0));
+    }
+
+    /// Adds a gradient by the position of a reading's prism, with so many coordinates of a knot.
+    pub fn add(
+        &mut self,
+        residual: &ReadingResidual,
+        by_block: &BlockColumns,
+        gradient: &Vector3<f64>,
+        local: usize,
+    ) {
+        for (k, factor) in residual.weights.position.iter().enumerate() {
+            let knot = &mut self.knots[local * (residual.weights.first + k)..];
+            for axis in 0..3 {
+                knot[3 * residual.prism + axis] += factor * gradient[axis];
+            }
+        }
+        for (column, jacobian) in by_block.iter().flatten() {
+            self.blocks[residual.block][*column] += jacobian.dot(gradient);
+        }
+    }
+
+    /// Adds the gradient of the rig's distances.
+    pub fn add_distances(
         &mut self,
         grid: &KnotGrid,
         point: &LinearisationPoint<'_>,

@@ -190,7 +190,7 @@
 //! of the approximate normal matrix.
 //!
 //! # Iteration
-//! [`mod@estimate`] starts from the transforms of a published method, the measured distances, and splines through the triplets.
+//! [`mod@estimate`] starts from the transforms of a published method, the measured distances, and splines through the readings.
 //!
 //! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
 //!    other, the one that fits more other stations is kept; neither, if they fit as many. A station alone has no such test.
@@ -289,6 +289,7 @@ mod drive;
 mod equations;
 mod estimate;
 mod excess_jerk;
+mod facet_covariance;
 mod facets;
 pub mod findings;
 mod gauss_newton_step;

@@ -316,25 +316,46 @@ impl MotionBand {
         mut local: Vec<f64>,
         mut block_gradients: Vec<BlockVector>,
     ) -> Vec<BlockVector> {
+        self.eliminate_from([(&mut local[..], &mut block_gradients[..])].as_mut_slice());
+        let (first, width) = (self.shape.first_of_border(), self.shape.width());
+        for (row, value) in self.rows.chunks_exact_mut(width).zip(local) {
+            row[first + GRADIENT] = value;
+        }
+        block_gradients
+    }
+
+    /// Eliminates the motion from some gradients by coefficient, which changes those by the unknowns of the blocks. Each row is read once for all.
+    pub fn eliminate_from(&self, gradients: &mut [(&mut [f64], &mut [BlockVector])]) {
         let (shape, size) = (self.shape, self.shape.size);
         let mut border = vec![0.0; shape.border];
-        for knot in 0..local.len() / size {
-            border.fill(0.0);
-            let beyond = local.len().min((knot + ORDER) * size);
-            let (own, after) = local[knot * size..beyond].split_at_mut(size);
-            let rows = &mut self.rows[knot * shape.numbers()..][..shape.numbers()];
-            forward_substitute(rows, shape, own, after, &mut border);
-            for (row, value) in rows.chunks_exact_mut(shape.width()).zip(own) {
-                row[shape.first_of_border() + GRADIENT] = *value;
-            }
-            for block in self.border_blocks(knot).into_iter().flatten() {
-                let absorbed = &border[self.first_column(block)..][..self.block];
-                for (sum, absorbed) in block_gradients[block].iter_mut().zip(absorbed) {
-                    *sum += absorbed;
+        for (knot, rows) in self.knots().enumerate() {
+            let blocks = self.border_blocks(knot);
+            for (local, of_blocks) in gradients.iter_mut() {
+                border.fill(0.0);
+                let beyond = local.len().min((knot + ORDER) * size);
+                let (own, after) = local[knot * size..beyond].split_at_mut(size);
+                forward_substitute(rows, shape, own, after, &mut border);
+                for block in blocks.into_iter().flatten() {
+                    let absorbed = &border[self.first_column(block)..][..self.block];
+                    for (sum, absorbed) in of_blocks[block].iter_mut().zip(absorbed) {
+                        *sum += absorbed;
+                    }
                 }
             }
         }
-        block_gradients
+    }
+
+    /// Returns the change of the coefficients by a gradient, while the unknowns of the blocks are constant.
+    pub fn solve_motion(&self, mut local: Vec<f64>) -> Vec<f64> {
+        let (shape, size) = (self.shape, self.shape.size);
+        let mut of_blocks = vec![BlockVector::zeros(self.block); self.first_knots.len()];
+        self.eliminate_from(&mut [(&mut local[..], &mut of_blocks[..])]);
+        let border = vec![0.0; shape.border];
+        for (knot, rows) in self.knots().enumerate().rev() {
+            let beyond = local.len().min((knot + ORDER) * size);
+            back_substitute(rows, shape, &mut local[knot * size..beyond], &border);
+        }
+        local
     }
 
     /// Returns the step of the coefficients for given steps of the blocks; all are to be subtracted.

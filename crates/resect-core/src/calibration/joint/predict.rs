@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::constants_prior::prior_mean;
 use super::drive::{BLOCK_LENGTHS_S, Drive};
 use super::equations::ResidualSquares;
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
@@ -98,8 +99,8 @@ fn predict_step(
     let mut buffers = RowBuffers::default();
     let step = GaussNewtonStep::new(&drive, &state, &weighting, &priors, &mut buffers, progress)?;
     // Tighter priors would predict a smaller σ.
-    Ok(step.filter(|step| !step.is_stiffer).map(|step| {
-        let solution = Solution { drive, state, weighting, priors, sizes: *sizes };
-        step.summary(solution)
-    }))
+    let Some(step) = step.filter(|step| !step.is_stiffer) else { return Ok(None) };
+    let facets = Arc::new(FacetCovariance::zeros(&drive.layout));
+    let solution = Solution { drive, state, weighting, priors, sizes: *sizes, facets };
+    step.summary(solution, progress).map(Some)
 }

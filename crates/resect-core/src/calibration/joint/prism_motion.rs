@@ -12,18 +12,23 @@ use rayon::prelude::*;
 use super::block_jacobians::reference_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
 use super::drive::{Drive, Segment};
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
 use super::knot_covariance::{KnotCovariance, each_knot_covariance};
-use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
+use super::knot_grid::{ORDER, SplineWeights};
 use super::linearisation::{Linearisation, Weighting};
 use super::motion_band::MotionBand;
 use super::priors::Priors;
 use super::segment_prisms::SegmentPrisms;
 use super::settling::station_1_by_relative;
-use super::state_vector::{Layout, Slow, StateVector};
+use super::state_vector::{ConstantsMatrix, Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
 use crate::network::{PerStation, Station};
 use crate::progress::{Cancelled, Progress};
+
+/// Longest time before the first reading of a prism in a segment, or after its last one, at which its motion is evaluated (s). Beyond it the spline
+/// is an extrapolation that nothing checks.
+const LONGEST_EXTRAPOLATION_S: f64 = 0.5;
 
 /// The solution of an estimate, from which its motion is evaluated.
 #[derive(Clone, Debug)]
@@ -33,6 +38,8 @@ pub struct Solution {
     pub(super) weighting: Weighting,
     pub(super) priors: Priors,
     pub(super) sizes: ErrorSizes,
+    /// Covariance by the facets of the prisms; zeros without a rig.
+    pub(super) facets: Arc<FacetCovariance>,
 }
 
 /// The prisms that are followed at one instant: x, y, z of each, in the frame of station 1 as it was set up.
@@ -133,9 +140,14 @@ impl Solution {
             let knots_m = DVector::from_column_slice(&at.knots_m[..by_knots.ncols()]);
             let position_m = &by_knots * knots_m;
             let by_frame = jacobian_by_frame(&(by_knots * &at.covariance.by_block), &position_m);
-            (at.time_s, by_frame * frame_by_constants)
+            (at.time_s, at.prisms.rows(by_frame * frame_by_constants))
         })?;
-        Ok(ConstantsJacobian { instants, covariance: step.factor.constants_covariance() })
+        Ok(ConstantsJacobian { instants, covariance: self.constants_covariance(&step) })
+    }
+
+    /// Covariance of the constants with that by the facets.
+    pub(super) fn constants_covariance(&self, step: &GaussNewtonStep) -> ConstantsMatrix {
+        step.factor.constants_covariance() + &self.facets.constants
     }
 
     fn linearise(&self, progress: &Progress) -> Result<Option<GaussNewtonStep>, Cancelled> {
@@ -162,17 +174,17 @@ impl Solution {
             }
             // Without a motion across the cut, each side uses its own.
             let motion = estimate_cut_motion(&linearisation, &self.weighting, index);
-            Ok(motion.map(|CutMotion { grid, coefficients_m, band }| {
+            Ok(motion.map(|CutMotion { segment, coefficients_m, band }| {
                 let last_block = linearisation.first_blocks[index + 1] - 1;
-                let segment = (&grid, &*drive.segments[index].prisms);
-                (span_s, map_times(segment, &coefficients_m, &band, (times_s, last_block), &map))
+                (span_s, map_times(&segment, &coefficients_m, &band, (times_s, last_block), &map))
             }))
         };
         let cuts = (0..drive.segments.len()).into_par_iter().map(across_cut);
         let cuts: Vec<_> = cuts.collect::<Result<_, Cancelled>>()?;
         let (cut_spans_s, of_cuts): (Vec<_>, Vec<_>) = cuts.into_iter().map(Option::unzip).unzip();
         let of_segment = |index: usize, band: &MotionBand| {
-            let Segment { grid, prisms, .. } = &drive.segments[index];
+            let segment = &drive.segments[index];
+            let grid = &segment.grid;
             let before = index.checked_sub(1).and_then(|k| cut_spans_s[k]);
             let after = cut_spans_s[index];
             let times_s = between(
@@ -182,9 +194,9 @@ impl Solution {
             );
             let coefficients_m = &self.state.coefficients_m[index];
             let first_block = linearisation.first_blocks[index];
-            map_times((grid, prisms.as_ref()), coefficients_m, band, (times_s, first_block), &map)
+            map_times(segment, coefficients_m, band, (times_s, first_block), &map)
         };
-        let of_segments = step.map_segments(&self.state, of_segment);
+        let of_segments = step.map_segments(&self.state, 0..drive.segments.len(), of_segment);
         progress.check()?;
         let mapped = of_segments.into_iter().zip(of_cuts).flat_map(|(own, cut)| [own, cut]);
         Ok(mapped.flatten().flatten().collect())
@@ -224,12 +236,10 @@ impl Solution {
         })
     }
 
-    /// Start and end of each segment that has all prisms of the drive (s), if others have some of them.
-    pub fn spans_beside_gaps_s(&self) -> Vec<[f64; 2]> {
+    /// Start and end of each segment that has all prisms of the drive (s).
+    pub fn spans_of_all_prisms_s(&self) -> Vec<[f64; 2]> {
         let complete = self.drive.segments.iter().filter(|segment| segment.prisms.is_complete());
-        let spans_s: Vec<[f64; 2]> =
-            complete.map(|segment| [segment.grid.start_s, segment.grid.end_s]).collect();
-        if spans_s.len() == self.drive.segments.len() { Vec::new() } else { spans_s }
+        complete.map(|segment| [segment.grid.start_s, segment.grid.end_s]).collect()
     }
 
     /// Regression of station 1's own settling on the relative one, and the variance that remains.
@@ -262,7 +272,7 @@ impl Solution {
         let by_settling = SMatrix::<f64, 6, 4>::from_fn(|row, component| {
             f64::from(row == if component < 3 { component } else { 5 })
         });
-        let constants_covariance = step.factor.constants_covariance();
+        let constants_covariance = self.constants_covariance(step);
         let mut frames = vec![BlockFrame::default(); self.drive.block_times_s.len()];
         let shares = step.slow_precisions.variance_shares();
         let jacobians = &step.normal.matrix.jacobians;
@@ -307,10 +317,61 @@ fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
     settled.fixed_rows::<4>(0).into()
 }
 
+/// The prisms of a segment that are followed at an instant.
+struct FollowedPrisms {
+    /// Their places among the prisms of the drive, in order.
+    in_drive: Arc<[usize]>,
+    /// Their coordinates among those of the segment; `None` if all prisms of the segment are followed.
+    coordinates: Option<Vec<usize>>,
+}
+
+impl FollowedPrisms {
+    /// The prisms at an instant (s), by the first and last reading of each in the segment (s).
+    fn at(time_s: f64, read_spans_s: &[Option<[f64; 2]>], all: &SegmentPrisms) -> Self {
+        let is_followed = |prism: &usize| {
+            read_spans_s[*prism].is_some_and(|[first_s, last_s]| {
+                time_s >= first_s - LONGEST_EXTRAPOLATION_S
+                    && time_s <= last_s + LONGEST_EXTRAPOLATION_S
+            })
+        };
+        let prisms: Vec<usize> = (0..all.count()).filter(is_followed).collect();
+        if prisms.len() == all.count() {
+            return Self { in_drive: Arc::clone(&all.in_drive), coordinates: None };
+        }
+        let coordinates = prisms.iter().flat_map(|prism| 3 * prism..3 * prism + 3).collect();
+        let in_drive = prisms.iter().map(|prism| all.in_drive[*prism]).collect();
+        Self { in_drive, coordinates: Some(coordinates) }
+    }
+
+    /// The rows of these prisms.
+    fn rows(&self, matrix: DMatrix<f64>) -> DMatrix<f64> {
+        match &self.coordinates {
+            Some(coordinates) => matrix.select_rows(coordinates),
+            None => matrix,
+        }
+    }
+
+    /// Rows and columns of these prisms.
+    fn rows_and_columns(&self, matrix: DMatrix<f64>) -> DMatrix<f64> {
+        match &self.coordinates {
+            Some(coordinates) => matrix.select_rows(coordinates).select_columns(coordinates),
+            None => matrix,
+        }
+    }
+
+    /// The coordinates of these prisms.
+    fn of_vector(&self, vector: DVector<f64>) -> DVector<f64> {
+        match &self.coordinates {
+            Some(coordinates) => vector.select_rows(coordinates),
+            None => vector,
+        }
+    }
+}
+
 /// Input of the evaluation at one instant.
 struct InstantInput<'a> {
     time_s: f64,
-    prisms: &'a Arc<[usize]>,
+    prisms: FollowedPrisms,
     weights: SplineWeights,
     /// Coefficients from the first of the four knots on (m).
     knots_m: &'a [f64],
@@ -319,24 +380,30 @@ struct InstantInput<'a> {
     block: usize,
 }
 
-/// Maps some increasing times of a segment, whose first block has an index in the drive.
+/// Maps some increasing times of a segment at which a prism is followed; the segment's first block has an index in the drive.
 fn map_times<T>(
-    (grid, prisms): (&KnotGrid, &SegmentPrisms),
+    segment: &Segment,
     coefficients_m: &[f64],
     band: &MotionBand,
     (times_s, first_block): (&[f64], usize),
     map: &impl Fn(InstantInput<'_>) -> T,
 ) -> Vec<T> {
+    let grid = &segment.grid;
     let mut remaining: Vec<(SplineWeights, f64)> =
         times_s.iter().map(|t| (grid.weights(*t), *t)).collect();
+    let read_spans_s: Vec<Option<[f64; 2]>> =
+        (0..segment.prisms.count()).map(|prism| segment.read_span_s(prism)).collect();
     let mut mapped = Vec::with_capacity(remaining.len());
     each_knot_covariance(band, |covariance| {
         let is_next = |(weights, _): &mut (SplineWeights, f64)| weights.first == covariance.first;
         while let Some((weights, time_s)) = remaining.pop_if(is_next) {
             let knots_m = &coefficients_m[band.shape().size * weights.first..];
             let block = first_block + grid.block_at(time_s);
-            let prisms = &prisms.in_drive;
-            mapped.push(map(InstantInput { time_s, prisms, weights, knots_m, covariance, block }));
+            let prisms = FollowedPrisms::at(time_s, &read_spans_s, &segment.prisms);
+            if !prisms.in_drive.is_empty() {
+                let instant = InstantInput { time_s, prisms, weights, knots_m, covariance, block };
+                mapped.push(map(instant));
+            }
         }
     });
     mapped.reverse();
@@ -400,7 +467,7 @@ fn jacobian_by_rotation(vector: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant {
-    let InstantInput { time_s, weights, knots_m, covariance: knots, .. } = input;
+    let InstantInput { time_s, prisms, weights, knots_m, covariance: knots, .. } = input;
     let local = input.local();
     let value = |factors: &[f64; ORDER]| {
         DVector::from_fn(local, |i, _| {
@@ -433,10 +500,12 @@ fn motion_instant(input: &InstantInput<'_>, frame: &BlockFrame) -> MotionInstant
     };
     MotionInstant {
         time_s: *time_s,
-        prisms: Arc::clone(input.prisms),
-        position_m,
-        velocity_m_per_s,
-        position_covariance: covariance(&position_by_knots, &position_by_frame),
-        velocity_covariance: covariance(&velocity_by_knots, &velocity_by_frame),
+        prisms: Arc::clone(&prisms.in_drive),
+        position_m: prisms.of_vector(position_m),
+        velocity_m_per_s: prisms.of_vector(velocity_m_per_s),
+        position_covariance: prisms
+            .rows_and_columns(covariance(&position_by_knots, &position_by_frame)),
+        velocity_covariance: prisms
+            .rows_and_columns(covariance(&velocity_by_knots, &velocity_by_frame)),
     }
 }

@@ -66,6 +66,9 @@ pub struct LinearisationPoint<'a> {
     pub coefficients_m: &'a [f64],
 }
 
+/// Columns of a Jacobian by the unknowns of a block: the index of each, and the column (station 1's axes).
+pub type BlockColumns = [Option<(usize, Vector3<f64>)>; 5];
+
 /// Residual of a reading: the spline less the corrected reading, in the axes of its sight.
 pub struct ReadingResidual {
     pub weights: SplineWeights,
@@ -147,12 +150,8 @@ impl ReadingResidual {
         }
     }
 
-    /// Jacobian of the residual by the block's unknowns: index and column (station 1's axes).
-    pub fn block_jacobian(
-        &self,
-        layout: &Layout,
-        station: Station,
-    ) -> [Option<(usize, Vector3<f64>)>; 5] {
+    /// Jacobian of the residual by the block's unknowns.
+    pub fn block_jacobian(&self, layout: &Layout, station: Station) -> BlockColumns {
         let latency = Some((layout.block_latencies() + station.index(), -self.velocity_across));
         let Some(slot) = station.slot() else { return [latency, None, None, None, None] };
         [
@@ -166,7 +165,7 @@ impl ReadingResidual {
 }
 
 /// Position (m) or velocity (m/s) of a prism, by the factors of four knots.
-fn spline_value(
+pub fn spline_value(
     point: &LinearisationPoint<'_>,
     weights: &SplineWeights,
     factors: &[f64; ORDER],

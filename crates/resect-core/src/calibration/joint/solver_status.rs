@@ -16,7 +16,7 @@ pub enum SolverStatus {
     Diverged,
     /// A normal matrix is not positive definite, even with tighter priors.
     NotDefinite,
-    /// No segment of the drive has readings of all stations.
+    /// The drive has no span in which each prism is read at least every 2 s.
     NoReadings,
     /// The published answer, from which the iteration starts, has an unobservable direction.
     UnobservableStart,
@@ -44,7 +44,7 @@ impl SolverStatus {
             Self::TooManySteps => "did not converge",
             Self::Diverged => "diverged",
             Self::NotDefinite | Self::UnobservableStart => "is not determined",
-            Self::NoReadings => "has no readings that all stations share",
+            Self::NoReadings => "has no span in which each prism is read at least every 2 s",
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::ChainVector;
-use super::facets::facet_covariance;
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::GaussNewtonStep;
 use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
 use super::linearisation::Weighting;
@@ -20,45 +20,52 @@ use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station, level_
 use super::trace::Trace;
 use super::unknown::CLOCK_OFFSET;
 use crate::calibration::{ErrorSizes, Estimate};
+use crate::progress::{Cancelled, Progress};
 
 impl GaussNewtonStep {
-    /// Summarises a solution; the caller sets steps, iterations and the rows of the trace.
-    pub fn summary(&self, solution: Solution) -> JointEstimate {
-        let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
-        let layout = solution.layout();
+    /// Summarises a solution, whose facets are not known yet; the caller sets steps, iterations and the rows of the trace.
+    pub fn summary(
+        &self,
+        mut solution: Solution,
+        progress: &Progress,
+    ) -> Result<JointEstimate, Cancelled> {
+        let (layout, blocks) = (Arc::clone(&solution.drive.layout), solution.state.slow.len());
+        let layout = &*layout;
         // Mean poses of the stations over the drive.
         let poses = DriveMean {
             constants: (0..layout.poses()).collect(),
             slow: 0,
-            blocks: (0..state.slow.len()).collect(),
+            blocks: (0..blocks).collect(),
         };
-        let pose_sensitivity = self.factor.solve(&poses.jacobian(layout, state.slow.len()));
+        let pose_sensitivity = self.factor.solve(&poses.jacobian(layout, blocks));
+        // One prism has no heading.
+        if layout.prisms() > 1 && solution.sizes.ranges_wander {
+            let facets = FacetCovariance::new(self, &solution.state, &pose_sensitivity, progress)?;
+            solution.facets = Arc::new(facets);
+        }
+        let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
         let covariance = poses.of_all(&pose_sensitivity);
         let states = ChainVector { slow: state.slow.clone(), constants: state.constants.clone() };
         // Variance of a random walk's mean about its start is a third of that of its end.
         let settling = &priors.slow.settling / 3.0;
         let information = self.normal.matrix.multiply(&pose_sensitivity);
-        // One prism has no heading.
-        let facets = if layout.prisms() > 1 && sizes.ranges_wander {
-            facet_covariance(&solution.drive, state, &information)
-        } else {
-            DMatrix::zeros(layout.poses(), layout.poses())
-        };
+        let facets = &solution.facets.poses;
         let mut budget = self.variance_budget(&pose_sensitivity, &information, priors);
         add_to_source(&mut budget, "settling", &settling.diagonal());
         budget.push(("facets of prisms", facets.diagonal()));
-        let constants = self.factor.constants_covariance();
+        let linear = self.factor.constants_covariance();
+        let constants = solution.constants_covariance(self);
         let estimate = |index: usize| Estimate {
             value: state.constants[index],
             sigma: constants[(index, index)].max(0.0).sqrt(),
         };
         let drives = self.drive_clocks(&solution, &states);
         let with_poses = by_columns(&pose_sensitivity, layout.constants);
-        JointEstimate {
+        Ok(JointEstimate {
             station1_from_station: level_transforms(&poses.of(&states)),
             covariance: covariance + settling + facets, // (25)
             budget,
-            reliability: group_reliability(&solution, &constants, &with_poses),
+            reliability: group_reliability(&solution, &linear, &with_poses),
             clock_offsets_s: drives[0].offsets_s.clone(),
             drives,
             constants: (0..layout.constants).map(estimate).collect(),
@@ -67,7 +74,7 @@ impl GaussNewtonStep {
                 layout,
                 &(&state.constants - &priors.mean),
                 &priors.covariance(),
-                &constants,
+                &linear,
             ),
             levels: *levels,
             slow_ranges: priors.slow.ranges,
@@ -79,7 +86,7 @@ impl GaussNewtonStep {
             iterations: 0,
             trace: Trace::default(),
             solution: Arc::new(solution),
-        }
+        })
     }
 
     /// Contribution of each source to the variances of the poses; `sensitivity` is the solution for their Jacobian, and `information` its
@@ -153,9 +160,10 @@ impl GaussNewtonStep {
             };
             let value = mean.of(states);
             let variance = mean.of_all(&self.factor.solve(&mean.jacobian(layout, blocks)));
-            let offset_s = |slot: usize| Estimate {
-                value: value[slot],
-                sigma: variance[(slot, slot)].max(0.0).sqrt(),
+            let offset_s = |slot: usize| {
+                let index = mean.constants[slot];
+                let variance = variance[(slot, slot)] + solution.facets.constants[(index, index)];
+                Estimate { value: value[slot], sigma: variance.max(0.0).sqrt() }
             };
             let reference = Estimate { value: 0.0, sigma: 0.0 };
             let offsets_s = by_station(reference, (0..layout.moved()).map(offset_s));

@@ -58,6 +58,12 @@ pub fn no_joint_estimate(why: Finding, published: [&str; 2]) -> Finding {
     why.remedies.into_iter().fold(finding, Finding::with)
 }
 
+/// `joint` is the reason in words why there is no joint estimate, `why` that of the published method.
+pub fn neither_method(joint: &str, why: Finding) -> Finding {
+    let message = format!("{joint}, and the published method has no answer either: {why}");
+    why.remedies.into_iter().fold(Finding::new(why.kind, message), Finding::with)
+}
+
 pub fn cancelled() -> Finding {
     Finding::new(kinds::CANCELLED, "cancelled")
 }
@@ -85,7 +91,7 @@ pub fn no_common_readings(published: &str) -> Finding {
     Finding::new(
         kinds::NO_COMMON_READINGS,
         format!(
-            "The joint estimate has no span with readings of all stations. This is the answer of {published}."
+            "The joint estimate has no span in which each prism is read at least every 2 s. This is the answer of {published}."
         ),
     )
 }
