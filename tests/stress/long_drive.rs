@@ -8,7 +8,7 @@ use resect_tools::simulation::{Preset, simulate_scenario};
 use crate::{ALLOCATED, process};
 
 /// Bytes that the joint estimate stores for the first half hour of a drive, and for its first seven hours, for any total length.
-const KEPT_BYTES: f64 = 135e6;
+const KEPT_BYTES: f64 = 90e6;
 
 /// With the results of all segments stored it would be 400 bytes more, with the rows of the motion 2400. The estimate takes all readings; of
 /// those in the intervals of the paper alone, which are 79 % of them, it took 211 bytes each.

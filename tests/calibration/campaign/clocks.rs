@@ -18,7 +18,7 @@ fn errors_over_sigma(preset: Preset, seed: u64) -> Option<[Vec<f64>; 2]> {
     let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let analysis = analyse(&deployment, &by(Method::Joint));
     let joint = analysis.answer.as_ref().ok()?.calibration.joint()?;
-    let errors = &simulated.truth.errors;
+    let errors = &simulated.scenario.errors;
     let middle_s = 0.5 * scenario.duration_s;
     let offset_s =
         |station: Station| errors.clock_offset_s[station] + errors.clock_drift[station] * middle_s;

@@ -25,8 +25,8 @@ pub type ConstantsBySlow = DMatrix<f64>;
 
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
-/// Blocks whose rows are stored (100 MB with the factor; seven hours of a usual drive).
-pub const MOST_STORED_BLOCKS: usize = 16 * CHUNK;
+/// Blocks whose rows are stored (50 MB; seven hours of a usual drive).
+const MOST_STORED_BLOCKS: usize = 16 * CHUNK;
 
 /// A right-hand side or a solution: slow states of each block, and the constants.
 #[derive(Clone, Debug)]

@@ -9,12 +9,15 @@ use std::sync::Arc;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
-use super::chain::{CHUNK, ChainMatrix, ChainRow, ChainVector, MOST_STORED_BLOCKS};
+use super::chain::{CHUNK, ChainMatrix, ChainRow, ChainVector};
 use super::random_walks::{SlowMatrix, SlowPrecisions, WalkMatrix};
 use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use crate::linear_algebra::bordered_rows::{
     RowShape, add_border_gram, back_substitute, factorise, forward_substitute, update,
 };
+
+/// Blocks whose rows of the factor are stored (6 MB; an hour of a usual drive). Several factors are in memory at once.
+const MOST_STORED_ROWS: usize = 2 * CHUNK;
 
 /// Block row of the factor.
 pub type FactorRow = Vec<f64>;
@@ -55,7 +58,7 @@ impl ChainFactor {
         right: &ChainVector,
     ) -> Option<(Self, ChainVector)> {
         let shape = chain_shape(&matrix.jacobians.drive().layout);
-        let mut stored = Vec::with_capacity(matrix.len().min(MOST_STORED_BLOCKS));
+        let mut stored = Vec::with_capacity(matrix.len().min(MOST_STORED_ROWS));
         let mut before_chunks = Vec::new();
         let mut elimination = ChainElimination::new(shape, priors);
         let mut right = RightHandSide::new(right, shape);
@@ -64,7 +67,7 @@ impl ChainFactor {
             for (block, row) in chunk.clone().zip(matrix.rows(chunk).iter()) {
                 let rows = elimination.eliminate(row, block)?;
                 right.forward(block, rows);
-                if block < MOST_STORED_BLOCKS {
+                if block < MOST_STORED_ROWS {
                     stored.push(rows.clone());
                 }
             }

@@ -62,7 +62,7 @@ impl FacetCovariance {
         let (matrix, layout) = (&step.normal.matrix, &step.normal.drive().layout);
         let shape = chain_shape(layout);
         let coefficients = OF_STATION * layout.stations();
-        let mut effects = vec![Effect::zeros(shape, sensitivity.len()); coefficients + DRAWS];
+        let mut effects = vec![FacetEffect::zeros(shape, sensitivity.len()); coefficients + DRAWS];
         let mut gradients = BlockGradients { step, state, next: 0, of_blocks: VecDeque::new() };
         for chunk in matrix.chunks() {
             let gradients = gradients.take(chunk.len(), progress)?;
@@ -81,7 +81,7 @@ impl FacetCovariance {
             });
         }
         let mut covariance = Self::zeros(layout);
-        for (index, Effect { constants, poses, .. }) in effects.into_iter().enumerate() {
+        for (index, FacetEffect { constants, poses, .. }) in effects.into_iter().enumerate() {
             let share = if index < coefficients { 1.0 } else { 1.0 / DRAWS as f64 };
             let constants = step.factor.solve_constants(&constants[..layout.constants]);
             covariance.constants.ger(share, &constants, &constants, 1.0);
@@ -104,14 +104,14 @@ fn by_pose(jacobian: &BlockJacobian, sensitivity: &[ChainVector], block: usize) 
 
 /// The effect of one coefficient, as far as the chain has been eliminated.
 #[derive(Clone)]
-struct Effect {
+struct FacetEffect {
     /// Right-hand side of the next block, and of the constants.
     slow: Vec<f64>,
     constants: Vec<f64>,
     poses: DVector<f64>,
 }
 
-impl Effect {
+impl FacetEffect {
     fn zeros(shape: RowShape, poses: usize) -> Self {
         let (slow, constants) = (vec![0.0; shape.size], vec![0.0; shape.border]);
         Self { slow, constants, poses: DVector::zeros(poses) }
@@ -226,10 +226,14 @@ fn second_order(
         gradient.add_distances(&segment.grid, &point, levels);
         sum.add_multiple(&gradient, multiple);
     };
+    let order = stations_by_distance(point);
     let of_draw = |draw: usize| {
         let (mut signs, mut drawn) =
             (RandomSigns(draw as u64), Gradients::zeros(segment, point.layout));
-        of_coefficients.iter().for_each(|of_one| drawn.add_multiple(of_one, signs.next()));
+        for station in &order {
+            let of_station = &of_coefficients[OF_STATION * station..][..OF_STATION];
+            of_station.iter().for_each(|of_one| drawn.add_multiple(of_one, signs.next()));
+        }
         let changes_m = band.solve_motion(drawn.knots);
         let mut sum = Gradients::zeros(segment, point.layout);
         for sign in [1.0, -1.0] {
@@ -241,6 +245,14 @@ fn second_order(
         sum
     };
     (0..DRAWS).map(of_draw).collect()
+}
+
+/// Indices of the stations by their distance from station 1: the draws do not follow the numbers of the others.
+fn stations_by_distance(point: &LinearisationPoint<'_>) -> Vec<usize> {
+    let distance_m = |station: &usize| point.stations[*station].position_m.norm();
+    let mut order: Vec<usize> = (0..point.stations.len()).collect();
+    order.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+    order
 }
 
 /// Adds the gradient of a reading by each coefficient of its station.
@@ -265,6 +277,20 @@ fn add_reading(
     }
 }
 
+/// The prisms between which the axis of the rig is, by their places in the segment: those that are furthest apart. It leads to the one that is
+/// further from all others, whatever their numbers are.
+fn rig_axis(point: &LinearisationPoint<'_>) -> (usize, usize) {
+    let pairs = &point.prisms.pairs;
+    let length_m = |(pair, _): &&(usize, (usize, usize))| point.distances_m[*pair];
+    let longest = pairs.iter().max_by(|a, b| length_m(a).total_cmp(&length_m(b)));
+    let (a, b) = longest.map_or((0, 1), |(_, prisms)| *prisms);
+    let from_others_m = |prism: usize| {
+        let others = pairs.iter().filter(|(_, (a, b))| prism == *a || prism == *b);
+        others.map(|(pair, _)| point.distances_m[*pair]).sum::<f64>()
+    };
+    if from_others_m(b) < from_others_m(a) { (b, a) } else { (a, b) }
+}
+
 /// Azimuth of a station in the frame of the rig at a reading (rad).
 fn incidence_rad(
     residual: &ReadingResidual,
@@ -273,7 +299,8 @@ fn incidence_rad(
 ) -> f64 {
     let weights = &residual.weights;
     let prism_m = |prism: usize| spline_value(point, weights, &weights.position, prism);
-    let axis: Vector3<f64> = prism_m(1) - prism_m(0);
+    let (from, to) = rig_axis(point);
+    let axis: Vector3<f64> = prism_m(to) - prism_m(from);
     let sight = point.stations[station.index()].position_m - prism_m(residual.prism);
     sight.y.atan2(sight.x) - axis.y.atan2(axis.x)
 }

@@ -88,7 +88,8 @@
 //! s_b ~ N(μ s_{b−1}, σ_s² (1 − μ²)),  μ = exp(−(t_b − t_{b−1}) / T_s)                         (11)
 //! ```
 //!
-//! Errors of prisms that repeat with the incidence are not estimated. Their effect is added to the covariance of the poses ([`facets`]).
+//! Errors of prisms that repeat with the incidence are not estimated. Their effect is added to the covariance of poses and constants
+//! ([`mod@facet_covariance`]).
 //!
 //! # Survey
 //! Control points are adjusted on their own ([`mod@survey_adjustment`]), with the estimate θ̂. The readings alone have the
@@ -258,12 +259,15 @@
 //! (o_i, ψ_i) + mean_b s_b,  covariance C + Q / 3 + F                                          (25)
 //! ```
 //!
+//! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The constants θ have such a
+//! covariance as well, with which the poses of the vehicle are computed ([`mod@facet_covariance`]).
+//!
 //! Tables and JSON have these symbols with the number of the station. Their `σ_ρ` is that of a range of length zero, and Δx is survey less drive as Δθ.
 //!
 //! | file | content |
 //! |---|---|
 //! | [`joint_estimate`], [`summary`] | values, covariance and variance budget |
-//! | [`facets`] | covariance by errors that repeat with the incidence on the prisms |
+//! | [`facets`], [`mod@facet_covariance`] | errors that repeat with the incidence on the prisms, and the covariance by them |
 //! | [`reliability`] | redundancy numbers, minimal detectable biases and their effect |
 //! | [`prior_conflict`], [`stated_size_conflict`] | tests of the priors |
 //! | [`findings`] | findings and doubts |

@@ -318,14 +318,14 @@ fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
 }
 
 /// The prisms of a segment that are followed at an instant.
-struct FollowedPrisms {
+struct PrismsOfInstant {
     /// Their places among the prisms of the drive, in order.
     in_drive: Arc<[usize]>,
     /// Their coordinates among those of the segment; `None` if all prisms of the segment are followed.
     coordinates: Option<Vec<usize>>,
 }
 
-impl FollowedPrisms {
+impl PrismsOfInstant {
     /// The prisms at an instant (s), by the first and last reading of each in the segment (s).
     fn at(time_s: f64, read_spans_s: &[Option<[f64; 2]>], all: &SegmentPrisms) -> Self {
         let is_followed = |prism: &usize| {
@@ -371,7 +371,7 @@ impl FollowedPrisms {
 /// Input of the evaluation at one instant.
 struct InstantInput<'a> {
     time_s: f64,
-    prisms: FollowedPrisms,
+    prisms: PrismsOfInstant,
     weights: SplineWeights,
     /// Coefficients from the first of the four knots on (m).
     knots_m: &'a [f64],
@@ -399,7 +399,7 @@ fn map_times<T>(
         while let Some((weights, time_s)) = remaining.pop_if(is_next) {
             let knots_m = &coefficients_m[band.shape().size * weights.first..];
             let block = first_block + grid.block_at(time_s);
-            let prisms = FollowedPrisms::at(time_s, &read_spans_s, &segment.prisms);
+            let prisms = PrismsOfInstant::at(time_s, &read_spans_s, &segment.prisms);
             if !prisms.in_drive.is_empty() {
                 let instant = InstantInput { time_s, prisms, weights, knots_m, covariance, block };
                 mapped.push(map(instant));
