@@ -7,8 +7,8 @@
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
 
 mod beyond;
-mod clocks;
 mod cramer_rao;
+mod facets;
 mod inter_prism_ratio;
 mod poses;
 mod surveys;
