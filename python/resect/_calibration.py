@@ -31,9 +31,11 @@ TRACE_NAMES = (
     "matrix_reused",
     "downweighted",
     "range_m",
-    "angle_rad",
+    "horizontal_angle_rad",
+    "vertical_angle_rad",
     "stamp_s",
-    "jerk_m_per_s3",
+    "horizontal_jerk_m_per_s3",
+    "vertical_jerk_m_per_s3",
     "events",
 )
 

@@ -7,7 +7,7 @@ use resect_core::analysis::Settings;
 use resect_core::calibration::{Evidence, Method};
 use resect_core::deployment::{Finding, Overrides, Remedy};
 use resect_core::evaluation::requested_trajectory::RequestError;
-use resect_core::evaluation::vehicle::NoTrajectory;
+use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_io::source::Extras;
 use resect_tools::estimates::Unjudged;
 use resect_tools::estimates::unfit::Unfit;

@@ -2,8 +2,8 @@
 
 use resect_core::calibration::CalibrationError;
 use resect_core::deployment::{Finding, Remedy, Severity};
+use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_core::evaluation::requested_trajectory::RequestError;
-use resect_core::evaluation::vehicle::NoTrajectory;
 use resect_tools::estimates::Unjudged;
 use resect_tools::estimates::unfit::Unfit;
 

@@ -171,8 +171,10 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         let noise = joint(&analysis).levels;
         // Ranges have 2 ppm in addition, and the weights of Cauchy's loss reduce the estimate by some per cent.
         assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
-        let angle = noise.angle_rad / scenario.noise.angle_sigma_rad;
-        assert!((0.75..1.3).contains(&angle), "{angle} {noise:?}");
+        for angle_rad in [noise.horizontal_rad, noise.vertical_rad] {
+            let angle = angle_rad / scenario.noise.angle_sigma_rad;
+            assert!((0.75..1.3).contains(&angle), "{angle} {noise:?}");
+        }
     }
 }
 

@@ -1099,8 +1099,7 @@ fn a_past_deployment_is_a_plan() {
             let foreseen = value["held"]["sigma"][slot]["translation_m"][axis].as_f64();
             let stated = by_drive["transforms"][slot]["sigma"]["translation_m"][axis].as_f64();
             let ratio = foreseen.expect("held") / stated.expect("held");
-            // The drive has learned smaller noise than a plan expects: slow errors over 200 s instead of 12 s, and readings that no other
-            // station has.
+            // The drive has learned smaller noise than a plan expects: slow errors over 200 s instead of 12 s.
             assert!((0.7..1.5).contains(&ratio), "T1{} axis {axis}: {ratio:.2}", slot + 2);
         }
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use resect_core::analysis::Analysis;
 use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy, kinds};
-use resect_core::evaluation::vehicle::NoTrajectory;
+use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_io::estimate_file;
 use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::ranking::{ComparedError, PairComparison};

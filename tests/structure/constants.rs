@@ -35,7 +35,7 @@ const LAYOUT_FILES: [&str; 8] = [
     "track_clocks.rs",
 ];
 /// Other indices and sizes.
-const LAYOUT: [&str; 24] = [
+const LAYOUT: [&str; 26] = [
     "inter_prism/compression.rs CONSTANT",
     "inter_prism/compression.rs LANES",
     "inter_prism/compression.rs MONOMIALS",
@@ -45,8 +45,10 @@ const LAYOUT: [&str; 24] = [
     "inter_prism/squared_cost.rs FIRST",
     "inter_prism/squared_cost.rs LANES",
     "inter_prism/squared_cost.rs ROWS",
-    "joint/equations.rs ANGLES",
-    "joint/equations.rs JERKS",
+    "joint/equations.rs HORIZONTAL_ANGLES",
+    "joint/equations.rs VERTICAL_ANGLES",
+    "joint/equations.rs HORIZONTAL_JERKS",
+    "joint/equations.rs VERTICAL_JERKS",
     "joint/equations.rs PRISMS",
     "joint/equations.rs RANGES",
     "joint/equations.rs STAMPS",

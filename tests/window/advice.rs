@@ -161,5 +161,5 @@ fn findings_tell_angles_in_the_users_unit() {
     assert!(
         is_said(&harness, "one corner of 100\u{a0}gon") && !is_said(&harness, "one corner of 90°")
     );
-    assert!(is_said(&harness, "\u{a0}mgon in angle"), "how the readings scatter");
+    assert!(is_said(&harness, "\u{a0}mgon in vertical angles"), "how the readings scatter");
 }

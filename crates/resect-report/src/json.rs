@@ -332,9 +332,11 @@ fn joint(deployment: &Deployment, found: &JointEstimate) -> Value {
         "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
         "noise": {
             "range_m": found.levels.range_m(),
-            "angle_rad": found.levels.angle_rad,
+            "horizontal_angle_rad": found.levels.horizontal_rad,
+            "vertical_angle_rad": found.levels.vertical_rad,
             "stamp_s": found.levels.jitter_s,
-            "jerk_m_per_s3": found.levels.jerk_m_per_s3,
+            "horizontal_jerk_m_per_s3": found.levels.horizontal_jerk_m_per_s3,
+            "vertical_jerk_m_per_s3": found.levels.vertical_jerk_m_per_s3,
             "range_wander_m": found.slow_ranges.sigma_m,
             "range_wander_correlation_s": found.slow_ranges.correlation_s,
             "slow_across_m": found.slow_across.sigma_m,

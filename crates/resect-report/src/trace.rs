@@ -68,9 +68,11 @@ pub fn json(trace: &Trace) -> Value {
             "matrix_reused": row.is_matrix_reused,
             "downweighted": row.downweighted,
             "range_m": row.levels.range_m(),
-            "angle_rad": row.levels.angle_rad,
+            "horizontal_angle_rad": row.levels.horizontal_rad,
+            "vertical_angle_rad": row.levels.vertical_rad,
             "stamp_s": row.levels.jitter_s,
-            "jerk_m_per_s3": row.levels.jerk_m_per_s3,
+            "horizontal_jerk_m_per_s3": row.levels.horizontal_jerk_m_per_s3,
+            "vertical_jerk_m_per_s3": row.levels.vertical_jerk_m_per_s3,
             "events": words(&row.events),
         })
     };

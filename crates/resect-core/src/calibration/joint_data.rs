@@ -6,16 +6,13 @@ use nalgebra::Vector3;
 
 use super::followed_prisms::schedule;
 use super::gross_error_limit::gross_error_limit_m;
-use super::joint::{DriveReadings, Reading};
+use super::joint::{DriveReadings, Reading, STEPS_APART};
 use crate::deployment::findings::outliers::station_left_out;
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::LevelTransform;
 use crate::network::{Number, Pair, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
-
-/// Readings of another station further apart than this many median steps are not interpolated.
-const STEPS_APART: f64 = 2.5;
 
 /// Most readings of a station from which the usual error is taken.
 const MOST_MEASURED: usize = 2000;

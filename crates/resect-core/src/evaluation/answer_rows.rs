@@ -279,7 +279,8 @@ pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
     let levels = &joint.levels;
     [
         ("range", "σ_ρ", Quantity::Length, levels.range_m()),
-        ("angle", "σ_α", Quantity::Angle, levels.angle_rad),
+        ("horizontal angle", "σ_h", Quantity::Angle, levels.horizontal_rad),
+        ("vertical angle", "σ_v", Quantity::Angle, levels.vertical_rad),
         ("time", "σ_t", Quantity::Time, levels.jitter_s),
         ("slow error of ranges", "σ_sρ", Quantity::Length, joint.slow_ranges.sigma_m),
         ("slow error across the sights", "σ_sh", Quantity::Length, joint.slow_across.sigma_m),

@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
+use super::no_trajectory::NoTrajectory;
 use super::rig_layout::VehicleFrame;
 use super::site::{NoSite, SiteFrame};
 use super::trajectory::Trajectory;
-use super::vehicle::{Instants, NoTrajectory, PoseLimits, prism_by, trajectory_by};
+use super::vehicle::{Instants, PoseLimits, prism_by, trajectory_by};
 use crate::calibration::Calibration;
 use crate::calibration::joint::prism_motion::PrismInstant;
 use crate::deployment::Deployment;

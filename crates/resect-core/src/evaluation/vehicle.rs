@@ -4,19 +4,19 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 
-use super::rig_layout::{VehicleFrame, prisms_in_vehicle, span_a_plane};
-use super::rig_motion::{align_upright, pose_by_prisms, rig_pose};
+use super::no_trajectory::NoTrajectory;
+use super::rig_layout::VehicleFrame;
+use super::rig_motion::pose_by_prisms;
 use super::trajectory::{ObservedRig, Pose, PoseSigma, Trajectory, trajectory};
-use super::usual_tilt::{ExpectedTilt, UsualTilt};
+use super::vehicle_rig::{rig_by, rig_of};
 use crate::calibration::joint::prism_motion::{
-    ConstantsJacobian, MotionInstant, PrismInstant, PrismsAtInstant, Solution,
+    ConstantsJacobian, MotionInstant, PrismInstant, Solution,
 };
-use crate::calibration::joint::{JointEstimate, RIG_FLEX_SIGMA_M};
 use crate::calibration::misfits::{compared_stations, placed_m, prisms_m};
-use crate::calibration::{Calibration, Estimate, Method, distance_errors_m};
+use crate::calibration::{Calibration, Method, distance_errors_m};
 use crate::deployment::{Deployment, Rig};
-use crate::geometry::{RigidTransform, align_rigid, align_weighted};
-use crate::network::{Number, Pair, PerPair, PerPrism, PerStation, Prism, Station};
+use crate::geometry::RigidTransform;
+use crate::network::{Pair, PerPair, PerPrism, PerStation, Prism, Station};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
@@ -30,11 +30,6 @@ pub const LARGEST_POSE_SIGMA: PoseSigma =
 const USUAL_HZ: f64 = 10.0;
 /// Instants further apart do not share an inter-prism error (s).
 const NEAR_S: f64 = 0.5;
-/// Usual jerk of a vehicle, by which a prism without readings departs from its spline (m/s³).
-const USUAL_M_PER_S3: f64 = 0.5;
-/// Time between the instants from which the usual tilt is taken (s).
-const TILT_STEP_S: f64 = 1.0;
-
 /// Limits beyond which a trajectory has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseLimits {
@@ -62,40 +57,6 @@ impl Default for PoseLimits {
             needs_three_prisms: false,
         }
     }
-}
-
-/// Reason why there are no poses.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoTrajectory {
-    #[error(
-        "{0}: all stations follow one prism, so there is no orientation; use the joint estimate for its positions"
-    )]
-    OnePrism(String),
-    #[error(
-        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a rig file"
-    )]
-    NoRig(String),
-    #[error(
-        "{0}: the orientation is not determined: there are fewer than three prisms, or they lie on a line"
-    )]
-    PrismsOnALine(String),
-    #[error(
-        "{0}: the distances do not determine the positions of more than three prisms; give prisms_m in deployment.toml, or a \
-         reading of the rig"
-    )]
-    UnknownLayout(String),
-    #[error(
-        "{0}: this calibration is in the stations' own frames, but the tracks are in another frame; use method C or D"
-    )]
-    OtherFrame(String),
-    #[error(
-        "{0}: this method has poses at the triplets only; use the joint estimate for poses at any time"
-    )]
-    NoMotion(String),
-    #[error("{name}: no trajectory without a calibration: {why}")]
-    NoAnswer { name: String, why: String },
-    #[error("{0}: the joint estimate found no motion that fits the readings; see its findings")]
-    NoMotionFits(String),
 }
 
 /// The instants at which poses are wanted.
@@ -278,109 +239,6 @@ pub fn common_errors(
     Some(ConstantsJacobian { instants: each.collect(), covariance })
 }
 
-/// The prisms on the vehicle.
-struct VehicleRig {
-    /// In the vehicle's frame, with the estimated distances (m).
-    prisms_m: PerPrism<Vector3<f64>>,
-    frame: VehicleFrame,
-    /// σ of each prism along any axis (m).
-    sigma_m: f64,
-}
-
-impl VehicleRig {
-    /// Returns the motion at those of some increasing times that have one (s), with the pose where the prisms determine it; `None` if the
-    /// calculation is cancelled.
-    fn poses(
-        &self,
-        solution: &Solution,
-        times_s: &[f64],
-    ) -> Option<Vec<(MotionInstant, Option<Pose>)>> {
-        let pose = |at: &MotionInstant, expected: Option<&ExpectedTilt>| {
-            rig_pose(self.prisms_m.as_slice(), self.sigma_m, at, expected)
-        };
-        let instants = |times_s: &[f64]| solution.instants(times_s, &Progress::default()).ok();
-        let wanted = instants(times_s)?;
-        let is_complete = |at: &MotionInstant| at.prisms.len() == self.prisms_m.len();
-        let with_all_prisms: Vec<Pose> = if wanted.iter().all(is_complete) {
-            Vec::new()
-        } else {
-            let all = instants(&tilt_times_s(solution))?;
-            all.iter().filter_map(|at| pose(at, None)).collect()
-        };
-        let tilt = UsualTilt::new(&with_all_prisms);
-        let with_pose = |at: MotionInstant| {
-            let expected = tilt.as_ref().map(|tilt| tilt.at(at.time_s));
-            let pose = pose(&at, expected.as_ref());
-            (at, pose)
-        };
-        Some(wanted.into_iter().map(with_pose).collect())
-    }
-
-    /// Returns the pose at an instant (s) without a covariance.
-    fn at(&self, solution: &Solution, time_s: f64) -> Option<RigidTransform> {
-        let PrismsAtInstant { places, position_m, to_reading_s } = solution.prisms_at(time_s)?;
-        let rig_m: Vec<Vector3<f64>> = places.iter().map(|place| self.prisms_m[*place]).collect();
-        let weights = to_reading_s.iter().map(|to_reading_s| {
-            let sigma_m = self.sigma_m + USUAL_M_PER_S3 * to_reading_s.powi(3) / 6.0;
-            sigma_m.powi(-2)
-        });
-        let weights: Vec<f64> = weights.collect();
-        if let Some(aligned) = align_weighted(&position_m, &rig_m, &weights) {
-            return Some(aligned);
-        }
-        // Upwards as at the ends of the spans beside it that have all prisms.
-        let spans_s = solution.spans_of_all_prisms_s();
-        let next = spans_s.partition_point(|[_, end_s]| *end_s < time_s);
-        let before_s = next.checked_sub(1).map(|last| spans_s[last][1]);
-        let beside_s = before_s.into_iter().chain(spans_s.get(next).map(|[start_s, _]| *start_s));
-        let up = beside_s.filter_map(|beside_s| {
-            let beside = solution.prisms_at(beside_s)?;
-            let aligned = align_rigid(&beside.position_m, self.prisms_m.as_slice())?;
-            let near = 1.0 / (beside_s - time_s).abs().max(1e-3);
-            Some(aligned.rotation.inverse() * Vector3::z() * near)
-        });
-        let up = up.sum::<Vector3<f64>>().try_normalize(0.0)?;
-        align_upright(&position_m, &rig_m, &up)
-    }
-}
-
-/// Instants from which the usual tilt is taken (s): one a second where all prisms are followed, and the last ones before gaps.
-fn tilt_times_s(solution: &Solution) -> Vec<f64> {
-    let spans_s = solution.spans_of_all_prisms_s();
-    let of_span = |[start_s, end_s]: [f64; 2]| {
-        let steps = ((end_s - start_s) / TILT_STEP_S) as usize;
-        let within = (0..=steps).map(move |step| start_s + TILT_STEP_S * step as f64);
-        within.chain(std::iter::once(end_s))
-    };
-    spans_s.into_iter().flat_map(of_span).collect()
-}
-
-/// Returns the followed prisms on the vehicle by an estimate.
-fn rig_by(
-    deployment: &Deployment,
-    joint: &JointEstimate,
-    distances_m: &PerPair<Estimate>,
-) -> Result<VehicleRig, NoTrajectory> {
-    let inter_prism_m = distances_m.map(|distance| distance.value);
-    let followed = |all: &PerPrism<Vector3<f64>>| -> Option<PerPrism<Vector3<f64>>> {
-        let prisms = joint.layout().followed_prisms();
-        prisms.map(|prism| all.as_slice().get(prism.index()).copied()).collect()
-    };
-    let shaped = |rig: &Rig| Rig {
-        inter_prism_m: inter_prism_m.clone(),
-        prisms_m: rig.prisms_m.as_ref().and_then(followed),
-        in_vehicle_m: rig.in_vehicle_m.as_ref().and_then(followed),
-        inter_antenna_m: rig.inter_antenna_m,
-    };
-    let (prisms_m, frame) = rig_of(deployment, &shaped)?;
-    let sigma_m = match frame {
-        // Two prisms share the error of their distance.
-        VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
-        VehicleFrame::Reading | VehicleFrame::Triangle => RIG_FLEX_SIGMA_M,
-    };
-    Ok(VehicleRig { prisms_m, frame, sigma_m })
-}
-
 /// Positions of the single prism that all stations follow, by the motion of the joint estimate.
 pub fn prism_by(
     deployment: &Deployment,
@@ -393,22 +251,6 @@ pub fn prism_by(
     let times_s = wanted.times_s(triplets, solution);
     let instants = solution.instants(&times_s, &Progress::default()).map_err(|_| none())?;
     Ok(instants.iter().map(|instant| instant.prism(0)).collect())
-}
-
-fn rig_of(
-    deployment: &Deployment,
-    shaped: &dyn Fn(&Rig) -> Rig,
-) -> Result<(PerPrism<Vector3<f64>>, VehicleFrame), NoTrajectory> {
-    let name = || deployment.name.clone();
-    let rig = shaped(deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?);
-    let is_unknown = rig.inter_prism_m.len() > Pair::count(3)
-        && rig.prisms_m.is_none()
-        && rig.in_vehicle_m.is_none();
-    if is_unknown {
-        return Err(NoTrajectory::UnknownLayout(name()));
-    }
-    let layout = prisms_in_vehicle(&rig).filter(|(prisms_m, _)| span_a_plane(prisms_m));
-    layout.ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
 }
 
 /// Returns one pose for every triplet whose inter-prism distances are within the limit.

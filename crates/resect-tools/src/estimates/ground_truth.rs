@@ -11,8 +11,9 @@ use resect_core::calibration::Calibration;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::deployment::Deployment;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
+use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_core::evaluation::vehicle::{
-    Instants, NoTrajectory, PoseLimits, common_errors, largest_about, prism_by, trajectory_by,
+    Instants, PoseLimits, common_errors, largest_about, prism_by, trajectory_by,
 };
 use resect_core::network::Prism;
 

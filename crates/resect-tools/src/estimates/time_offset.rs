@@ -4,7 +4,8 @@ use super::ground_truth::GroundTruth;
 use super::pose_interpolation::{PoseInterpolation, median_interval_s};
 use nalgebra::Vector3;
 use resect_core::deployment::EstimatedPose;
-use resect_core::evaluation::vehicle::{Instants, NoTrajectory};
+use resect_core::evaluation::no_trajectory::NoTrajectory;
+use resect_core::evaluation::vehicle::Instants;
 use resect_core::geometry::align_similar;
 use resect_core::statistics::{median, quantiles};
 

@@ -3,7 +3,7 @@
 use super::unfit::Unfit;
 use crate::findings::studies::estimate_not_judged;
 use resect_core::deployment::{Finding, Remedy};
-use resect_core::evaluation::vehicle::NoTrajectory;
+use resect_core::evaluation::no_trajectory::NoTrajectory;
 
 /// Reason why an estimate cannot be judged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -169,11 +169,13 @@ impl PlannedInstrument {
     /// Returns an instrument with the precision and rate of an estimate.
     pub fn from_estimate(joint: &JointEstimate) -> Self {
         let levels = &joint.levels;
+        // A plan has one precision of angles.
+        let angle_rad = levels.horizontal_rad.hypot(levels.vertical_rad) / 2_f64.sqrt();
         Self {
             range_mm: rounded(1e3 * levels.range_m(), 2),
             // The estimated level scales the stated noise, its constant and its ppm term alike.
             range_ppm: rounded(1e3 * levels.range_m(), 2),
-            angle_arcsec: rounded(levels.angle_rad / ARCSECOND_RAD, 2),
+            angle_arcsec: rounded(angle_rad / ARCSECOND_RAD, 2),
             rate_hz: rounded(joint.solution.readings_hz(), 2),
             stamp_jitter_ms: rounded(1e3 * levels.jitter_s, 2),
             range_wander_mm: rounded(1e3 * joint.slow_ranges.sigma_m, 3),

@@ -117,16 +117,20 @@ pub fn sizes(plan: &Plan) -> ErrorSizes {
 pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
     let PlannedInstrument { range_mm, range_ppm, angle_arcsec, .. } = plan.instrument;
     // Missing readings are modelled as more noise of the others.
-    let more = (usable_share(&plan.instrument, plan.stations_m.len()) * EFFICIENCY).sqrt().recip();
+    let more = (usable_share(&plan.instrument) * EFFICIENCY).sqrt().recip();
     let range_m = mean_range_m(simulated);
+    let [horizontal, vertical] = jerk_m_per_s3(simulated);
+    let angle_rad = more * angle_arcsec * ARCSECOND_RAD;
     let read_m = 1e-3 * range_mm + 1e-6 * range_ppm * range_m;
     ExpectedNoise {
         levels: NoiseLevels {
             distance_m: OBSERVED_DISTANCE_SIGMA_M,
             range: more * read_m / stated_range_m(range_m),
-            angle_rad: more * angle_arcsec * ARCSECOND_RAD,
+            horizontal_rad: angle_rad,
+            vertical_rad: angle_rad,
             jitter_s: more * 1e-3 * plan.instrument.stamp_jitter_ms,
-            jerk_m_per_s3: jerk_m_per_s3(simulated),
+            horizontal_jerk_m_per_s3: horizontal,
+            vertical_jerk_m_per_s3: vertical,
         },
         ranges: GaussMarkov {
             sigma_m: (1e-3 * plan.instrument.range_wander_mm).max(1e-4),
@@ -138,10 +142,9 @@ pub fn expected(plan: &Plan, simulated: &Simulated) -> ExpectedNoise {
 }
 
 /// Share of usable readings with lost locks and outliers.
-fn usable_share(instrument: &PlannedInstrument, stations: usize) -> f64 {
+fn usable_share(instrument: &PlannedInstrument) -> f64 {
     let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
-    // A reading constrains the others only if all stations have one.
-    (1.0 - lost).powi(stations as i32) * (1.0 - instrument.outlier_share)
+    (1.0 - lost) * (1.0 - instrument.outlier_share)
 }
 
 fn mean_range_m(simulated: &Simulated) -> f64 {
@@ -149,21 +152,23 @@ fn mean_range_m(simulated: &Simulated) -> f64 {
     ranges_m.sum::<f64>() / simulated.records.len().max(1) as f64
 }
 
-/// Jerk of the prisms from reading to reading (m/s³, root mean square).
-fn jerk_m_per_s3(simulated: &Simulated) -> f64 {
+/// Horizontal and vertical jerk of the prisms from reading to reading (m/s³, root mean square).
+fn jerk_m_per_s3(simulated: &Simulated) -> [f64; 2] {
     let Scenario { rate_hz, duration_s, prisms_m, .. } = &simulated.scenario;
     let knots = (duration_s * rate_hz) as usize;
-    let mut squares = 0.0;
+    let mut squares = Vector3::zeros();
     for prism_m in prisms_m {
         let at = |knot: usize| simulated.truth.motion.position_m(prism_m, knot as f64 / rate_hz);
         let places_m: Vec<Vector3<f64>> = (0..knots).map(at).collect();
         squares += places_m
             .windows(4)
-            .map(|p| (p[3] - p[0] - (p[2] - p[1]) * 3.0).norm_squared())
-            .sum::<f64>();
+            .map(|p| p[3] - p[0] - (p[2] - p[1]) * 3.0)
+            .map(|difference_m| difference_m.component_mul(&difference_m))
+            .sum::<Vector3<f64>>();
     }
-    let jerks = (9 * knots.saturating_sub(3)).max(1) as f64;
-    ((squares / jerks).sqrt() * rate_hz.powi(3)).max(LEAST_JERK_M_PER_S3)
+    let jerks = (prisms_m.iter().count() * knots.saturating_sub(3)).max(1) as f64;
+    [0.5 * (squares.x + squares.y), squares.z]
+        .map(|square| ((square / jerks).sqrt() * rate_hz.powi(3)).max(LEAST_JERK_M_PER_S3))
 }
 
 /// Mean square of the noise of a distance between interpolated readings of two prisms (m²).
@@ -184,7 +189,7 @@ fn distance_noise_m2(driven: &Driven, followed: &PerStation<Prism>, levels: &Noi
                 let range_m = points_m[station].norm();
                 let radial = own.dot(&(points_m[station] / range_m)).powi(2);
                 let radial_m2 = (levels.range * stated_range_m(range_m)).powi(2);
-                let across_m2 = (levels.angle_rad * range_m).powi(2);
+                let across_m2 = (levels.horizontal_rad * range_m).powi(2);
                 sum_m2 += radial * radial_m2 + (1.0 - radial) * across_m2;
             }
         }

@@ -20,9 +20,6 @@ use super::random_walks::{SlowMatrix, SlowPrecisions};
 use super::state_vector::{BlockVector, Constants, ConstantsMatrix, Layout, Slow, StateVector};
 use crate::linear_algebra::sparse_products::{by_sparse, by_sparse_transpose};
 
-/// A matrix of constants by slow states.
-pub type ConstantsBySlow = DMatrix<f64>;
-
 /// Blocks that are computed in parallel.
 pub const CHUNK: usize = 256;
 /// Blocks whose rows are stored (50 MB; seven hours of a usual drive).
@@ -41,6 +38,13 @@ impl ChainVector {
         Self { slow, constants: Constants::zeros(layout.constants) }
     }
 
+    /// Adds a multiple of another vector.
+    pub fn add_multiple(&mut self, other: &Self, multiple: f64) {
+        self.constants.axpy(multiple, &other.constants, 1.0);
+        let slow = self.slow.iter_mut().zip(&other.slow);
+        slow.for_each(|(sum, other)| sum.axpy(multiple, other, 1.0));
+    }
+
     /// The same vector times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let slow = self.slow.iter().map(|slow| slow * factor).collect();
@@ -48,13 +52,15 @@ impl ChainVector {
     }
 }
 
-/// Block column of the normal matrix, from the data without the priors.
+/// Block row of the normal matrix, from the data without the priors. Parts beside the diagonal are transposed, so that a row of the factor copies
+/// neighbours in memory.
 #[derive(Clone, Debug)]
 pub struct ChainRow {
     pub diagonal: SlowMatrix,
-    /// The next block's states by those of this block.
+    /// States of the next block by those of this block.
     pub next: SlowMatrix,
-    pub border: ConstantsBySlow,
+    /// Constants by the states of this block.
+    pub border: DMatrix<f64>,
 }
 
 /// Normal matrix H of constants and slow states, from the data without the priors.

@@ -43,7 +43,7 @@ pub struct ChainFactor {
 /// Covariance of the slow states of a block.
 pub struct SlowCovariance {
     pub own: SlowMatrix,
-    /// With the constants: slow states by constants.
+    /// Covariance with the constants, as slow states by constants.
     pub with_constants: DMatrix<f64>,
     /// Covariance with the states of the next block; `None` for the last.
     pub with_next: Option<SlowMatrix>,

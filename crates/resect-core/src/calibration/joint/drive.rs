@@ -1,6 +1,6 @@
 //! The readings of a drive by segment, and the mean sights of its blocks.
 
-use super::excess_jerk::ExcessJerk;
+use super::excess_jerk::{ExcessJerk, JerkVariance};
 use super::knot_grid::{FEWEST_KNOTS, KnotGrid, segment_grids};
 use super::readings::{DriveReadings, Reading, ReadingSpan, median_step_s};
 use super::segment_prisms::SegmentPrisms;
@@ -24,8 +24,8 @@ pub struct Segment {
     pub grid: KnotGrid,
     pub prisms: Arc<SegmentPrisms>,
     pub readings: PerStation<ReadingSpan>,
-    /// Variance of the jerks beyond that of the whole drive, in the order of the jerks (m²/s⁶).
-    pub excess_jerks: Vec<f64>,
+    /// Variance of the jerks beyond that of the whole drive, in the order of the jerks.
+    pub excess_jerks: Vec<JerkVariance>,
     /// Middle of the drive (s), from which clock drifts count.
     pub middle_s: f64,
 }
@@ -120,8 +120,8 @@ impl Drive {
         self.segments.push(Segment { grid, prisms, readings, excess_jerks, middle_s });
     }
 
-    /// Variance of the jerks of a grid beyond that of the whole drive (m²/s⁶).
-    pub fn excess_jerks(&self, grid: &KnotGrid) -> Vec<f64> {
+    /// Variance of the jerks of a grid beyond that of the whole drive.
+    pub fn excess_jerks(&self, grid: &KnotGrid) -> Vec<JerkVariance> {
         let at = |first: usize| self.excess_jerk.variance(grid.jerk_time_s(first), grid.knot_s);
         (0..grid.jerks()).map(at).collect()
     }

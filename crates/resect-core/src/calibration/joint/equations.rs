@@ -5,13 +5,14 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::drive::Segment;
+use super::excess_jerk::JerkVariance;
 use super::knot_grid::{KnotGrid, ORDER};
 use super::loss::{robust_loss, robust_weight};
 use super::motion_band::{BlockUnknown, KnotFactors, MotionBand, PROBES, Rows, band_shape};
 use super::readings::Reading;
 use super::residuals::{
     LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual, distance_times_s,
-    jerk_factors, jerk_residuals,
+    is_vertical, jerk_factors, jerk_precisions, jerk_residuals,
 };
 use super::state_vector::BlockVector;
 use crate::network::{PerStation, Station};
@@ -53,9 +54,11 @@ pub struct SquareSum {
 
 /// Indices of the kinds of noise.
 pub const RANGES: usize = 0;
-pub const ANGLES: usize = 1;
-pub const STAMPS: usize = 2;
-pub const JERKS: usize = 3;
+pub const HORIZONTAL_ANGLES: usize = 1;
+pub const VERTICAL_ANGLES: usize = 2;
+pub const STAMPS: usize = 3;
+pub const HORIZONTAL_JERKS: usize = 4;
+pub const VERTICAL_JERKS: usize = 5;
 
 impl ResidualSquares {
     pub fn zeros(stations: usize) -> Self {
@@ -82,7 +85,7 @@ impl ResidualSquares {
     }
 }
 
-/// What is done with the unknowns of the blocks while the motion of a segment is eliminated.
+/// Treatment of the unknowns of the blocks while the motion of a segment is eliminated.
 #[derive(Clone, Copy)]
 pub enum BlockUnknowns<'a> {
     /// They are constant: for a step of the motion alone.
@@ -191,13 +194,15 @@ impl EquationsBuilder<'_> {
         let weight = self.weight(square / numbers, numbers);
         self.cost += self.weighting.redundancy * residual.log_determinant;
 
+        let [along_m, side_m, up_m] =
+            [0, 1, 2].map(|axis| Vector3::ith(axis, residual.sigmas_m[axis]));
         let sources = [
-            (RANGES, Vector3::x() * residual.range_sigma_m),
-            (ANGLES, Vector3::y() * residual.across_sigma_m),
-            (ANGLES, Vector3::z() * residual.across_sigma_m),
+            (RANGES, along_m),
+            (HORIZONTAL_ANGLES, side_m),
+            (VERTICAL_ANGLES, up_m),
             (STAMPS, residual.jitter_m),
         ];
-        for (source, (kind, sigma_m)) in sources.into_iter().enumerate() {
+        for (kind, sigma_m) in sources {
             if self.weighting.fixed.is_some() {
                 continue;
             }
@@ -208,7 +213,7 @@ impl EquationsBuilder<'_> {
             self.squares.observed[kind] += observed;
             self.squares.expected[kind] += expected;
             // The stamp is no reading of its own.
-            if let Some(sum) = self.squares.by_station[station].get_mut(source) {
+            if let Some(sum) = self.squares.by_station[station].get_mut(kind) {
                 sum.observed += observed;
                 sum.expected += expected;
             }
@@ -289,44 +294,67 @@ impl EquationsBuilder<'_> {
     }
 
     /// Adds the smoothness prior of the motion: one equation a coordinate and knot.
-    fn add_jerks(&mut self, grid: &KnotGrid, excess_jerks: &[f64]) {
-        let usual = self.weighting.levels.jerk_m_per_s3.powi(2);
+    fn add_jerks(&mut self, grid: &KnotGrid, excess_jerks: &[JerkVariance]) {
+        let levels = self.weighting.levels;
         let local = self.point.prisms.coordinates();
-        let (mut residuals, mut values) = (vec![0.0; local], vec![0.0; local]);
-        for (first, excess) in excess_jerks.iter().copied().enumerate() {
-            let factors = jerk_factors(grid, &self.weighting.levels, excess);
+        let [mut residuals, mut precisions, mut values] = [(); 3].map(|()| vec![0.0; local]);
+        let factors = jerk_factors(grid);
+        for (first, excess) in excess_jerks.iter().enumerate() {
+            jerk_precisions(&levels, excess, &mut precisions);
             jerk_residuals(self.point, first, &factors, &mut residuals);
             let knots = KnotFactors { first, factors: &factors };
+            let squares = squares_by_axis(&residuals, &precisions);
             // Vehicles start and stop: their jerks are weighted robustly.
-            let square = residuals.iter().map(|residual| residual * residual).sum::<f64>();
-            let weight = self.weight(square / local as f64, local as f64);
+            let weight = self.weight((squares[0] + squares[1]) / local as f64, local as f64);
             // (17). The process noise counts starts and stops fully. Otherwise the motion is so stiff that the vehicle's movements look
             // like noise of stamps.
-            let is_usual = excess < usual;
-            if is_usual {
-                self.squares.observed[JERKS] += square;
-                self.squares.expected[JERKS] += local as f64;
+            let usual = [
+                excess.horizontal < levels.horizontal_jerk_m_per_s3.powi(2),
+                excess.vertical < levels.vertical_jerk_m_per_s3.powi(2),
+            ];
+            for (axis, kind) in [HORIZONTAL_JERKS, VERTICAL_JERKS].into_iter().enumerate() {
+                if !usual[axis] {
+                    continue;
+                }
+                self.squares.observed[kind] += squares[axis];
+                self.squares.expected[kind] += [2.0, 1.0][axis] * local as f64 / 3.0;
+                if self.weighting.fixed.is_none() {
+                    for (coordinate, value) in values.iter_mut().enumerate() {
+                        let is_own = usize::from(is_vertical(coordinate)) == axis;
+                        let sigmas = if is_own { self.signs.next() } else { 0.0 };
+                        *value = sigmas * precisions[coordinate].sqrt();
+                    }
+                    self.band.add_probe(knots, 0, kind, &values);
+                }
             }
-            if self.weighting.fixed.is_none() && is_usual {
-                values.fill_with(|| self.signs.next());
-                self.band.add_probe(knots, 0, JERKS, &values);
+            for (residual, precision) in residuals.iter_mut().zip(&mut precisions) {
+                *precision *= weight;
+                *residual *= *precision;
             }
-            residuals.iter_mut().for_each(|residual| *residual *= weight);
-            self.band.add_each(knots, weight, &residuals);
+            self.band.add_each(knots, &precisions, &residuals);
         }
     }
 
     /// Shortens steps of coefficients that the readings hardly determine (Levenberg 1944). The solution is that without it.
     fn add_damping(&mut self, grid: &KnotGrid) {
-        let precision = DAMPED_M.powi(-2);
-        let none = vec![0.0; self.point.prisms.coordinates()];
+        let coordinates = self.point.prisms.coordinates();
+        let (precisions, none) = (vec![DAMPED_M.powi(-2); coordinates], vec![0.0; coordinates]);
         for knot in 0..grid.knots {
             let first = knot.min(grid.knots - ORDER);
             let mut factors = [0.0; ORDER];
             factors[knot - first] = 1.0;
-            self.band.add_each(KnotFactors { first, factors: &factors }, precision, &none);
+            self.band.add_each(KnotFactors { first, factors: &factors }, &precisions, &none);
         }
     }
+}
+
+/// Sums of squared residuals (σ²) along horizontal axes and along the vertical one.
+fn squares_by_axis(residuals: &[f64], precisions: &[f64]) -> [f64; 2] {
+    let mut squares = [0.0; 2];
+    for (coordinate, (residual, precision)) in residuals.iter().zip(precisions).enumerate() {
+        squares[usize::from(is_vertical(coordinate))] += precision * residual * residual;
+    }
+    squares
 }
 
 /// A reproducible random sequence of +1 and −1 (Steele, Lea & Flood 2014, "splitmix64").

@@ -7,14 +7,12 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::readings::Reading;
+use super::readings::{Reading, STEPS_APART};
 use crate::network::PerStation;
 use crate::statistics::median;
 
 /// Least time between the readings of a third difference (s): over shorter times it is noise alone.
 const LEAST_STEP_S: f64 = 0.3;
-/// Largest time between them over the usual one. Across a gap there is no third difference.
-const STEPS_APART: f64 = 2.5;
 /// Third differences within this time are averaged (s).
 const HALF_WINDOW_S: f64 = 0.8;
 /// Third differences of this many times their usual square are noise.
@@ -27,8 +25,15 @@ const FEWEST_MOVING: usize = 10;
 const MOST_USUAL: usize = 20_000;
 /// Largest jerk (m/s³): wheels slip and masts bend, but a prism on a vehicle does not move more roughly.
 const MOST_M_PER_S3: f64 = 3.0;
-/// Median of the mean of three squared normal errors. Textbook: χ² with three degrees of freedom.
-const MEDIAN_OF_THREE: f64 = 0.789;
+/// Median of the mean of two squared normal errors, and of one. Textbook: χ² with two degrees of freedom and with one.
+const MEDIANS: JerkVariance = JerkVariance { horizontal: 0.693, vertical: 0.455 };
+
+/// Variance of a jerk along horizontal axes and along the vertical one (m²/s⁶).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JerkVariance {
+    pub horizontal: f64,
+    pub vertical: f64,
+}
 
 /// Squared jerks beyond the usual ones along a drive.
 #[derive(Clone, Debug, Default)]
@@ -45,16 +50,15 @@ struct SquaredJerks {
     /// Usual and longest time between them (s).
     step_s: f64,
     longest_s: f64,
-    /// Usual squared jerk, by coordinate (m²/s⁶).
-    usual: f64,
+    /// Usual squared jerk, by coordinate.
+    usual: JerkVariance,
 }
 
 /// A third difference of the readings of a track.
 struct SquaredJerk {
     /// Time of its middle (s).
     time_s: f64,
-    /// By coordinate (m²/s⁶).
-    square: f64,
+    square: JerkVariance,
     is_moving: bool,
 }
 
@@ -63,15 +67,19 @@ impl ExcessJerk {
         Self { by_station: tracks.map(SquaredJerks::new) }
     }
 
-    /// Returns the variance of the jerk at an instant (s) beyond the usual one, by coordinate (m²/s⁶), for knots this far apart (s).
+    /// Returns the variance of the jerk at an instant (s) beyond the usual one, by coordinate, for knots this far apart (s).
     ///
     /// It is the median over stations: a single one may have outliers.
-    pub fn variance(&self, time_s: f64, knot_s: f64) -> f64 {
-        let all = self.by_station.iter().filter_map(|jerks| jerks.excess(time_s, knot_s));
-        let mut excess: Vec<f64> = all.collect();
-        excess.sort_by(f64::total_cmp);
-        let median = excess.get(excess.len().saturating_sub(1) / 2).copied();
-        median.unwrap_or(0.0).min(MOST_M_PER_S3.powi(2))
+    pub fn variance(&self, time_s: f64, knot_s: f64) -> JerkVariance {
+        let all: Vec<JerkVariance> =
+            self.by_station.iter().filter_map(|jerks| jerks.excess(time_s, knot_s)).collect();
+        let median = |of_one: fn(&JerkVariance) -> f64| {
+            let mut excess: Vec<f64> = all.iter().map(of_one).collect();
+            excess.sort_by(f64::total_cmp);
+            let median = excess.get(excess.len().saturating_sub(1) / 2).copied();
+            median.unwrap_or(0.0).min(MOST_M_PER_S3.powi(2))
+        };
+        JerkVariance { horizontal: median(|it| it.horizontal), vertical: median(|it| it.vertical) }
     }
 }
 
@@ -82,15 +90,22 @@ impl SquaredJerks {
         let stride = (LEAST_STEP_S / usual_s).ceil().max(1.0) as usize;
         let step_s = stride as f64 * usual_s;
         let longest_s = STEPS_APART * step_s;
-        let mut jerks = Self { track: Arc::clone(track), stride, step_s, longest_s, usual: 0.0 };
+        let usual = JerkVariance::default();
+        let mut jerks = Self { track: Arc::clone(track), stride, step_s, longest_s, usual };
         let every = track.len().div_ceil(MOST_USUAL).max(1);
-        let squares_of = |is_wanted: &dyn Fn(&SquaredJerk) -> bool| -> Vec<f64> {
+        let squares_of = |is_wanted: &dyn Fn(&SquaredJerk) -> bool| -> Vec<JerkVariance> {
             let some = (0..track.len()).step_by(every).filter_map(|first| jerks.at(first));
             some.filter(is_wanted).map(|jerk| jerk.square).collect()
         };
         let moving = squares_of(&|jerk| jerk.is_moving);
         let squares = if moving.len() < FEWEST_MOVING { squares_of(&|_| true) } else { moving };
-        jerks.usual = median(squares).unwrap_or(0.0) / MEDIAN_OF_THREE;
+        let usual = |of_one: fn(&JerkVariance) -> f64| {
+            median(squares.iter().map(of_one)).unwrap_or(0.0) / of_one(&MEDIANS)
+        };
+        jerks.usual = JerkVariance {
+            horizontal: usual(|it| it.horizontal),
+            vertical: usual(|it| it.vertical),
+        };
         jerks
     }
 
@@ -103,23 +118,34 @@ impl SquaredJerks {
         }
         Some(SquaredJerk {
             time_s: 0.5 * (four[0].time_s + four[3].time_s),
-            square: third_derivative(four).norm_squared() / 3.0,
+            square: {
+                let jerk = third_derivative(four);
+                JerkVariance {
+                    horizontal: 0.5 * jerk.xy().norm_squared(),
+                    vertical: jerk.z.powi(2),
+                }
+            },
             is_moving: (four[3].point_m - four[0].point_m).norm() > MOVING_M,
         })
     }
 
     /// Excess of the variance at an instant; `None` without readings.
-    fn excess(&self, time_s: f64, knot_s: f64) -> Option<f64> {
+    fn excess(&self, time_s: f64, knot_s: f64) -> Option<JerkVariance> {
         let earliest_s = time_s - HALF_WINDOW_S - 1.5 * self.longest_s;
         let first = self.track.partition_point(|reading| reading.time_s < earliest_s);
         let end = self.track.partition_point(|reading| reading.time_s <= time_s + HALF_WINDOW_S);
         let near = (first..end).filter_map(|first| self.at(first));
         let near = near.filter(|jerk| (jerk.time_s - time_s).abs() <= HALF_WINDOW_S);
-        let (sum, count) =
-            near.fold((0.0, 0_u32), |(sum, count), jerk| (sum + jerk.square, count + 1));
-        let mean = sum / f64::from(count);
-        // A white jerk has the larger variance the shorter the time that it is averaged over.
-        (count > 0).then(|| (mean - USUAL_TIMES * self.usual).max(0.0) * self.step_s / knot_s)
+        let near: Vec<JerkVariance> = near.map(|jerk| jerk.square).collect();
+        let excess = |of_one: fn(&JerkVariance) -> f64| {
+            let mean = near.iter().map(of_one).sum::<f64>() / near.len() as f64;
+            // A white jerk has the larger variance the shorter the time that it is averaged over.
+            (mean - USUAL_TIMES * of_one(&self.usual)).max(0.0) * self.step_s / knot_s
+        };
+        (!near.is_empty()).then(|| JerkVariance {
+            horizontal: excess(|it| it.horizontal),
+            vertical: excess(|it| it.vertical),
+        })
     }
 }
 
@@ -163,7 +189,7 @@ mod tests {
     fn stops_and_starts_exceed_the_rest_and_an_outlier_of_one_station_does_not() {
         let tracks = [track(None), track(None), track(Some(100))];
         let excess = ExcessJerk::new(&tracks.map(Arc::new).into());
-        let jerk_m_per_s3 = |time_s: f64| excess.variance(time_s, 0.4).sqrt();
+        let jerk_m_per_s3 = |time_s: f64| excess.variance(time_s, 0.4).horizontal.sqrt();
         for time_s in [20.0, 30.0] {
             assert!(jerk_m_per_s3(time_s) > 0.5, "{time_s} s: {} m/s³", jerk_m_per_s3(time_s));
         }

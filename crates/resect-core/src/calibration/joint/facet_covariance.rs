@@ -10,7 +10,7 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::block_jacobians::BlockJacobian;
@@ -18,7 +18,7 @@ use super::chain::ChainVector;
 use super::chain_factor::{FactorRow, chain_shape};
 use super::drive::Segment;
 use super::equations::RandomSigns;
-use super::facets::{FACETS_M, ORDERS};
+use super::facets::{FACETS_M, ORDERS, incidence_rad};
 use super::gauss_newton_step::GaussNewtonStep;
 use super::gradients::Gradients;
 use super::linearisation::Linearisation;
@@ -41,7 +41,7 @@ const DRAWS: usize = 8;
 /// Covariance by the facets of the prisms.
 #[derive(Clone, Debug)]
 pub struct FacetCovariance {
-    /// Of the poses of all stations but the first.
+    /// Covariance of (x, y, z, yaw) of all stations but the first (m, rad).
     pub poses: DMatrix<f64>,
     pub constants: ConstantsMatrix,
 }
@@ -61,8 +61,7 @@ impl FacetCovariance {
     ) -> Result<Self, Cancelled> {
         let (matrix, layout) = (&step.normal.matrix, &step.normal.drive().layout);
         let shape = chain_shape(layout);
-        let coefficients = OF_STATION * layout.stations();
-        let mut effects = vec![FacetEffect::zeros(shape, sensitivity.len()); coefficients + DRAWS];
+        let mut effects = vec![FacetEffect::zeros(shape, sensitivity.len()); effects_of(layout)];
         let mut gradients = BlockGradients { step, state, next: 0, of_blocks: VecDeque::new() };
         for chunk in matrix.chunks() {
             let gradients = gradients.take(chunk.len(), progress)?;
@@ -82,13 +81,19 @@ impl FacetCovariance {
         }
         let mut covariance = Self::zeros(layout);
         for (index, FacetEffect { constants, poses, .. }) in effects.into_iter().enumerate() {
-            let share = if index < coefficients { 1.0 } else { 1.0 / DRAWS as f64 };
+            let is_draw = index >= OF_STATION * layout.stations();
+            let share = if is_draw { 1.0 / DRAWS as f64 } else { 1.0 };
             let constants = step.factor.solve_constants(&constants[..layout.constants]);
             covariance.constants.ger(share, &constants, &constants, 1.0);
             covariance.poses.ger(share, &poses, &poses, 1.0);
         }
         Ok(covariance)
     }
+}
+
+/// Number of coefficients of all stations, and of draws.
+fn effects_of(layout: &Layout) -> usize {
+    OF_STATION * layout.stations() + DRAWS
 }
 
 /// Change of a block's unknowns by that of each pose: a column a pose.
@@ -165,14 +170,18 @@ impl BlockGradients<'_> {
             let of_segment = |index: usize, band: &MotionBand| {
                 let (segment, point) = linearisation.segment(index);
                 let weights = &step.segments[index].weights;
-                of_segment(segment, &point, &step.levels(), weights, band)
+                of_segment(segment, &point, &step.levels, weights, band)
             };
             let gradients = step.map_segments(state, some.clone(), of_segment);
+            self.next = some.end;
+            // Each is there: the same matrix was positive definite before. Without one, its blocks would count as those of no facets.
             for (index, gradients) in some.zip(gradients) {
-                let blocks = linearisation.blocks(index).len();
-                // The same matrix was positive definite before.
-                self.of_blocks.extend(gradients.unwrap_or_else(|| vec![Vec::new(); blocks]));
-                self.next = index + 1;
+                let none = || {
+                    let layout = &step.normal.drive().layout;
+                    let of_block = BlockVector::zeros(layout.block());
+                    vec![vec![of_block; effects_of(layout)]; linearisation.blocks(index).len()]
+                };
+                self.of_blocks.extend(gradients.unwrap_or_else(none));
             }
         }
         Ok(self.of_blocks.drain(..count.min(self.of_blocks.len())).collect())
@@ -265,7 +274,11 @@ fn add_reading(
 ) {
     let columns = residual.block_jacobian(point.layout, station);
     let local = point.prisms.coordinates();
-    let incidence_rad = incidence_rad(residual, point, station);
+    let weights = &residual.weights;
+    let prism_m = |prism: usize| spline_value(point, weights, &weights.position, prism);
+    let to_station_m = point.stations[station.index()].position_m - prism_m(residual.prism);
+    let (from, to) = rig_axis(point);
+    let incidence_rad = incidence_rad(&to_station_m, &(prism_m(to) - prism_m(from)));
     for (axis, rms_m) in FACETS_M.into_iter().enumerate() {
         let sigma_m = rms_m / (ORDERS.len() as f64).sqrt();
         let pull = residual.axes * residual.information.column(axis) * (weight * sigma_m);
@@ -289,18 +302,4 @@ fn rig_axis(point: &LinearisationPoint<'_>) -> (usize, usize) {
         others.map(|(pair, _)| point.distances_m[*pair]).sum::<f64>()
     };
     if from_others_m(b) < from_others_m(a) { (b, a) } else { (a, b) }
-}
-
-/// Azimuth of a station in the frame of the rig at a reading (rad).
-fn incidence_rad(
-    residual: &ReadingResidual,
-    point: &LinearisationPoint<'_>,
-    station: Station,
-) -> f64 {
-    let weights = &residual.weights;
-    let prism_m = |prism: usize| spline_value(point, weights, &weights.position, prism);
-    let (from, to) = rig_axis(point);
-    let axis: Vector3<f64> = prism_m(to) - prism_m(from);
-    let sight = point.stations[station.index()].position_m - prism_m(residual.prism);
-    sight.y.atan2(sight.x) - axis.y.atan2(axis.x)
 }

@@ -91,11 +91,9 @@ fn of_block(
             (0..4).map(|knot| at(knot) * weights.position[knot]).sum()
         };
         let axis = prism_m(1) - prism_m(0);
-        let heading_rad = axis.y.atan2(axis.x);
         for (station, station_m) in stations_m.each() {
             let Some(prism) = segment.prisms.of_station[station] else { continue };
-            let sight = station_m - prism_m(prism);
-            let incidence_rad = sight.y.atan2(sight.x) - heading_rad;
+            let incidence_rad = incidence_rad(&(station_m - prism_m(prism)), &axis);
             for (term, order) in terms[station].iter_mut().zip(ORDERS) {
                 let (sin, cos) = (order * incidence_rad).sin_cos();
                 term[0] += cos / INSTANTS as f64;
@@ -104,6 +102,11 @@ fn of_block(
         }
     }
     terms
+}
+
+/// Azimuth in the frame of the rig of the direction to a station, by an axis of the rig (rad).
+pub fn incidence_rad(to_station_m: &Vector3<f64>, axis: &Vector3<f64>) -> f64 {
+    to_station_m.y.atan2(to_station_m.x) - axis.y.atan2(axis.x)
 }
 
 #[cfg(test)]

@@ -216,7 +216,8 @@ fn noise(joint: &JointEstimate) -> Finding {
     let levels = &joint.levels;
     noise_levels(ReadingNoise {
         range_m: levels.range_m(),
-        angle_rad: levels.angle_rad,
+        horizontal_rad: levels.horizontal_rad,
+        vertical_rad: levels.vertical_rad,
         stamp_s: levels.jitter_s,
         slow_range_m: joint.slow_ranges.sigma_m,
         slow_across_m: joint.slow_across.sigma_m,

@@ -19,7 +19,7 @@ use super::motion_band::{BlockEquations, MotionBand, Rows};
 use super::priors::Priors;
 use super::random_walks::SlowPrecisions;
 use super::residuals::NoiseLevels;
-use super::state_vector::{BlockVector, Slow, StateVector};
+use super::state_vector::{BlockVector, Constants, Slow, StateVector};
 use super::trace::{SolverPhase, TraceRow};
 use crate::progress::{Cancelled, Progress};
 
@@ -30,7 +30,7 @@ pub type RowBuffers = Vec<Rows>;
 pub struct GaussNewtonStep {
     pub segments: Vec<SegmentEquations>,
     /// Noise levels of the linearisation, with which rows that are not stored are recomputed.
-    levels: NoiseLevels,
+    pub levels: NoiseLevels,
     pub normal: ChainEquations,
     pub slow_precisions: SlowPrecisions,
     pub factor: ChainFactor,
@@ -103,11 +103,6 @@ impl GaussNewtonStep {
         squares
     }
 
-    /// Noise levels of the linearisation.
-    pub fn levels(&self) -> NoiseLevels {
-        self.levels
-    }
-
     /// Robust weights by segment.
     pub fn weights(&self) -> Vec<RobustWeights> {
         self.segments.iter().map(|segment| Arc::clone(&segment.weights)).collect()
@@ -174,14 +169,17 @@ impl GaussNewtonStep {
         Ok(())
     }
 
+    /// Step of each constant (σ).
+    pub fn step_sigmas(&self) -> Constants {
+        let variance = self.factor.constants_covariance().diagonal();
+        let of_one =
+            |step: f64, variance: f64| if variance > 0.0 { step / variance.sqrt() } else { 0.0 };
+        self.step.constants.zip_map(&variance, of_one)
+    }
+
     /// Largest step of a constant (σ).
     pub fn largest_step_sigmas(&self) -> f64 {
-        let variance = self.factor.constants_covariance().diagonal();
-        self.step
-            .constants
-            .zip_map(&variance, |step, variance| step.powi(2) / variance)
-            .max()
-            .sqrt()
+        self.step_sigmas().amax()
     }
 
     /// Maps the eliminated motion of some segments, recomputing rows that are not stored; `None` where that fails.

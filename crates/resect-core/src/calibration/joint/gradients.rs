@@ -6,7 +6,7 @@ use super::drive::Segment;
 use super::knot_grid::KnotGrid;
 use super::residuals::{
     BlockColumns, LinearisationPoint, NoiseLevels, ReadingResidual, distance_residual,
-    distance_times_s, jerk_factors, jerk_residuals,
+    distance_times_s, jerk_factors, jerk_precisions, jerk_residuals,
 };
 use super::state_vector::{BlockVector, Layout};
 
@@ -43,14 +43,18 @@ pub fn gradients(
     if !point.prisms.pairs.is_empty() {
         sums.add_distances(grid, point, levels);
     }
-    let mut residuals = vec![0.0; local];
-    for (first, excess) in segment.excess_jerks.iter().copied().enumerate() {
-        let factors = jerk_factors(grid, levels, excess);
+    let (mut residuals, mut precisions) = (vec![0.0; local], vec![0.0; local]);
+    let factors = jerk_factors(grid);
+    for (first, excess) in segment.excess_jerks.iter().enumerate() {
+        jerk_precisions(levels, excess, &mut precisions);
         jerk_residuals(point, first, &factors, &mut residuals);
         let weight = next_weight();
+        for (residual, precision) in residuals.iter_mut().zip(&precisions) {
+            *residual *= weight * precision;
+        }
         for (knot, factor) in sums.knots[local * first..].chunks_exact_mut(local).zip(&factors) {
             for (gradient, residual) in knot.iter_mut().zip(&residuals) {
-                *gradient += weight * factor * residual;
+                *gradient += factor * residual;
             }
         }
     }

@@ -58,20 +58,20 @@
 //!
 //! ```text
 //! ε = Aᵀ (q(t′) − λ_i v⊥(t′) − R_i p − o_i − sᵒ_ib)                                           (5)
-//! cov ε = diag(σ_ρ², (ρ σ_α)², (ρ σ_α)²) + σ_t² Aᵀv vᵀA                                       (6)
+//! cov ε = diag(σ_ρ², (ρ σ_h)², (ρ σ_v)²) + σ_t² Aᵀv vᵀA                                       (6)
 //! σ_ρ = f_ρ (2 mm + 2 ppm ρ)                                                                  (7)
 //! ```
 //!
-//! with the noise `σ_t` of the stamp. Two more equations tie the splines. Once a knot interval, a distance of the rig has the standard
+//! with the noise `σ_h` of horizontal angles, `σ_v` of vertical ones, and `σ_t` of the stamp. Two more equations tie the splines. Once a knot interval, a distance of the rig has the standard
 //! deviation `σ_rig`: 1.5 mm with the facets of the prisms, or 0.35 mm of flexibility if `ranges_wander` is off. From knot to knot the jerk has
-//! the standard deviation `σ_jerk` in each coordinate:
+//! the standard deviation `σ_jerk`, one for horizontal coordinates and one for heights:
 //!
 //! ```text
 //! ‖q_j − q_l‖ − d_jl ~ N(0, σ_rig²)                                                           (8)
 //! jerk = (c_{n+3} − 3 c_{n+2} + 3 c_{n+1} − c_n) / h³ ~ N(0, σ_jerk² + ν_n²)                  (9)
 //! ```
 //!
-//! `ν_n` is the jerk beyond the usual one, where the readings themselves show that the vehicle starts, stops or turns sharply ([`excess_jerk`]).
+//! `ν_n`, as `σ_jerk`, is the jerk beyond the usual one, where the readings themselves show that the vehicle starts, stops or turns sharply ([`excess_jerk`]).
 //!
 //! # Slow states
 //! Poses and clocks are random walks from the set-up. Their increments have a share ω of the variance of a whole drive, with the middles `t_b` of
@@ -107,7 +107,7 @@
 //! ```text
 //! ℓ(m) = 2.4² ln(1 + m / 2.4²),  w(m) = ℓ′(m) = 1 / (1 + m / 2.4²)                            (13)
 //!
-//! Φ = Σ_readings 3r ℓ(εᵀ (cov ε)⁻¹ ε / 3r) + r ln(1 + σ_t² vᵀ (cov ε − σ_t² v vᵀ)⁻¹ v) + Σ_knots 9 ℓ(‖jerk‖² / 9(σ_jerk² + ν_n²))
+//! Φ = Σ_readings 3r ℓ(εᵀ (cov ε)⁻¹ ε / 3r) + r ln(1 + σ_t² vᵀ (cov ε − σ_t² v vᵀ)⁻¹ v) + Σ_knots 9 ℓ(Σ jerk² / (σ_jerk² + ν_n²) / 9)
 //!   + Σ_knots (‖q_j − q_l‖ − d_jl)² / σ_rig² + (θ − θ₀)ᵀ P (θ − θ₀) + sᵀ P_s s + (12)         (14)
 //! ```
 //!
@@ -115,8 +115,8 @@
 //! precision of the priors of θ, zero for the transforms; θ₀ are their means; `P_s` is the precision of (10) and (11).
 //!
 //! # Noise levels
-//! The levels `f_ρ`, `σ_α` and `σ_t` are variance components, estimated as Helmert's ([`noise_levels`]). One σ of a kind displaces a reading by ς:
-//! `(σ_ρ, 0, 0)`, `(0, ρ σ_α, 0)` and `(0, 0, ρ σ_α)`, or `σ_t Aᵀv`. The motion absorbs a part of the expected squares, estimated by random
+//! The levels `f_ρ`, `σ_h`, `σ_v` and `σ_t` are variance components, estimated as Helmert's ([`noise_levels`]). One σ of a kind displaces a reading by ς:
+//! `(σ_ρ, 0, 0)`, `(0, ρ σ_h, 0)`, `(0, 0, ρ σ_v)`, or `σ_t Aᵀv`. The motion absorbs a part of the expected squares, estimated by random
 //! probes (Girard 1989):
 //!
 //! ```text
@@ -129,7 +129,7 @@
 //! of the jerks (at least 0.25). Their squares are unweighted, and their number is expected:
 //!
 //! ```text
-//! σ_jerk ← σ_jerk ((Σ ‖jerk‖² / σ_jerk² + absorbed) / expected)^(1 / 2r_jerk)                 (17)
+//! σ_jerk ← σ_jerk ((Σ jerk² / σ_jerk² + absorbed) / expected)^(1 / 2r_jerk)                   (17)
 //! ```
 //!
 //! Jerks with `ν_n > σ_jerk` are left out of (17). A step changes a level by a factor of at most 2.7, within limits.
@@ -196,7 +196,7 @@
 //! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
 //!    other, the one that fits more other stations is kept; neither, if they fit as many. A station alone has no such test.
 //! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad: after two steps of the
-//!    motion alone, and twice again after a step of all unknowns. The levels are constant from then on.
+//!    motion alone, and three times again after a step of all unknowns. The levels are constant from then on.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: once no constant moves by more
 //!    than 1.5 σ, and the squared length of a step (21) is below 4, times the knots of the drive over those of the sample (their root for σ). It
 //!    searches twice, and again while a search detects a step.
@@ -215,7 +215,8 @@
 //! by a factor of 10. It begins so if the last squared length of part 2 is below 10. Drives of more than 4096 knots never reuse it.
 //!
 //! **Step control.** After a step that does not keep Φ below 1.01 times its value, the iteration returns to the state before it. It
-//! linearises there again, and applies a quarter of the share. The next step has twice the share of the last one, and at most all. θ and s take the share, to which the motion is fitted. A share below 0.001 is
+//! linearises there again, and applies a quarter of the share. The next step has twice the share of the last one, and at most all. With fixed weights, steps that shrink by less than a factor of 0.6 are an exception: if they turn back
+//! (cosine of the angle below -0.8), the next has half the share; if they keep their direction (above 0.8), the sum of all further steps is taken (Aitken 1926), ten steps at most. θ and s take the share, to which the motion is fitted. A share below 0.001 is
 //! accepted in any case. The cost may rise by 1 %, because (20) is not the minimum of Φ. Before it is compared, a step of the motion alone follows
 //! the sights within the blocks, which (19) neglects. Steps of coefficients that the readings hardly determine are shortened: 1/(0.3 m)² is
 //! added to the diagonal of the motion (Levenberg 1944). Steps that reuse the normal matrix are
@@ -262,12 +263,16 @@
 //! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The constants θ have such a
 //! covariance as well, with which the poses of the vehicle are computed ([`mod@facet_covariance`]).
 //!
+//! The normal matrix counts noise of the vehicle's tilts as information on heights. C, F and the covariance of θ are those of the Hessian instead, as far as
+//! it differs for heights (26) ([`mod@height_curvature`]).
+//!
 //! Tables and JSON have these symbols with the number of the station. Their `σ_ρ` is that of a range of length zero, and Δx is survey less drive as Δθ.
 //!
 //! | file | content |
 //! |---|---|
 //! | [`joint_estimate`], [`summary`] | values, covariance and variance budget |
 //! | [`facets`], [`mod@facet_covariance`] | errors that repeat with the incidence on the prisms, and the covariance by them |
+//! | [`mod@height_curvature`] | covariance of heights by the Hessian |
 //! | [`reliability`] | redundancy numbers, minimal detectable biases and their effect |
 //! | [`prior_conflict`], [`stated_size_conflict`] | tests of the priors |
 //! | [`findings`] | findings and doubts |
@@ -282,6 +287,7 @@
 //! `x_by_y` is the Jacobian of x with respect to y. Slots 0, 1, … are stations 2, 3, …. Gauss–Newton steps are subtracted. `information` is an inverse
 //! covariance, `precision` 1/σ² of a prior.
 
+mod attempt_end;
 mod block_jacobians;
 mod chain;
 mod chain_factor;
@@ -298,10 +304,12 @@ mod facets;
 pub mod findings;
 mod gauss_newton_step;
 mod gradients;
+mod height_curvature;
 pub mod instrument_errors;
 mod joint_estimate;
 mod knot_covariance;
 mod knot_grid;
+mod learned_noise;
 mod linearisation;
 pub mod loss;
 mod marginal_likelihood;
@@ -311,6 +319,7 @@ mod predict;
 mod prior_conflict;
 mod priors;
 pub mod prism_motion;
+mod prisms_of_instant;
 mod random_walks;
 mod readings;
 pub mod reliability;
@@ -338,7 +347,7 @@ pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, Survey
 pub use self::predict::{ExpectedNoise, predict};
 pub use self::priors::RigDistances;
 pub use self::random_walks::GaussMarkov;
-pub use self::readings::{DriveReadings, Reading};
+pub use self::readings::{DriveReadings, Reading, STEPS_APART};
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };

@@ -13,7 +13,7 @@ use crate::linear_algebra::bordered_rows::{
 };
 
 /// Kinds of noise whose redundancy is estimated by random probes.
-pub const PROBES: usize = 4;
+pub const PROBES: usize = 6;
 /// Columns of the border: the gradient, probes, blocks with even indices, and blocks with odd indices.
 const GRADIENT: usize = 0;
 const FIRST_PROBE: usize = 1;
@@ -177,17 +177,17 @@ impl MotionBand {
         }
     }
 
-    /// Adds one equation for each unknown of four knots, all of the same precision, and their gradients.
+    /// Adds one equation for each unknown of four knots, with these precisions, and their gradients.
     pub fn add_each(
         &mut self,
         KnotFactors { first, factors }: KnotFactors<'_>,
-        precision: f64,
+        precisions: &[f64],
         gradient: &[f64],
     ) {
         let local = self.shape.size;
         let right = self.shape.first_of_border() + GRADIENT;
         for k in 0..ORDER {
-            for (i, value) in gradient.iter().enumerate() {
+            for (i, (value, precision)) in gradient.iter().zip(precisions).enumerate() {
                 let row = self.row(first + k, i);
                 for l in k..ORDER {
                     row[local * (l - k) + i] += precision * factors[k] * factors[l];

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::constants_prior::prior_mean;
 use super::drive::{BLOCK_LENGTHS_S, Drive};
 use super::equations::ResidualSquares;
-use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::linearisation::Weighting;
@@ -16,7 +15,7 @@ use super::prism_motion::Solution;
 use super::random_walks::GaussMarkov;
 use super::readings::DriveReadings;
 use super::residuals::NoiseLevels;
-use super::state_vector::{Constants, Layout};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 use crate::network::{PerPair, PerStation};
@@ -101,7 +100,8 @@ fn predict_step(
     let step = GaussNewtonStep::new(&drive, &state, &weighting, &priors, &mut buffers, progress)?;
     // Tighter priors would predict a smaller σ.
     let Some(step) = step.filter(|step| !step.is_stiffer) else { return Ok(None) };
-    let facets = Arc::new(FacetCovariance::zeros(&drive.layout));
-    let solution = Solution { drive, state, weighting, priors, sizes: *sizes, facets };
+    let size = drive.layout.constants;
+    let added_covariance = Arc::new(ConstantsMatrix::zeros(size, size));
+    let solution = Solution { drive, state, weighting, priors, sizes: *sizes, added_covariance };
     step.summary(solution, progress).map(Some)
 }

@@ -12,23 +12,18 @@ use rayon::prelude::*;
 use super::block_jacobians::reference_shift_m;
 use super::cut_motion::{CutMotion, cut_span_s, estimate_cut_motion};
 use super::drive::{Drive, Segment};
-use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers};
 use super::knot_covariance::{KnotCovariance, each_knot_covariance};
 use super::knot_grid::{ORDER, SplineWeights};
 use super::linearisation::{Linearisation, Weighting};
 use super::motion_band::MotionBand;
 use super::priors::Priors;
-use super::segment_prisms::SegmentPrisms;
+use super::prisms_of_instant::PrismsOfInstant;
 use super::settling::station_1_by_relative;
 use super::state_vector::{ConstantsMatrix, Layout, Slow, StateVector};
 use crate::calibration::ErrorSizes;
 use crate::network::{PerStation, Station};
 use crate::progress::{Cancelled, Progress};
-
-/// Longest time before the first reading of a prism in a segment, or after its last one, at which its motion is evaluated (s). Beyond it the spline
-/// is an extrapolation that nothing checks.
-const LONGEST_EXTRAPOLATION_S: f64 = 0.5;
 
 /// The solution of an estimate, from which its motion is evaluated.
 #[derive(Clone, Debug)]
@@ -38,8 +33,8 @@ pub struct Solution {
     pub(super) weighting: Weighting,
     pub(super) priors: Priors,
     pub(super) sizes: ErrorSizes,
-    /// Covariance by the facets of the prisms; zeros without a rig.
-    pub(super) facets: Arc<FacetCovariance>,
+    /// Covariance of the constants beyond that of the normal equations: by the facets of the prisms and the curvature of the heights.
+    pub(super) added_covariance: Arc<ConstantsMatrix>,
 }
 
 /// The prisms that are followed at one instant: x, y, z of each, in the frame of station 1 as it was set up.
@@ -145,9 +140,9 @@ impl Solution {
         Ok(ConstantsJacobian { instants, covariance: self.constants_covariance(&step) })
     }
 
-    /// Covariance of the constants with that by the facets.
+    /// Covariance of the constants, with that beyond the normal equations.
     pub(super) fn constants_covariance(&self, step: &GaussNewtonStep) -> ConstantsMatrix {
-        step.factor.constants_covariance() + &self.facets.constants
+        step.factor.constants_covariance() + &*self.added_covariance
     }
 
     fn linearise(&self, progress: &Progress) -> Result<Option<GaussNewtonStep>, Cancelled> {
@@ -315,57 +310,6 @@ fn with_motion(block: &DMatrix<f64>, motion: &DMatrix<f64>) -> DMatrix<f64> {
 fn settled(station_1_by_slow: &DMatrix<f64>, slow: &Slow) -> Vector4<f64> {
     let settled = station_1_by_slow * slow.rows(0, station_1_by_slow.ncols());
     settled.fixed_rows::<4>(0).into()
-}
-
-/// The prisms of a segment that are followed at an instant.
-struct PrismsOfInstant {
-    /// Their places among the prisms of the drive, in order.
-    in_drive: Arc<[usize]>,
-    /// Their coordinates among those of the segment; `None` if all prisms of the segment are followed.
-    coordinates: Option<Vec<usize>>,
-}
-
-impl PrismsOfInstant {
-    /// The prisms at an instant (s), by the first and last reading of each in the segment (s).
-    fn at(time_s: f64, read_spans_s: &[Option<[f64; 2]>], all: &SegmentPrisms) -> Self {
-        let is_followed = |prism: &usize| {
-            read_spans_s[*prism].is_some_and(|[first_s, last_s]| {
-                time_s >= first_s - LONGEST_EXTRAPOLATION_S
-                    && time_s <= last_s + LONGEST_EXTRAPOLATION_S
-            })
-        };
-        let prisms: Vec<usize> = (0..all.count()).filter(is_followed).collect();
-        if prisms.len() == all.count() {
-            return Self { in_drive: Arc::clone(&all.in_drive), coordinates: None };
-        }
-        let coordinates = prisms.iter().flat_map(|prism| 3 * prism..3 * prism + 3).collect();
-        let in_drive = prisms.iter().map(|prism| all.in_drive[*prism]).collect();
-        Self { in_drive, coordinates: Some(coordinates) }
-    }
-
-    /// The rows of these prisms.
-    fn rows(&self, matrix: DMatrix<f64>) -> DMatrix<f64> {
-        match &self.coordinates {
-            Some(coordinates) => matrix.select_rows(coordinates),
-            None => matrix,
-        }
-    }
-
-    /// Rows and columns of these prisms.
-    fn rows_and_columns(&self, matrix: DMatrix<f64>) -> DMatrix<f64> {
-        match &self.coordinates {
-            Some(coordinates) => matrix.select_rows(coordinates).select_columns(coordinates),
-            None => matrix,
-        }
-    }
-
-    /// The coordinates of these prisms.
-    fn of_vector(&self, vector: DVector<f64>) -> DVector<f64> {
-        match &self.coordinates {
-            Some(coordinates) => vector.select_rows(coordinates),
-            None => vector,
-        }
-    }
 }
 
 /// Input of the evaluation at one instant.

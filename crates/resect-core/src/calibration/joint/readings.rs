@@ -10,8 +10,8 @@ use crate::network::PerStation;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// Triplets further apart than this many median steps have a gap between them.
-const STEPS_APART: f64 = 2.5;
+/// Readings or triplets further apart than this many usual steps have a gap between them.
+pub const STEPS_APART: f64 = 2.5;
 
 /// One reading of one station, in its own frame. Its [`Sight`] is computed when it is needed: long drives have millions of readings.
 #[derive(Clone, Debug)]

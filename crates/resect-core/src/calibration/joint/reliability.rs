@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::equations::{ANGLES, RANGES, ResidualSquares, SquareSum};
+use super::equations::{HORIZONTAL_ANGLES, RANGES, ResidualSquares, SquareSum, VERTICAL_ANGLES};
 use super::loss::CONSISTENCY;
 use super::prior_conflict::LEAST_INFORMATION;
 use super::state_vector::{Constants, ConstantsMatrix, Layout};
@@ -264,11 +264,22 @@ pub fn drive_reliability(
             let bias = posterior.test_prior(posterior.layout.index(unknown, index)).bias;
             groups.push(GroupReliability { kind, index, redundancy, residual, bias });
         };
-        let [of_ranges, of_angles] = [RANGES, ANGLES].map(|kind| squares.redundancy(kind));
+        let [of_ranges, of_horizontal, of_vertical] =
+            [RANGES, HORIZONTAL_ANGLES, VERTICAL_ANGLES].map(|kind| squares.redundancy(kind));
         add(GroupKind::Ranges, &RANGE_OFFSET, of_ranges, rms(ranges, RANGES));
         add(GroupKind::RangeScale, &RANGE_SCALE, None, None);
-        add(GroupKind::HorizontalAngles, &COLLIMATION, of_angles, rms(horizontal, ANGLES));
-        add(GroupKind::VerticalAngles, &VERTICAL_INDEX, of_angles, rms(vertical, ANGLES));
+        add(
+            GroupKind::HorizontalAngles,
+            &COLLIMATION,
+            of_horizontal,
+            rms(horizontal, HORIZONTAL_ANGLES),
+        );
+        add(
+            GroupKind::VerticalAngles,
+            &VERTICAL_INDEX,
+            of_vertical,
+            rms(vertical, VERTICAL_ANGLES),
+        );
     }
     groups
 }

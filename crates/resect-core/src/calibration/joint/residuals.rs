@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::excess_jerk::JerkVariance;
 use super::knot_grid::{KnotGrid, ORDER, SplineWeights};
 use super::readings::Reading;
 use super::segment_prisms::SegmentPrisms;
@@ -27,14 +28,16 @@ pub const ANGLE_RAD: f64 = ARCSECOND_RAD;
 pub struct NoiseLevels {
     /// Factor of a range's stated standard deviation ([`stated_range_m`]).
     pub range: f64,
-    /// Standard deviation of an angle (rad).
-    pub angle_rad: f64,
+    /// Standard deviations of a horizontal and a vertical angle (rad).
+    pub horizontal_rad: f64,
+    pub vertical_rad: f64,
     /// Standard deviation of a stamp (s).
     pub jitter_s: f64,
     /// Standard deviation of an observed distance of the rig, once a knot (m).
     pub distance_m: f64,
-    /// Standard deviation of the third derivative of the prisms' positions (m/s³).
-    pub jerk_m_per_s3: f64,
+    /// Standard deviations of the third derivative of the prisms' positions along horizontal axes and the vertical one (m/s³).
+    pub horizontal_jerk_m_per_s3: f64,
+    pub vertical_jerk_m_per_s3: f64,
 }
 
 impl NoiseLevels {
@@ -84,9 +87,8 @@ pub struct ReadingResidual {
     pub residual_m: Vector3<f64>,
     /// Inverse covariance of the residual (1/m²).
     pub information: Matrix3<f64>,
-    /// Standard deviations along and across the sight (m), and displacement by one standard deviation of the stamp (m).
-    pub range_sigma_m: f64,
-    pub across_sigma_m: f64,
+    /// Standard deviations along the sight, to its right and up (m), and displacement by one standard deviation of the stamp (m).
+    pub sigmas_m: Vector3<f64>,
     pub jitter_m: Vector3<f64>,
     /// Logarithm of the determinant of the covariance, less that without the noise of the stamp.
     pub log_determinant: f64,
@@ -124,10 +126,12 @@ impl ReadingResidual {
             - velocity_across * model.latency_s
             - prism_m;
 
-        let range_sigma_m = levels.range * stated_range_m(sight.range_m); // (7)
-        let across_sigma_m = levels.angle_rad * sight.range_m;
-        let precision =
-            Vector3::new(range_sigma_m.powi(-2), across_sigma_m.powi(-2), across_sigma_m.powi(-2));
+        let sigmas_m = Vector3::new(
+            levels.range * stated_range_m(sight.range_m), // (7)
+            levels.horizontal_rad * sight.range_m,
+            levels.vertical_rad * sight.range_m,
+        );
+        let precision = sigmas_m.map(|sigma_m| sigma_m.powi(-2));
         // (6). A stamp error displaces the reading along its velocity: inverse of diagonal + rank one (Sherman & Morrison 1950).
         let jitter_m = axes.tr_mul(&velocity) * levels.jitter_s;
         let weighted = precision.component_mul(&jitter_m);
@@ -143,8 +147,7 @@ impl ReadingResidual {
             velocity_across,
             axes,
             information,
-            range_sigma_m,
-            across_sigma_m,
+            sigmas_m,
             jitter_m,
             log_determinant,
         }
@@ -200,14 +203,27 @@ pub fn distance_residual(
     (between / length_m, length_m - distance_m) // (8)
 }
 
-/// Jacobian of a jerk by four knots, in σ; `excess` is its variance beyond that of the whole drive (m²/s⁶).
-pub fn jerk_factors(grid: &KnotGrid, levels: &NoiseLevels, excess: f64) -> [f64; ORDER] {
-    let sigma_m_per_s3 = (levels.jerk_m_per_s3.powi(2) + excess).sqrt();
-    let scale = 1.0 / (sigma_m_per_s3 * grid.knot_s.powi(3));
+/// Jacobian of a jerk by four knots (1/s³).
+pub fn jerk_factors(grid: &KnotGrid) -> [f64; ORDER] {
+    let scale = grid.knot_s.powi(-3);
     [-scale, 3.0 * scale, -3.0 * scale, scale] // (9)
 }
 
-/// Writes the jerk of four knots from `first` on to `residuals`, by coordinate, in σ.
+/// Precisions of a jerk by coordinate (s⁶/m²); `excess` is its variance beyond that of the whole drive.
+pub fn jerk_precisions(levels: &NoiseLevels, excess: &JerkVariance, precisions: &mut [f64]) {
+    let horizontal = levels.horizontal_jerk_m_per_s3.powi(2) + excess.horizontal;
+    let vertical = levels.vertical_jerk_m_per_s3.powi(2) + excess.vertical;
+    for (coordinate, precision) in precisions.iter_mut().enumerate() {
+        *precision = if is_vertical(coordinate) { vertical } else { horizontal }.recip();
+    }
+}
+
+/// Returns true for the coordinates of a knot that are heights.
+pub fn is_vertical(coordinate: usize) -> bool {
+    coordinate % 3 == 2
+}
+
+/// Writes the jerk of four knots from `first` on to `residuals`, by coordinate (m/s³).
 pub fn jerk_residuals(
     point: &LinearisationPoint<'_>,
     first: usize,

@@ -205,6 +205,11 @@ impl Layout {
         4 * self.moved()
     }
 
+    /// Places of the heights among the poses.
+    pub fn heights(&self) -> Vec<usize> {
+        (0..self.moved()).map(|slot| 4 * slot + 2).collect()
+    }
+
     /// Number of slow states s of a block: changes of (x, y, z, yaw) by slot, of clocks by slot, errors of the ranges by station, errors
     /// across the sight and upward by station.
     pub fn slow(&self) -> usize {

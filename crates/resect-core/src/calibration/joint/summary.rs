@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::chain::ChainVector;
 use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::GaussNewtonStep;
+use super::height_curvature::height_curvature;
 use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
 use super::linearisation::Weighting;
 use super::prior_conflict::PriorConflict;
@@ -23,7 +24,7 @@ use crate::calibration::{ErrorSizes, Estimate};
 use crate::progress::{Cancelled, Progress};
 
 impl GaussNewtonStep {
-    /// Summarises a solution, whose facets are not known yet; the caller sets steps, iterations and the rows of the trace.
+    /// Summarises a solution, whose added covariance is not known yet; the caller sets steps, iterations and the rows of the trace.
     pub fn summary(
         &self,
         mut solution: Solution,
@@ -37,23 +38,26 @@ impl GaussNewtonStep {
             slow: 0,
             blocks: (0..blocks).collect(),
         };
-        let pose_sensitivity = self.factor.solve(&poses.jacobian(layout, blocks));
+        let mut pose_sensitivity = self.factor.solve(&poses.jacobian(layout, blocks));
+        let linear = self.factor.constants_covariance();
+        let amplified = self.amplify(&mut pose_sensitivity, &poses, &solution, progress)?;
         // One prism has no heading.
-        if layout.prisms() > 1 && solution.sizes.ranges_wander {
-            let facets = FacetCovariance::new(self, &solution.state, &pose_sensitivity, progress)?;
-            solution.facets = Arc::new(facets);
-        }
+        let facets = if layout.prisms() > 1 && solution.sizes.ranges_wander {
+            FacetCovariance::new(self, &solution.state, &pose_sensitivity, progress)?
+        } else {
+            FacetCovariance::zeros(layout)
+        };
+        let Amplified { covariance, constants: by_gradient } = amplified;
+        let constants = &by_gradient * (&linear + facets.constants) * by_gradient.transpose();
+        solution.added_covariance = Arc::new(constants - &linear);
         let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
-        let covariance = poses.of_all(&pose_sensitivity);
         let states = ChainVector { slow: state.slow.clone(), constants: state.constants.clone() };
         // Variance of a random walk's mean about its start is a third of that of its end.
         let settling = &priors.slow.settling / 3.0;
         let information = self.normal.matrix.multiply(&pose_sensitivity);
-        let facets = &solution.facets.poses;
         let mut budget = self.variance_budget(&pose_sensitivity, &information, priors);
         add_to_source(&mut budget, "settling", &settling.diagonal());
-        budget.push(("facets of prisms", facets.diagonal()));
-        let linear = self.factor.constants_covariance();
+        budget.push(("facets of prisms", facets.poses.diagonal()));
         let constants = solution.constants_covariance(self);
         let estimate = |index: usize| Estimate {
             value: state.constants[index],
@@ -63,7 +67,7 @@ impl GaussNewtonStep {
         let with_poses = by_columns(&pose_sensitivity, layout.constants);
         Ok(JointEstimate {
             station1_from_station: level_transforms(&poses.of(&states)),
-            covariance: covariance + settling + facets, // (25)
+            covariance: covariance + settling + facets.poses, // (25)
             budget,
             reliability: group_reliability(&solution, &linear, &with_poses),
             clock_offsets_s: drives[0].offsets_s.clone(),
@@ -86,6 +90,46 @@ impl GaussNewtonStep {
             iterations: 0,
             trace: Trace::default(),
             solution: Arc::new(solution),
+        })
+    }
+
+    /// Replaces the sensitivity of the poses by that with the curvature of the heights.
+    fn amplify(
+        &self,
+        sensitivity: &mut [ChainVector],
+        poses: &DriveMean,
+        solution: &Solution,
+        progress: &Progress,
+    ) -> Result<Amplified, Cancelled> {
+        let Solution { state, priors, .. } = solution;
+        let layout = &*priors.layout;
+        let covariance = poses.of_all(sensitivity);
+        let (size, places) = (layout.constants, layout.heights());
+        // The distances alone are curved.
+        if layout.prisms() < 2 {
+            return Ok(Amplified { covariance, constants: ConstantsMatrix::identity(size, size) });
+        }
+        let directions: Vec<ChainVector> =
+            places.iter().map(|place| sensitivity[*place].clone()).collect();
+        let heights = |vector: &ChainVector| poses.of(vector).select_rows(&places);
+        let curvature = height_curvature(self, state, priors, &directions, &heights, progress)?;
+        let amplification = |with_heights: DMatrix<f64>| {
+            let mut by_gradient = DMatrix::identity(with_heights.nrows(), with_heights.nrows());
+            for (column, place) in (with_heights * &curvature).column_iter().zip(&places) {
+                by_gradient.column_mut(*place).axpy(1.0, &column, 1.0);
+            }
+            by_gradient
+        };
+        let by_gradient = amplification(covariance.select_columns(&places));
+        let more = &by_gradient - DMatrix::identity(by_gradient.nrows(), by_gradient.nrows());
+        for (row, own) in more.row_iter().zip(sensitivity.iter_mut()) {
+            for (place, direction) in places.iter().zip(&directions) {
+                own.add_multiple(direction, row[*place]);
+            }
+        }
+        Ok(Amplified {
+            covariance: &by_gradient * covariance * by_gradient.transpose(),
+            constants: amplification(by_columns(&directions, size)),
         })
     }
 
@@ -162,7 +206,7 @@ impl GaussNewtonStep {
             let variance = mean.of_all(&self.factor.solve(&mean.jacobian(layout, blocks)));
             let offset_s = |slot: usize| {
                 let index = mean.constants[slot];
-                let variance = variance[(slot, slot)] + solution.facets.constants[(index, index)];
+                let variance = variance[(slot, slot)] + solution.added_covariance[(index, index)];
                 Estimate { value: value[slot], sigma: variance.max(0.0).sqrt() }
             };
             let reference = Estimate { value: 0.0, sigma: 0.0 };
@@ -171,6 +215,12 @@ impl GaussNewtonStep {
         };
         drive.spans_s.iter().map(clocks).collect()
     }
+}
+
+/// Covariance of the poses with the curvature of the heights, and the factor by which the curvature changes the errors of the constants.
+struct Amplified {
+    covariance: DMatrix<f64>,
+    constants: ConstantsMatrix,
 }
 
 /// Adds to the variances by a source.

@@ -13,7 +13,8 @@ use crate::statistics::estimate::{
 #[derive(Clone, Copy)]
 pub struct ReadingNoise {
     pub range_m: f64,
-    pub angle_rad: f64,
+    pub horizontal_rad: f64,
+    pub vertical_rad: f64,
     pub stamp_s: f64,
     /// Slow errors of the ranges, across the sights and upward.
     pub slow_range_m: f64,
@@ -22,13 +23,16 @@ pub struct ReadingNoise {
 }
 
 pub fn noise_levels(noise: ReadingNoise) -> Finding {
-    let ReadingNoise { range_m, angle_rad, stamp_s, slow_range_m, slow_across_m, slow_upward_m } =
-        noise;
+    let ReadingNoise { range_m, horizontal_rad, vertical_rad, stamp_s, .. } = noise;
+    let ReadingNoise { slow_range_m, slow_across_m, slow_upward_m, .. } = noise;
+    let angle = |angle_rad: f64| MessageAngle::size(angle_rad, AngleFormat::Arcseconds, 1);
     let message =
         Message::from(format!("noise of the readings (1 σ): {:.1} mm in range, ", range_m * 1e3))
-            .angle(MessageAngle::size(angle_rad, AngleFormat::Arcseconds, 1))
+            .angle(angle(horizontal_rad))
+            .text(" in horizontal and ")
+            .angle(angle(vertical_rad))
             .text(format!(
-                " in angle, {:.1} ms in time; slow errors (1 σ): {:.1} mm in range, {:.1} mm across the sights, {:.1} mm upward",
+                " in vertical angles, {:.1} ms in time; slow errors (1 σ): {:.1} mm in range, {:.1} mm across the sights, {:.1} mm upward",
                 stamp_s * 1e3,
                 slow_range_m * 1e3,
                 slow_across_m * 1e3,
@@ -36,7 +40,8 @@ pub fn noise_levels(noise: ReadingNoise) -> Finding {
             ));
     Finding::new(kinds::NOISE_LEVELS, message)
         .quantity("range", range_m, Unit::Metre)
-        .quantity("angle", angle_rad, Unit::Radian)
+        .quantity("horizontal_angle", horizontal_rad, Unit::Radian)
+        .quantity("vertical_angle", vertical_rad, Unit::Radian)
         .quantity("stamp", stamp_s, Unit::Second)
         .quantity("range_wander", slow_range_m, Unit::Metre)
         .quantity("slow_across", slow_across_m, Unit::Metre)
@@ -451,7 +456,8 @@ pub(super) fn examples() -> Vec<Finding> {
     vec![
         noise_levels(ReadingNoise {
             range_m: 0.001,
-            angle_rad: 1e-5,
+            horizontal_rad: 1.5e-5,
+            vertical_rad: 1e-5,
             stamp_s: 0.001,
             slow_range_m: 0.001,
             slow_across_m: 0.001,

@@ -1,0 +1,145 @@
+//! Covariance of the heights by the curvature of the cost.
+//!
+//! The distances of the rig determine heights by the tilts of the vehicle, which have noise. The Gauss–Newton normal matrix N counts the noise
+//! of the tilts as information, the Hessian H of the cost does not (errors in variables: Fuller 1987). On flat ground most of the information
+//! on heights may be noise, if the distances are not measured. The covariance is `H⁻¹` (Laplace's approximation).
+//!
+//! H is known by gradients of states nearby, for the directions `P = N⁻¹ Jᵀ` of the heights with the Jacobian J. With `C = J N⁻¹ Jᵀ = L Lᵀ`
+//! and the eigenvectors U and eigenvalues Λ of `L⁻¹ Pᵀ H P L⁻ᵀ`, a change δ with the covariance `N⁻¹` has the covariance `H⁻¹` in the span of P
+//! if it becomes
+//!
+//! ```text
+//! δ + P G J δ,  G = L⁻ᵀ U (Λ^(−1/2) − 1) Uᵀ L⁻¹                                                 (26)
+//! ```
+//!
+//! Λ is the share of the information that is not noise.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::chain::ChainVector;
+use super::gauss_newton_step::GaussNewtonStep;
+use super::gradients::gradients;
+use super::linearisation::Linearisation;
+use super::motion_band::MotionBand;
+use super::priors::Priors;
+use super::state_vector::{BlockVector, StateVector};
+use crate::progress::{Cancelled, Progress};
+
+/// Shift of a state for the gradients nearby (σ).
+const SHIFT_SIGMAS: f64 = 0.3;
+/// Least share of the information on a height that is not noise: σ grows by a factor of three at most.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Returns G of (26); `directions` are P, and `heights` is the product of J and a vector. Zeros where the Hessian is not determined.
+pub fn height_curvature(
+    step: &GaussNewtonStep,
+    state: &StateVector,
+    priors: &Priors,
+    directions: &[ChainVector],
+    heights: &dyn Fn(&ChainVector) -> DVector<f64>,
+    progress: &Progress,
+) -> Result<DMatrix<f64>, Cancelled> {
+    let size = directions.len();
+    let of_directions: Vec<DVector<f64>> = directions.iter().map(heights).collect();
+    let covariance = DMatrix::from_fn(size, size, |row, column| of_directions[column][row]);
+    let shift = |index: usize| SHIFT_SIGMAS / covariance[(index, index)].sqrt();
+    let mut products = Vec::with_capacity(size);
+    for (index, direction) in directions.iter().enumerate() {
+        let change = change_of_step(step, state, priors, &direction.scaled(shift(index)));
+        products.push(heights(&change) / shift(index));
+        progress.check()?;
+    }
+    let hessian = DMatrix::from_fn(size, size, |row, column| {
+        0.5 * (products[column][row] + products[row][column])
+    });
+    Ok(curvature(covariance, &hessian))
+}
+
+/// Returns G, with limits of the shares.
+fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = covariance.nrows();
+    let none = DMatrix::zeros(size, size);
+    let Some(root) = covariance.cholesky().map(|factor| factor.l()) else { return none };
+    let Some(inverse) = root.try_inverse() else { return none };
+    if hessian.iter().any(|value| !value.is_finite()) {
+        return none;
+    }
+    let shares = (&inverse * hessian * inverse.transpose()).symmetric_eigen();
+    let axes = inverse.tr_mul(&shares.eigenvectors);
+    let more = shares.eigenvalues.map(|share| share.clamp(LEAST_SHARE, 1.0).sqrt().recip() - 1.0);
+    &axes * DMatrix::from_diagonal(&more) * axes.transpose()
+}
+
+/// Returns the change of the next step if the state moves by a vector, and the motion follows.
+fn change_of_step(
+    step: &GaussNewtonStep,
+    state: &StateVector,
+    priors: &Priors,
+    shift: &ChainVector,
+) -> ChainVector {
+    let jacobians = &step.normal.matrix.jacobians;
+    // Before and behind.
+    let moved = [-0.5, 0.5].map(|share| (share, shifted(state, shift, share)));
+    let linearisations =
+        moved.each_ref().map(|(share, state)| (*share, Linearisation::new(state, jacobians)));
+    let of_segment = |index: usize, band: &MotionBand| -> Vec<BlockVector> {
+        let mut change: Vec<BlockVector> = Vec::new();
+        for (share, linearisation) in &linearisations {
+            let block_step = |block: usize| -> BlockVector {
+                let (by_constants, by_slow) = jacobians.of_block(block);
+                // (19). Steps are subtracted.
+                -*share * (by_constants * &shift.constants + by_slow * &shift.slow[block])
+            };
+            let block_steps: Vec<BlockVector> =
+                linearisation.blocks(index).map(block_step).collect();
+            let own_m = state.coefficients_m[index].iter();
+            let moved_m: Vec<f64> =
+                own_m.zip(band.motion_step(&block_steps)).map(|(own, step)| own - step).collect();
+            let (segment, point) = linearisation.segment_with(index, &moved_m);
+            let mut sums = gradients(segment, &point, &step.levels, &step.segments[index].weights);
+            band.eliminate_from(&mut [(&mut sums.knots[..], &mut sums.blocks[..])]);
+            if change.is_empty() {
+                change = sums.blocks.into_iter().map(|before| -before).collect();
+            } else {
+                change.iter_mut().zip(&sums.blocks).for_each(|(sum, after)| *sum += after);
+            }
+        }
+        change
+    };
+    // Each is there: the same matrix was positive definite before.
+    let of_segments = step.map_segments(state, 0..step.segments.len(), of_segment);
+    let of_blocks = of_segments.into_iter().flatten().flatten();
+    let mut change = step.normal.matrix.gradient(of_blocks);
+    change.constants += priors.information() * &shift.constants;
+    for (block, slow) in change.slow.iter_mut().enumerate() {
+        *slow += step.slow_precisions.multiply(&shift.slow, block);
+    }
+    step.factor.solve_one(&change)
+}
+
+/// A state without a motion, whose constants and slow states have moved by a share of a vector.
+fn shifted(state: &StateVector, shift: &ChainVector, share: f64) -> StateVector {
+    let (constants, mut slow) = (&state.constants + share * &shift.constants, state.slow.clone());
+    slow.iter_mut().zip(&shift.slow).for_each(|(slow, shift)| slow.axpy(share, shift, 1.0));
+    StateVector { constants, slow, coefficients_m: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn information_that_is_half_noise_gives_twice_the_variance_and_limits_hold() {
+        let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 9.0]);
+        let variances = |share: f64| {
+            let more = curvature(covariance.clone(), &(&covariance * share));
+            let factor = DMatrix::identity(2, 2) + &covariance * more;
+            (&factor * &covariance * factor.transpose()).diagonal()
+        };
+        for (share, times) in [(0.5, 2.0), (1.0, 1.0), (1.7, 1.0), (0.01, 10.0), (-3.0, 10.0)] {
+            let expected = covariance.diagonal() * times;
+            assert!((variances(share) - &expected).norm() < 1e-9, "{share}");
+        }
+        assert_eq!(variances(f64::NAN), covariance.diagonal());
+    }
+}
