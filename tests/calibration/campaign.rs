@@ -9,7 +9,6 @@
 mod beyond;
 mod cramer_rao;
 mod facets;
-mod heights;
 mod inter_prism_ratio;
 mod poses;
 mod surveys;
