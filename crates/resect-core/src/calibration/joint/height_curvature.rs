@@ -46,8 +46,9 @@ pub fn height_curvature(
     let mut products = Vec::with_capacity(size);
     for (index, direction) in directions.iter().enumerate() {
         let change = change_of_step(step, state, priors, &direction.scaled(shift(index)));
-        products.push(heights(&change) / shift(index));
         progress.check()?;
+        let Some(change) = change else { return Ok(DMatrix::zeros(size, size)) };
+        products.push(heights(&change) / shift(index));
     }
     let hessian = DMatrix::from_fn(size, size, |row, column| {
         0.5 * (products[column][row] + products[row][column])
@@ -70,13 +71,13 @@ fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> DMatrix<f64> {
     &axes * DMatrix::from_diagonal(&more) * axes.transpose()
 }
 
-/// Returns the change of the next step if the state moves by a vector, and the motion follows.
+/// Returns the change of the next step if the state moves by a vector, and the motion follows; `None` if rows cannot be recomputed.
 fn change_of_step(
     step: &GaussNewtonStep,
     state: &StateVector,
     priors: &Priors,
     shift: &ChainVector,
-) -> ChainVector {
+) -> Option<ChainVector> {
     let jacobians = &step.normal.matrix.jacobians;
     // Before and behind.
     let moved = [-0.5, 0.5].map(|share| (share, shifted(state, shift, share)));
@@ -106,15 +107,14 @@ fn change_of_step(
         }
         change
     };
-    // Each is there: the same matrix was positive definite before.
     let of_segments = step.map_segments(state, 0..step.segments.len(), of_segment);
-    let of_blocks = of_segments.into_iter().flatten().flatten();
-    let mut change = step.normal.matrix.gradient(of_blocks);
+    let of_segments: Vec<Vec<BlockVector>> = of_segments.into_iter().collect::<Option<_>>()?;
+    let mut change = step.normal.matrix.gradient(of_segments.into_iter().flatten());
     change.constants += priors.information() * &shift.constants;
     for (block, slow) in change.slow.iter_mut().enumerate() {
         *slow += step.slow_precisions.multiply(&shift.slow, block);
     }
-    step.factor.solve_one(&change)
+    Some(step.factor.solve_one(&change))
 }
 
 /// A state without a motion, whose constants and slow states have moved by a share of a vector.

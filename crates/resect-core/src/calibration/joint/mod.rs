@@ -215,8 +215,9 @@
 //! by a factor of 10. It begins so if the last squared length of part 2 is below 10. Drives of more than 4096 knots never reuse it.
 //!
 //! **Step control.** After a step that does not keep Φ below 1.01 times its value, the iteration returns to the state before it. It
-//! linearises there again, and applies a quarter of the share. The next step has twice the share of the last one, and at most all. With fixed weights, steps that shrink by less than a factor of 0.6 are an exception: if they turn back
-//! (cosine of the angle below -0.8), the next has half the share; if they keep their direction (above 0.8), the sum of all further steps is taken (Aitken 1926), ten steps at most. θ and s take the share, to which the motion is fitted. A share below 0.001 is
+//! linearises there again, and applies a quarter of the share. The next step has twice the share of the last one, and at most all. With fixed weights there
+//! are two exceptions, for steps longer than 0.6 times the last one. If they turn back (cosine of the angle below -0.8), the share is halved. If they
+//! keep their direction (above 0.8), the sum of all further steps is taken, which is ten steps at most (Aitken 1926). θ and s take the share, to which the motion is fitted. A share below 0.001 is
 //! accepted in any case. The cost may rise by 1 %, because (20) is not the minimum of Φ. Before it is compared, a step of the motion alone follows
 //! the sights within the blocks, which (19) neglects. Steps of coefficients that the readings hardly determine are shortened: 1/(0.3 m)² is
 //! added to the diagonal of the motion (Levenberg 1944). Steps that reuse the normal matrix are
