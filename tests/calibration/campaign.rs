@@ -131,11 +131,9 @@ fn not_told(kind: ErrorKind) -> Option<Settings> {
         ErrorKind::Index => errors.index_rad = 0.0,
         ErrorKind::Collimation => errors.collimation_rad = 0.0,
         ErrorKind::Tilt => errors.lean_rad = 0.0,
+        ErrorKind::Curvature => errors.refraction = 0.0,
         ErrorKind::Distances => settings.calibration.inter_prism_sigma_m = 0.0,
-        ErrorKind::StampJitter
-        | ErrorKind::ClockJumps
-        | ErrorKind::Curvature
-        | ErrorKind::Centring => return None,
+        ErrorKind::StampJitter | ErrorKind::ClockJumps | ErrorKind::Centring => return None,
     }
     Some(settings)
 }

@@ -15,7 +15,8 @@ use drive_answers::{DriveAnswers, JudgedAnswer, set_up_change};
 pub use real_drive::real_drives;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::joint::SetUpChange;
-use resect_core::calibration::{Evidence, Method};
+use resect_core::calibration::{Evidence, Method, Verdict};
+use resect_core::deployment::{Finding, Severity};
 use resect_core::geometry::wrap_to_pi;
 use resect_core::network::{Number, Prism, Station};
 use resect_core::statistics::median;
@@ -97,6 +98,21 @@ fn heights_without_the_rig_are_as_certain_as_they_say() {
             println!("{name}, station {}: {sigmas:.1} σ", station.number());
             assert!(sigmas < 4.0, "{name}: {found_m:.3} instead of {true_m:.3} m, {sigmas:.1} σ");
         }
+    }
+}
+
+/// Beside control points a misread distance of the rig changes no answer.
+#[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
+fn drives_near_method_b_are_good_and_have_no_warning() {
+    for name in ["20220331-2", "20220711-1-part", "20221129-1", "20221205-1", "20221205-2"] {
+        let deployment = open(&of_field(&format!("real/{name}"))).expect("opens");
+        let analysis = analyse(&deployment, &Settings::default());
+        let calibration = &answer(&analysis).calibration;
+        let is_warning = |finding: &&Finding| finding.severity > Severity::Note;
+        let warnings: Vec<&Finding> = calibration.findings.iter().filter(is_warning).collect();
+        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+        assert_eq!(calibration.verdict, Verdict::Good, "{name}");
     }
 }
 

@@ -167,7 +167,8 @@ Any finding with one of these codes limits the verdict of every answer from the 
 
 const LIMITS: &str = ".
 
-Other warnings limit it in some answers only. `diagnosis.verdict` of the JSON has the verdict, and `diagnosis.doubts` the warnings and problems about the answer.
+`rig-derived-from-reading` and `rig-reading-disagrees` do not limit a joint estimate with control points, which tests the distances of the rig. Other warnings
+limit the verdict of some answers only. `diagnosis.verdict` of the JSON has the verdict, and `diagnosis.doubts` the warnings and problems about the answer.
 ";
 
 fn severity(kind: FindingKind) -> &'static str {

@@ -31,7 +31,6 @@ static CYCLIC: Unknown = Unknown {
     owner: Owner::Station,
     source: "cyclic errors",
     prior: Some(PriorSize { sigma: |_| PRIOR_SIGMA_M, least: 1e-6 }),
-    field_sigma: None,
     effect: Effect::Reading(ReadingError {
         correction_m: |sight| -sight.along * (TAU * sight.range_m / WAVELENGTH_M).sin(),
         is_of_pointing: false,

@@ -1,5 +1,6 @@
 //! Options for systematic errors of the instruments, and their application to a scenario.
 
+use resect_core::calibration::joint::unknown;
 use resect_core::network::MOST_STATIONS;
 use std::slice::from_mut;
 
@@ -73,6 +74,9 @@ pub struct ErrorArguments {
     /// Earth curvature with diverging plumb lines, and refraction with this coefficient (0.13 if omitted)
     #[arg(long, value_name = "K", num_args = 0..=1, allow_negative_numbers = true)]
     curvature: Option<Option<f64>>,
+    /// Refraction of the sights of each station beyond that, upward and to the right: up1,right1,up2,right2,…
+    #[arg(long, value_name = "K,…", value_delimiter = ',', allow_hyphen_values = true)]
+    refraction: Vec<f64>,
     /// Errors of the written inter-prism distances 12, 13, 23, 14, … (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
     distance_error: Vec<f64>,
@@ -197,6 +201,21 @@ impl ErrorArguments {
             let limits = Limits::either_way(5.0, 1.0);
             replace("curvature", coefficient.as_slice(), limits, from_mut(&mut refraction))?;
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
+        }
+        self.replace_refraction(scenario)
+    }
+
+    /// Replaces the refraction of each station, by its rows in the table of unknowns.
+    fn replace_refraction(&self, scenario: &mut Scenario) -> Result<(), Failure> {
+        let mut coefficients = vec![[0.0; 2]; scenario.stations()];
+        let limits = Limits::either_way(100.0, 1.0);
+        replace("refraction", &self.refraction, limits, coefficients.as_flattened_mut())?;
+        if !self.refraction.is_empty() {
+            let rows = [&unknown::REFRACTION_UPWARD, &unknown::REFRACTION_SIDEWAYS];
+            for (place, row) in rows.into_iter().enumerate() {
+                let sizes = coefficients.iter().map(|both| both[place]).collect();
+                scenario.errors.set_further(row, sizes);
+            }
         }
         Ok(())
     }
@@ -351,7 +370,8 @@ mod tests {
             "--range-offset -1,2,3 --range-scale=40,-5,0 --prism-offset 0.5,0,-0.5 \
              --prism-constant-error -2 --range-wander 1.5,20 --latency 0,10,15 --stamp-jitter 4 \
              --clock-offset -4,0,8 --clock-drift 0,-5,5 --index 3600,0,0 --collimation 0,-3600,0 \
-             --tilt 3600,0,0,0,0,-3600 --curvature 0.2 --distance-error 1,-2,3 \
+             --tilt 3600,0,0,0,0,-3600 --curvature 0.2 --refraction 3,-1,0,0,2,0.5 \
+             --distance-error 1,-2,3 \
              --settle 1,100,0,0.2,5,0,-5 --settle 3,50,60,0,0,0,0,-3600,3600 \
              --clock-step 3,20 --clock-step 1,-5,17.5 --rig-constant-error -10 --facets 1,0.5,2 \
              --centring 1,0.3 --set-up-change 2,-1.5,3,0,-2 --set-up-change 1,0,0,0,0,3600,0",
@@ -378,6 +398,9 @@ mod tests {
         close(errors.collimation_rad.as_slice(), &[0.0, -degree, 0.0]);
         close(errors.tilt_rad.as_slice().as_flattened(), &[degree, 0.0, 0.0, 0.0, 0.0, -degree]);
         close(&[errors.curvature.expect("given").refraction], &[0.2]);
+        let [upward, sideways] = &errors.further[..] else { panic!("{:?}", errors.further) };
+        close(upward.sizes.as_slice(), &[3.0, 0.0, 2.0]);
+        close(sideways.sizes.as_slice(), &[-1.0, 0.0, 0.5]);
         close(errors.inter_prism_m.as_slice(), &[0.001, -0.002, 0.003]);
         let [first, second] = errors.settling[..] else { panic!("{:?}", errors.settling) };
         assert_eq!((first.station, second.station), (0, 2));

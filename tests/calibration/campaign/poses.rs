@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use resect_core::analysis::Analysis;
-use resect_core::calibration::{Method, Verdict};
+use resect_core::calibration::{CalibrationSettings, Method, Verdict};
 use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
 use resect_core::evaluation::vehicle::{Instants, PoseLimits, trajectory_by, vehicle_trajectory};
 use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
@@ -21,8 +21,10 @@ const SHARP_RAD_PER_S: f64 = 0.25;
 /// Distance from an instant without readings that counts as near a gap (s).
 const NEAR_GAP_S: f64 = 0.6;
 
-/// Standard deviation of a prism's position in the vehicle's frame, along any axis (m).
-const RIG_SIGMA_M: f64 = 0.0007;
+/// Standard deviation of a prism's position in the vehicle's frame along any axis (m): two prisms share the error of their distance.
+fn rig_sigma_m() -> f64 {
+    CalibrationSettings::default().inter_prism_sigma_m * std::f64::consts::FRAC_1_SQRT_2
+}
 
 /// Part of a drive in which an instant is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -197,7 +199,7 @@ fn poses_are_as_certain_as_they_say_in_a_short_campaign() {
 #[test]
 #[ignore = "a minute in release; prints the table"]
 fn poses_are_as_certain_as_they_say_in_three_hundred_drives() {
-    let (places, _) = campaign(300, RIG_SIGMA_M);
+    let (places, _) = campaign(300, rig_sigma_m());
     for (place, found) in places {
         assert!((0.92..=0.98).contains(&found.covers_position), "{place:?}");
         assert!((0.92..=0.98).contains(&found.covers_rotation), "{place:?}");

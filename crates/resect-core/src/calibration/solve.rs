@@ -9,7 +9,7 @@ use super::{
     Calibration, CalibrationError, CalibrationSettings, Method, Offer, Verdict, Witness, checks,
     control_points_alone, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
 };
-use crate::deployment::{Deployment, TrackFrame};
+use crate::deployment::{Deployment, Finding, TrackFrame, advice};
 use crate::network::Prism;
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -242,7 +242,12 @@ impl<'a> Problem<'a> {
         }
         calibration.findings.extend(notes.into_iter().flatten());
         sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
-        for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
+        // Beside control points the joint estimate takes the distances of the rig as readings with errors, which it tests.
+        let is_rig_tested = calibration.survey().is_some();
+        let counts = |finding: &&Finding| {
+            finding.kind.is_doubt() && !(is_rig_tested && finding.kind.advice == Some(advice::RIG))
+        };
+        for doubt in deployment.findings.iter().filter(counts) {
             calibration.verdict = calibration.verdict.max(Verdict::Weak);
             calibration.findings.push(doubt.clone());
         }

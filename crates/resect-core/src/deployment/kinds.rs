@@ -172,8 +172,6 @@ crate::finding_kinds! {
     ERRORS_IMPLAUSIBLE = "errors-implausible", Warning, INSTRUMENT;
     /// An estimated inter-prism distance.
     DISTANCE_ESTIMATED = "distance-estimated", Tabled;
-    /// The estimate of an inter-prism distance differs from its measurement by more than 3 mm and 3 σ of the estimate; the verdict stays.
-    DISTANCE_OFF = "distance-off", Warning, DISTANCES;
     /// One inter-prism distance contradicts its measurement: by more than 4.2 σ, given the stated σ of the distances; the answer is weak.
     DISTANCE_IMPLAUSIBLE = "distance-implausible", Warning, DISTANCES;
     /// The inter-prism distances together contradict their measurements by more than 3 σ, and no single error does; the answer is weak.

@@ -250,6 +250,12 @@ impl Curvature {
 }
 
 impl SystematicErrors {
+    /// Replaces the error of an unknown that has no formula of its own here.
+    pub fn set_further(&mut self, unknown: &'static Unknown, sizes: PerStation<f64>) {
+        self.further.retain(|own| !std::ptr::eq(own.unknown, unknown));
+        self.further.push(FurtherError { unknown, sizes });
+    }
+
     /// Returns the stamp of a reading at a time of the drive (s), without jitter.
     pub fn stamp_s(&self, station: usize, time_s: f64) -> f64 {
         let steps = self.clock_steps.iter();

@@ -12,19 +12,22 @@ use super::errors::{Centring, ChangedSetUp, ClockStep, Curvature, Settling, Wand
 use super::facet_errors::FacetErrors;
 use super::random::normal;
 use super::scenario::Scenario;
-use resect_core::calibration::joint::unknown;
-use resect_core::calibration::joint::unknown::Unknown;
+use resect_core::calibration::ErrorSizes;
+use resect_core::calibration::joint::unknown::{self, Unknown};
 use resect_core::geometry::ARCSECOND_RAD;
 
-// Sizes that are no unknowns of the joint estimate ([`Unknown::field_sigma`]) are standard deviations of zero-mean normal distributions; `[a, b]` is a uniform distribution, unless stated
-// otherwise.
+// Errors that are unknowns of the joint estimate are drawn from its priors ([`ErrorSizes`]), but for offsets of clocks, latencies,
+// refraction and distances. The other sizes are standard deviations of normal distributions with mean zero; `[a, b]` is a uniform distribution, unless stated otherwise.
 
-/// Rotation of a tripod (rad): tens of microradians in hours by common surveying experience; more in sun and on soft
-/// ground.
-const TURN_RAD: f64 = 30e-6;
-/// Displacement of a tripod along each axis (m): about a millimetre in total.
-const MOVE_M: f64 = 0.0005;
-/// Tilt of a tripod (rad), most of which the compensator corrects.
+/// Offset of synchronised clocks (s): station 3 of the published drives is late by 4 ms. The prior allows for other clocks as well.
+const CLOCK_OFFSET_S: f64 = 0.004;
+/// Error of a written distance (m): heights of the published drives contradict them by 2 to 3 mm. The prior holds the noise of a reading of the rig
+/// as well.
+const DISTANCE_M: f64 = 0.002;
+/// Coefficients of refraction of a station beyond the common one, upward and sideways: a gradient of the temperature of 0.2 K/m gives 1.2. The
+/// prior allows for tunnels and hot ground as well.
+const STATION_REFRACTION: [f64; 2] = [1.0, 0.25];
+/// Tilt of a settling tripod (rad), most of which the compensator corrects.
 const LEAN_RAD: f64 = ARCSECOND_RAD;
 /// Share of drives in which tripods settle in steps, not slowly (assumed).
 const AT_ONCE: f64 = 0.5;
@@ -68,15 +71,13 @@ const PRISM_CONSTANT_M: f64 = 0.0003;
 const FACETS_M: [f64; 3] = [0.001, 0.0005, 0.0005];
 /// Centring of targets: a millimetre over a marker, and a third of it when turned to another station (assumed).
 const CENTRING: Centring = Centring { marker_m: 0.001, turned_m: 0.0003 };
-/// Rotation and displacement along each axis of a tripod between the survey and the drive (rad, m), assumed as large as during a
-/// drive, and the tilt that its compensator leaves (rad).
-const CHANGED_TURN_RAD: f64 = 36e-6;
-const CHANGED_MOVE_M: f64 = 0.0007;
+/// Tilt that the compensator leaves of a tripod's change between the survey and the drive (rad). It turns and moves as much as
+/// during a drive (assumed).
 const CHANGED_LEAN_RAD: f64 = 1.5 * ARCSECOND_RAD;
 
-/// Returns the standard deviation of an unknown in the field.
-fn field_sigma(unknown: &Unknown) -> f64 {
-    unknown.field_sigma.unwrap_or(0.0)
+/// Returns the standard deviation of an unknown by default; zero without a prior.
+fn prior_sigma(unknown: &Unknown) -> f64 {
+    unknown.prior.map_or(0.0, |prior| (prior.sigma)(&ErrorSizes::default()))
 }
 
 /// Draws the errors of one kind as large as in the field, and replaces those of that kind in the scenario.
@@ -88,7 +89,10 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     match kind {
         ErrorKind::Settling => errors.settling = settling(stations, duration_s, rng),
         ErrorKind::RangeOffset => {
-            errors.range_offset_m = each_normal(stations, field_sigma(&unknown::RANGE_OFFSET), rng);
+            // The prior is of both together.
+            let both_m2 = prior_sigma(&unknown::RANGE_OFFSET).powi(2);
+            let station_m = (both_m2 - PRISM_OFFSET_M.powi(2)).max(0.0).sqrt();
+            errors.range_offset_m = each_normal(stations, station_m, rng);
             errors.prism_offset_m = each_normal(prisms, PRISM_OFFSET_M, rng);
             // A prism that all stations track has one offset.
             if is_one_prism {
@@ -96,7 +100,7 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
             }
         }
         ErrorKind::RangeScale => {
-            errors.range_scale = each_normal(stations, field_sigma(&unknown::RANGE_SCALE), rng);
+            errors.range_scale = each_normal(stations, prior_sigma(&unknown::RANGE_SCALE), rng);
         }
         ErrorKind::RangeWander => {
             let sigma_m = (WANDER_M * normal(rng)).abs();
@@ -109,10 +113,9 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         ErrorKind::StampJitter => errors.stamp_jitter_s = between(STAMP_JITTER_S, rng),
         ErrorKind::ClockOffset => {
             // Station 1's clock is the reference.
-            errors.clock_offset_s =
-                relative_to_first(stations, field_sigma(&unknown::CLOCK_OFFSET), rng);
+            errors.clock_offset_s = relative_to_first(stations, CLOCK_OFFSET_S, rng);
             errors.clock_drift =
-                relative_to_first(stations, field_sigma(&unknown::CLOCK_DRIFT), rng);
+                relative_to_first(stations, prior_sigma(&unknown::CLOCK_DRIFT), rng);
         }
         ErrorKind::ClockJumps => {
             let chance = rng.random_range(0.0..1.0);
@@ -136,22 +139,25 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
                 .collect();
         }
         ErrorKind::Index => {
-            errors.index_rad = each_normal(stations, field_sigma(&unknown::VERTICAL_INDEX), rng);
+            errors.index_rad = each_normal(stations, prior_sigma(&unknown::VERTICAL_INDEX), rng);
         }
         ErrorKind::Collimation => {
-            errors.collimation_rad = each_normal(stations, field_sigma(&unknown::COLLIMATION), rng);
+            errors.collimation_rad = each_normal(stations, prior_sigma(&unknown::COLLIMATION), rng);
         }
         ErrorKind::Tilt => {
             errors.tilt_rad =
-                PerStation::from_fn(stations, |_| normals(field_sigma(&unknown::LEAN_X), rng));
+                PerStation::from_fn(stations, |_| normals(prior_sigma(&unknown::LEAN_X), rng));
         }
         ErrorKind::Curvature => {
             let refraction = between(REFRACTION, rng);
             errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
+            let unknowns = [&unknown::REFRACTION_UPWARD, &unknown::REFRACTION_SIDEWAYS];
+            for (unknown, sigma) in unknowns.into_iter().zip(STATION_REFRACTION) {
+                errors.set_further(unknown, each_normal(stations, sigma, rng));
+            }
         }
         ErrorKind::Distances => {
-            errors.inter_prism_m =
-                each_normal(Pair::count(prisms), field_sigma(&unknown::DISTANCE), rng);
+            errors.inter_prism_m = each_normal(Pair::count(prisms), DISTANCE_M, rng);
             let is_without = rng.random_bool(WITHOUT_CONSTANT);
             errors.rig_constant_m = if is_without { -RIG_CONSTANT_M } else { 0.0 };
         }
@@ -173,7 +179,7 @@ pub fn draw_facets(rms_m: [f64; 3], scenario: &mut Scenario, rng: &mut ChaCha8Rn
 }
 
 fn settling(stations: usize, duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settling> {
-    let at_once = rng.random_bool(AT_ONCE);
+    let (sizes, at_once) = (ErrorSizes::default(), rng.random_bool(AT_ONCE));
     (0..stations)
         .map(|station| {
             let from_s = rng.random_range(0.0..duration_s);
@@ -182,8 +188,8 @@ fn settling(stations: usize, duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settl
                 station,
                 from_s,
                 over_s: if at_once { 0.0 } else { slow_s },
-                turn_rad: TURN_RAD * normal(rng),
-                move_m: Vector3::from(normals(MOVE_M, rng)),
+                turn_rad: sizes.settling_rad * normal(rng),
+                move_m: Vector3::from(normals(sizes.settling_m, rng)),
                 lean_rad: normals(LEAN_RAD, rng),
             }
         })
@@ -191,11 +197,12 @@ fn settling(stations: usize, duration_s: f64, rng: &mut ChaCha8Rng) -> Vec<Settl
 }
 
 fn changed_set_ups(stations: usize, rng: &mut ChaCha8Rng) -> Vec<ChangedSetUp> {
+    let sizes = ErrorSizes::default();
     (0..stations)
         .map(|station| ChangedSetUp {
             station,
-            turn_rad: CHANGED_TURN_RAD * normal(rng),
-            move_m: Vector3::from(normals(CHANGED_MOVE_M, rng)),
+            turn_rad: sizes.settling_rad * normal(rng),
+            move_m: Vector3::from(normals(sizes.settling_m, rng)),
             lean_rad: normals(CHANGED_LEAN_RAD, rng),
         })
         .collect()

@@ -132,6 +132,7 @@ impl SystematicErrors {
         ] {
             by_station.resize_with(stations, || 0.0);
         }
+        self.further.iter_mut().for_each(|error| error.sizes.resize_with(stations, || 0.0));
         self.tilt_rad.resize_with(stations, || [0.0; 2]);
         self.prism_offset_m.resize_with(prisms, || 0.0);
         self.inter_prism_m.resize_with(Pair::count(prisms), || 0.0);

@@ -405,20 +405,21 @@ fn the_preset_draws_its_errors_from_the_seed() {
 }
 
 #[test]
-fn errors_are_drawn_as_large_as_in_the_field() {
+fn errors_are_drawn_as_large_as_the_priors_and_as_in_the_field() {
     type Pick = fn(&SystematicErrors) -> f64;
     let drawn: Vec<Scenario> = (0..1000).map(|seed| noiseless().with_field_errors(seed)).collect();
     let rms = |pick: Pick| {
         let squares = drawn.iter().map(|scenario| pick(&scenario.errors).powi(2));
         (squares.sum::<f64>() / drawn.len() as f64).sqrt()
     };
-    let sizes: [(f64, Pick); 19] = [
-        (30e-6, |e| e.settling[0].turn_rad),
-        (0.0005, |e| e.settling[1].move_m.z),
+    let sizes: [(f64, Pick); 21] = [
+        (36e-6, |e| e.settling[0].turn_rad),
+        (0.0007, |e| e.settling[1].move_m.z),
         (1.0 * ARCSECOND_RAD, |e| e.settling[2].lean_rad[1]),
-        (0.0007, |e| e.range_offset_m[2]),
+        // With that of the prism 1.2 mm.
+        (0.00097, |e| e.range_offset_m[2]),
         (0.0007, |e| e.prism_offset_m[0]),
-        (5e-6, |e| e.range_scale[1]),
+        (7e-6, |e| e.range_scale[1]),
         (0.001, |e| e.range_wander.expect("drawn").sigma_m),
         // A uniform distribution from 0 has an rms of 1/√3 of its maximum.
         (0.015 / 3.0_f64.sqrt(), |e| e.latency_s[0]),
@@ -427,8 +428,10 @@ fn errors_are_drawn_as_large_as_in_the_field() {
         (5e-6, |e| e.clock_drift[2]),
         (4.0 * ARCSECOND_RAD, |e| e.index_rad[0]),
         (3.0 * ARCSECOND_RAD, |e| e.collimation_rad[0]),
-        (1.5 * ARCSECOND_RAD, |e| e.tilt_rad[0][1]),
+        (2.0 * ARCSECOND_RAD, |e| e.tilt_rad[0][1]),
         (0.002, |e| e.inter_prism_m[2]),
+        (1.0, |e| e.further[0].sizes[0]),
+        (0.25, |e| e.further[1].sizes[2]),
         // One of three orders.
         (0.001 / 3.0_f64.sqrt(), |e| e.facets.as_ref().expect("drawn")[1].along_m[0][1]),
         (36e-6, |e| e.set_up_changes[1].turn_rad),

@@ -236,24 +236,31 @@ fn second_order(
         sum.add_multiple(&gradient, multiple);
     };
     let order = stations_by_distance(point);
-    let of_draw = |draw: usize| {
-        let (mut signs, mut drawn) =
-            (RandomSigns(draw as u64), Gradients::zeros(segment, point.layout));
+    let drawn = |draw: usize| {
+        let mut signs = RandomSigns(draw as u64);
+        let mut gradient = vec![0.0; point.coefficients_m.len()];
         for station in &order {
-            let of_station = &of_coefficients[OF_STATION * station..][..OF_STATION];
-            of_station.iter().for_each(|of_one| drawn.add_multiple(of_one, signs.next()));
+            for of_one in &of_coefficients[OF_STATION * station..][..OF_STATION] {
+                let sign = signs.next();
+                let values = gradient.iter_mut().zip(&of_one.knots);
+                values.for_each(|(sum, value)| *sum += sign * value);
+            }
         }
-        let changes_m = band.solve_motion(drawn.knots);
+        gradient
+    };
+    let mut changes_m: Vec<Vec<f64>> = (0..DRAWS).map(drawn).collect();
+    band.solve_motion(&mut changes_m);
+    let of_draw = |changes_m: &Vec<f64>| {
         let mut sum = Gradients::zeros(segment, point.layout);
         for sign in [1.0, -1.0] {
-            let both = point.coefficients_m.iter().zip(&changes_m);
+            let both = point.coefficients_m.iter().zip(changes_m);
             let moved_m: Vec<f64> = both.map(|(value, change)| value + sign * change).collect();
             distances(&moved_m, 0.5, &mut sum);
         }
         distances(point.coefficients_m, -1.0, &mut sum);
         sum
     };
-    (0..DRAWS).map(of_draw).collect()
+    changes_m.iter().map(of_draw).collect()
 }
 
 /// Indices of the stations by their distance from station 1: the draws do not follow the numbers of the others.

@@ -25,8 +25,6 @@ const CRITICAL_SIGMAS: f64 = 4.2;
 const CRITICAL_STATION_SIGMAS: f64 = 3.0;
 /// Critical distance of all constants from their priors together (σ). Textbook: exceeded by chance once in a thousand drives.
 const CRITICAL_ALL_SIGMAS: f64 = 3.3;
-/// An estimated distance this far from the measured one should be measured again (m).
-const NOTABLE_DISTANCE_M: f64 = 0.003;
 /// A larger standard deviation of the slow errors of ranges is implausible (m). Source: the largest errors of ranges to prisms
 /// that turn are 5 mm (Lackner & Lienhart 2016).
 const LARGEST_WANDER_M: f64 = 0.005;
@@ -44,10 +42,7 @@ fn distances(joint: &JointEstimate, inter_prism_m: &PerPair<f64>) -> Vec<Finding
         .filter(|(_, distance, measured_m)| {
             distance.sigmas_from(*measured_m).abs() > SUPPORTED_SIGMAS
         })
-        .map(|(pair, distance, measured_m)| {
-            let is_notable = (distance.value - measured_m).abs() > NOTABLE_DISTANCE_M;
-            distance_estimated(pair.index(), measured_m, &distance, is_notable)
-        })
+        .map(|(pair, distance, measured_m)| distance_estimated(pair.index(), measured_m, &distance))
         .collect()
 }
 

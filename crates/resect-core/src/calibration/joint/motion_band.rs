@@ -345,17 +345,22 @@ impl MotionBand {
         }
     }
 
-    /// Returns the change of the coefficients by a gradient, while the unknowns of the blocks are constant.
-    pub fn solve_motion(&self, mut local: Vec<f64>) -> Vec<f64> {
+    /// Replaces each gradient by the change of the coefficients that it causes, while the unknowns of the blocks are constant.
+    pub fn solve_motion(&self, gradients: &mut [Vec<f64>]) {
         let (shape, size) = (self.shape, self.shape.size);
-        let mut of_blocks = vec![BlockVector::zeros(self.block); self.first_knots.len()];
-        self.eliminate_from(&mut [(&mut local[..], &mut of_blocks[..])]);
+        let of_blocks = vec![BlockVector::zeros(self.block); self.first_knots.len()];
+        let mut of_blocks = vec![of_blocks; gradients.len()];
+        let with_blocks = gradients.iter_mut().zip(&mut of_blocks);
+        let mut with_blocks: Vec<(&mut [f64], &mut [BlockVector])> =
+            with_blocks.map(|(knots, blocks)| (&mut knots[..], &mut blocks[..])).collect();
+        self.eliminate_from(&mut with_blocks);
         let border = vec![0.0; shape.border];
         for (knot, rows) in self.knots().enumerate().rev() {
-            let beyond = local.len().min((knot + ORDER) * size);
-            back_substitute(rows, shape, &mut local[knot * size..beyond], &border);
+            for changes in gradients.iter_mut() {
+                let beyond = changes.len().min((knot + ORDER) * size);
+                back_substitute(rows, shape, &mut changes[knot * size..beyond], &border);
+            }
         }
-        local
     }
 
     /// Returns the step of the coefficients for given steps of the blocks; all are to be subtracted.

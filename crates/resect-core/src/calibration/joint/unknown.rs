@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 
 use super::sight::{EARTH_RADIUS_M, Sight};
 use crate::calibration::{ErrorSizes, Quantity};
-use crate::geometry::ARCSECOND_RAD;
 
 /// A kind of unknown.
 #[derive(Debug)]
@@ -24,8 +23,6 @@ pub struct Unknown {
     pub source: &'static str,
     /// `None` for transforms, which have no prior.
     pub prior: Option<PriorSize>,
-    /// Standard deviation of its normal distribution in the field, for simulations; `None` if they draw it otherwise.
-    pub field_sigma: Option<f64>,
     pub effect: Effect,
     /// Beginning of a sentence, with a place for the owner: "station {}'s ranges are off by".
     pub sentence: &'static str,
@@ -126,8 +123,8 @@ const fn pose(
     effect: Effect,
 ) -> Unknown {
     let (source, sentence) = ("transforms", "station {}'s position is off by");
-    let (owner, prior, field_sigma, key) = (Owner::SetUp, None, None, None);
-    Unknown { name, symbol, quantity, key, owner, source, prior, field_sigma, effect, sentence }
+    let (owner, prior, key) = (Owner::SetUp, None, None);
+    Unknown { name, symbol, quantity, key, owner, source, prior, effect, sentence }
 }
 
 pub static CLOCK_OFFSET: Unknown = Unknown {
@@ -138,8 +135,6 @@ pub static CLOCK_OFFSET: Unknown = Unknown {
     owner: Owner::Clock,
     source: "clocks",
     prior: Some(PriorSize { sigma: |sizes| sizes.clock_offset_s, least: 1e-7 }),
-    // Station 3 of the published drives is late by 4 ms.
-    field_sigma: Some(0.004),
     effect: Effect::ClockOffset,
     sentence: "station {}'s stamps are late by",
 };
@@ -152,8 +147,6 @@ pub static CLOCK_DRIFT: Unknown = Unknown {
     owner: Owner::Clock,
     source: "clocks",
     prior: Some(PriorSize { sigma: |sizes| sizes.clock_drift, least: 1e-9 }),
-    // The authors' synchronised clocks drift by parts per million.
-    field_sigma: Some(5e-6),
     effect: Effect::ClockDrift,
     sentence: "station {}'s clock drifts by",
 };
@@ -166,8 +159,6 @@ pub static RANGE_OFFSET: Unknown = Unknown {
     owner: Owner::Station,
     source: "range offsets",
     prior: Some(PriorSize { sigma: |sizes| sizes.range_offset_m, least: 1e-6 }),
-    // Assumed as large as that of a prism.
-    field_sigma: Some(0.0007),
     effect: Effect::Reading(ReadingError {
         correction_m: |sight| -sight.along,
         is_of_pointing: true,
@@ -183,8 +174,6 @@ pub static RANGE_SCALE: Unknown = Unknown {
     owner: Owner::Station,
     source: "range scales",
     prior: Some(PriorSize { sigma: |sizes| sizes.range_scale, least: 1e-8 }),
-    // By the EDM formula 1 ppm per kelvin and 0.3 ppm per hectopascal, for an error of five degrees.
-    field_sigma: Some(5e-6),
     effect: Effect::Reading(ReadingError {
         correction_m: |sight| -sight.along * sight.range_m,
         is_of_pointing: false,
@@ -200,8 +189,6 @@ pub static VERTICAL_INDEX: Unknown = Unknown {
     owner: Owner::Station,
     source: "vertical indices",
     prior: Some(PriorSize { sigma: |sizes| sizes.index_rad, least: 1e-9 }),
-    // 1″ to 10″ in the manuals of instruments, as for collimation and tilt.
-    field_sigma: Some(4.0 * ARCSECOND_RAD),
     effect: Effect::Reading(ReadingError {
         correction_m: |sight| sight.up * sight.range_m,
         is_of_pointing: true,
@@ -217,8 +204,6 @@ pub static COLLIMATION: Unknown = Unknown {
     owner: Owner::Station,
     source: "collimations",
     prior: Some(PriorSize { sigma: |sizes| sizes.collimation_rad, least: 1e-9 }),
-    // Source as for the vertical index error.
-    field_sigma: Some(3.0 * ARCSECOND_RAD),
     effect: Effect::Reading(ReadingError {
         correction_m: |sight| -sight.side * sight.range_m,
         is_of_pointing: true,
@@ -227,25 +212,22 @@ pub static COLLIMATION: Unknown = Unknown {
 };
 
 pub static REFRACTION_UPWARD: Unknown = refraction(
-    "refraction upward",
-    "β",
+    ("refraction upward", "β"),
     // The line of sight is bent as the earth is curved.
     |sight| -sight.up * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
     |sizes| sizes.refraction,
     "station {}'s refraction upward differs by",
 );
 pub static REFRACTION_SIDEWAYS: Unknown = refraction(
-    "refraction sideways",
-    "ζ",
+    ("refraction sideways", "ζ"),
     |sight| -sight.side * (0.5 * sight.range_m.powi(2) / EARTH_RADIUS_M),
-    // Air is warmer above the ground than beside it.
+    // Temperature changes less sideways than upward from the ground.
     |sizes| 0.25 * sizes.refraction,
     "station {}'s refraction sideways is",
 );
 
 const fn refraction(
-    name: &'static str,
-    symbol: &'static str,
+    (name, symbol): (&'static str, &'static str),
     correction_m: fn(&Sight) -> Vector3<f64>,
     sigma: fn(&ErrorSizes) -> f64,
     sentence: &'static str,
@@ -258,8 +240,6 @@ const fn refraction(
         owner: Owner::Station,
         source: "refraction",
         prior: Some(PriorSize { sigma, least: 1e-3 }),
-        // A gradient of the temperature of 0.2 K/m gives 1.2; in a tunnel or over a hot field it reaches 15.
-        field_sigma: Some(1.0),
         effect: Effect::Reading(ReadingError { correction_m, is_of_pointing: false }),
         sentence,
     }
@@ -273,8 +253,6 @@ pub static LATENCY: Unknown = Unknown {
     owner: Owner::Station,
     source: "latencies",
     prior: Some(PriorSize { sigma: |sizes| sizes.latency_s, least: 1e-7 }),
-    // Simulations draw it uniformly.
-    field_sigma: None,
     effect: Effect::Latency,
     sentence: "station {}'s angles are older than its ranges by",
 };
@@ -298,8 +276,6 @@ const fn lean(
         owner: Owner::Station,
         source: "leans",
         prior: Some(PriorSize { sigma: |sizes| sizes.lean_rad, least: 1e-9 }),
-        // Most of the tilt is corrected by the compensator; source as for the vertical index error.
-        field_sigma: Some(1.5 * ARCSECOND_RAD),
         effect,
         sentence,
     }
@@ -313,9 +289,6 @@ pub static DISTANCE: Unknown = Unknown {
     owner: Owner::Pair,
     source: "inter-prism distances",
     prior: Some(PriorSize { sigma: |sizes| sizes.inter_prism_m, least: 1e-6 }),
-    // With the facets of the prisms and the noise of the reading of the rig it is 2.5 mm: heights of the published drives contradict
-    // the written distances by 2 to 3 mm.
-    field_sigma: Some(0.002),
     effect: Effect::Distance,
     sentence: "the distance between prisms {} is off by",
 };

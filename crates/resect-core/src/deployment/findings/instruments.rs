@@ -158,13 +158,8 @@ pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding
     error.finding(kinds::STATED_ERROR_CONTRADICTED, message).quantity("sigmas", sigmas, Unit::Ratio)
 }
 
-/// An estimated distance; a warning if it differs notably from its measurement.
-pub fn distance_estimated(
-    pair: usize,
-    measured_m: f64,
-    distance_m: &Estimate,
-    is_notable: bool,
-) -> Finding {
+/// An estimated distance.
+pub fn distance_estimated(pair: usize, measured_m: f64, distance_m: &Estimate) -> Finding {
     let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
     let line = format!(
         "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
@@ -173,13 +168,11 @@ pub fn distance_estimated(
         off_m.sigma * 1e3,
         sigmas_in_words(off_m.sigmas_from(0.0)),
     );
-    let finding = if is_notable {
-        Finding::new(kinds::DISTANCE_OFF, format!("{line}; measure the rig again"))
-            .with(Remedy::Corrections)
-    } else {
-        Finding::new(kinds::DISTANCE_ESTIMATED, line)
-    };
-    finding.about(Subject::Pair(pair)).estimate("error", &off_m, Unit::Metre)
+    Finding::new(kinds::DISTANCE_ESTIMATED, line).about(Subject::Pair(pair)).estimate(
+        "error",
+        &off_m,
+        Unit::Metre,
+    )
 }
 
 /// A distance that differs by `off_m` from its measurement, whose prior standard deviation is `prior_sigma_m`.
@@ -466,8 +459,7 @@ pub(super) fn examples() -> Vec<Finding> {
         instrument_error(&error),
         instrument_error_implausible(&angle, 0.0, 6.0),
         stated_error_contradicted(&clock, 7.0),
-        distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
-        distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
+        distance_estimated(0, 0.9, &estimate(0.9005, 0.0003)),
         distance_implausible(0, 0.02, 0.001, 6.0),
         distances_implausible(
             &Pair::among(3).zip([0.01, 0.01, -0.01]).collect::<Vec<(Pair, f64)>>(),
