@@ -84,21 +84,10 @@ fn prior_sigma(unknown: &Unknown) -> f64 {
 pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let duration_s = scenario.duration_s;
     let (stations, prisms) = (scenario.stations(), scenario.prisms_m.len());
-    let is_one_prism = scenario.is_one_prism();
     let errors = &mut scenario.errors;
     match kind {
         ErrorKind::Settling => errors.settling = settling(stations, duration_s, rng),
-        ErrorKind::RangeOffset => {
-            // The prior is of both together.
-            let both_m2 = prior_sigma(&unknown::RANGE_OFFSET).powi(2);
-            let station_m = (both_m2 - PRISM_OFFSET_M.powi(2)).max(0.0).sqrt();
-            errors.range_offset_m = each_normal(stations, station_m, rng);
-            errors.prism_offset_m = each_normal(prisms, PRISM_OFFSET_M, rng);
-            // A prism that all stations track has one offset.
-            if is_one_prism {
-                errors.prism_offset_m = PerPrism::repeat(prisms, errors.prism_offset_m[0]);
-            }
-        }
+        ErrorKind::RangeOffset => draw_range_offsets(scenario, rng),
         ErrorKind::RangeScale => {
             errors.range_scale = each_normal(stations, prior_sigma(&unknown::RANGE_SCALE), rng);
         }
@@ -165,6 +154,21 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         ErrorKind::Facets => draw_facets(FACETS_M, scenario, rng),
         ErrorKind::Centring => errors.centring = Some(CENTRING),
         ErrorKind::SetUpChange => errors.set_up_changes = changed_set_ups(stations, rng),
+    }
+}
+
+/// Draws errors of the ranges of stations and prisms. The prior is of both together.
+fn draw_range_offsets(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let (stations, prisms) = (scenario.stations(), scenario.prisms_m.len());
+    let both_m2 = prior_sigma(&unknown::RANGE_OFFSET).powi(2);
+    let station_m = (both_m2 - PRISM_OFFSET_M.powi(2)).max(0.0).sqrt();
+    let is_one_prism = scenario.is_one_prism();
+    let errors = &mut scenario.errors;
+    errors.range_offset_m = each_normal(stations, station_m, rng);
+    errors.prism_offset_m = each_normal(prisms, PRISM_OFFSET_M, rng);
+    // A prism that all stations track has one offset.
+    if is_one_prism {
+        errors.prism_offset_m = PerPrism::repeat(prisms, errors.prism_offset_m[0]);
     }
 }
 
