@@ -10,6 +10,7 @@ mod beyond;
 mod cramer_rao;
 mod facets;
 mod inter_prism_ratio;
+mod methods;
 mod poses;
 mod surveys;
 

@@ -7,7 +7,7 @@ use resect_core::deployment::kinds;
 use resect_core::deployment::{Finding, Subject};
 use resect_core::geometry::LevelTransform;
 use resect_core::network::Prism;
-use resect_tools::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate, simulate_scenario};
 
 fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
@@ -27,8 +27,9 @@ fn c_recovers_the_truth_within_its_stated_uncertainty() {
             assert_eq!(verdict, Verdict::Good, "{:?}", answer(&analysis).calibration.findings);
             all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
         }
+        // σ has errors of the instruments, which these drives have not (`campaign/methods.rs`).
         let rms = rms(&all);
-        assert!((0.7..1.4).contains(&rms), "{alignment:?}: rms of error/σ is {rms:.2}");
+        assert!((0.2..1.2).contains(&rms), "{alignment:?}: rms of error/σ is {rms:.2}");
         assert!(all.iter().all(|z| z.abs() < 4.0), "{alignment:?}: {all:.1?}");
     }
 }
@@ -83,7 +84,8 @@ fn b_recovers_the_truth_within_its_stated_uncertainty() {
     assert!(all.error_m < 0.005 && all.sigma_m < 0.003, "{} m ± {} m", all.error_m, all.sigma_m);
     assert_eq!(all.good, 12);
     assert!(all.largest() < 4.0, "{:.1?}", all.in_sigmas);
-    assert!((0.7..1.4).contains(&all.rms()), "rms of error/σ is {:.2}", all.rms());
+    // σ has errors of the instruments, which these drives have not (`campaign/methods.rs`).
+    assert!((0.2..1.2).contains(&all.rms()), "rms of error/σ is {:.2}", all.rms());
 }
 
 #[test]
@@ -178,16 +180,17 @@ fn a_recovers_the_truth_within_its_stated_uncertainty() {
     assert_eq!(all.good, 12);
     assert!(all.largest() < 4.0, "{:.1?}", all.in_sigmas);
     // The other points select the pair, which improves it; the σ are those of any pair.
-    assert!((0.4..1.3).contains(&all.rms()), "rms of error/σ is {:.2}", all.rms());
+    assert!((0.2..1.3).contains(&all.rms()), "rms of error/σ is {:.2}", all.rms());
 }
 
-/// Tests each component separately: ranges are noisier than directions, so x and y have larger errors than z.
+/// Tests each component separately, with all errors of real instruments.
 #[test]
 fn the_sigmas_of_b_hold_for_every_component() {
     const SEEDS: u64 = 40;
     let mut runs = Vec::new();
     for seed in 100..100 + SEEDS {
-        let simulated = simulate(Preset::Warthog, seed);
+        let scenario = Preset::Warthog.scenario().with_field_errors(seed);
+        let simulated = simulate_scenario(&scenario, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::StaticGcp));
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));

@@ -305,7 +305,9 @@ fn where_a_plan_lies_changes_nothing() {
 
 #[test]
 fn stations_that_change_their_numbers_change_their_sigma() {
-    let plan = eights();
+    let mut plan = eights();
+    // With uncertain distances the tilts of the vehicle determine heights, and these depend on the times of the readings.
+    plan.rig.inter_prism_sigma_m = 0.001;
     let mut other = plan.clone();
     other.stations_m.as_mut_slice().swap(1, 2);
     other.rig.prisms_m.as_mut_slice().swap(1, 2);

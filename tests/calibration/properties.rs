@@ -7,11 +7,12 @@ mod told;
 mod written;
 
 use crate::common::{analyse, answer, published};
+use resect_core::analysis::Settings;
 use resect_core::calibration::{PriorMethod, ResolvedBy, Verdict};
 use resect_core::deployment::Deployment;
 use resect_core::deployment::kinds;
 use resect_io::sample::Sample;
-use resect_tools::simulation::{Preset, simulate};
+use resect_tools::simulation::{Preset, simulate, simulate_scenario};
 
 fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
@@ -82,6 +83,31 @@ fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
     );
     let ratio = calibration.inter_prism().expect("method D").mirror.cost_ratio.expect("a twin");
     assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+/// A tunnel with gentle bumps, where D cannot decide, and a flat floor with prisms of a hand's breadth, where the wrong twin may be likelier.
+#[test]
+fn without_a_witness_all_readings_decide_the_mirror_where_the_vehicle_tilts() {
+    for (preset, decided) in [(Preset::Hd2Tunnel, true), (Preset::ShortBaselines, false)] {
+        for seed in [1, 4, 15] {
+            let simulated = simulate_scenario(&preset.scenario().with_field_errors(seed), seed);
+            let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+            deployment.control_points.clear();
+            deployment.rig.as_mut().expect("a rig").prisms_m = None;
+            let analysis = analyse(&deployment, &Settings::default());
+            let calibration = &answer(&analysis).calibration;
+            let mirror = &calibration.inter_prism().expect("several prisms").mirror;
+            let expected = if decided { ResolvedBy::Likelihood } else { ResolvedBy::Nothing };
+            assert_eq!(mirror.resolved_by, expected, "{preset:?} {seed}");
+            assert_eq!(calibration.verdict == Verdict::Ambiguous, !decided, "{preset:?} {seed}");
+            let truth = &simulated.truth.station1_from_station;
+            for (station, truth) in truth.each().skip(1).filter(|_| decided) {
+                let pose = &calibration.station1_from_station[station];
+                let off_m = (pose.translation_m - truth.translation_m).z;
+                assert!(off_m.abs() < 0.05, "{preset:?} {seed}, station {station}: {off_m} m");
+            }
+        }
+    }
 }
 
 #[test]

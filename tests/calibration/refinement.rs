@@ -107,7 +107,7 @@ fn the_field_data_has_a_late_station_3_and_the_joint_estimate_is_better() {
     // The readings of the paper's intervals alone give 3.5 ± 0.8 ms.
     let is_late = third.value > 3.0 * third.sigma && third.sigma < 0.8e-3;
     assert!(is_late && (third.value - 3.5e-3).abs() < 2.0 * third.sigma, "{third:?}");
-    assert!(second.value.abs() < 1e-3, "{second:?}");
+    assert!(second.value.abs() < 2.0 * second.sigma, "{second:?}");
     let late = |f: &Finding| f.kind == kinds::CLOCK_OFFSET && f.is_about_station(2);
     let findings = &answer(&analysis).calibration.findings;
     assert!(findings.iter().any(late), "{findings:?}");

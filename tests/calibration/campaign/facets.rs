@@ -19,7 +19,7 @@ fn estimate(scenario: &Scenario, seed: u64) -> (Simulated, Analysis) {
     (simulated, analysis)
 }
 
-fn root_mean_square(all: &[f64]) -> f64 {
+pub fn root_mean_square(all: &[f64]) -> f64 {
     (all.iter().map(|value| value * value).sum::<f64>() / all.len() as f64).sqrt()
 }
 

@@ -1,51 +1,107 @@
-//! Covariance of errors that all readings of a drive share: tilts of the stations within the accuracy of their compensators, and
-//! the error of the prism constant (tenths of a millimetre).
+//! Covariance of errors that all readings of a station share, and of the settling of tripods.
 //!
-//! No residual shows these errors, and more readings do not average them out.
+//! More readings do not average them out, and residuals show only a part of them. They are those of the table of unknowns of the joint
+//! estimate ([`super::joint::unknown`]), with the σ of their priors.
 
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
-use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use super::ErrorSizes;
+use super::instrument::PRISM_CONSTANT_SIGMA_M;
+use super::joint::unknown::{Effect, Owner, UNKNOWNS};
+use super::joint::{Sight, relative_settling};
 use crate::geometry::{RigidTransform, wrap_to_pi};
-use crate::network::{PerStation, Station};
-use crate::pipeline::Triplets;
+use crate::network::{Number, PerStation, Station};
 
-/// Number of triplets from which the effect of a shared error is computed.
-const ENOUGH: usize = 400;
+/// Least size of a residual (m).
+const LEAST_RESIDUAL_M: f64 = 1e-4;
+
+/// Displaces a point that a station read, in its own frame (m).
+pub type Displacement<'a> = dyn Fn(Station, &Vector3<f64>) -> Vector3<f64> + 'a;
+
+/// The alignment of displaced points.
+pub struct Displaced {
+    pub station1_from_station: PerStation<RigidTransform>,
+    /// Residuals of all points (m).
+    pub residuals_m: Vec<Vector3<f64>>,
+}
 
 /// Returns the covariance of (x, y, z, yaw) of stations 2, 3, … that the shared errors cause (m, rad), by aligning with each error
 /// of 1 σ.
+///
+/// Residuals limit the errors, of which the answer is not freed. With its moves M, those R of the residuals r, and their variance s², the
+/// covariance is `M (P + b bᵀ) Mᵀ` with `P = (1 + Rᵀ R / s²)⁻¹` and `b = P Rᵀ r / s²`. `independent` is the number of points whose
+/// residuals are independent.
 pub fn covariance(
-    triplets: &Triplets,
-    align: impl Fn(&Triplets) -> Option<PerStation<RigidTransform>>,
+    sizes: &ErrorSizes,
+    stations: usize,
+    independent: usize,
+    align: impl Fn(&Displacement<'_>) -> Option<Displaced>,
 ) -> Option<DMatrix<f64>> {
-    let stride = triplets.len().div_ceil(ENOUGH).max(1);
-    let some: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
-    let some = triplets.select(&some);
-    let without = align(&some)?;
-    let moved_by = |error: &dyn Fn(Station, &Vector3<f64>) -> Vector3<f64>| {
-        let points_m = some
-            .points_m
-            .map_each(|station, points| points.iter().map(|point| error(station, point)).collect());
-        let with = align(&Triplets { points_m, ..some.clone() })?;
-        Some(DVector::from_fn(4 * (without.len() - 1), |k, _| {
-            let (with, without) = (&with[k / 4 + 1], &without[k / 4 + 1]);
-            match k % 4 {
-                3 => wrap_to_pi(with.yaw_rad() - without.yaw_rad()),
-                axis => with.translation_m[axis] - without.translation_m[axis],
-            }
-        }))
+    let without = align(&|_, point| *point)?;
+    let mut moves: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
+    let mut add = |displace: &Displacement<'_>| -> Option<()> {
+        let with = align(displace)?;
+        moves.push((pose_change(&with, &without), residual_change(&with, &without)));
+        Some(())
     };
-    let longer =
-        |_: Station, point: &Vector3<f64>| point + PRISM_CONSTANT_SIGMA_M * point.normalize();
-    let mut moves = vec![moved_by(&longer)?];
-    for leaning in triplets.points_m.numbers() {
-        for axis in [Vector3::x_axis(), Vector3::y_axis()] {
-            let lean = Rotation3::from_axis_angle(&axis, TILT_SIGMA_RAD);
-            moves.push(moved_by(&|station, point| {
-                if station == leaning { lean * point } else { *point }
-            })?);
+    // All prisms are of one type.
+    add(&|_, point| point + PRISM_CONSTANT_SIGMA_M * Sight::to(point).along)?;
+    for own in (0..stations).map(Station::at) {
+        for unknown in UNKNOWNS.iter().filter(|unknown| unknown.owner == Owner::Station) {
+            let sigma = unknown.precision(sizes).sqrt().recip();
+            let displaced = |point: &Vector3<f64>| match unknown.effect {
+                Effect::Reading(error) => point + (error.correction_m)(&Sight::to(point)) * sigma,
+                Effect::Lean(axis) => Rotation3::new(Vector3::ith(axis, sigma)) * point,
+                _ => *point,
+            };
+            add(&|station, point| if station == own { displaced(point) } else { *point })?;
         }
     }
-    Some(moves.iter().map(|moved| moved * moved.transpose()).sum())
+    let columns = |of_one: fn(&(DVector<f64>, DVector<f64>)) -> &DVector<f64>| {
+        DMatrix::from_columns(&moves.iter().map(of_one).cloned().collect::<Vec<_>>())
+    };
+    let (of_answer, of_residuals) = (columns(|both| &both.0), columns(|both| &both.1));
+    let points = without.residuals_m.len().max(1) as f64;
+    let residuals_m: Vec<f64> =
+        without.residuals_m.iter().flat_map(|residual_m| <[f64; 3]>::from(*residual_m)).collect();
+    let residuals_m = DVector::from_vec(residuals_m);
+    let variance_m2 = residuals_m.norm_squared() / (3.0 * points);
+    let weight = independent as f64 / points / variance_m2.max(LEAST_RESIDUAL_M.powi(2));
+    let shown = of_residuals.tr_mul(&of_residuals) * weight;
+    let left = (DMatrix::identity(moves.len(), moves.len()) + shown).cholesky()?.inverse();
+    let biases = &left * of_residuals.tr_mul(&residuals_m) * weight;
+    Some(&of_answer * (left + &biases * biases.transpose()) * of_answer.transpose())
+}
+
+/// Change of (x, y, z, yaw) of stations 2, 3, … (m, rad).
+fn pose_change(with: &Displaced, without: &Displaced) -> DVector<f64> {
+    let [with, without] = [with, without].map(|it| &it.station1_from_station);
+    DVector::from_fn(4 * (without.len() - 1), |k, _| {
+        let (with, without) = (&with[k / 4 + 1], &without[k / 4 + 1]);
+        match k % 4 {
+            3 => wrap_to_pi(with.yaw_rad() - without.yaw_rad()),
+            axis => with.translation_m[axis] - without.translation_m[axis],
+        }
+    })
+}
+
+/// Change of the residuals (m).
+fn residual_change(with: &Displaced, without: &Displaced) -> DVector<f64> {
+    let both = with.residuals_m.iter().zip(&without.residuals_m);
+    let change_m: Vec<f64> =
+        both.flat_map(|(with, without)| <[f64; 3]>::from(with - without)).collect();
+    DVector::from_vec(change_m)
+}
+
+/// Returns the covariance of (x, y, z, yaw) of stations 2, 3, … by the settling of all tripods from a survey to the drive (m, rad).
+pub fn settling(
+    sizes: &ErrorSizes,
+    station1_from_station: &PerStation<RigidTransform>,
+) -> DMatrix<f64> {
+    let others = station1_from_station.iter().skip(1);
+    let poses: Vec<f64> = others
+        .flat_map(|pose| [pose.translation_m.x, pose.translation_m.y, pose.translation_m.z, 0.0])
+        .collect();
+    let slots = station1_from_station.len() - 1;
+    relative_settling(sizes, &DVector::from_vec(poses), slots)
 }

@@ -19,8 +19,8 @@ use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
 use super::{
-    Alignment, CalibrationError, CalibrationSettings, Estimate, Method, Offer, Verdict, checks,
-    common_errors, time_blocks,
+    Alignment, CalibrationError, CalibrationSettings, ErrorSizes, Estimate, Method, Offer, Verdict,
+    checks, common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
 use crate::deployment::findings::outliers::outliers_shift_answer;
@@ -35,6 +35,8 @@ use crate::progress::Progress;
 
 /// Fewest triplets for the two transforms; each has three positions.
 const FEWEST_TRIPLETS: usize = 10;
+/// Number of triplets from which the effect of a shared error is computed.
+const ENOUGH: usize = 400;
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 12;
 
@@ -60,7 +62,7 @@ pub fn solve(
     if let Some(clocks) = &tracks.clocks {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
     }
-    let mut answer = tracks.into_answer(settings.alignment, judgement);
+    let mut answer = tracks.into_answer(settings.alignment, &settings.errors, judgement);
     let rms_m = answer.details.rms_m;
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
     Ok(answer)
@@ -79,7 +81,7 @@ pub fn solve_jointly(
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let judgement = tracks.judge(offer);
     let drifts = tracks.clocks.as_ref().map(|clocks| clocks.drifts.clone());
-    let mut answer = tracks.into_answer(Alignment::Level, judgement);
+    let mut answer = tracks.into_answer(Alignment::Level, &settings.errors, judgement);
     let plain = answer
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
@@ -248,17 +250,33 @@ impl<'a> AlignedTracks<'a> {
     fn into_answer(
         self,
         alignment: Alignment,
+        sizes: &ErrorSizes,
         judgement: Judgement,
     ) -> MethodAnswer<DynamicGcpDetails> {
-        let common = common_errors::covariance(&self.used, |triplets| {
-            let placed = point_to_point::transforms(&matches(triplets), alignment)?;
-            Some(std::iter::once(RigidTransform::IDENTITY).chain(placed).collect())
-        });
         let details = self.details();
+        let blocks = details.blocks * self.aligned.to_from.len();
+        let stride = self.used.len().div_ceil(ENOUGH).max(1);
+        let some: Vec<usize> = (0..self.used.len()).step_by(stride).collect();
+        let some = self.used.select(&some);
+        let common = common_errors::covariance(sizes, some.points_m.len(), blocks, |displace| {
+            let points_m = some.points_m.map_each(|station, points| {
+                points.iter().map(|point| displace(station, point)).collect()
+            });
+            let displaced = matches(&Triplets { points_m, ..some.clone() });
+            let placed = point_to_point::transforms(&displaced, alignment)?;
+            Some(common_errors::Displaced {
+                residuals_m: point_to_point::residuals_m(&displaced, &placed).concat(),
+                station1_from_station: std::iter::once(RigidTransform::IDENTITY)
+                    .chain(placed)
+                    .collect(),
+            })
+        });
+        // Variance of a random walk's mean about its start is a third of that of its end.
+        let settling = common_errors::settling(sizes, &transforms(&self.aligned)) / 3.0;
         MethodAnswer {
             method: Method::DynamicGcp,
             station1_from_station: transforms(&self.aligned),
-            covariance: self.covariance.zip(common).map(|(own, common)| own + common),
+            covariance: self.covariance.zip(common).map(|(own, common)| own + common + settling),
             judgement,
             checked_by: Vec::new(),
             details,

@@ -72,14 +72,18 @@ pub fn transforms(matches: &[Matches], alignment: Alignment) -> Option<Vec<Rigid
     matches.iter().map(align).collect()
 }
 
+/// Returns to − T from of each alignment (m).
+pub fn residuals_m(matches: &[Matches], to_from: &[RigidTransform]) -> Vec<Vec<Vector3<f64>>> {
+    let of_one = |(m, t): (&Matches, &RigidTransform)| {
+        m.to_m.iter().zip(&m.from_m).map(|(to, from)| to - t.apply(from)).collect()
+    };
+    matches.iter().zip(to_from).map(of_one).collect()
+}
+
 /// Returns the transforms that align, with their residuals, and the covariance by this error model.
 pub fn align(matches: &[Matches], alignment: Alignment, errors: Errors) -> Option<Aligned> {
     let to_from = transforms(matches, alignment)?;
-    let residuals_m: Vec<Vec<_>> = matches
-        .iter()
-        .zip(&to_from)
-        .map(|(m, t)| m.to_m.iter().zip(&m.from_m).map(|(to, from)| to - t.apply(from)).collect())
-        .collect();
+    let residuals_m = residuals_m(matches, &to_from);
     let covariance = covariance(matches, &to_from, &residuals_m, alignment, errors);
     Some(Aligned { to_from, residuals_m, covariance })
 }

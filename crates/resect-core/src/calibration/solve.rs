@@ -176,7 +176,9 @@ impl<'a> Problem<'a> {
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
         match method {
-            Method::TwoPoint => two_point::solve(deployment, triplets, offer).map(Into::into),
+            Method::TwoPoint => {
+                two_point::solve(deployment, triplets, &settings.errors, offer).map(Into::into)
+            }
             Method::StaticGcp => {
                 static_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
             }

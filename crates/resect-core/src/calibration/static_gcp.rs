@@ -7,16 +7,16 @@
 use crate::deployment::findings::points::{
     control_point_outlier, control_points_aligned, control_points_fit_poorly,
 };
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use super::judgement::Judgement;
 use super::method::FEWEST_POINTS;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks};
+use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks, common_errors};
 use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
-use crate::network::{PerStation, Station};
+use crate::network::{Number, PerStation, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -87,7 +87,10 @@ pub fn solve(
         let transforms = std::iter::once(RigidTransform::IDENTITY).chain(others).collect();
         (transforms, aligned.covariance, None)
     };
-    let covariance = covariance.map(|c| point_to_point::level_part(&c));
+    let of_errors = shared_errors(&matches, is_global, settings, &station1_from_station);
+    let covariance = covariance
+        .zip(of_errors)
+        .map(|(own, of_errors)| point_to_point::level_part(&own) + of_errors);
     let residuals = || aligned.residuals_m.iter().flatten();
     let rms_m = (residuals().map(Vector3::norm_squared).sum::<f64>()
         / residuals().count().max(1) as f64)
@@ -115,6 +118,41 @@ pub fn solve(
     };
     checks::check_with_unused_data(&mut answer, rms_m, deployment, triplets, None);
     Ok(answer)
+}
+
+/// Returns the covariance of (x, y, z, yaw) of stations 2, 3, … by errors that all points of a station share, and by settling until the
+/// drive (m, rad).
+fn shared_errors(
+    matches: &[Matches],
+    is_global: bool,
+    settings: &CalibrationSettings,
+    station1_from_station: &PerStation<RigidTransform>,
+) -> Option<DMatrix<f64>> {
+    let (sizes, stations) = (&settings.errors, station1_from_station.len());
+    let points = matches.iter().map(Matches::len).sum();
+    // Points of station 1 are those to which the others are aligned, or have an alignment of their own.
+    let first_station = usize::from(!is_global);
+    let common = common_errors::covariance(sizes, stations, points, |displace| {
+        let displaced = |(index, matches): (usize, &Matches)| {
+            let of = |station: Station, points_m: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+                points_m.iter().map(|point| displace(station, point)).collect()
+            };
+            let own = Station::at(index + first_station);
+            let to_m =
+                if is_global { matches.to_m.clone() } else { of(Station::FIRST, &matches.to_m) };
+            Matches { to_m, from_m: of(own, &matches.from_m), block: matches.block.clone() }
+        };
+        let displaced: Vec<Matches> = matches.iter().enumerate().map(displaced).collect();
+        let placed = point_to_point::transforms(&displaced, settings.alignment)?;
+        let residuals_m = point_to_point::residuals_m(&displaced, &placed).concat();
+        let station1_from_station = if is_global {
+            point_to_point::relative_to_station1(&placed.into_iter().collect(), None).0
+        } else {
+            std::iter::once(RigidTransform::IDENTITY).chain(placed).collect()
+        };
+        Some(common_errors::Displaced { station1_from_station, residuals_m })
+    })?;
+    Some(common + common_errors::settling(sizes, station1_from_station))
 }
 
 /// Returns the position of a point in the frame of a station that measured it (m).

@@ -8,14 +8,14 @@ use crate::deployment::findings::points::{
     known_distance_off, known_point_misplaced, resection_inconsistent, resection_pair,
     resection_unchecked,
 };
-use crate::network::PerStation;
+use crate::network::{Number, PerStation, Station};
 use nalgebra::Vector3;
 
 use super::checks;
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::{Alignment, CalibrationError, Method, Offer};
+use super::{Alignment, CalibrationError, ErrorSizes, Method, Offer, common_errors};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding};
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
@@ -97,6 +97,7 @@ impl TwoPointDetails {
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
+    sizes: &ErrorSizes,
     offer: &Offer,
 ) -> Result<MethodAnswer<TwoPointDetails>, CalibrationError> {
     let mut pairs = Vec::new();
@@ -135,7 +136,24 @@ pub fn solve(
         &placed[chosen].world_from_station,
         covariance.as_ref(),
     );
-    let covariance = covariance.map(|c| point_to_point::level_part(&c));
+    // Two points have hardly any residuals.
+    let common = common_errors::covariance(sizes, matches.len(), 0, |displace| {
+        let displaced: Vec<Matches> = (matches.iter().enumerate())
+            .map(|(station, matches)| {
+                let read = matches.from_m.iter();
+                let from_m = read.map(|point| displace(Station::at(station), point)).collect();
+                Matches { from_m, ..matches.clone() }
+            })
+            .collect();
+        let worlds = point_to_point::transforms(&displaced, Alignment::Level)?;
+        let worlds = worlds.into_iter().collect();
+        let station1_from_station = point_to_point::relative_to_station1(&worlds, None).0;
+        Some(common_errors::Displaced { station1_from_station, residuals_m: Vec::new() })
+    });
+    let settling = common_errors::settling(sizes, &station1_from_station);
+    let covariance = covariance
+        .zip(common)
+        .map(|(own, common)| point_to_point::level_part(&own) + common + settling);
     let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(resection_unchecked()),

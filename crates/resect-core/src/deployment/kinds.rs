@@ -99,6 +99,8 @@ crate::finding_kinds! {
     MIRROR_RESOLVED_BY_CONTROL_POINTS = "mirror-resolved-by-control-points", Note;
     /// The cost decides between the answer and its mirror twin.
     MIRROR_RESOLVED_BY_COST = "mirror-resolved-by-cost", Note;
+    /// All readings decide between the answer and its mirror twin.
+    MIRROR_RESOLVED_BY_LIKELIHOOD = "mirror-resolved-by-likelihood", Note;
     /// Nothing decides between the answer and its mirror twin.
     MIRROR_UNRESOLVED = "mirror-unresolved", Warning, MIRROR;
     /// The witness that decides about the mirror twin contradicts the cost.

@@ -95,14 +95,15 @@ pub fn update(own: &[f64], target: &mut [f64], shape: RowShape, away: usize) {
     }
 }
 
-/// Adds the Gram matrix of a factorised block row's border to `gram`, a square by rows; its width is a multiple of [`HEIGHT`].
+/// Adds the upper triangle of the Gram matrix of a factorised block row's border to `gram`, a square by rows; its width is a multiple of
+/// [`HEIGHT`]. What is below the triangle is undefined.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
 pub fn add_border_gram(gram: &mut [f64], own: &[f64], shape: RowShape) {
     let (width, first, border) = (shape.width(), shape.first_of_border(), shape.border);
     assert!(border.is_multiple_of(HEIGHT));
     for (four, rows) in gram.chunks_exact_mut(HEIGHT * border).enumerate() {
         let product = Product { own, width, factors: first + HEIGHT * four };
-        product.add(rows, border, first);
+        product.add(rows, HEIGHT * four..border, first);
     }
 }
 
@@ -132,10 +133,10 @@ impl Product<'_> {
         }
     }
 
-    /// Adds to rows of another width the products with as many columns, which are `shift` further.
+    /// Adds to rows whose width is the end of some columns, at these columns, the products with the columns that are `shift` further.
     #[inline(always)]
-    fn add(&self, rows: &mut [f64], width: usize, shift: usize) {
-        let mut column = 0;
+    fn add(&self, rows: &mut [f64], columns: Range<usize>, shift: usize) {
+        let Range { start: mut column, end: width } = columns;
         while column + LANES <= width {
             self.tile::<HEIGHT, LANES, false>(rows, width, column, shift);
             column += LANES;
@@ -276,7 +277,8 @@ mod tests {
                 }
                 add_border_gram(&mut gram, own, shape);
             }
-            DMatrix::from_vec(shape.border, shape.border, gram)
+            let upper = |i: usize, j: usize| gram[shape.border * i.min(j) + i.max(j)];
+            DMatrix::from_fn(shape.border, shape.border, upper)
         }
     }
 

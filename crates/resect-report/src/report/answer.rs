@@ -190,6 +190,9 @@ fn resolved(by: ResolvedBy) -> &'static str {
         ResolvedBy::Cost => {
             "Resolved by the fit: with the vehicle's pitch and roll, the mirrored solution fits worse."
         }
+        ResolvedBy::Likelihood => {
+            "Resolved by all readings: the joint estimate at the mirrored solution is far less likely."
+        }
         ResolvedBy::Nothing => "Not resolved: the answer is one of the two solutions.",
     }
 }

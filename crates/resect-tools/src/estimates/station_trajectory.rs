@@ -1,9 +1,9 @@
 //! The trajectory of one station's prism in the station's own frame, without a calibration.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use resect_core::analysis::Analysis;
-use resect_core::calibration::ErrorSizes;
+use resect_core::calibration::joint::unseen_covariance_m2;
 use resect_core::deployment::{Deployment, EstimatedPose, EstimatedTrajectory, PoseCovariance};
 use resect_core::pipeline::interpolation::{grid, white_noise_on_acceleration};
 use resect_core::pipeline::interval_filter;
@@ -34,8 +34,7 @@ pub fn station_index(deployment: &Deployment, number: usize) -> Result<usize, No
 /// Returns positions of a station's prism in its own frame, with covariance; without poses if no interval is long enough.
 ///
 /// The motion model (white noise on acceleration) smooths the readings that pass the outlier filter, in intervals by τ_s and
-/// τ_l. Its covariance is that of the readings' noise. The priors of the instrument's errors are added, because nothing
-/// estimates them: additive and scale error of ranges, vertical index, collimation, and the age of the angles.
+/// τ_l. Its covariance is that of the readings' noise, and of the errors that one station alone does not show.
 pub fn station_trajectory(
     deployment: &Deployment,
     analysis: &Analysis,
@@ -65,10 +64,15 @@ pub fn station_trajectory(
         })
         .collect();
     let sizes = &analysis.settings.calibration.errors;
+    // Tripods settle since the first reading.
+    let start_s = poses.first().map_or(0.0, |pose| pose.time_s);
+    let length_s = poses.last().map_or(1.0, |pose| (pose.time_s - start_s).max(1e-9));
     let covariances = (0..poses.len()).map(|index| {
         let noise = PoseCovariance::of_position(&smoothed.sigma_m[index]);
         let velocity = velocity_m_per_s(&poses, &interval, index);
-        let systematic = instrument_covariance_m2(&poses[index].position_m, &velocity, sizes);
+        let position_m = &poses[index].position_m;
+        let settled = (poses[index].time_s - start_s) / length_s;
+        let systematic = unseen_covariance_m2(position_m, &velocity, settled, sizes);
         PoseCovariance { position_m2: noise.position_m2 + systematic, ..noise }
     });
     let covariances = covariances.collect();
@@ -93,47 +97,5 @@ fn velocity_m_per_s(poses: &[EstimatedPose], interval: &[u32], index: usize) -> 
         (poses[after].position_m - poses[before].position_m) / elapsed_s
     } else {
         Vector3::zeros()
-    }
-}
-
-/// Covariance (m²) of a position at rest or in motion by the priors of the instrument's errors, in the station's frame.
-fn instrument_covariance_m2(
-    position_m: &Vector3<f64>,
-    velocity_m_per_s: &Vector3<f64>,
-    sizes: &ErrorSizes,
-) -> Matrix3<f64> {
-    let range_m = position_m.norm();
-    let along = position_m / range_m.max(1e-9);
-    let level = Vector3::z().cross(&along);
-    // Straight up, every horizontal direction is across.
-    let level = level.try_normalize(1e-9).unwrap_or_else(Vector3::x);
-    let across = along.cross(&level);
-    let outer = |direction: &Vector3<f64>, variance_m2: f64| {
-        direction * direction.transpose() * variance_m2
-    };
-    let range_m2 = sizes.range_offset_m.powi(2) + (sizes.range_scale * range_m).powi(2);
-    let tangential = velocity_m_per_s - along * velocity_m_per_s.dot(&along);
-    outer(&along, range_m2)
-        + outer(&level, (sizes.collimation_rad * range_m).powi(2))
-        + outer(&across, (sizes.index_rad * range_m).powi(2))
-        + outer(&tangential, sizes.latency_s.powi(2))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn instrument_errors_grow_with_range_and_speed_in_their_directions() {
-        let sizes = ErrorSizes::default();
-        let sigma_m = |position_m: Vector3<f64>, velocity: Vector3<f64>| {
-            instrument_covariance_m2(&position_m, &velocity, &sizes).diagonal().map(f64::sqrt)
-        };
-        let far = sigma_m(Vector3::new(100.0, 0.0, 0.0), Vector3::zeros());
-        assert!((far.x - 0.0012_f64.hypot(0.0007)).abs() < 1e-9, "{far}");
-        assert!((far.y - 100.0 * sizes.collimation_rad).abs() < 1e-9, "{far}");
-        assert!((far.z - 100.0 * sizes.index_rad).abs() < 1e-9, "{far}");
-        let passing = sigma_m(Vector3::new(5.0, 0.0, 0.0), Vector3::new(1.0, 1.0, 0.0));
-        assert!((passing.y - 0.01).abs() < 1e-4 && passing.x < 0.0013, "{passing}");
     }
 }

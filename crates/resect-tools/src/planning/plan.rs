@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::way::Piece;
 use crate::simulation::{Ground, Preset, Waypoint, further_prism_m};
-use resect_core::calibration::ErrorSizes;
+use resect_core::calibration::{CalibrationSettings, ErrorSizes};
 use resect_core::network::{
     MOST_STATIONS, Number, Pair, PerPrism, PerStation, Prism, Station, StationPair,
 };
@@ -86,7 +86,8 @@ pub struct PlannedInstrument {
 impl Default for PlannedRig {
     fn default() -> Self {
         let prisms_m = Preset::Warthog.scenario().prisms_m;
-        Self { prisms_m, inter_prism_sigma_m: 0.001, clearance_m: 0.08 }
+        let inter_prism_sigma_m = CalibrationSettings::default().inter_prism_sigma_m;
+        Self { prisms_m, inter_prism_sigma_m, clearance_m: 0.08 }
     }
 }
 

@@ -33,6 +33,7 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
         ResolvedBy::Rig => "resolved by the rig's heights",
         ResolvedBy::ControlPoints => "resolved by control points",
         ResolvedBy::Cost => "resolved by cost",
+        ResolvedBy::Likelihood => "resolved by all readings",
         ResolvedBy::Nothing => "not resolved",
     };
     egui::Grid::new("mirror").num_columns(3).spacing([10.0, 2.0]).show(ui, |ui| {

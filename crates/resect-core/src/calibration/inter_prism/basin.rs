@@ -16,6 +16,12 @@ pub struct Basin {
 }
 
 impl Basin {
+    /// Returns true for the mirror twin of a solution: most of its prisms are on the other side of station 1's in height.
+    pub fn is_mirrored(&self, other: &Self) -> bool {
+        let both = self.height_differences_m.iter().zip(&other.height_differences_m);
+        both.map(|(own_m, other_m)| own_m * other_m).sum::<f64>() < 0.0
+    }
+
     /// Returns the largest distance between the positions of a station in two solutions (m).
     pub fn apart_m(&self, other: &Self) -> f64 {
         self.station1_from_station
@@ -24,6 +30,12 @@ impl Basin {
             .map(|(a, b)| (a.translation_m - b.translation_m).norm())
             .fold(0.0, f64::max)
     }
+}
+
+/// Largest difference of a station's heights in two solutions (m).
+pub fn heights_apart_m(a: &PerStation<LevelTransform>, b: &PerStation<LevelTransform>) -> f64 {
+    let both = a.iter().zip(b);
+    both.map(|(a, b)| (a.translation_m - b.translation_m).z.abs()).fold(0.0, f64::max)
 }
 
 /// Returns a minimum as a solution with its cost.

@@ -93,16 +93,34 @@ pub fn fitting_triplets(
     station1_from_station: &PerStation<LevelTransform>,
     network: &PrismNetwork,
 ) -> Vec<usize> {
-    let count = points_m[Station::FIRST].len();
+    let worst_m = worst_errors_m(points_m, station1_from_station, network);
+    fitting(worst_m.map(|worst_m| [worst_m]))
+}
+
+/// Returns the median of the triplets' worst errors (m); infinite without triplets.
+pub fn median_worst_m(
+    points_m: &PerStation<Vec<Vector3<f64>>>,
+    station1_from_station: &PerStation<LevelTransform>,
+    network: &PrismNetwork,
+) -> f64 {
+    let worst_m = worst_errors_m(points_m, station1_from_station, network);
+    median(worst_m).unwrap_or(f64::INFINITY)
+}
+
+/// Returns the worst error of each triplet with an answer (m).
+fn worst_errors_m(
+    points_m: &PerStation<Vec<Vector3<f64>>>,
+    station1_from_station: &PerStation<LevelTransform>,
+    network: &PrismNetwork,
+) -> impl Iterator<Item = f64> {
     let mut placed_m = vec![Vector3::zeros(); points_m.len()];
-    let worst_m = (0..count).map(|index| {
+    (0..points_m[Station::FIRST].len()).map(move |index| {
         let stations = points_m.iter().zip(station1_from_station);
         for (placed_m, (points_m, transform)) in placed_m.iter_mut().zip(stations) {
             *placed_m = transform.apply(&points_m[index]);
         }
-        [worst(network.errors_m(&placed_m))]
-    });
-    fitting(worst_m)
+        worst(network.errors_m(&placed_m))
+    })
 }
 
 /// Returns the finding that gross outliers bias a least-squares answer by more than its σ.

@@ -8,7 +8,7 @@ use super::{
     same_solution,
 };
 use crate::calibration::joint::JointEstimate;
-use crate::calibration::{Basin, Verdict};
+use crate::calibration::{Basin, ResolvedBy, Verdict};
 use crate::deployment::findings::answers::other_minimum_fits_better;
 use crate::deployment::{ControlPointSet, Finding};
 use crate::network::PerStation;
@@ -25,6 +25,23 @@ pub struct JointAnswer {
 }
 
 impl JointAnswer {
+    /// The mirror twin of the estimate, if neither the rig nor control points exclude it.
+    pub fn undecided_twin(&self) -> Option<&Basin> {
+        let Choice { answer, mirror, .. } = &self.solution.choice;
+        let is_decided = matches!(mirror.resolved_by, ResolvedBy::Rig | ResolvedBy::ControlPoints);
+        mirror.twin.as_ref().filter(|twin| !is_decided && twin.is_mirrored(answer))
+    }
+
+    /// Decides between the estimate and its twin, by the cost of the twin beyond that of the estimate (σ²); `None` leaves it open.
+    pub fn decide(&mut self, twin: Basin, excess: Option<f64>) {
+        let answer = self.solution.choice.answer.clone();
+        self.fits_better = None;
+        self.solution.choice = match excess {
+            Some(excess) => Choice::of_likelihood(answer, twin, excess),
+            None => Choice::undecided(answer, twin),
+        };
+    }
+
     /// The doubt that the joint estimate is the right minimum: the corrections exchanged answer and twin.
     pub fn doubt(&self) -> Option<(Verdict, Finding)> {
         self.fits_better

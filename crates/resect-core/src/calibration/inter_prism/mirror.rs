@@ -4,11 +4,12 @@
 //! station 1's prism. The stations then move vertically by twice the height difference. The heights of the prisms on the rig or control
 //! points exclude one of the two. If the vehicle pitched and rolled, the cost excludes it.
 
+use super::basin::heights_apart_m;
 use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
 use crate::deployment::findings::mirror::{
-    MirrorWitness, mirror_needs_witness, mirror_ruled_out, mirror_same_height, mirror_twin,
-    mirror_witness_contradicted,
+    MirrorWitness, mirror_by_likelihood, mirror_needs_witness, mirror_ruled_out,
+    mirror_same_height, mirror_twin, mirror_witness_contradicted,
 };
 use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::RigidTransform;
@@ -41,6 +42,20 @@ impl Choice {
         let resolved_by = ResolvedBy::ControlPoints;
         let mirror = Mirror { twin: None, cost_ratio: None, resolved_by };
         Self { answer, twin_is_real: false, mirror, findings: Vec::new(), ambiguous: false }
+    }
+
+    /// The choice of a joint estimate that fits all readings better than its twin, by so much (σ²).
+    pub fn of_likelihood(answer: Basin, twin: Basin, excess: f64) -> Self {
+        let apart_m = heights_apart_m(&answer.station1_from_station, &twin.station1_from_station);
+        let findings = vec![mirror_by_likelihood(apart_m, excess)];
+        let cost_ratio = Some(twin.mean_square_m2 / answer.mean_square_m2);
+        let mirror = Mirror { twin: Some(twin), cost_ratio, resolved_by: ResolvedBy::Likelihood };
+        Self { answer, twin_is_real: false, mirror, findings, ambiguous: false }
+    }
+
+    /// The choice of an answer whose twin nothing excludes.
+    pub fn undecided(answer: Basin, twin: Basin) -> Self {
+        between(ResolvedBy::Nothing, false, answer, twin)
     }
 
     /// Returns the same choice with another fit of its answer, to whose cost the ratios then refer.
@@ -96,14 +111,11 @@ fn is_decisive(answer: &Basin, twin: &Basin) -> bool {
 /// Returns the choice that a kind of data made, with its findings.
 fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin) -> Choice {
     let cost_ratio = other.mean_square_m2 / answer.mean_square_m2;
-    let apart_m = (answer.station1_from_station.iter())
-        .zip(&other.station1_from_station)
-        .map(|(answer, other)| (answer.translation_m - other.translation_m).z.abs())
-        .fold(0.0, f64::max);
+    let apart_m = heights_apart_m(&answer.station1_from_station, &other.station1_from_station);
     let decisive = match witness {
         ResolvedBy::Rig => MirrorWitness::Rig,
         ResolvedBy::ControlPoints => MirrorWitness::ControlPoints,
-        ResolvedBy::Cost => MirrorWitness::Cost,
+        ResolvedBy::Cost | ResolvedBy::Likelihood => MirrorWitness::Cost,
         ResolvedBy::Nothing => MirrorWitness::Nothing,
     };
     let contradicted = cost_ratio < 1.0 / CONTRADICTING_COST_RATIO;

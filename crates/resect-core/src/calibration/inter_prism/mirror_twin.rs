@@ -10,6 +10,8 @@ pub enum ResolvedBy {
     ControlPoints,
     /// Cost: pitch and roll of the vehicle made the twin fit worse.
     Cost,
+    /// The likelihood of all readings, by joint estimates of the answer and of the twin.
+    Likelihood,
     /// No data: the answer may be the twin.
     Nothing,
 }
@@ -20,6 +22,7 @@ impl ResolvedBy {
             Self::Rig => Some("rig"),
             Self::ControlPoints => Some("control-points"),
             Self::Cost => Some("cost"),
+            Self::Likelihood => Some("likelihood"),
             Self::Nothing => None,
         }
     }

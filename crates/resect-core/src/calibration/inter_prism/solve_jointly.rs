@@ -3,34 +3,29 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::joint_answer::{self, JointAnswer};
-use super::published::{self, Published};
+use super::joint_answer::JointAnswer;
+use super::joint_minimum::MinimumSearch;
+use super::published::Published;
+use super::screening::{Screened, Screening};
 use super::uncertainty::Uncertainty;
 use super::unjudged::UnjudgedAnswer;
-use super::used::Used;
 use super::{
-    CentredTriplets, FEWEST_TRIPLETS, FirstSolution, InterPrismDetails, PrismNetwork,
-    StartingPoint, followed_another, gross_errors, uncertainty,
+    FirstSolution, InterPrismDetails, StartingPoint, followed_another, gross_errors, uncertainty,
 };
 use crate::calibration::followed_prisms::schedule;
 use crate::calibration::joint::{
-    self, DriveReadings, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
+    self, JointEstimate, JointInput, Layout, RigDistances, SolverStatus,
 };
 use crate::calibration::joint_data::{JointData, contradicting_runs};
 use crate::calibration::joint_failure::{JointFailure, JointResult};
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{
-    CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, PriorMethod, Verdict, checks,
+    CalibrationError, CalibrationSettings, ErrorSizes, Method, Offer, Verdict, checks,
 };
 use crate::deployment::findings::outliers::{prism_changed, span_left_out};
-use crate::deployment::{Deployment, Finding, Rig, kinds};
-use crate::geometry::{LevelTransform, RigidTransform};
-use crate::network::PerStation;
-use crate::pipeline::Triplets;
-use crate::progress::{Cancelled, Progress};
-
-/// Most rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
-const MOST_SCREENINGS: usize = 4;
+use crate::deployment::{Deployment, Finding, kinds};
+use crate::geometry::RigidTransform;
+use crate::progress::Progress;
 
 /// Calibrates by the joint estimate of several prisms. If it fails, the answer is that of method D.
 pub fn solve_jointly(
@@ -44,11 +39,12 @@ pub fn solve_jointly(
     let StartingPoint { rig, network, published } = start;
     let triplets = all.triplets;
     let layout = &Arc::new(Layout::of_schedule(&schedule(deployment, &offer.followed)));
+    let screening = Screening { deployment, rig, network: &network, triplets, settings, progress };
     let (screened, survey) = rayon::join(
-        || screened(published, deployment, (rig, &network), triplets, settings, progress),
+        || screening.screened(published),
         || joint::survey_adjustment::of_deployment(deployment, layout, settings),
     );
-    let (published, data, used) = screened?;
+    let Screened { published, data, used } = screened?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station.clone();
     let start_answer = UnjudgedAnswer::published(published, &data, &used, settings);
@@ -72,8 +68,16 @@ pub fn solve_jointly(
             let heights_m = network.height_differences_m(rig);
             let (readings, contradicting) = all.fitting(deployment, &offer.followed, &start);
             runs = contradicting;
-            let evidence = (&readings, &used);
-            estimate(&input, deployment, (&network, heights_m.as_ref()), evidence, progress)?
+            let search = MinimumSearch {
+                input: &input,
+                deployment,
+                network: &network,
+                heights_m: heights_m.as_ref(),
+                readings: &readings,
+                used: &used,
+                progress,
+            };
+            search.estimate()?
         }
         None => Err(JointFailure::before_first_step(SolverStatus::UnobservableStart)),
     };
@@ -118,68 +122,6 @@ pub fn solve_jointly(
         details: (Ok(estimate), answer.into_details(observability)),
         prior_ms,
     })
-}
-
-/// Returns the published answer without gross outliers, which no robust loss makes harmless. It begins with that on all triplets.
-fn screened<'a>(
-    mut published: Published,
-    deployment: &Deployment,
-    (rig, network): (&Rig, &PrismNetwork),
-    triplets: &'a Triplets,
-    settings: &CalibrationSettings,
-    progress: &Progress,
-) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
-    let points = deployment.comparable_control_points();
-    let heights_m = network.height_differences_m(rig);
-    let solve = |used: &Used<'_>, data: &CentredTriplets| {
-        let search = (settings.prior == PriorMethod::Search).then_some(used);
-        published::solve(heights_m.as_ref(), points, data, search)
-    };
-    let mut used = Used::all(triplets);
-    let mut data = used.centred(network);
-    for _ in 0..MOST_SCREENINGS {
-        let answer = &published.choice.answer.station1_from_station;
-        let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, network);
-        if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
-            break;
-        }
-        used = Used::some(triplets, kept);
-        drop(data);
-        data = used.centred(network);
-        published = solve(&used, &data);
-        progress.check()?;
-    }
-    Ok((published, data, used))
-}
-
-/// Returns the joint estimate with its evaluation by method D.
-///
-/// Heights of prisms and control points choose between a minimum and its mirror twin. If they choose the other one after the
-/// readings are corrected, the iteration starts again there, and its result stands if it stays.
-fn estimate(
-    input: &JointInput<'_>,
-    deployment: &Deployment,
-    (network, heights_m): (&PrismNetwork, Option<&PerStation<f64>>),
-    (readings, used): (&DriveReadings, &Used<'_>),
-    progress: &Progress,
-) -> Result<Result<(JointEstimate, JointAnswer), JointFailure>, Cancelled> {
-    let points = deployment.comparable_control_points();
-    let estimate_from = |published: &PerStation<LevelTransform>| {
-        let input = JointInput { published, ..input.clone() };
-        let estimate = joint::estimate(readings, &input, progress)?;
-        progress.check()?;
-        Ok(estimate.map_err(JointFailure::from).map(|estimate| {
-            let known = (network, heights_m);
-            let evaluated =
-                joint_answer::solve(&estimate, known, points, used, input.is_determined_by_drive);
-            (estimate, evaluated)
-        }))
-    };
-    let first = estimate_from(input.published)?;
-    let Ok((_, JointAnswer { fits_better: Some(other), .. })) = &first else { return Ok(first) };
-    let again = estimate_from(&other.station1_from_station)?;
-    let stays = matches!(&again, Ok((_, evaluated)) if evaluated.fits_better.is_none());
-    Ok(if stays { again } else { first })
 }
 
 /// The joint estimate before its verdict, the times of its kept triplets (s; `None` if none is rejected), and the doubts about it.

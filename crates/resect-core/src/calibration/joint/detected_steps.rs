@@ -1,5 +1,7 @@
 //! Steps of stations and clocks: their detection between Gauss–Newton steps, and their size in the final solution.
 
+use std::mem::discriminant;
+
 use super::chain::ChainEquations;
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
@@ -87,7 +89,38 @@ pub fn measured_steps(
     if steps.is_empty() {
         return search.most_significant_drift().into_iter().collect();
     }
-    steps.iter().map(|step| search.measure(step).unwrap_or_else(|| step.clone())).collect()
+    let measured =
+        |span: StepSpan| search.measure(&span.step, span.last_block).unwrap_or(span.step);
+    spans_of_steps(steps).into_iter().map(measured).collect()
+}
+
+/// A step that happens from its block to a last one.
+struct StepSpan {
+    step: StationStep,
+    last_block: usize,
+}
+
+/// Returns the steps, those of a station or of a clock in consecutive blocks as one: a tripod that is knocked within a block differs
+/// from the blocks on both sides.
+fn spans_of_steps(steps: &[StationStep]) -> Vec<StepSpan> {
+    let mut in_order: Vec<&StationStep> = steps.iter().collect();
+    in_order.sort_by_key(|step| step.block);
+    let mut spans: Vec<StepSpan> = Vec::new();
+    for step in in_order {
+        let is_continued = |span: &&mut StepSpan| {
+            span.step.station == step.station
+                && discriminant(&span.step.size) == discriminant(&step.size)
+                && span.last_block + 1 == step.block
+        };
+        match spans.iter_mut().find(is_continued) {
+            Some(span) => span.last_block = step.block,
+            None => spans.push(StepSpan { step: step.clone(), last_block: step.block }),
+        }
+    }
+    let significance =
+        |span: &StepSpan| steps.iter().position(|step| step.block == span.step.block);
+    spans.sort_by_key(significance);
+    spans
 }
 
 fn step_search<'a>(

@@ -119,7 +119,10 @@ pub fn equations(
         BlockUnknowns::Border => (layout.block(), &[]),
         BlockUnknowns::Step(steps) => (0, steps),
     };
-    let shape = band_shape(point.prisms.coordinates(), block);
+    // Steps of the motion alone show what it absorbs.
+    let has_probes = matches!(unknowns, BlockUnknowns::Constant) && weighting.fixed.is_none();
+    let probes = if has_probes { PROBES } else { 0 };
+    let shape = band_shape(point.prisms.coordinates(), block, probes);
     let mut builder = EquationsBuilder {
         band: MotionBand::new(rows, shape, block, grid.knots, grid.first_knots()),
         squares: ResidualSquares::zeros(layout.stations()),
@@ -129,6 +132,7 @@ pub fn equations(
         point,
         weighting,
         steps,
+        has_probes,
         signs: RandomSigns(0x5eed),
     };
     for (station, readings) in segment.readings.each() {
@@ -158,6 +162,8 @@ struct EquationsBuilder<'a> {
     weighting: &'a SegmentWeighting<'a>,
     /// Known steps of the blocks' unknowns; empty without any.
     steps: &'a [BlockVector],
+    /// True if squared residuals and probes are summed.
+    has_probes: bool,
     signs: RandomSigns,
 }
 
@@ -202,10 +208,7 @@ impl EquationsBuilder<'_> {
             (VERTICAL_ANGLES, up_m),
             (STAMPS, residual.jitter_m),
         ];
-        for (kind, sigma_m) in sources {
-            if self.weighting.fixed.is_some() {
-                continue;
-            }
+        for (kind, sigma_m) in sources.into_iter().filter(|_| self.has_probes) {
             let gain = information * sigma_m;
             // (15). The weight is squared: outliers must not raise the noise level.
             let observed = (weight * gain.dot(residual_m)).powi(2);
@@ -313,19 +316,17 @@ impl EquationsBuilder<'_> {
                 excess.vertical < levels.vertical_jerk_m_per_s3.powi(2),
             ];
             for (axis, kind) in [HORIZONTAL_JERKS, VERTICAL_JERKS].into_iter().enumerate() {
-                if !usual[axis] {
+                if !usual[axis] || !self.has_probes {
                     continue;
                 }
                 self.squares.observed[kind] += squares[axis];
                 self.squares.expected[kind] += [2.0, 1.0][axis] * local as f64 / 3.0;
-                if self.weighting.fixed.is_none() {
-                    for (coordinate, value) in values.iter_mut().enumerate() {
-                        let is_own = usize::from(is_vertical(coordinate)) == axis;
-                        let sigmas = if is_own { self.signs.next() } else { 0.0 };
-                        *value = sigmas * precisions[coordinate].sqrt();
-                    }
-                    self.band.add_probe(knots, 0, kind, &values);
+                for (coordinate, value) in values.iter_mut().enumerate() {
+                    let is_own = usize::from(is_vertical(coordinate)) == axis;
+                    let sigmas = if is_own { self.signs.next() } else { 0.0 };
+                    *value = sigmas * precisions[coordinate].sqrt();
                 }
+                self.band.add_probe(knots, 0, kind, &values);
             }
             for (residual, precision) in residuals.iter_mut().zip(&mut precisions) {
                 *precision *= weight;

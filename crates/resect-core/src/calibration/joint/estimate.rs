@@ -27,7 +27,7 @@ use crate::network::PerStation;
 use crate::progress::{Cancelled, Progress};
 
 /// Largest number of Gauss–Newton steps.
-const MOST_ITERATIONS: usize = 40;
+pub const MOST_ITERATIONS: usize = 40;
 /// The residuals show slow changes once no constant moves by more than this many σ.
 const NEAR_SIGMAS: f64 = 1.5;
 /// They do not show them before the squared length of a step is this small (σ²).
@@ -199,25 +199,25 @@ fn solve(
 }
 
 /// The state of the iteration.
-struct Iteration<'a> {
-    drive: Arc<Drive>,
-    sizes: &'a ErrorSizes,
-    progress: &'a Progress,
-    priors: Priors,
-    weighting: Weighting,
-    state: StateVector,
+pub struct Iteration<'a> {
+    pub drive: Arc<Drive>,
+    pub sizes: &'a ErrorSizes,
+    pub progress: &'a Progress,
+    pub priors: Priors,
+    pub weighting: Weighting,
+    pub state: StateVector,
     /// Detected steps of stations and clocks.
-    steps: Vec<StationStep>,
-    buffers: RowBuffers,
-    iterations: usize,
-    before: Option<StateBefore>,
+    pub steps: Vec<StationStep>,
+    pub buffers: RowBuffers,
+    pub iterations: usize,
+    pub before: Option<StateBefore>,
     /// The survey until the drive alone is nearly solved.
-    pending_survey: Option<SurveyEvidence>,
-    trace: &'a mut Trace,
+    pub pending_survey: Option<SurveyEvidence>,
+    pub trace: &'a mut Trace,
 }
 
 /// The state before a step, its cost (σ²), and the share of the step that was taken.
-struct StateBefore {
+pub struct StateBefore {
     state: StateVector,
     cost: f64,
     share: f64,
@@ -261,7 +261,6 @@ impl Iteration<'_> {
         }
         self.trace.add_event(TraceEvent::WeightsFixed);
         self.weighting.fixed = Some(step.weights());
-        self.weighting.squares = step.squares();
         // The cost is another one now.
         self.before = None;
         let is_stored = self.drive.stored_segments() == self.drive.segments.len();
@@ -291,7 +290,7 @@ impl Iteration<'_> {
     }
 
     /// Linearises at the state; before that, goes back as long as the last step has raised the cost.
-    fn linearise(&mut self) -> Result<GaussNewtonStep, AttemptEnd> {
+    pub fn linearise(&mut self) -> Result<GaussNewtonStep, AttemptEnd> {
         loop {
             let step = self.linearise_here()?;
             let Some(before) = &self.before else { return step.ok_or_else(not_definite) };
@@ -318,14 +317,17 @@ impl Iteration<'_> {
         let Self { drive, state, weighting, priors, buffers, progress, .. } = self;
         // The motion follows the sights within the blocks, which the Jacobians of the constants neglect. Otherwise the cost of a good step
         // seems to rise.
-        if step_motion(drive, state, weighting, progress)?.is_none() {
+        let Some(squares) = step_motion(drive, state, weighting, progress)? else {
             return Ok(None);
+        };
+        if weighting.fixed.is_none() {
+            weighting.squares = squares;
         }
         GaussNewtonStep::new(drive, state, weighting, priors, buffers, progress)
     }
 
     /// Applies a step, and adds its row with some changes; fails if the estimate has diverged.
-    fn apply(
+    pub fn apply(
         &mut self,
         step: &GaussNewtonStep,
         change_row: impl FnOnce(&mut TraceRow),

@@ -13,10 +13,10 @@ use crate::statistics::median;
 
 /// Least time between the readings of a third difference (s): over shorter times it is noise alone.
 const LEAST_STEP_S: f64 = 0.3;
-/// Third differences within this time are averaged (s).
+/// The largest third difference within this time counts (s): a start or a stop is one impulse.
 const HALF_WINDOW_S: f64 = 0.8;
-/// Third differences of this many times their usual square are noise.
-const USUAL_TIMES: f64 = 3.0;
+/// Third differences of this many times their usual square are noise: the largest of five exceeds it once in eighty times.
+const USUAL_TIMES: f64 = 6.0;
 /// A third difference whose readings are further apart is one of a vehicle that moves (m).
 const MOVING_M: f64 = 0.1;
 /// Fewest third differences of a moving vehicle from which the usual square is taken.
@@ -138,9 +138,9 @@ impl SquaredJerks {
         let near = near.filter(|jerk| (jerk.time_s - time_s).abs() <= HALF_WINDOW_S);
         let near: Vec<JerkVariance> = near.map(|jerk| jerk.square).collect();
         let excess = |of_one: fn(&JerkVariance) -> f64| {
-            let mean = near.iter().map(of_one).sum::<f64>() / near.len() as f64;
+            let largest = near.iter().map(of_one).fold(0.0, f64::max);
             // A white jerk has the larger variance the shorter the time that it is averaged over.
-            (mean - USUAL_TIMES * of_one(&self.usual)).max(0.0) * self.step_s / knot_s
+            (largest - USUAL_TIMES * of_one(&self.usual)).max(0.0) * self.step_s / knot_s
         };
         (!near.is_empty()).then(|| JerkVariance {
             horizontal: excess(|it| it.horizontal),

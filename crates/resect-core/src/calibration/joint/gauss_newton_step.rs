@@ -96,13 +96,6 @@ impl GaussNewtonStep {
         }))
     }
 
-    /// Sums of squared residuals over all segments.
-    pub fn squares(&self) -> ResidualSquares {
-        let mut squares = ResidualSquares::zeros(self.normal.drive().layout.stations());
-        self.segments.iter().for_each(|segment| squares.add(&segment.squares));
-        squares
-    }
-
     /// Robust weights by segment.
     pub fn weights(&self) -> Vec<RobustWeights> {
         self.segments.iter().map(|segment| Arc::clone(&segment.weights)).collect()

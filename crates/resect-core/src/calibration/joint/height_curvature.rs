@@ -9,7 +9,7 @@
 //! if it becomes
 //!
 //! ```text
-//! δ + P G J δ,  G = L⁻ᵀ U (Λ^(−1/2) − 1) Uᵀ L⁻¹                                                 (26)
+//! δ + P G J δ,  G = L⁻ᵀ U (Λ^(−1/2) − 1) Uᵀ L⁻¹                                                 (27)
 //! ```
 //!
 //! Λ is the share of the information that is not noise.
@@ -30,7 +30,20 @@ const SHIFT_SIGMAS: f64 = 0.3;
 /// Least share of the information on a height that is not noise: σ grows by a factor of three at most.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Returns G of (26); `directions` are P, and `heights` is the product of J and a vector. Zeros where the Hessian is not determined.
+/// G of (27), and the least share Λ.
+pub struct HeightCurvature {
+    pub by_heights: DMatrix<f64>,
+    pub least_share: f64,
+}
+
+impl HeightCurvature {
+    /// That of a cost without curvature.
+    pub fn none(size: usize) -> Self {
+        Self { by_heights: DMatrix::zeros(size, size), least_share: 1.0 }
+    }
+}
+
+/// Returns the curvature; `directions` are P, and `heights` is the product of J and a vector.
 pub fn height_curvature(
     step: &GaussNewtonStep,
     state: &StateVector,
@@ -38,7 +51,7 @@ pub fn height_curvature(
     directions: &[ChainVector],
     heights: &dyn Fn(&ChainVector) -> DVector<f64>,
     progress: &Progress,
-) -> Result<DMatrix<f64>, Cancelled> {
+) -> Result<HeightCurvature, Cancelled> {
     let size = directions.len();
     let of_directions: Vec<DVector<f64>> = directions.iter().map(heights).collect();
     let covariance = DMatrix::from_fn(size, size, |row, column| of_directions[column][row]);
@@ -47,7 +60,7 @@ pub fn height_curvature(
     for (index, direction) in directions.iter().enumerate() {
         let change = change_of_step(step, state, priors, &direction.scaled(shift(index)));
         progress.check()?;
-        let Some(change) = change else { return Ok(DMatrix::zeros(size, size)) };
+        let Some(change) = change else { return Ok(HeightCurvature::none(size)) };
         products.push(heights(&change) / shift(index));
     }
     let hessian = DMatrix::from_fn(size, size, |row, column| {
@@ -56,10 +69,9 @@ pub fn height_curvature(
     Ok(curvature(covariance, &hessian))
 }
 
-/// Returns G, with limits of the shares.
-fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> DMatrix<f64> {
-    let size = covariance.nrows();
-    let none = DMatrix::zeros(size, size);
+/// Returns the curvature, with limits of the shares; none where the Hessian is not determined.
+fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> HeightCurvature {
+    let none = HeightCurvature::none(covariance.nrows());
     let Some(root) = covariance.cholesky().map(|factor| factor.l()) else { return none };
     let Some(inverse) = root.try_inverse() else { return none };
     if hessian.iter().any(|value| !value.is_finite()) {
@@ -68,7 +80,10 @@ fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> DMatrix<f64> {
     let shares = (&inverse * hessian * inverse.transpose()).symmetric_eigen();
     let axes = inverse.tr_mul(&shares.eigenvectors);
     let more = shares.eigenvalues.map(|share| share.clamp(LEAST_SHARE, 1.0).sqrt().recip() - 1.0);
-    &axes * DMatrix::from_diagonal(&more) * axes.transpose()
+    HeightCurvature {
+        by_heights: &axes * DMatrix::from_diagonal(&more) * axes.transpose(),
+        least_share: shares.eigenvalues.min(),
+    }
 }
 
 /// Returns the change of the next step if the state moves by a vector, and the motion follows; `None` if rows cannot be recomputed.
@@ -132,7 +147,7 @@ mod tests {
     fn information_that_is_half_noise_gives_twice_the_variance_and_limits_hold() {
         let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 9.0]);
         let variances = |share: f64| {
-            let more = curvature(covariance.clone(), &(&covariance * share));
+            let more = curvature(covariance.clone(), &(&covariance * share)).by_heights;
             let factor = DMatrix::identity(2, 2) + &covariance * more;
             (&factor * &covariance * factor.transpose()).diagonal()
         };

@@ -30,6 +30,8 @@ pub struct JointEstimate {
     pub covariance: DMatrix<f64>,
     /// Contribution of each source to these variances.
     pub budget: Vec<(&'static str, DVector<f64>)>,
+    /// Least share of the information on a height that is not noise of the vehicle's tilts (27).
+    pub height_share: f64,
     /// Reliability of each group of readings: the drive's by station, those of control points by station, the rig's distances.
     pub reliability: Vec<GroupReliability>,
     /// Time offsets from station 1 in the middle of the first drive (s); zero for station 1.

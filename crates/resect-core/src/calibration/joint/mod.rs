@@ -265,7 +265,18 @@
 //! covariance as well, with which the poses of the vehicle are computed ([`mod@facet_covariance`]).
 //!
 //! The normal matrix counts noise of the vehicle's tilts as information on heights. C, F and the covariance of θ are those of the Hessian instead, as far as
-//! it differs for heights (26) ([`mod@height_curvature`]).
+//! it differs for heights (27) ([`mod@height_curvature`]). Where less than a fifth of the information on heights is no noise, they are not determined.
+//!
+//! # Rival
+//! On flat ground a mirrored solution fits as well. If neither the rig nor control points exclude it, the iteration starts there with the noise
+//! levels and priors of the estimate, and with robust weights of its own ([`rival`]). The likelihoods decide from this difference of Φ on,
+//! for a drive with n knots:
+//!
+//! ```text
+//! |Φ(rival) − Φ(estimate)| > 25 + 0.3 n                                                       (26)
+//! ```
+//!
+//! The estimate that starts from the rival must agree, by its own levels and priors. If the iteration returns to the estimate, there is no rival.
 //!
 //! Tables and JSON have these symbols with the number of the station. Their `σ_ρ` is that of a range of length zero, and Δx is survey less drive as Δθ.
 //!
@@ -275,6 +286,8 @@
 //! | [`facets`], [`mod@facet_covariance`] | errors that repeat with the incidence on the prisms, and the covariance by them |
 //! | [`mod@height_curvature`] | covariance of heights by the Hessian |
 //! | [`reliability`] | redundancy numbers, minimal detectable biases and their effect |
+//! | [`rival`] | comparison with the mirrored solution |
+//! | [`unseen_errors`] | covariance of a position by one station |
 //! | [`prior_conflict`], [`stated_size_conflict`] | tests of the priors |
 //! | [`findings`] | findings and doubts |
 //! | [`instrument_errors`] | errors of instruments with names and symbols |
@@ -325,6 +338,7 @@ mod random_walks;
 mod readings;
 pub mod reliability;
 mod residuals;
+mod rival;
 mod segment_prisms;
 mod settling;
 mod sight;
@@ -342,6 +356,7 @@ mod survey_change;
 mod survey_elimination;
 mod trace;
 pub mod unknown;
+mod unseen_errors;
 
 pub use self::estimate::{JointInput, estimate};
 pub use self::joint_estimate::{DriveClocks, JointEstimate, LargestSource, SurveyPoses};
@@ -352,6 +367,8 @@ pub use self::readings::{DriveReadings, Reading, STEPS_APART};
 pub use self::residuals::{
     NoiseLevels, OBSERVED_DISTANCE_SIGMA_M, RIG_FLEX_SIGMA_M, stated_range_m,
 };
+pub use self::rival::{decisive_excess, excess_of};
+pub use self::settling::relative_settling;
 pub use self::sight::Sight;
 pub use self::solver_status::SolverStatus;
 pub use self::state_vector::Layout;
@@ -359,3 +376,4 @@ pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;
 pub use self::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};
+pub use self::unseen_errors::unseen_covariance_m2;

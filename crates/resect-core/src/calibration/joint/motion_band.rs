@@ -14,19 +14,19 @@ use crate::linear_algebra::bordered_rows::{
 
 /// Kinds of noise whose redundancy is estimated by random probes.
 pub const PROBES: usize = 6;
-/// Columns of the border: the gradient, probes, blocks with even indices, and blocks with odd indices.
+/// Columns of the border: the gradient, blocks with even indices, blocks with odd indices, and probes.
 const GRADIENT: usize = 0;
-const FIRST_PROBE: usize = 1;
-pub const FIRST_BLOCK: usize = 8;
+pub const FIRST_BLOCK: usize = 1;
 
 pub type BlockMatrix = DMatrix<f64>;
 
 /// Rows of a band by knot, as [`bordered_rows`](crate::linear_algebra::bordered_rows) factorises them.
 pub type Rows = Vec<f64>;
 
-/// Shape of a block row: a knot with some coefficients, and a border for blocks with so many unknowns.
-pub fn band_shape(local: usize, block: usize) -> RowShape {
-    RowShape { size: local, blocks: ORDER, border: (FIRST_BLOCK + 2 * block).next_multiple_of(4) }
+/// Shape of a block row: a knot with some coefficients, and a border for blocks with so many unknowns and for so many probes.
+pub fn band_shape(local: usize, block: usize, probes: usize) -> RowShape {
+    let border = FIRST_BLOCK + 2 * block + probes;
+    RowShape { size: local, blocks: ORDER, border: border.next_multiple_of(4) }
 }
 
 /// Normal equations of one segment.
@@ -39,7 +39,7 @@ pub struct MotionBand {
     /// The first knot of each block.
     first_knots: Vec<usize>,
     pub blocks: Vec<BlockEquations>,
-    /// Squares of the probes that the motion absorbs.
+    /// Squares of the probes that the motion absorbs; zeros without probes.
     pub absorbed: [f64; PROBES],
 }
 
@@ -216,7 +216,7 @@ impl MotionBand {
         probe: usize,
         values: &[f64],
     ) {
-        self.add_column(knots, first, FIRST_PROBE + probe, values);
+        self.add_column(knots, first, self.first_probe() + probe, values);
     }
 
     /// Adds to a column of the border.
@@ -233,6 +233,11 @@ impl MotionBand {
                 self.row(first_knot + k, first + i)[column] += factor * value;
             }
         }
+    }
+
+    /// First column of the probes in the border; its width without any.
+    fn first_probe(&self) -> usize {
+        FIRST_BLOCK + 2 * self.block
     }
 
     /// First column of a block in the border.
@@ -271,8 +276,9 @@ impl MotionBand {
                 self.move_ended_blocks(knot, knots, &mut gram);
             }
         }
-        for (probe, sum) in self.absorbed.iter_mut().enumerate() {
-            *sum = gram[(FIRST_PROBE + probe) * (shape.border + 1)];
+        let diagonal = gram.iter().step_by(shape.border + 1).skip(self.first_probe());
+        for (sum, absorbed) in self.absorbed.iter_mut().zip(diagonal) {
+            *sum = *absorbed;
         }
         self.rows = rows;
         is_definite
@@ -400,7 +406,7 @@ pub(super) mod tests {
     pub fn example() -> (MotionBand, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
-        let shape = band_shape(LOCAL, BLOCK);
+        let shape = band_shape(LOCAL, BLOCK, 0);
         let mut band = MotionBand::new(Vec::new(), shape, BLOCK, KNOTS, first_knots);
         let size = KNOTS * LOCAL + BLOCK;
         let (mut full, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));

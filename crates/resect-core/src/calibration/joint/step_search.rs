@@ -241,13 +241,15 @@ impl StepSearch<'_> {
         (&self.slow[to] - &self.slow[from]).rows(0, self.layout.slow_ranges()).into_owned()
     }
 
-    /// Returns a step with its size by a solution whose priors allow it; the search's own priors do not.
-    pub fn measure(&self, step: &StationStep) -> Option<StationStep> {
+    /// Returns a step with its size, from its block to a last one, by a solution whose priors allow it; the search's own priors do not.
+    pub fn measure(&self, step: &StationStep, last_block: usize) -> Option<StationStep> {
         // Covariance of the increment, and of the random walk that it contains.
-        let covariance = self.increment_covariance(step.block - 1, step.block)
-            + self.precisions.increment_precision(step.block).cholesky()?.inverse();
+        let mut covariance = self.increment_covariance(step.block - 1, last_block);
+        for block in step.block..=last_block {
+            covariance += self.precisions.increment_precision(block).cholesky()?.inverse();
+        }
         let precision = covariance.cholesky()?.inverse();
-        let right = &precision * self.increment(step.block - 1, step.block);
+        let right = &precision * self.increment(step.block - 1, last_block);
         let (by_pose, by_clock) = self.jacobians(step.station);
         let size = match step.size {
             StepSize::Station { .. } => {
@@ -257,7 +259,8 @@ impl StepSearch<'_> {
                 StepSize::Clock(fit(&by_clock, &precision, &right, &[STEP_CLOCK_S2])?.1[0])
             }
         };
-        Some(StationStep { size, ..step.clone() })
+        let later_s = self.block_times_s[last_block] - self.block_times_s[step.block];
+        Some(StationStep { size, after_s: step.after_s + 0.5 * later_s, ..step.clone() })
     }
 
     /// Covariance of the increment from a block to a later one, with priors and data.

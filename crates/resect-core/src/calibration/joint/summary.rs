@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::chain::ChainVector;
 use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::GaussNewtonStep;
-use super::height_curvature::height_curvature;
+use super::height_curvature::{HeightCurvature, height_curvature};
 use super::joint_estimate::{DriveClocks, JointEstimate, SurveyPoses};
 use super::linearisation::Weighting;
 use super::prior_conflict::PriorConflict;
@@ -47,7 +47,7 @@ impl GaussNewtonStep {
         } else {
             FacetCovariance::zeros(layout)
         };
-        let Amplified { covariance, constants: by_gradient } = amplified;
+        let Amplified { covariance, constants: by_gradient, least_share } = amplified;
         let constants = &by_gradient * (&linear + facets.constants) * by_gradient.transpose();
         solution.added_covariance = Arc::new(constants - &linear);
         let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
@@ -69,6 +69,7 @@ impl GaussNewtonStep {
             station1_from_station: level_transforms(&poses.of(&states)),
             covariance: covariance + settling + facets.poses, // (25)
             budget,
+            height_share: least_share,
             reliability: group_reliability(&solution, &linear, &with_poses),
             clock_offsets_s: drives[0].offsets_s.clone(),
             drives,
@@ -107,15 +108,17 @@ impl GaussNewtonStep {
         let (size, places) = (layout.constants, layout.heights());
         // The distances alone are curved.
         if layout.prisms() < 2 {
-            return Ok(Amplified { covariance, constants: ConstantsMatrix::identity(size, size) });
+            let constants = ConstantsMatrix::identity(size, size);
+            return Ok(Amplified { covariance, constants, least_share: 1.0 });
         }
         let directions: Vec<ChainVector> =
             places.iter().map(|place| sensitivity[*place].clone()).collect();
         let heights = |vector: &ChainVector| poses.of(vector).select_rows(&places);
-        let curvature = height_curvature(self, state, priors, &directions, &heights, progress)?;
+        let HeightCurvature { by_heights, least_share } =
+            height_curvature(self, state, priors, &directions, &heights, progress)?;
         let amplification = |with_heights: DMatrix<f64>| {
             let mut by_gradient = DMatrix::identity(with_heights.nrows(), with_heights.nrows());
-            for (column, place) in (with_heights * &curvature).column_iter().zip(&places) {
+            for (column, place) in (with_heights * &by_heights).column_iter().zip(&places) {
                 by_gradient.column_mut(*place).axpy(1.0, &column, 1.0);
             }
             by_gradient
@@ -130,6 +133,7 @@ impl GaussNewtonStep {
         Ok(Amplified {
             covariance: &by_gradient * covariance * by_gradient.transpose(),
             constants: amplification(by_columns(&directions, size)),
+            least_share,
         })
     }
 
@@ -221,6 +225,8 @@ impl GaussNewtonStep {
 struct Amplified {
     covariance: DMatrix<f64>,
     constants: ConstantsMatrix,
+    /// Least share of the information on a height that is not noise.
+    least_share: f64,
 }
 
 /// Adds to the variances by a source.

@@ -109,6 +109,21 @@ pub fn drive_leaves_direction_free(free: &str, advice: &str) -> Finding {
     )
 }
 
+/// `noise` is the share of the information on the heights that is noise.
+pub fn heights_undetermined(noise: f64) -> Finding {
+    Finding::new(
+        kinds::DRIVE_LEAVES_DIRECTION_FREE,
+        format!(
+            "the drive does not determine the heights of the stations: {:.0} % of what it says of them is noise of the vehicle's \
+             tilts; measure the distances of the prisms or control points, or drive over ramps",
+            noise * 100.0
+        ),
+    )
+    .with(Remedy::GiveRig)
+    .with(Remedy::GiveControlPoints)
+    .quantity("noise", noise, Unit::Ratio)
+}
+
 pub fn stations_far_from_track(largest_sigma_m: f64) -> Finding {
     Finding::new(
         kinds::STATIONS_FAR_FROM_TRACK,
@@ -205,6 +220,7 @@ pub(super) fn examples() -> Vec<Finding> {
         drive_straight_line(OpenDirections::HeldByControlPoints(3), 42.0, 0.23),
         drive_two_legs(OpenDirections::Open { free: 0, weak: 0 }, [4.0, 5.0], 1.57, Some(3.0)),
         drive_leaves_direction_free("station 2 can slide along x", "drive a figure-eight"),
+        heights_undetermined(0.84),
         stations_far_from_track(0.04),
         drive_weak("station 2 can slide along x", 0.03, "drive a figure-eight"),
         weakest_direction("station 2 along x", 0.002),

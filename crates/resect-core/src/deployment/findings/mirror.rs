@@ -63,6 +63,28 @@ pub fn mirror_twin(
     .quantity("cost_ratio", cost_ratio, Unit::Ratio)
 }
 
+/// A mirror twin with its difference in height, whose χ² of all readings is larger than that of the answer by `excess`; infinite without a
+/// minimum.
+pub fn mirror_by_likelihood(apart_m: f64, excess: f64) -> Finding {
+    let twin = format!("the mirrored solution, {apart_m:.2} m away in height,");
+    let message = if excess.is_finite() {
+        format!(
+            "mirror ambiguity decided by all readings: with {twin} their χ² is {excess:.0} larger"
+        )
+    } else {
+        format!(
+            "mirror ambiguity decided by all readings: from {twin} they lead back to the answer"
+        )
+    };
+    let finding = Finding::new(kinds::MIRROR_RESOLVED_BY_LIKELIHOOD, message);
+    let finding = finding.quantity("apart", apart_m, Unit::Metre);
+    if excess.is_finite() {
+        finding.quantity("chi_square_excess", excess, Unit::Ratio)
+    } else {
+        finding
+    }
+}
+
 /// `witness` is the name of the evidence.
 pub fn mirror_witness_contradicted(witness: &str) -> Finding {
     Finding::new(
@@ -93,6 +115,8 @@ pub(super) fn examples() -> Vec<Finding> {
         mirror_twin(MirrorWitness::Cost, 0.4, 4.2, false),
         mirror_twin(MirrorWitness::Nothing, 0.4, 1.2, false),
         mirror_twin(MirrorWitness::Rig, 0.4, 0.1, true),
+        mirror_by_likelihood(0.4, 1093.6),
+        mirror_by_likelihood(0.4, f64::INFINITY),
         mirror_witness_contradicted("rig"),
         mirror_needs_witness(),
     ]
