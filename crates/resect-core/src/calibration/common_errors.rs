@@ -38,10 +38,11 @@ pub fn covariance(
     align: impl Fn(&Displacement<'_>) -> Option<Displaced>,
 ) -> Option<DMatrix<f64>> {
     let without = align(&|_, point| *point)?;
-    let mut moves: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
+    let (mut of_answer, mut of_residuals) = (Vec::new(), Vec::new());
     let mut add = |displace: &Displacement<'_>| -> Option<()> {
         let with = align(displace)?;
-        moves.push((pose_change(&with, &without), residual_change(&with, &without)));
+        of_answer.push(pose_change(&with, &without));
+        of_residuals.push(residual_change(&with, &without));
         Some(())
     };
     // All prisms are of one type.
@@ -57,10 +58,8 @@ pub fn covariance(
             add(&|station, point| if station == own { displaced(point) } else { *point })?;
         }
     }
-    let columns = |of_one: fn(&(DVector<f64>, DVector<f64>)) -> &DVector<f64>| {
-        DMatrix::from_columns(&moves.iter().map(of_one).cloned().collect::<Vec<_>>())
-    };
-    let (of_answer, of_residuals) = (columns(|both| &both.0), columns(|both| &both.1));
+    let [of_answer, of_residuals] =
+        [of_answer, of_residuals].map(|moves: Vec<DVector<f64>>| DMatrix::from_columns(&moves));
     let points = without.residuals_m.len().max(1) as f64;
     let residuals_m: Vec<f64> =
         without.residuals_m.iter().flat_map(|residual_m| <[f64; 3]>::from(*residual_m)).collect();
@@ -68,7 +67,7 @@ pub fn covariance(
     let variance_m2 = residuals_m.norm_squared() / (3.0 * points);
     let weight = independent as f64 / points / variance_m2.max(LEAST_RESIDUAL_M.powi(2));
     let shown = of_residuals.tr_mul(&of_residuals) * weight;
-    let left = (DMatrix::identity(moves.len(), moves.len()) + shown).cholesky()?.inverse();
+    let left = (DMatrix::identity(shown.nrows(), shown.nrows()) + shown).cholesky()?.inverse();
     let biases = &left * of_residuals.tr_mul(&residuals_m) * weight;
     Some(&of_answer * (left + &biases * biases.transpose()) * of_answer.transpose())
 }

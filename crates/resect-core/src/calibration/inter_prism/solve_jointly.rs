@@ -25,6 +25,7 @@ use crate::calibration::{
 use crate::deployment::findings::outliers::{prism_changed, span_left_out};
 use crate::deployment::{Deployment, Finding, kinds};
 use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
 /// Calibrates by the joint estimate of several prisms. If it fails, the answer is that of method D.
@@ -84,13 +85,8 @@ pub fn solve_jointly(
     let (estimate, evaluated) = match estimated {
         Ok(estimated) => estimated,
         Err(failure) => {
-            let triplets = all.of_published;
-            let first = FirstSolution::new(deployment, triplets, settings, offer, progress);
-            let published = first.and_then(|first| {
-                super::solve::solve(first, deployment, triplets, settings, progress)
-            });
-            let published = published.map_err(|why| failure.without_published(why))?;
-            return Ok(published.in_place_of_joint(failure));
+            let published = all.of_published;
+            return in_place_of_joint(failure, deployment, published, settings, offer, progress);
         }
     };
     progress.check()?;
@@ -122,6 +118,22 @@ pub fn solve_jointly(
         details: (Ok(estimate), answer.into_details(observability)),
         prior_ms,
     })
+}
+
+/// Returns the answer of method D in place of a joint estimate that failed.
+fn in_place_of_joint(
+    failure: JointFailure,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<MethodAnswer<(JointResult, InterPrismDetails)>, CalibrationError> {
+    let first = FirstSolution::new(deployment, triplets, settings, offer, progress);
+    let published = first
+        .and_then(|first| super::solve::solve(first, deployment, triplets, settings, progress));
+    let published = published.map_err(|why| failure.without_published(why))?;
+    Ok(published.in_place_of_joint(failure))
 }
 
 /// The joint estimate before its verdict, the times of its kept triplets (s; `None` if none is rejected), and the doubts about it.
