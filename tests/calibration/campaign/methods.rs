@@ -19,11 +19,11 @@ fn errors_sigmas(method: Method, preset: Preset, seed: u64) -> Vec<f64> {
     let calibration = &answer(&analysis).calibration;
     let sigma = calibration.sigma.as_ref().expect("determined");
     let of_station = |station: Station| {
-        let found = &calibration.station1_from_station[station];
+        let estimate = &calibration.station1_from_station[station];
         let truth = simulated.truth.station1_from_station[station];
-        let off_m = (found.translation_m - truth.translation_m)
+        let off_m = (estimate.translation_m - truth.translation_m)
             .component_div(&sigma[station].translation_m);
-        let turned = (found.yaw_rad() - truth.yaw_rad).sin() / sigma[station].yaw_rad;
+        let turned = (estimate.yaw_rad() - truth.yaw_rad).sin() / sigma[station].yaw_rad;
         [off_m.x, off_m.y, off_m.z, turned]
     };
     [1, 2].map(Station::at).into_iter().flat_map(of_station).collect()

@@ -134,13 +134,20 @@ fn shared_errors(
     let first_station = usize::from(!is_global);
     let common = common_errors::covariance(sizes, stations, points, |displace| {
         let displaced = |(index, matches): (usize, &Matches)| {
-            let of = |station: Station, points_m: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            let displaced_m = |station: Station, points_m: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
                 points_m.iter().map(|point| displace(station, point)).collect()
             };
-            let own = Station::at(index + first_station);
-            let to_m =
-                if is_global { matches.to_m.clone() } else { of(Station::FIRST, &matches.to_m) };
-            Matches { to_m, from_m: of(own, &matches.from_m), block: matches.block.clone() }
+            let station = Station::at(index + first_station);
+            let to_m = if is_global {
+                matches.to_m.clone()
+            } else {
+                displaced_m(Station::FIRST, &matches.to_m)
+            };
+            Matches {
+                to_m,
+                from_m: displaced_m(station, &matches.from_m),
+                block: matches.block.clone(),
+            }
         };
         let displaced: Vec<Matches> = matches.iter().enumerate().map(displaced).collect();
         let placed = point_to_point::transforms(&displaced, settings.alignment)?;

@@ -90,12 +90,12 @@ impl<'a> Screening<'a> {
             }
             self.progress.check()?;
         }
-        let Some((without, part)) = best.1 else { return Ok(None) };
+        let Some((without, triplets_left_out)) = best.1 else { return Ok(None) };
         // What is wrong seldom begins and ends with a part.
         let answer = &without.choice.answer.station1_from_station;
         let kept = gross_errors::fitting_triplets(&triplets.points_m, answer, self.network);
         let fitting = if kept.len() < FEWEST_TRIPLETS { without } else { self.solve_on(kept) };
-        Ok(self.is_other_prism(&fitting, part).then_some(fitting))
+        Ok(self.is_other_prism(&fitting, triplets_left_out).then_some(fitting))
     }
 
     fn solve_on(&self, kept: Vec<usize>) -> Published {
@@ -103,11 +103,11 @@ impl<'a> Screening<'a> {
         self.solve(&used, &used.centred(self.network))
     }
 
-    /// Returns true if a station followed another prism during a part of the triplets.
-    fn is_other_prism(&self, published: &Published, part: Range<usize>) -> bool {
+    /// Returns true if a station followed another prism during these triplets.
+    fn is_other_prism(&self, published: &Published, triplets: Range<usize>) -> bool {
         let answer = &published.choice.answer.station1_from_station;
         let placed = answer.map(|level| RigidTransform::from(*level));
-        let span_s = [part.start, part.end - 1].map(|index| self.triplets.time_s[index]);
+        let span_s = [triplets.start, triplets.end - 1].map(|index| self.triplets.time_s[index]);
         followed_another::prism_changes(self.triplets, &placed, self.network, self.rig, span_s)
             .is_some()
     }

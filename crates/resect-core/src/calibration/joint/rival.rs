@@ -57,13 +57,13 @@ pub fn excess_of(
 
 /// Returns the constants of a solution with other poses, whose yaws are near its own.
 fn constants_at(solution: &Solution, poses: &PerStation<LevelTransform>) -> Constants {
-    let (layout, own) = (solution.layout(), &solution.state.constants);
-    let distances_m = layout.indices(&DISTANCE).map(|index| own[index]).collect();
+    let (layout, estimated) = (solution.layout(), &solution.state.constants);
+    let distances_m = layout.indices(&DISTANCE).map(|index| estimated[index]).collect();
     let other = prior_mean(layout, poses, &distances_m);
-    let mut constants = own.clone();
+    let mut constants = estimated.clone();
     for index in 0..layout.poses() {
         let is_yaw = index % 4 == 3;
-        let change = other[index] - own[index];
+        let change = other[index] - estimated[index];
         constants[index] += if is_yaw { wrap_to_pi(change) } else { change };
     }
     constants

@@ -118,8 +118,8 @@ impl GaussNewtonStep {
             height_curvature(self, state, priors, &directions, &heights, progress)?;
         let amplification = |with_heights: DMatrix<f64>| {
             let mut by_gradient = DMatrix::identity(with_heights.nrows(), with_heights.nrows());
-            for (column, place) in (with_heights * &by_heights).column_iter().zip(&places) {
-                by_gradient.column_mut(*place).axpy(1.0, &column, 1.0);
+            for (column, height) in (with_heights * &by_heights).column_iter().zip(&places) {
+                by_gradient.column_mut(*height).axpy(1.0, &column, 1.0);
             }
             by_gradient
         };
