@@ -16,7 +16,7 @@ pub use real_drive::real_drives;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::joint::SetUpChange;
 use resect_core::calibration::{Evidence, Method, Verdict};
-use resect_core::deployment::{Finding, Severity};
+use resect_core::deployment::{Finding, Severity, Subject};
 use resect_core::geometry::wrap_to_pi;
 use resect_core::network::{Number, Prism, Station};
 use resect_core::statistics::median;
@@ -101,7 +101,8 @@ fn heights_without_the_rig_are_as_certain_as_they_say() {
     }
 }
 
-/// Beside control points a misread distance of the rig changes no answer.
+/// Beside control points a misread distance of the rig changes no answer. One reading of a control point is an outlier: station 1 read marker 4 of
+/// 20221205-2 5.1 mm lower than the others, nine times its σ.
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn drives_near_method_b_are_good_and_have_no_warning() {
@@ -110,8 +111,11 @@ fn drives_near_method_b_are_good_and_have_no_warning() {
         let analysis = analyse(&deployment, &Settings::default());
         let calibration = &answer(&analysis).calibration;
         let is_warning = |finding: &&Finding| finding.severity > Severity::Note;
-        let warnings: Vec<&Finding> = calibration.findings.iter().filter(is_warning).collect();
-        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+        let warnings = calibration.findings.iter().filter(is_warning);
+        let subjects: Vec<_> = warnings.map(|warning| warning.subject.clone()).collect();
+        let marker_4 = Some(Subject::Point { file: "GCP.txt".to_owned(), marker: 4 });
+        let expected = if name == "20221205-2" { vec![marker_4] } else { Vec::new() };
+        assert_eq!(subjects, expected, "{name}: {:?}", calibration.findings);
         assert_eq!(calibration.verdict, Verdict::Good, "{name}");
     }
 }

@@ -144,8 +144,8 @@ fn the_reliability_is_that_of_calibrate() {
     let output = resect(&["calibrate", text(&path), "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let groups = json["details"]["joint"]["reliability"].as_array().expect("groups");
-    // Four groups a station in the drive, two at control points, and three distances of the rig.
-    assert_eq!(groups.len(), 21);
+    // Four groups a station in the drive, three at control points, and three distances of the rig.
+    assert_eq!(groups.len(), 24);
     for (code, heading, bias) in [
         ("station-2-ranges", "station 2, ranges", "minimal_detectable_bias_m"),
         ("station-3-vertical-angles", "station 3, vertical angles", "minimal_detectable_bias_rad"),

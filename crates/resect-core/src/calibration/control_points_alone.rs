@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::followed_prisms::one_prism;
 use super::joint::Layout;
-use super::joint::survey_adjustment::adjust;
+use super::joint::adjust_survey::adjust;
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::static_gcp::StaticGcpDetails;
@@ -38,7 +38,8 @@ pub fn solve(
     let known = survey.has_surveyed_coordinates;
     let mut judgement = Judgement::good(vec![control_points_aligned(most, known, rms_m)]);
     judgement.findings.extend(survey.significant_face_errors(&settings.errors));
-    judgement.doubt(survey.outliers(sets));
+    let contradictions = survey.contradictions(sets);
+    contradictions.into_iter().for_each(|(verdict, finding)| judgement.lower(verdict, finding));
     let mut answer = MethodAnswer {
         // The checks treat it like method B, which uses the same points.
         method: Method::StaticGcp,

@@ -237,10 +237,11 @@ impl<'a> Problem<'a> {
         }
         let survey = calibration.joint().and_then(JointEstimate::control_points);
         let notes = survey.map(|survey| survey.significant_face_errors(&settings.errors));
-        let outliers = survey.map(|survey| survey.outliers(deployment.comparable_control_points()));
-        for outlier in outliers.into_iter().flatten() {
-            calibration.verdict = calibration.verdict.max(Verdict::Weak);
-            calibration.findings.push(outlier);
+        let contradictions =
+            survey.map(|survey| survey.contradictions(deployment.comparable_control_points()));
+        for (verdict, contradiction) in contradictions.into_iter().flatten() {
+            calibration.verdict = calibration.verdict.max(verdict);
+            calibration.findings.push(contradiction);
         }
         calibration.findings.extend(notes.into_iter().flatten());
         sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;

@@ -200,6 +200,10 @@ crate::finding_kinds! {
     CONTROL_POINTS_FIT_POORLY = "control-points-fit-poorly", Warning, CONTRADICTION;
     /// One control point fits far worse than the others.
     CONTROL_POINT_OUTLIER = "control-point-outlier", Warning, CONTRADICTION;
+    /// A station's ranges to control points are longer or shorter than those of the others.
+    CONTROL_POINT_RANGES_OFF = "control-point-ranges-off", Warning, CONTRADICTION;
+    /// A station stood elsewhere in one set of control points than in the others.
+    STATION_MOVED_BETWEEN_SETS = "station-moved-between-sets", Warning, CONTRADICTION;
     /// The pair of known points that the resection uses.
     RESECTION_PAIR = "resection-pair", Note;
     /// No third known point checks the resection.

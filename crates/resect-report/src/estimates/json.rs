@@ -18,7 +18,7 @@ pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
         GroundTruth::Deployment { analysis, .. } => {
             analysis.answer.as_ref().ok().map(|answer| &answer.calibration)
         }
-        GroundTruth::Trajectory(_) => None,
+        GroundTruth::Trajectory(..) => None,
     };
     json!({
         "schema": SCHEMA,
@@ -63,7 +63,7 @@ fn ground_truth(truth: &GroundTruth<'_>) -> Value {
             "kind": "deployment",
             "name": deployment.name,
         }),
-        GroundTruth::Trajectory(truth) => json!({
+        GroundTruth::Trajectory(truth, _) => json!({
             "kind": "trajectory",
             "name": truth.name,
             "file": truth.path,

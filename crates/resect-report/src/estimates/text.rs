@@ -20,7 +20,7 @@ pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
             ),
             Err(why) => format!("{} · no ground truth: {why}", deployment.name),
         },
-        GroundTruth::Trajectory(truth) => {
+        GroundTruth::Trajectory(truth, _) => {
             let kind = match truth.poses.iter().all(|pose| pose.orientation.is_some()) {
                 true => "poses",
                 false => "positions",
@@ -71,7 +71,7 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
         lines.extend(odd);
     }
     let of_truth = match truth {
-        GroundTruth::Trajectory(truth) => &truth.findings[..],
+        GroundTruth::Trajectory(truth, _) => &truth.findings[..],
         GroundTruth::Deployment { .. } => &[],
     };
     let findings = all.iter().flat_map(|one| one.estimate.findings.iter().chain(&one.fit.findings));

@@ -160,8 +160,8 @@ terms! {
         "The share of a reading's error that remains in its residual, from 0 (no other reading checks it) to 1. The normalised residual \
          is the residual over its own standard deviation.";
     MINIMAL_DETECTABLE_BIAS = "minimal detectable bias" / "MDB" / "reliability":
-        "The smallest error of a group of readings that a test detects with a probability of 80 %, if it rejects one good group in a \
-         thousand. Its effect on the answer is the harm that undetected errors can do (Baarda 1968).";
+        "The smallest error of a group of readings that is reported with a probability of 80 %, if all tests of a kind reject one good drive \
+         in a thousand. Its effect on the answer is the harm that undetected errors can do (Baarda 1968).";
     COVARIANCE = "covariance" / "covariance matrix":
         "The matrix of the variances of several quantities and of their common variation. The square roots of its diagonal are the σ.";
     SIGNIFICANCE = "significant" / "significance" / "not significant" / "p-value":

@@ -27,7 +27,7 @@ pub fn reliability(deployment: &Deployment, found: &JointEstimate) -> Markup {
             }
         }
         p.weak {
-            "A test with a false-alarm rate of 0.1 % detects the minimal detectable bias with a probability of 80 %. The effect is \
+            "The minimal detectable bias is reported with a probability of 80 %. All tests of a kind reject one good drive of a thousand. The effect is \
              that of an undetected bias of this size."
         }
         p.weak {

@@ -38,6 +38,12 @@ impl ChainVector {
         Self { slow, constants: Constants::zeros(layout.constants) }
     }
 
+    /// Scalar product.
+    pub fn dot(&self, other: &Self) -> f64 {
+        let of_blocks = self.slow.iter().zip(&other.slow).map(|(own, other)| own.dot(other));
+        self.constants.dot(&other.constants) + of_blocks.sum::<f64>()
+    }
+
     /// Adds a multiple of another vector.
     pub fn add_multiple(&mut self, other: &Self, multiple: f64) {
         self.constants.axpy(multiple, &other.constants, 1.0);

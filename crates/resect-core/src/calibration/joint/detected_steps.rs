@@ -2,10 +2,12 @@
 
 use std::mem::discriminant;
 
-use super::chain::ChainEquations;
+use super::chain::ChainVector;
 use super::chain_factor::ChainFactor;
 use super::drive::Drive;
 use super::facets::{facet_effects, incidence_terms};
+use super::gauss_newton_step::GaussNewtonStep;
+use super::height_curvature::height_curvature;
 use super::priors::Priors;
 use super::random_walks::{SlowPrecisions, SlowPriors};
 use super::state_vector::{Slow, StateVector};
@@ -35,14 +37,15 @@ pub fn is_usual(step: &StationStep, sizes: &ErrorSizes) -> bool {
 /// Adds significant steps, the most significant first, and raises the variance of their increments in the priors.
 pub fn add_steps(
     steps: &mut Vec<StationStep>,
-    normal: &ChainEquations,
+    linearised: &GaussNewtonStep,
     priors: &mut Priors,
     state: &StateVector,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     while steps.len() < MOST_STEPS {
         progress.check()?;
-        let Some(step) = most_significant_step(normal, priors, state) else { break };
+        let step = most_significant_step(linearised, priors, state, progress);
+        let Some(step) = step else { break };
         match step.size {
             StepSize::Station { .. } => priors.slow.station_steps.push(step.block),
             StepSize::Clock(_) => priors.slow.clock_steps.push(step.block),
@@ -53,10 +56,12 @@ pub fn add_steps(
 }
 
 fn most_significant_step(
-    normal: &ChainEquations,
+    linearised: &GaussNewtonStep,
     priors: &Priors,
     state: &StateVector,
+    progress: &Progress,
 ) -> Option<StationStep> {
+    let normal = &linearised.normal;
     let drive = normal.drive();
     let precisions = SlowPrecisions::of_drive(&priors.slow, drive)?;
     let right = normal.gradient_with_priors(priors, &precisions, state);
@@ -66,9 +71,14 @@ fn most_significant_step(
     let slow: Vec<Slow> = solved.collect();
     let search = step_search(&factor, &precisions, &slow, priors, drive, state);
     let terms = incidence_terms(drive, state);
-    search.most_significant_step(|solution| {
+    let by_incidence = |solution: &ChainVector| {
         let information = normal.matrix.multiply(std::slice::from_ref(solution));
         facet_effects(drive, &terms, &information[0])
+    };
+    // A cancelled one is noticed by the next check.
+    search.most_significant_step(by_incidence, |directions, heights| {
+        let priors = (priors, &precisions);
+        height_curvature(linearised, state, priors, directions, heights, progress).ok()
     })
 }
 

@@ -387,12 +387,12 @@ impl Iteration<'_> {
             Ok(())
         };
         let (mut suspected, mut with_steps) = (self.steps.clone(), priors.clone());
-        add_steps(&mut suspected, &step.normal, &mut with_steps, state, progress)?;
+        add_steps(&mut suspected, step, &mut with_steps, state, progress)?;
         if suspected.len() > known {
             // Stamps that wander are no steps. Beside a step that happened they wander less than without it.
             choose_clocks(&mut with_steps)?;
             priors.slow.clocks_s2 = with_steps.slow.clocks_s2;
-            add_steps(&mut self.steps, &step.normal, priors, state, progress)?;
+            add_steps(&mut self.steps, step, priors, state, progress)?;
         }
         if is_last || suspected.len() > known {
             choose_clocks(priors)?;

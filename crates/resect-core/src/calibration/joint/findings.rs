@@ -2,6 +2,7 @@
 
 use super::instrument_errors::{InstrumentError, instrument_errors};
 use super::joint_estimate::{JointEstimate, LargestSource};
+use super::prior_conflict::CRITICAL_SIGMAS;
 use super::stated_size_conflict::StatedSizeConflict;
 use super::step_search::{StationStep, StepSize};
 use super::unknown::{DISTANCE, Owner};
@@ -19,8 +20,6 @@ use crate::deployment::{Finding, Rig};
 use crate::network::{Number, Pair, PerPair, PerStation, Station};
 use crate::statistics::estimate::SUPPORTED_SIGMAS;
 
-/// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
-const CRITICAL_SIGMAS: f64 = 4.2;
 /// Critical distance of the constants of a station from their priors together (σ). Textbook: exceeded by chance once in a
 /// thousand drives.
 const CRITICAL_STATION_SIGMAS: f64 = 3.0;
@@ -144,7 +143,9 @@ pub fn doubts(joint: &JointEstimate) -> Vec<(Verdict, Finding)> {
     if joint.survey.as_ref().is_some_and(|survey| survey.may_have_changed) {
         doubt(set_up_change_undecided(UndecidedChange::Whether));
     }
-    doubts.extend(joint.steps.iter().map(|step| detected_step(step, joint)));
+    // A step that its own σ may hide was allowed by the priors, and changes nothing.
+    let significant = joint.steps.iter().filter(|step| step.is_significant());
+    doubts.extend(significant.map(|step| detected_step(step, joint)));
     let drifts = joint.clock_drifts_by_readings();
     let implausible = clocks_in_words::implausible_drifts(&drifts, &jumping_clocks(joint), true);
     doubts.extend(implausible.into_iter().map(|finding| (Verdict::Weak, finding)));

@@ -22,6 +22,7 @@ use super::gradients::gradients;
 use super::linearisation::Linearisation;
 use super::motion_band::MotionBand;
 use super::priors::Priors;
+use super::random_walks::SlowPrecisions;
 use super::state_vector::{BlockVector, StateVector};
 use crate::progress::{Cancelled, Progress};
 
@@ -37,17 +38,24 @@ pub struct HeightCurvature {
 }
 
 impl HeightCurvature {
+    /// Covariance of heights beyond that by the normal matrix.
+    pub fn more(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let size = covariance.nrows();
+        let factor = DMatrix::identity(size, size) + covariance * &self.by_heights;
+        &factor * covariance * factor.transpose() - covariance
+    }
+
     /// That of a cost without curvature.
     pub fn none(size: usize) -> Self {
         Self { by_heights: DMatrix::zeros(size, size), least_share: 1.0 }
     }
 }
 
-/// Returns the curvature; `directions` are P, and `heights` is the product of J and a vector.
+/// Returns the curvature at the state of a step, with these priors; `directions` are P, and `heights` is the product of J and a vector.
 pub fn height_curvature(
     step: &GaussNewtonStep,
     state: &StateVector,
-    priors: &Priors,
+    priors: (&Priors, &SlowPrecisions),
     directions: &[ChainVector],
     heights: &dyn Fn(&ChainVector) -> DVector<f64>,
     progress: &Progress,
@@ -58,13 +66,13 @@ pub fn height_curvature(
     let shift = |index: usize| SHIFT_SIGMAS / covariance[(index, index)].sqrt();
     let mut products = Vec::with_capacity(size);
     for (index, direction) in directions.iter().enumerate() {
-        let change = change_of_step(step, state, priors, &direction.scaled(shift(index)));
+        let change = change_of_gradient(step, state, priors, &direction.scaled(shift(index)));
         progress.check()?;
         let Some(change) = change else { return Ok(HeightCurvature::none(size)) };
-        products.push(heights(&change) / shift(index));
+        products.push(change.scaled(shift(index).recip()));
     }
     let hessian = DMatrix::from_fn(size, size, |row, column| {
-        0.5 * (products[column][row] + products[row][column])
+        0.5 * (directions[row].dot(&products[column]) + directions[column].dot(&products[row]))
     });
     Ok(curvature(covariance, &hessian))
 }
@@ -86,11 +94,11 @@ fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> HeightCurvatur
     }
 }
 
-/// Returns the change of the next step if the state moves by a vector, and the motion follows; `None` if rows cannot be recomputed.
-fn change_of_step(
+/// Returns the change of the gradient if the state moves by a vector, and the motion follows; `None` if rows cannot be recomputed.
+fn change_of_gradient(
     step: &GaussNewtonStep,
     state: &StateVector,
-    priors: &Priors,
+    (priors, slow_precisions): (&Priors, &SlowPrecisions),
     shift: &ChainVector,
 ) -> Option<ChainVector> {
     let jacobians = &step.normal.matrix.jacobians;
@@ -127,9 +135,9 @@ fn change_of_step(
     let mut change = step.normal.matrix.gradient(of_segments.into_iter().flatten());
     change.constants += priors.information() * &shift.constants;
     for (block, slow) in change.slow.iter_mut().enumerate() {
-        *slow += step.slow_precisions.multiply(&shift.slow, block);
+        *slow += slow_precisions.multiply(&shift.slow, block);
     }
-    Some(step.factor.solve_one(&change))
+    Some(change)
 }
 
 /// A state without a motion, whose constants and slow states have moved by a share of a vector.

@@ -301,6 +301,7 @@
 //! `x_by_y` is the Jacobian of x with respect to y. Slots 0, 1, … are stations 2, 3, …. Gauss–Newton steps are subtracted. `information` is an inverse
 //! covariance, `precision` 1/σ² of a prior.
 
+pub mod adjust_survey;
 mod attempt_end;
 mod block_jacobians;
 mod chain;
@@ -330,7 +331,7 @@ mod marginal_likelihood;
 mod motion_band;
 mod noise_levels;
 mod predict;
-mod prior_conflict;
+pub mod prior_conflict;
 mod priors;
 pub mod prism_motion;
 mod prisms_of_instant;
@@ -351,9 +352,13 @@ mod step_fit;
 mod step_search;
 mod summary;
 pub mod survey;
-pub mod survey_adjustment;
+mod survey_adjustment;
 mod survey_change;
+mod survey_conflicts;
 mod survey_elimination;
+mod survey_markers;
+mod survey_reliability;
+mod tested_error;
 mod trace;
 pub mod unknown;
 mod unseen_errors;
@@ -376,4 +381,4 @@ pub use self::step_search::{StationStep, StepSize};
 pub use self::survey::Survey;
 pub use self::survey_change::SetUpChange;
 pub use self::trace::{SlowChanges, SolverPhase, Trace, TraceEvent, TraceRow};
-pub use self::unseen_errors::unseen_covariance_m2;
+pub use self::unseen_errors::{shared_errors_m, unseen_covariance_m2};

@@ -10,6 +10,8 @@ use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use super::unknown::{DISTANCE, Effect, Owner};
 use crate::network::PerStation;
 
+/// Critical distance of one constant from its prior (σ). Textbook: one of thirty exceeds it by chance once in a thousand drives.
+pub const CRITICAL_SIGMAS: f64 = 4.2;
 /// Directions whose prior variance the data reduces by less than this share are not tested.
 pub const LEAST_INFORMATION: f64 = 0.05;
 

@@ -10,10 +10,11 @@ use rayon::prelude::*;
 
 use super::chain::ChainVector;
 use super::chain_factor::ChainFactor;
+use super::height_curvature::HeightCurvature;
 use super::random_walks::{SlowPrecisions, WalkMatrix};
 use super::state_vector::{Constants, Layout, Slow};
 use super::step_fit::{fit, step_jacobians};
-use crate::calibration::Estimate;
+use crate::calibration::{Estimate, SUPPORTED_SIGMAS};
 use crate::network::{Number, Station};
 
 /// Critical χ² of a step of a station at any time of a drive (4 degrees of freedom).
@@ -34,6 +35,9 @@ const STEP_SETTLING: f64 = 9.0;
 const DETECTED: f64 = 1e6;
 /// Variance of a clock's step beside which the data must determine it (s²).
 const STEP_CLOCK_S2: f64 = 25e-6;
+
+/// Heights in a linear function of the states.
+pub type HeightsOf<'a> = dyn Fn(&ChainVector) -> DVector<f64> + 'a;
 
 /// A step of a station, or of its clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +62,17 @@ pub enum StepSize {
 }
 
 impl StationStep {
+    /// Returns true if its size differs from zero.
+    pub fn is_significant(&self) -> bool {
+        let differs = |size: &Estimate| size.sigmas_from(0.0).abs() >= SUPPORTED_SIGMAS;
+        match &self.size {
+            StepSize::Station { turned_rad, moved_m } => {
+                differs(turned_rad) || moved_m.iter().any(differs)
+            }
+            StepSize::Clock(by_s) => differs(by_s),
+        }
+    }
+
     /// Length of a station's displacement (m).
     pub fn moved_m(&self) -> Option<Estimate> {
         let StepSize::Station { moved_m, .. } = &self.size else { return None };
@@ -99,11 +114,12 @@ pub struct StepSearch<'a> {
 impl StepSearch<'_> {
     /// Returns the most significant step that is not known yet.
     ///
-    /// `by_incidence` returns the effects of errors that repeat with the incidence on a linear function of the states. It is costly, and asked for
-    /// steps alone that are significant without it.
+    /// `by_incidence` returns the effects of errors that repeat with the incidence on a linear function of the states, and `curvature` that of the cost
+    /// for the heights in such functions. Both are costly, and asked for steps alone that are significant without them.
     pub fn most_significant_step(
         &self,
         by_incidence: impl Fn(&ChainVector) -> DVector<f64>,
+        curvature: impl Fn(&[ChainVector], &HeightsOf<'_>) -> Option<HeightCurvature>,
     ) -> Option<StationStep> {
         // Station 1 alone moves nothing.
         if self.layout.moved() == 0 {
@@ -126,7 +142,8 @@ impl StepSearch<'_> {
             }
             let effects = self.map_increment_solutions(index, index + 1, &by_incidence);
             let effects = DMatrix::from_columns(&effects);
-            let errors = effects.tr_mul(&effects);
+            let mut errors = effects.tr_mul(&effects);
+            self.add_curvature(index, &covariances[index], &curvature, &mut errors);
             let step = best_of(self.tested_steps(index + 1, &covariances[index], Some(&errors)));
             let is_better = |(significance, _): &(f64, StationStep)| {
                 best.as_ref().is_none_or(|(best, _)| significance > best)
@@ -134,6 +151,36 @@ impl StepSearch<'_> {
             best = step.filter(is_better).or(best);
         }
         best.map(|(_, step)| step)
+    }
+
+    /// Adds to the errors of an increment what the curvature of the cost adds to the covariance of its heights.
+    fn add_curvature(
+        &self,
+        index: usize,
+        covariance: &WalkMatrix,
+        curvature: impl Fn(&[ChainVector], &HeightsOf<'_>) -> Option<HeightCurvature>,
+        errors: &mut WalkMatrix,
+    ) {
+        // The distances alone are curved.
+        if self.layout.prisms() < 2 {
+            return;
+        }
+        let heights: Vec<usize> = (0..self.layout.moved()).map(|slot| 4 * slot + 2).collect();
+        let difference = |height: &usize| self.difference(index, index + 1, *height);
+        let directions =
+            self.factor.solve(&heights.iter().map(difference).collect::<Vec<ChainVector>>());
+        let of_increment = |vector: &ChainVector| {
+            (&vector.slow[index + 1] - &vector.slow[index]).select_rows(&heights)
+        };
+        let Some(curvature) = curvature(&directions, &of_increment) else { return };
+        let of_heights = covariance.select_rows(&heights).select_columns(&heights);
+        let more = curvature.more(&of_heights);
+        for (i, row) in heights.iter().enumerate() {
+            heights
+                .iter()
+                .enumerate()
+                .for_each(|(k, column)| errors[(*row, *column)] += more[(i, k)]);
+        }
     }
 
     /// Returns the steps before a block that are not known yet; `covariance` is that of the increment, `errors` its part by the incidence.
@@ -273,6 +320,14 @@ impl StepSearch<'_> {
         WalkMatrix::from_fn(columns.len(), columns.len(), |row, column| columns[column][row])
     }
 
+    /// Jacobian of a component of the increment from a block to a later one.
+    fn difference(&self, from: usize, to: usize, component: usize) -> ChainVector {
+        let mut difference = ChainVector::zeros(self.layout, self.block_times_s.len());
+        difference.slow[to][component] = 1.0;
+        difference.slow[from][component] = -1.0;
+        difference
+    }
+
     /// Maps the solutions for the components of the increment from a block to a later one. Those of a long drive need much memory, so there are
     /// few at a time.
     fn map_increment_solutions<T>(
@@ -281,13 +336,7 @@ impl StepSearch<'_> {
         to: usize,
         map: impl Fn(&ChainVector) -> T,
     ) -> Vec<T> {
-        let blocks = self.block_times_s.len();
-        let difference = |component: &usize| {
-            let mut difference = ChainVector::zeros(self.layout, blocks);
-            difference.slow[to][*component] = 1.0;
-            difference.slow[from][*component] = -1.0;
-            difference
-        };
+        let difference = |component: &usize| self.difference(from, to, *component);
         let walks: Vec<usize> = (0..self.layout.slow_ranges()).collect();
         let solutions =
             |some: &[usize]| self.factor.solve(&some.iter().map(difference).collect::<Vec<_>>());

@@ -14,8 +14,8 @@ use super::prior_conflict::PriorConflict;
 use super::priors::Priors;
 use super::prism_motion::Solution;
 use super::reliability::{
-    GroupReliability, PosteriorMoments, control_point_reliability, drive_reliability,
-    rig_reliability,
+    GroupReliability, PosteriorMoments, control_point_offsets, control_point_reliability,
+    drive_reliability, rig_reliability,
 };
 use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station, level_transforms};
 use super::trace::Trace;
@@ -114,8 +114,9 @@ impl GaussNewtonStep {
         let directions: Vec<ChainVector> =
             places.iter().map(|place| sensitivity[*place].clone()).collect();
         let heights = |vector: &ChainVector| poses.of(vector).select_rows(&places);
+        let with_slow = (priors, &self.slow_precisions);
         let HeightCurvature { by_heights, least_share } =
-            height_curvature(self, state, priors, &directions, &heights, progress)?;
+            height_curvature(self, state, with_slow, &directions, &heights, progress)?;
         let amplification = |with_heights: DMatrix<f64>| {
             let mut by_gradient = DMatrix::identity(with_heights.nrows(), with_heights.nrows());
             for (column, height) in (with_heights * &by_heights).column_iter().zip(&places) {
@@ -251,7 +252,8 @@ fn group_reliability(
     let layout = solution.layout();
     let information = priors.own_information();
     let change = &state.constants - &priors.mean;
-    let posterior = PosteriorMoments { layout, information, change, covariance, with_poses };
+    let added = &*solution.added_covariance;
+    let posterior = PosteriorMoments { layout, information, change, covariance, added, with_poses };
     let mut groups = drive_reliability(&posterior, &weighting.squares);
     if let Some(survey) = &priors.survey {
         // A step is opposite to its gradient; the sizes do not depend on the sign.
@@ -259,6 +261,7 @@ fn group_reliability(
             |gradient: &Constants| with_poses.tr_mul(&survey.without_changes(gradient));
         let readings = &survey.survey().readings;
         groups.extend(control_point_reliability(readings, layout.stations(), pose_change));
+        groups.extend(control_point_offsets(&survey.survey().tests.of_ranges, pose_change));
     }
     if priors.distances_are_evidence {
         groups.extend(rig_reliability(&posterior));

@@ -7,28 +7,22 @@ use nalgebra::{DMatrix, Vector3};
 use super::constants_prior::precisions;
 use super::state_vector::{Constants, ConstantsMatrix, Layout, level_transforms};
 use super::unknown::{COLLIMATION, LEAN_X, LEAN_Y, RANGE_OFFSET, VERTICAL_INDEX};
-use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS};
+use crate::calibration::{ErrorSizes, Estimate, Quantity, SUPPORTED_SIGMAS, Verdict};
 use crate::deployment::findings::instruments::{NamedError, instrument_error};
-use crate::deployment::findings::points::control_point_outlier;
+use crate::deployment::findings::points::{
+    control_point_ranges_off, control_point_reading_off, station_moved_between_sets,
+};
 use crate::deployment::{ControlPointSet, Finding};
 use crate::geometry::LevelTransform;
 use crate::network::{Number, PerStation, Station};
-use crate::statistics::median;
 
 /// Standard deviation of the target's prism constant, which all stations share (m).
 const TARGET_CONSTANT_M: f64 = 0.005;
-/// Standard deviation of the zero of a station's ranges beside the prism constant.
-const ZERO_M: f64 = 0.0005;
-/// An outlier among the readings of control points has a smaller robust weight.
-const OUTLIER_WEIGHT: f64 = 0.3;
-/// An outlier has a residual of more than this multiple of the median.
-const OUTLIER_RATIO: f64 = 5.0;
-/// An outlier has a larger residual (m).
-const LEAST_OUTLIER_M: f64 = 0.010;
-
-/// Kinds of numbers in a reading.
-pub const RANGES: usize = 0;
-pub const ANGLES: usize = 1;
+/// Standard deviation of the zero of a station's ranges beside the prism constant: the instrument and its adapter, 0.7 mm each as in
+/// [`ErrorSizes::range_offset_m`].
+const ZERO_M: f64 = 0.001;
+/// A reading of a control point that is off by more is a mistake: of a marker, or of a prism constant (m).
+const LEAST_MISTAKE_M: f64 = 0.010;
 
 /// Result of the adjustment.
 #[derive(Clone, Debug)]
@@ -39,14 +33,45 @@ pub struct Survey {
     /// Information of the readings about them, without their priors, and the gradient of the readings' cost there.
     pub information: ConstantsMatrix,
     pub gradient: Constants,
-    /// Factors of the stated noise of ranges and angles.
-    pub noise_factors: [f64; 2],
+    /// Factors of the stated noise along the sights, to their right and up. Heights of targets are less certain than their positions.
+    pub noise_factors: Vector3<f64>,
     /// True if the coordinates of some points were surveyed.
     pub has_surveyed_coordinates: bool,
     /// Reliability of each reading, marker by marker.
     pub readings: Vec<SurveyReading>,
     /// Errors of each instrument during the survey; `None` without readings in both faces.
     pub face_errors: PerStation<Option<FaceErrors>>,
+    /// Tests for errors that the adjustment has no unknowns for.
+    pub tests: SurveyTests,
+}
+
+/// An error of a station during the survey with its size.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurveyConflict {
+    /// Its ranges are longer than those of the others (m).
+    Ranges { station: Station, excess_m: Estimate },
+    /// It stood elsewhere in one set than in the others.
+    Moved { station: Station, set: usize, turned_rad: Estimate, moved_m: [Estimate; 3] },
+}
+
+/// Results of the tests.
+#[derive(Clone, Debug, Default)]
+pub struct SurveyTests {
+    /// The most significant error; `None` if chance explains all of them.
+    pub conflict: Option<SurveyConflict>,
+    /// Tests of the ranges of stations.
+    pub of_ranges: Vec<RangesTest>,
+}
+
+/// Test of a station's ranges to control points for an offset that they share.
+#[derive(Clone, Debug)]
+pub struct RangesTest {
+    pub station: Station,
+    /// Standard deviation of the offset by the other readings (m).
+    pub sigma_m: f64,
+    pub critical_sigmas: f64,
+    /// Gradient of the survey's cost by the constants for an offset (1/m).
+    pub influence: Constants,
 }
 
 /// Errors of an instrument by readings in both faces.
@@ -68,25 +93,39 @@ impl Survey {
         Some((poses, covariance.view((0, 0), (size, size)).into_owned()))
     }
 
-    /// Returns a finding for each point with a reading that is an outlier; the sets are those of the adjustment.
-    pub fn outliers(&self, sets: &[ControlPointSet]) -> Vec<Finding> {
-        let residual_m = |reading: &SurveyReading| reading.residual_m.norm();
-        let Some(typical_m) = median(self.readings.iter().map(residual_m)) else {
-            return Vec::new();
+    /// Returns the findings of outliers, and of an error that all readings of a station share, each with the best verdict that it allows. The sets
+    /// are those of the adjustment.
+    pub fn contradictions(&self, sets: &[ControlPointSet]) -> Vec<(Verdict, Finding)> {
+        let axes = 0..3;
+        let tested =
+            self.readings.iter().flat_map(|reading| axes.clone().map(move |axis| (reading, axis)));
+        let tested: Vec<(&SurveyReading, usize, f64)> = tested
+            .filter_map(|(reading, axis)| Some((reading, axis, reading.normalised_residual(axis)?)))
+            .collect();
+        let file = |set: usize| sets[set].file.as_str();
+        let is_outlier = |(reading, axis, sigmas): &&(&SurveyReading, usize, f64)| {
+            sigmas.abs() > reading.critical_sigmas[*axis]
         };
-        let limit_m = (OUTLIER_RATIO * typical_m).max(LEAST_OUTLIER_M);
-        let is_outlier = |reading: &SurveyReading| {
-            reading.weight < OUTLIER_WEIGHT && residual_m(reading) > limit_m
-        };
-        let mut findings = Vec::new();
-        for readings in self.readings.chunk_by(|a, b| (a.set, a.point) == (b.set, b.point)) {
-            let outliers = readings.iter().filter(|reading| is_outlier(reading));
-            let Some(largest_m) = outliers.map(residual_m).max_by(f64::total_cmp) else { continue };
-            let set = &sets[readings[0].set];
-            let marker = set.points[readings[0].point].marker;
-            findings.push(control_point_outlier(&set.file, marker, largest_m, typical_m));
-        }
-        findings
+        let outliers = tested.iter().filter(is_outlier).map(|(reading, axis, _)| {
+            let set = &sets[reading.set];
+            let marker = (set.file.as_str(), set.points[reading.point].marker);
+            let bias_m = reading.bias_m(*axis);
+            let finding =
+                control_point_reading_off(marker, reading.station.index(), *axis, &bias_m);
+            // Its robust weight keeps a smaller one out of the answer.
+            let is_mistake = bias_m.value.abs() > LEAST_MISTAKE_M;
+            (if is_mistake { Verdict::Weak } else { Verdict::Good }, finding)
+        });
+        let conflict = self.tests.conflict.as_ref().map(|conflict| match conflict {
+            SurveyConflict::Ranges { station, excess_m } => {
+                control_point_ranges_off(station.index(), excess_m)
+            }
+            SurveyConflict::Moved { station, set, turned_rad, moved_m } => {
+                let moved_m = Estimate::length_of(moved_m);
+                station_moved_between_sets(station.index(), file(*set), turned_rad, &moved_m)
+            }
+        });
+        conflict.map(|finding| (Verdict::Weak, finding)).into_iter().chain(outliers).collect()
     }
 
     /// Describes the errors of the instruments by both faces, where they are significant.
@@ -140,6 +179,8 @@ pub struct SurveyReading {
     pub weight: f64,
     /// Redundancy number of each of the three.
     pub redundancy: Vector3<f64>,
+    /// Critical normalised residuals of the three, with which the largest of all readings are compared (σ).
+    pub critical_sigmas: Vector3<f64>,
     /// Gradient of the survey's cost by the constants for an error of each of the three (1/m).
     pub influence: DMatrix<f64>,
 }

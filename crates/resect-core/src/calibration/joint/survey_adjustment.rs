@@ -12,197 +12,56 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::block_jacobians::point_jacobian;
-use super::constants_prior::prior_mean;
 use super::loss::{CONSISTENCY, robust_weight};
 use super::sight::Sight;
-use super::state_vector::{Constants, ConstantsMatrix, Layout, by_station};
+use super::state_vector::{Constants, ConstantsMatrix, Layout};
 use super::station_model::{MeanSight, StationModel};
-use super::survey::{ANGLES, FaceErrors, RANGES, Survey, SurveyReading, survey_precisions};
+use super::survey::{FaceErrors, RangesTest, Survey, SurveyReading, SurveyTests};
 use super::survey_elimination::{
     Centre, EliminatedFrame, FRAME, OwnErrors, PointEquation, PointJacobian, add_gram,
     without_frame,
 };
-use super::unknown::{COLLIMATION, VERTICAL_INDEX};
-use crate::calibration::{CalibrationSettings, ErrorSizes, Estimate};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
-use crate::geometry::{LevelTransform, Polar, align_level};
-use crate::network::{Number, PerPair, PerStation, Station};
+use super::survey_markers::{ANGLE_RAD, Marker, Observed, face_indices};
+use super::tested_error::TestedError;
+use crate::calibration::Estimate;
+use crate::geometry::{LevelTransform, align_level};
+use crate::network::{Number, PerStation, Station};
 use crate::statistics::median;
 
-/// Standard deviation of a static range of length zero.
-const RANGE_M: f64 = 0.001;
-/// Standard deviation of a static range by its length.
-const RANGE_SHARE: f64 = 1e-6;
-/// Standard deviation of a static angle. Angles in files of six digits are rounded to 10 µrad.
-const ANGLE_RAD: f64 = 6e-6;
-/// Standard deviation of the position of the target across the sight.
-const TARGET_M: f64 = 0.0003;
 /// Standard deviation of a surveyed coordinate with the centring of the target, which all stations share (m).
 const SURVEYED_M: f64 = 0.002;
-/// Fewest points that each other station shares with station 1.
-const FEWEST_SHARED: usize = 3;
-/// Largest number of iterations of the adjustment.
-const MOST_ITERATIONS: usize = 60;
-/// The iteration has converged once no constant moves by more than this many σ.
-const CONVERGED_SIGMAS: f64 = 1e-3;
-/// Iterations from one computation of σ and redundancy numbers, which change slowly, to the next.
-const REDUNDANCY_PERIOD: usize = 4;
 /// Numbers by which the stated noise counts in its estimate from the residuals.
-const STATED_NUMBERS: f64 = 12.0;
-
-/// A reading with what does not change during the adjustment.
-struct Observed {
-    point: usize,
-    station: Station,
-    sight: Sight,
-    /// Vertical index and collimation (rad) by the readings in both faces, of which the sight is the mean.
-    face_errors_rad: Option<[f64; 2]>,
-    sigma_m: Vector3<f64>,
-    weight: f64,
-}
-
-impl Observed {
-    /// Indices of vertical index and collimation among the constants, with their values by both faces (rad).
-    fn face_errors(&self, layout: &Layout) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let indices = face_indices(layout, self.station);
-        self.face_errors_rad.into_iter().flat_map(move |values| indices.into_iter().zip(values))
-    }
-}
-
-/// Indices of a station's vertical index and collimation among the constants.
-fn face_indices(layout: &Layout, station: Station) -> [usize; 2] {
-    [&VERTICAL_INDEX, &COLLIMATION].map(|unknown| layout.index(unknown, station.index()))
-}
-
-/// A marker: its readings, and its surveyed coordinates in the frame of its set (m).
-struct Marker {
-    readings: Vec<Observed>,
-    surveyed_m: Option<Vector3<f64>>,
-}
-
-/// Adjusts the control points of a deployment if the settings use them.
-pub fn of_deployment(
-    deployment: &Deployment,
-    layout: &Arc<Layout>,
-    settings: &CalibrationSettings,
-) -> Option<Arc<Survey>> {
-    let sets = deployment.comparable_control_points();
-    if !settings.evidence.control_points {
-        return None;
-    }
-    adjust(sets, layout, &settings.errors).map(Arc::new)
-}
-
-/// Adjusts the control points of a deployment; `None` unless each other station shares three points with station 1.
-pub fn adjust(
-    sets: &[ControlPointSet],
-    layout: &Arc<Layout>,
-    sizes: &ErrorSizes,
-) -> Option<Survey> {
-    let published = approximate_transforms(sets, layout.stations())?;
-    let mean = prior_mean(layout, &published, &PerPair::default());
-    let mut adjustment = Adjustment {
-        layout: Arc::clone(layout),
-        constants: mean.clone(),
-        mean,
-        precision: survey_precisions(layout, sizes),
-        markers: sets.iter().map(markers).collect(),
-        frames: vec![LevelTransform::IDENTITY; sets.len()],
-        noise_factors: [1.0; 2],
-    };
-    adjustment.place_frames();
-    let mut redundancy = Vec::new();
-    for iteration in 0..MOST_ITERATIONS {
-        let equations = adjustment.linearise();
-        let factor = equations.with_priors(&adjustment.precision).cholesky()?;
-        let gradient = &equations.gradient + &adjustment.precision * adjustment.deviation();
-        let step = factor.solve(&gradient);
-        let mut is_converged = false;
-        if iteration % REDUNDANCY_PERIOD == 0 {
-            let covariance = factor.inverse();
-            let sigmas =
-                step.zip_map(&covariance.diagonal(), |step, variance| step.abs() / variance.sqrt());
-            is_converged = sigmas.max() < CONVERGED_SIGMAS;
-            let readings = adjustment.reliability(&equations.frames, &covariance);
-            redundancy = readings.into_iter().map(|reading| reading.redundancy).collect();
-        }
-        adjustment.reweight(&equations.residuals_m, &redundancy);
-        adjustment.apply(&step, &equations.frames);
-        if is_converged {
-            break;
-        }
-    }
-    let equations = adjustment.linearise();
-    let covariance = equations.with_priors(&adjustment.precision).cholesky()?.inverse();
-    let readings = adjustment.reliability(&equations.frames, &covariance);
-    let face_errors = adjustment.face_errors(&covariance);
-    let survey = adjustment.into_survey(&equations, readings);
-    Some(Survey { face_errors, ..survey })
-}
-
-/// Level transforms by the points that two stations share, as method B.
-fn approximate_transforms(
-    sets: &[ControlPointSet],
-    stations: usize,
-) -> Option<PerStation<LevelTransform>> {
-    let points = || sets.iter().flat_map(|set| &set.points);
-    let transform = |station: usize| {
-        let shared = points().filter_map(|point| {
-            let reading = |station| Some((*point.readings.get(station)?)?.to_cartesian());
-            Some((reading(Station::FIRST)?, reading(Station::at(station))?))
-        });
-        let (to_m, from_m): (Vec<_>, Vec<_>) = shared.unzip();
-        (to_m.len() >= FEWEST_SHARED).then(|| align_level(&to_m, &from_m))?
-    };
-    let others: Option<Vec<LevelTransform>> = (1..stations).map(transform).collect();
-    Some(by_station(LevelTransform::IDENTITY, others?))
-}
-
-fn markers(points: &ControlPointSet) -> Vec<Marker> {
-    let marker = |(index, point): (usize, &ControlPoint)| {
-        let reading = |(station, reading): (Station, &Option<Polar>)| {
-            let point_m = (*reading)?.to_cartesian();
-            let sight = Sight::to(&point_m);
-            let face_errors_rad = point.face_one[station].map(|face_one| {
-                let off_rad = (face_one.to_cartesian() - point_m) / sight.range_m;
-                [-sight.up.dot(&off_rad), sight.side.dot(&off_rad)]
-            });
-            let range_m = sight.range_m;
-            let across_m = (ANGLE_RAD * range_m).hypot(TARGET_M);
-            let sigma_m = Vector3::new(RANGE_M + RANGE_SHARE * range_m, across_m, across_m);
-            Some(Observed { point: index, station, sight, face_errors_rad, sigma_m, weight: 1.0 })
-        };
-        let readings = point.readings.each().filter_map(reading).collect();
-        Marker { readings, surveyed_m: point.known_m }
-    };
-    points.points.iter().enumerate().map(marker).collect()
-}
+pub const STATED_NUMBERS: f64 = 12.0;
 
 /// State of the adjustment.
-struct Adjustment {
-    layout: Arc<Layout>,
-    constants: Constants,
-    mean: Constants,
-    precision: ConstantsMatrix,
+pub struct Adjustment {
+    pub layout: Arc<Layout>,
+    pub constants: Constants,
+    pub mean: Constants,
+    pub precision: ConstantsMatrix,
     /// Markers by set.
-    markers: Vec<Vec<Marker>>,
+    pub markers: Vec<Vec<Marker>>,
     /// Transforms from the frames of surveyed coordinates to station 1's.
-    frames: Vec<LevelTransform>,
-    noise_factors: [f64; 2],
+    pub frames: Vec<LevelTransform>,
+    pub noise_factors: Vector3<f64>,
+    /// Numbers from which these are estimated.
+    pub noise_numbers: Vector3<f64>,
+    /// Errors whose columns come after those of the constants.
+    pub tested: Vec<TestedError>,
 }
 
-/// Normal equations of the constants, without priors, with markers and frames eliminated.
-struct SurveyEquations {
-    information: ConstantsMatrix,
-    gradient: Constants,
+/// Normal equations of the constants and tested errors, without priors, with markers and frames eliminated.
+pub struct SurveyEquations {
+    pub information: ConstantsMatrix,
+    pub gradient: Constants,
     /// Eliminated frames by set.
-    frames: Vec<EliminatedFrame>,
+    pub frames: Vec<EliminatedFrame>,
     /// Residuals of the readings along the sight, to its right and up (m), marker by marker.
-    residuals_m: Vec<Vector3<f64>>,
+    pub residuals_m: Vec<Vector3<f64>>,
 }
 
 impl SurveyEquations {
-    fn with_priors(&self, precision: &ConstantsMatrix) -> ConstantsMatrix {
+    pub fn with_priors(&self, precision: &ConstantsMatrix) -> ConstantsMatrix {
         &self.information + precision
     }
 }
@@ -215,7 +74,7 @@ struct WeighedResidual {
 }
 
 impl Adjustment {
-    fn stations(&self) -> StationModels {
+    pub fn stations(&self) -> StationModels {
         let mut of_both_faces = self.constants.clone();
         for station in (0..self.layout.stations()).map(Station::at) {
             face_indices(&self.layout, station).into_iter().for_each(|k| of_both_faces[k] = 0.0);
@@ -227,12 +86,12 @@ impl Adjustment {
     }
 
     /// Estimate less prior mean.
-    fn deviation(&self) -> Constants {
+    pub fn deviation(&self) -> Constants {
         &self.constants - &self.mean
     }
 
     /// Position of a reading in station 1's frame (m), and the axes of its sight there.
-    fn placed(stations: &StationModels, reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
+    pub fn placed(stations: &StationModels, reading: &Observed) -> (Vector3<f64>, Matrix3<f64>) {
         let model = stations.model(reading);
         let Sight { along, side, up, .. } = reading.sight;
         // (5)
@@ -240,13 +99,12 @@ impl Adjustment {
         (point_m, model.rotation * Matrix3::from_columns(&[along, side, up]))
     }
 
-    fn sigma_m(&self, reading: &Observed) -> Vector3<f64> {
-        let [ranges, angles] = self.noise_factors;
-        reading.sigma_m.component_mul(&Vector3::new(ranges, angles, angles))
+    pub fn sigma_m(&self, reading: &Observed) -> Vector3<f64> {
+        reading.sigma_m.component_mul(&self.noise_factors)
     }
 
     /// Aligns the frames of surveyed coordinates to the markers.
-    fn place_frames(&mut self) {
+    pub fn place_frames(&mut self) {
         let stations = self.stations();
         for (markers, frame) in self.markers.iter().zip(&mut self.frames) {
             let placed = markers.iter().filter_map(|marker| {
@@ -264,7 +122,7 @@ impl Adjustment {
     }
 
     /// Subtracts a step of the constants, with the steps of the frames that belong to it.
-    fn apply(&mut self, step: &Constants, eliminated: &[EliminatedFrame]) {
+    pub fn apply(&mut self, step: &Constants, eliminated: &[EliminatedFrame]) {
         self.constants -= step;
         for (frame, eliminated) in self.frames.iter_mut().zip(eliminated) {
             let step = eliminated.step + &eliminated.by_constants * step;
@@ -273,8 +131,31 @@ impl Adjustment {
         }
     }
 
+    /// Number of the constants and of the parameters of tested errors.
+    fn columns(&self) -> usize {
+        let parameters = self.tested.iter().map(|error| error.parameters());
+        self.layout.constants + parameters.sum::<usize>()
+    }
+
+    /// Inserts the columns of the tested errors after those of the constants.
+    fn with_tested(
+        &self,
+        jacobian: PointJacobian,
+        by_error: impl Fn(&TestedError) -> Option<DMatrix<f64>>,
+    ) -> PointJacobian {
+        let mut first = self.layout.constants;
+        let mut jacobian = jacobian.insert_columns(first, self.columns() - first, 0.0);
+        for error in &self.tested {
+            if let Some(columns) = by_error(error) {
+                jacobian.columns_mut(first, error.parameters()).copy_from(&columns);
+            }
+            first += error.parameters();
+        }
+        jacobian
+    }
+
     /// The equations of one marker.
-    fn equations(
+    pub fn equations(
         &self,
         stations: &StationModels,
         marker: &Marker,
@@ -288,7 +169,10 @@ impl Adjustment {
                 let variance_m2 = self.sigma_m(reading).map(|sigma_m| sigma_m.powi(-2));
                 let information =
                     axes * Matrix3::from_diagonal(&variance_m2) * axes.transpose() * reading.weight;
-                let jacobian = jacobian(&self.layout, stations.model(reading), reading);
+                let model = stations.model(reading);
+                let jacobian = self.with_tested(jacobian(&self.layout, model, reading), |error| {
+                    error.jacobian(model, reading, set)
+                });
                 PointEquation { point_m, jacobian, information }
             })
             .collect();
@@ -297,7 +181,7 @@ impl Adjustment {
             self.markers[set].iter().filter(|marker| marker.surveyed_m.is_some()).count();
         if let Some(surveyed_m) = marker.surveyed_m.filter(|_| surveyed > 1) {
             let frame = &self.frames[set];
-            let constants = self.layout.constants;
+            let constants = self.columns();
             let mut jacobian = PointJacobian::zeros(3, constants + FRAME);
             jacobian.fixed_view_mut::<3, 3>(0, constants).fill_with_identity();
             let by_yaw = Vector3::z().cross(&frame.rotate(&surveyed_m));
@@ -309,8 +193,8 @@ impl Adjustment {
         equations
     }
 
-    fn linearise(&self) -> SurveyEquations {
-        let constants = self.layout.constants;
+    pub fn linearise(&self) -> SurveyEquations {
+        let constants = self.columns();
         let all = constants + FRAME;
         let stations = self.stations();
         let mut sum = SurveyEquations {
@@ -353,9 +237,11 @@ impl Adjustment {
         information: &mut DMatrix<f64>,
         gradient: &mut DVector<f64>,
     ) {
-        let precision = self.face_precision();
         for reading in markers.iter().flat_map(|marker| &marker.readings) {
-            for (index, observed_rad) in reading.face_errors(&self.layout) {
+            let precisions = self.face_precisions();
+            for ((index, observed_rad), precision) in
+                reading.face_errors(&self.layout).zip(precisions)
+            {
                 let off_rad = self.constants[index] - observed_rad;
                 let weight = robust_weight(off_rad * off_rad * precision) * precision;
                 information[(index, index)] += weight;
@@ -364,13 +250,14 @@ impl Adjustment {
         }
     }
 
-    /// Information of half of the difference of two angles (1/rad²).
-    fn face_precision(&self) -> f64 {
-        2.0 * (ANGLE_RAD * self.noise_factors[ANGLES]).powi(-2)
+    /// Information of half of the difference of two vertical angles, and of two horizontal ones (1/rad²).
+    fn face_precisions(&self) -> [f64; 2] {
+        [self.noise_factors.z, self.noise_factors.y]
+            .map(|factor| 2.0 * (ANGLE_RAD * factor).powi(-2))
     }
 
     /// Errors of each instrument with readings in both faces.
-    fn face_errors(&self, covariance: &ConstantsMatrix) -> PerStation<Option<FaceErrors>> {
+    pub fn face_errors(&self, covariance: &ConstantsMatrix) -> PerStation<Option<FaceErrors>> {
         let estimate = |index: usize| Estimate {
             value: self.constants[index],
             sigma: covariance[(index, index)].sqrt(),
@@ -386,54 +273,8 @@ impl Adjustment {
         })
     }
 
-    /// Residuals of all readings with their redundancy numbers, by the covariance of the constants.
-    fn reliability(
-        &self,
-        frames: &[EliminatedFrame],
-        covariance: &ConstantsMatrix,
-    ) -> Vec<SurveyReading> {
-        let stations = self.stations();
-        let mut all = Vec::new();
-        for (set, markers) in self.markers.iter().enumerate() {
-            for marker in markers {
-                let equations = self.equations(&stations, marker, set);
-                let Some(centre) = Centre::of(&equations) else { continue };
-                for (reading, equation) in marker.readings.iter().zip(&equations) {
-                    let axes = Self::placed(&stations, reading).1;
-                    let constants = self.layout.constants;
-                    let total = &equation.jacobian - &centre.jacobian;
-                    let by_frame = total.fixed_columns::<FRAME>(constants).into_owned();
-                    let frame = &frames[set];
-                    let jacobian = total.columns(0, constants) + &by_frame * &frame.by_constants;
-                    // Covariance of the fitted position.
-                    let fitted = &jacobian * covariance * jacobian.transpose()
-                        + &by_frame * frame.covariance * by_frame.transpose();
-                    let fitted = axes.tr_mul(&((centre.covariance + fitted) * axes));
-                    let sigma_m = self.sigma_m(reading);
-                    let share = |axis: usize| {
-                        1.0 - reading.weight * fitted[(axis, axis)] / sigma_m[axis].powi(2)
-                    };
-                    all.push(SurveyReading {
-                        set,
-                        point: reading.point,
-                        station: reading.station,
-                        residual_m: axes.tr_mul(&(centre.point_m - equation.point_m)),
-                        sigma_m,
-                        weight: reading.weight,
-                        redundancy: Vector3::new(share(0), share(1), share(2))
-                            .map(|share| share.clamp(0.0, 1.0)),
-                        influence: jacobian
-                            .tr_mul(&(equation.information * axes))
-                            .resize_horizontally(3, 0.0),
-                    });
-                }
-            }
-        }
-        all
-    }
-
-    /// Estimates noise factors and robust weights from the residuals.
-    fn reweight(&mut self, residuals_m: &[Vector3<f64>], redundancy: &[Vector3<f64>]) {
+    /// Estimates noise factors and robust weights from the residuals; returns the largest change of a factor, as a share.
+    pub fn reweight(&mut self, residuals_m: &[Vector3<f64>], redundancy: &[Vector3<f64>]) -> f64 {
         let readings = self.markers.iter().flatten().flat_map(|marker| &marker.readings);
         let readings: Vec<WeighedResidual> = readings
             .zip(residuals_m.iter().zip(redundancy))
@@ -444,17 +285,15 @@ impl Adjustment {
             })
             .collect();
         let mut factors = self.noise_factors;
-        for (kind, axes) in [(RANGES, 0..1), (ANGLES, 1..3)] {
-            let mut square = STATED_NUMBERS / self.noise_factors[kind].powi(2);
+        for axis in 0..3 {
+            let mut square = STATED_NUMBERS / self.noise_factors[axis].powi(2);
             let mut numbers = STATED_NUMBERS;
             for reading in &readings {
-                for axis in axes.clone() {
-                    square += (reading.weight * reading.normalised[axis]).powi(2) / CONSISTENCY;
-                    numbers += reading.weight.powi(2) * reading.redundancy[axis];
-                }
+                square += (reading.weight * reading.normalised[axis]).powi(2) / CONSISTENCY;
+                numbers += reading.weight.powi(2) * reading.redundancy[axis];
             }
             // Half of the step: factors and weights depend on each other, and the whole step may oscillate.
-            factors[kind] *= (square / numbers).powf(0.25);
+            factors[axis] *= (square / numbers).powf(0.25);
         }
         let mut weights = readings.iter().map(|reading| {
             let squares = (0..3)
@@ -465,11 +304,17 @@ impl Adjustment {
         for reading in readings {
             reading.weight = weights.next().unwrap_or(1.0);
         }
-        self.noise_factors = factors;
+        let before = std::mem::replace(&mut self.noise_factors, factors);
+        factors.zip_map(&before, |factor, before| (factor / before - 1.0).abs()).max()
     }
 
     /// Eliminates the errors that are not those of the drive.
-    fn into_survey(self, equations: &SurveyEquations, mut readings: Vec<SurveyReading>) -> Survey {
+    pub fn into_survey(
+        self,
+        equations: &SurveyEquations,
+        mut readings: Vec<SurveyReading>,
+        mut tests: SurveyTests,
+    ) -> Survey {
         let own = self.layout.of_pointing();
         let OwnErrors { regression, transposed } =
             OwnErrors::new(&equations.information, &self.precision, &own);
@@ -479,6 +324,9 @@ impl Adjustment {
         for SurveyReading { influence, .. } in &mut readings {
             *influence -= &regression * influence.select_rows(&own);
         }
+        for RangesTest { influence, .. } in &mut tests.of_ranges {
+            *influence -= &regression * influence.select_rows(&own);
+        }
         let mut constants = self.constants;
         for index in self.layout.of_motion().into_iter().chain(own) {
             constants[index] = 0.0;
@@ -486,11 +334,13 @@ impl Adjustment {
             information.row_mut(index).fill(0.0);
             information.column_mut(index).fill(0.0);
             readings.iter_mut().for_each(|reading| reading.influence.row_mut(index).fill(0.0));
+            tests.of_ranges.iter_mut().for_each(|test| test.influence[index] = 0.0);
         }
         let information = 0.5 * (&information + information.transpose());
         let mut all = self.markers.iter().flatten();
         Survey {
             face_errors: PerStation::repeat(self.layout.stations(), None),
+            tests,
             layout: self.layout,
             constants,
             information,
@@ -503,7 +353,7 @@ impl Adjustment {
 }
 
 /// Models of the stations for readings in one face, and for means of both faces, which are free of vertical index and collimation.
-struct StationModels {
+pub struct StationModels {
     of_one_face: Vec<StationModel>,
     of_both_faces: Vec<StationModel>,
 }
@@ -533,6 +383,3 @@ fn jacobian(layout: &Layout, model: &StationModel, reading: &Observed) -> PointJ
     }
     jacobian
 }
-
-#[cfg(test)]
-pub mod tests;

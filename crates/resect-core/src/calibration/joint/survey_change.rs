@@ -31,6 +31,8 @@ const CHANGE_CHI_SQUARE: f64 = 18.5;
 const SUSPICIOUS_CHI_SQUARE: f64 = 15.0;
 /// Critical χ² of the rest once one station's change is fitted. Textbook: 4 degrees of freedom, 1 %.
 const REST_CHI_SQUARE: f64 = 13.3;
+/// A station whose change explains less by this χ² is no candidate: the other one is twenty times as likely.
+const RIVAL_CHI_SQUARE: f64 = 6.0;
 /// Variance of a distance of the rig that is wrong (m²).
 const WRONG_DISTANCE_M2: f64 = 1e-4;
 /// Critical χ² of the rest once all three distances are fitted. Textbook: 5 degrees of freedom, 1 %.
@@ -236,7 +238,10 @@ impl SurveyEvidence {
             return (may_have_changed != self.may_have_changed)
                 .then(|| Self { may_have_changed, ..self.clone() });
         }
-        let is_sufficient = |chi_square: f64| all - chi_square < REST_CHI_SQUARE;
+        // The right one may leave a little more by chance, but hardly much more than another.
+        let is_sufficient = |chi_square: f64| {
+            all - chi_square < REST_CHI_SQUARE || best - chi_square < RIVAL_CHI_SQUARE
+        };
         let is_decided = fits.iter().any(|(_, chi_square, _)| is_sufficient(*chi_square));
         let mut widened = self.change_covariance.clone();
         let mut changed = Vec::new();

@@ -9,38 +9,51 @@ use super::sight::Sight;
 use super::unknown::{Effect, Owner, UNKNOWNS};
 use crate::calibration::ErrorSizes;
 
-/// Returns the covariance of a position (m²) by the priors of the station's errors, its settling since it was set up, slow errors of the
-/// sights, and facets of the prism.
+/// Returns the displacements of a position (m) by 1 σ of each error that all positions share, in a fixed order: those of the station, then its
+/// settling since it was set up.
 ///
-/// `settled` is the share of the drive that has passed, during which the tripod settled.
+/// `settled` is the variance of the settling as a share of that of the whole drive.
+pub fn shared_errors_m(
+    position_m: &Vector3<f64>,
+    velocity_m_per_s: &Vector3<f64>,
+    settled: f64,
+    sizes: &ErrorSizes,
+) -> Vec<Vector3<f64>> {
+    let sight = Sight::to(position_m);
+    let across_m_per_s = velocity_m_per_s - sight.along * velocity_m_per_s.dot(&sight.along);
+    let of_station = UNKNOWNS.iter().filter(|unknown| unknown.owner == Owner::Station);
+    let mut shared_m: Vec<Vector3<f64>> = of_station
+        .filter_map(|unknown| {
+            let by_error = match unknown.effect {
+                Effect::Reading(error) => (error.correction_m)(&sight),
+                Effect::Lean(axis) => Vector3::ith(axis, 1.0).cross(position_m),
+                Effect::Latency => across_m_per_s,
+                _ => return None,
+            };
+            Some(by_error * unknown.precision(sizes).sqrt().recip())
+        })
+        .collect();
+    let settling = (own_settling(sizes) * settled).map(f64::sqrt);
+    shared_m.extend((0..3).map(|axis| Vector3::ith(axis, settling[axis])));
+    shared_m.push(Vector3::z().cross(position_m) * settling[3]);
+    shared_m
+}
+
+/// Returns the covariance of a position (m²) by these errors, slow errors of the sights, and facets of the prism.
 pub fn unseen_covariance_m2(
     position_m: &Vector3<f64>,
     velocity_m_per_s: &Vector3<f64>,
     settled: f64,
     sizes: &ErrorSizes,
 ) -> Matrix3<f64> {
-    let sight = Sight::to(position_m);
-    let across_m_per_s = velocity_m_per_s - sight.along * velocity_m_per_s.dot(&sight.along);
-    let mut covariance = Matrix3::zeros();
-    let mut add = |by_error: Vector3<f64>, variance: f64| {
-        covariance += by_error * by_error.transpose() * variance;
-    };
-    for unknown in UNKNOWNS.iter().filter(|unknown| unknown.owner == Owner::Station) {
-        let by_error = match unknown.effect {
-            Effect::Reading(error) => (error.correction_m)(&sight),
-            Effect::Lean(axis) => Vector3::ith(axis, 1.0).cross(position_m),
-            Effect::Latency => across_m_per_s,
-            _ => continue,
-        };
-        add(by_error, unknown.precision(sizes).recip());
-    }
-    let settling = own_settling(sizes) * settled;
-    (0..3).for_each(|axis| add(Vector3::ith(axis, 1.0), settling[axis]));
-    add(Vector3::z().cross(position_m), settling[3]);
+    let shared_m = shared_errors_m(position_m, velocity_m_per_s, settled, sizes);
+    let mut covariance: Matrix3<f64> =
+        shared_m.iter().map(|by_error| by_error * by_error.transpose()).sum();
     if sizes.ranges_wander {
+        let Sight { along, side, up, .. } = Sight::to(position_m);
         let slow_m2 = GaussMarkov::SMALLEST.sigma_m.powi(2);
-        for (axis, facets_m) in [sight.along, sight.side, sight.up].into_iter().zip(FACETS_M) {
-            add(axis, slow_m2 + facets_m.powi(2));
+        for (axis, facets_m) in [along, side, up].into_iter().zip(FACETS_M) {
+            covariance += axis * axis.transpose() * (slow_m2 + facets_m.powi(2));
         }
     }
     covariance

@@ -38,7 +38,9 @@ pub fn check(
         return Ok(());
     };
     shown.control_points_m = control_points_apart_m(points, &calibration.survey_transforms());
-    let witnesses = Witnesses::new((rig, followed), calibration.sigma.as_ref());
+    let of_noise = calibration.inter_prism().and_then(|details| details.noise_sigma.clone());
+    let sigma = of_noise.or_else(|| calibration.sigma.clone());
+    let witnesses = Witnesses::new((rig, followed), sigma.as_ref());
     let (area, heights) = (witnesses.area(&shown), witnesses.heights(&shown));
     let contradictions = [
         (area == Some(Agreement::Contradicts)).then(|| {
@@ -65,8 +67,8 @@ pub fn check(
             .flatten()
             .any(|agreement| agreement > Agreement::Agrees);
     if doubted {
-        let sigma = calibration.sigma.as_ref();
-        let found = explanation::explain(deployment, rig, triplets, sigma, tried, progress)?;
+        let answer = (&shown, sigma.as_ref());
+        let found = explanation::explain(deployment, rig, triplets, answer, tried, progress)?;
         for (place, finding) in found.into_iter().enumerate() {
             if finding.severity > crate::deployment::Severity::Note {
                 calibration.verdict = calibration.verdict.max(Verdict::Weak);

@@ -77,7 +77,7 @@ pub fn explain(
     deployment: &Deployment,
     rig: &Rig,
     triplets: &Triplets,
-    sigma: Option<&PerStation<TransformSigma>>,
+    (answer, sigma): (&Shown, Option<&PerStation<TransformSigma>>),
     tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Finding>, Cancelled> {
@@ -92,7 +92,8 @@ pub fn explain(
         Tries { base, undone: None }
     });
     let Some((base, base_transforms)) = &tries.base else { return Ok(Vec::new()) };
-    let case = Case { witnesses: Witnesses::new((rig, &followed), sigma), base: base.clone() };
+    let witnesses = Witnesses::new((rig, &followed), sigma);
+    let case = Case { witnesses, answer: answer.clone(), base: base.clone() };
     if !case.is_contradicted() {
         return Ok(Vec::new());
     }
@@ -228,7 +229,9 @@ fn thinned(triplets: &Triplets) -> Triplets {
 /// The contradiction to be explained.
 struct Case<'a> {
     witnesses: Witnesses<'a>,
-    /// Properties of the answer as read.
+    /// Properties of the answer to be explained.
+    answer: Shown,
+    /// Properties of the published method's answer as read, with which those of misreadings undone are compared.
     base: Shown,
 }
 
@@ -279,8 +282,12 @@ impl Case<'_> {
             self.witnesses.heights_off_m(shown).map(|off_m| off_m.into_iter().fold(0.0, f64::max))
         };
         let fit = was.fit && shown.fit_m < CLEARLY_LESS * self.base.fit_m;
-        let heights = self.height_is_suspicious()
-            && worst(shown).zip(worst(&self.base)).is_some_and(|(is, was)| is < CLEARLY_LESS * was);
+        let is_better = |before: &Shown| {
+            worst(shown).zip(worst(before)).is_some_and(|(is, was)| is < CLEARLY_LESS * was)
+        };
+        // A joint estimate may have better heights already.
+        let heights =
+            self.height_is_suspicious() && is_better(&self.base) && is_better(&self.answer);
         // Suspicious heights alone do not justify an explanation that fits worse.
         let only_heights = heights && shown.fit_m < self.base.fit_m + FIT_NOISE_M;
         fit || was.area || was.control_points || (was.heights && heights) || only_heights

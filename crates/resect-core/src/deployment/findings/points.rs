@@ -1,7 +1,11 @@
 //! Findings of the methods from points: control points (A, B), and the aligned tracks of one prism (C).
 
 use crate::deployment::kinds;
-use crate::deployment::{Finding, FollowedPrisms, Overrides, Remedy, Severity, Subject, Unit};
+use crate::deployment::{
+    AngleFormat, Finding, FollowedPrisms, Message, MessageAngle, Overrides, Remedy, Severity,
+    Subject, Unit,
+};
+use crate::statistics::estimate::{Estimate, decimals_of};
 
 /// `is_global` is true if the points have known coordinates.
 pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Finding {
@@ -48,6 +52,70 @@ pub fn control_point_outlier(file: &str, marker: i64, off_m: f64, typical_m: f64
     .quantity("residual", off_m, Unit::Metre)
     .quantity("median", typical_m, Unit::Metre)
     .with(Remedy::ShowPoint { file: file.to_owned(), marker })
+}
+
+/// `axis` is along the sight (0), to its right (1) or up (2); `bias_m` is the error of the reading by all others.
+pub fn control_point_reading_off(
+    (file, marker): (&str, i64),
+    station: usize,
+    axis: usize,
+    bias_m: &Estimate,
+) -> Finding {
+    let side = ["along the sight", "to the right", "upward"][axis];
+    let decimals = decimals_of(bias_m.sigma * 1e3).unwrap_or(1);
+    Finding::new(
+        kinds::CONTROL_POINT_OUTLIER,
+        format!(
+            "marker {marker} of {file} is an outlier: station {}'s reading is off by {:+.decimals$} ± {:.decimals$} mm {side}; \
+             check it, or leave it out",
+            station + 1,
+            bias_m.value * 1e3,
+            bias_m.sigma * 1e3
+        ),
+    )
+    .about(Subject::Point { file: file.to_owned(), marker })
+    .estimate("bias", bias_m, Unit::Metre)
+    .with(Remedy::ShowPoint { file: file.to_owned(), marker })
+}
+
+/// `excess_m` is the station's ranges to control points less those that the others allow.
+pub fn control_point_ranges_off(station: usize, excess_m: &Estimate) -> Finding {
+    let decimals = decimals_of(excess_m.sigma * 1e3).unwrap_or(1);
+    Finding::new(
+        kinds::CONTROL_POINT_RANGES_OFF,
+        format!(
+            "station {}'s ranges to the control points are off by {:+.decimals$} ± {:.decimals$} mm; check its prism constant, and the \
+             target that it measured",
+            station + 1,
+            excess_m.value * 1e3,
+            excess_m.sigma * 1e3
+        ),
+    )
+    .about(Subject::Station(station))
+    .estimate("excess", excess_m, Unit::Metre)
+    .with(Remedy::Corrections)
+}
+
+/// The change is the station's pose at the points of `file` less that at the others.
+pub fn station_moved_between_sets(
+    station: usize,
+    file: &str,
+    turned_rad: &Estimate,
+    moved_m: &Estimate,
+) -> Finding {
+    let decimals = decimals_of(turned_rad.sigma * 1e3).unwrap_or(3);
+    let turned = MessageAngle::signed(turned_rad.value, AngleFormat::Milliradians, decimals)
+        .sigma(turned_rad.sigma);
+    let decimals = decimals_of(moved_m.sigma * 1e3).unwrap_or(1);
+    let (value_mm, sigma_mm) = (moved_m.value * 1e3, moved_m.sigma * 1e3);
+    let message = Message::from(format!("station {} turned by ", station + 1)).angle(turned).text(format!(
+        " and moved by {value_mm:.decimals$} ± {sigma_mm:.decimals$} mm between {file} and the other control points; measure them \
+         again, or leave out those that it did not measure from where it stood in the drive"
+    ));
+    Finding::new(kinds::STATION_MOVED_BETWEEN_SETS, message)
+        .about(Subject::Station(station))
+        .estimate("turned", turned_rad, Unit::Radian)
+        .estimate("moved", moved_m, Unit::Metre)
 }
 
 pub fn known_point_misplaced(file: &str, marker: i64, off_m: f64) -> Finding {
@@ -195,6 +263,14 @@ pub(super) fn examples() -> Vec<Finding> {
         control_points_aligned(7, true, 0.004),
         control_points_fit_poorly(0.03, false),
         control_point_outlier(file, 3, 0.08, 0.004),
+        control_point_reading_off((file, 3), 1, 0, &Estimate { value: 0.012, sigma: 0.002 }),
+        control_point_ranges_off(1, &Estimate { value: 0.01, sigma: 0.001 }),
+        station_moved_between_sets(
+            1,
+            file,
+            &Estimate { value: 3e-4, sigma: 2e-5 },
+            &Estimate { value: 1e-3, sigma: 1e-3 },
+        ),
         known_point_misplaced(file, 3, 0.08),
         resection_pair(file, [1, 2], 40.0, 6, Some((0.003, 3))),
         resection_unchecked(),

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 
+use super::super::adjust_survey::tests::{adjusted, exact_survey};
 use super::super::constants_prior::precisions;
 use super::super::state_vector::tests::layout;
 use super::super::survey::Survey;
-use super::super::survey_adjustment::tests::{adjusted, exact_survey};
 use super::*;
 use crate::calibration::ErrorSizes;
 
@@ -54,7 +54,8 @@ fn a_detectable_bias_has_the_noncentrality_and_the_effect_of_least_squares() {
     let with_poses = &covariance.columns(0, 8).into_owned();
     let change = Constants::zeros(layout.constants);
     let (information, covariance) = (information.clone(), &covariance);
-    let posterior = PosteriorMoments { layout, information, change, covariance, with_poses };
+    let added = &(covariance * 0.0);
+    let posterior = PosteriorMoments { layout, information, change, covariance, added, with_poses };
     let unknowns = [
         (&RANGE_OFFSET, 1),
         (&RANGE_SCALE, 0),
@@ -70,7 +71,10 @@ fn a_detectable_bias_has_the_noncentrality_and_the_effect_of_least_squares() {
         prior_mean[index] = bias.size;
         let (solution, square) = solve(&design, &posterior.information, &prior_mean);
         let noncentrality = square.sqrt();
-        assert!((noncentrality - NONCENTRALITY).abs() < 1e-9, "{index}: {noncentrality}");
+        assert!(
+            (noncentrality - CRITICAL_SIGMAS - POWER_SIGMAS).abs() < 1e-9,
+            "{index}: {noncentrality}"
+        );
         for (slot, effect) in bias.effect.iter().enumerate() {
             let position_m = solution.rows(4 * slot, 3).norm();
             let yaw_rad = solution[4 * slot + 3].abs();
@@ -90,6 +94,7 @@ fn a_prior_that_the_data_does_not_reduce_has_no_detectable_bias() {
         information: ConstantsMatrix::identity(size, size),
         change: Constants::zeros(size),
         covariance: &ConstantsMatrix::from_diagonal_element(size, size, 0.97),
+        added: &ConstantsMatrix::zeros(size, size),
         with_poses: &DMatrix::zeros(size, 8),
     };
     let test = posterior.test_prior(layout.index(&RANGE_OFFSET, 0));

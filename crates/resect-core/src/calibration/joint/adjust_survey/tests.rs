@@ -2,7 +2,7 @@ use super::super::state_vector::Constants;
 use super::super::state_vector::tests::layout;
 use super::*;
 use crate::calibration::Quantity;
-use crate::deployment::kinds;
+use crate::deployment::{ControlPoint, kinds};
 use crate::geometry::{ARCSECOND_RAD, Polar};
 
 /// Readings of twelve markers by three stations, without errors.
