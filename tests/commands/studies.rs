@@ -36,7 +36,8 @@ fn the_disagreement_of_b_and_d_about_station_2_is_plain() {
     };
     let disagreement = between(2).expect("they disagree");
     assert!((disagreement.yaw_rad - 0.87e-3).abs() < 0.02e-3, "{disagreement:?}");
-    assert!(disagreement.yaw_sigmas.expect("both have σ") > 10.0);
+    // σ of D has the errors of instruments, which this drive alone does not show.
+    assert!(disagreement.yaw_sigmas.expect("both have σ") > 8.0);
     assert_eq!(between(3), None, "about station 3 they agree");
     // The table, the findings and the plot contain the words.
     let words = "B and D disagree about the yaw of station 2";

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Vector3};
 
+use super::common_errors::{self, Displaced};
 use super::followed_prisms::{one_prism, schedule};
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
@@ -20,7 +21,7 @@ use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
 use super::{
     Alignment, CalibrationError, CalibrationSettings, ErrorSizes, Estimate, Method, Offer, Verdict,
-    checks, common_errors, time_blocks,
+    checks, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
 use crate::deployment::findings::outliers::outliers_shift_answer;
@@ -94,7 +95,7 @@ pub fn solve_jointly(
         layout,
         published: &plain,
         rig,
-        survey: joint::survey_adjustment::of_deployment(deployment, layout, settings),
+        survey: joint::adjust_survey::of_deployment(deployment, layout, settings),
         is_determined_by_drive: true,
         sizes: &settings.errors,
     };
@@ -254,29 +255,30 @@ impl<'a> AlignedTracks<'a> {
         judgement: Judgement,
     ) -> MethodAnswer<DynamicGcpDetails> {
         let details = self.details();
-        let blocks = details.blocks * self.aligned.to_from.len();
+        let independent = 3 * details.blocks * self.aligned.to_from.len();
         let stride = self.used.len().div_ceil(ENOUGH).max(1);
         let some: Vec<usize> = (0..self.used.len()).step_by(stride).collect();
         let some = self.used.select(&some);
-        let common = common_errors::covariance(sizes, some.points_m.len(), blocks, |displace| {
-            let points_m = some.points_m.map_each(|station, points| {
-                points.iter().map(|point| displace(station, point)).collect()
+        let common =
+            common_errors::covariance(sizes, some.points_m.len(), independent, &[], |displace| {
+                let points_m = some.points_m.map_each(|station, points| {
+                    points.iter().map(|point| displace(station, point)).collect()
+                });
+                let displaced = matches(&Triplets { points_m, ..some.clone() });
+                let placed = point_to_point::transforms(&displaced, alignment)?;
+                let residuals_m = point_to_point::residuals_m(&displaced, &placed).concat();
+                let placed = std::iter::once(RigidTransform::IDENTITY).chain(placed).collect();
+                Some(Displaced::new(placed, &residuals_m))
             });
-            let displaced = matches(&Triplets { points_m, ..some.clone() });
-            let placed = point_to_point::transforms(&displaced, alignment)?;
-            Some(common_errors::Displaced {
-                residuals_m: point_to_point::residuals_m(&displaced, &placed).concat(),
-                station1_from_station: std::iter::once(RigidTransform::IDENTITY)
-                    .chain(placed)
-                    .collect(),
-            })
-        });
         // Variance of a random walk's mean about its start is a third of that of its end.
         let settling = common_errors::settling(sizes, &transforms(&self.aligned)) / 3.0;
         MethodAnswer {
             method: Method::DynamicGcp,
             station1_from_station: transforms(&self.aligned),
-            covariance: self.covariance.zip(common).map(|(own, common)| own + common + settling),
+            covariance: self
+                .covariance
+                .zip(common)
+                .map(|(own, common)| own + common.covariance + settling),
             judgement,
             checked_by: Vec::new(),
             details,

@@ -7,13 +7,14 @@
 use crate::deployment::findings::points::{
     control_point_outlier, control_points_aligned, control_points_fit_poorly,
 };
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 
+use super::common_errors::{self, CommonErrors, Displaced};
 use super::judgement::Judgement;
 use super::method::FEWEST_POINTS;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks, common_errors};
+use super::{CalibrationError, CalibrationSettings, Method, Offer, Verdict, checks};
 use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
 use crate::network::{Number, PerStation, Station};
@@ -90,7 +91,7 @@ pub fn solve(
     let of_errors = shared_errors(&matches, is_global, settings, &station1_from_station);
     let covariance = covariance
         .zip(of_errors)
-        .map(|(own, of_errors)| point_to_point::level_part(&own) + of_errors);
+        .map(|(own, of_errors)| point_to_point::level_part(&own) + of_errors.covariance);
     let residuals = || aligned.residuals_m.iter().flatten();
     let rms_m = (residuals().map(Vector3::norm_squared).sum::<f64>()
         / residuals().count().max(1) as f64)
@@ -120,19 +121,18 @@ pub fn solve(
     Ok(answer)
 }
 
-/// Returns the covariance of (x, y, z, yaw) of stations 2, 3, … by errors that all points of a station share, and by settling until the
-/// drive (m, rad).
+/// Returns the effect of errors that all points of a station share, and of settling until the drive.
 fn shared_errors(
     matches: &[Matches],
     is_global: bool,
     settings: &CalibrationSettings,
     station1_from_station: &PerStation<RigidTransform>,
-) -> Option<DMatrix<f64>> {
+) -> Option<CommonErrors> {
     let (sizes, stations) = (&settings.errors, station1_from_station.len());
-    let points = matches.iter().map(Matches::len).sum();
+    let points: usize = matches.iter().map(Matches::len).sum();
     // Points of station 1 are those to which the others are aligned, or have an alignment of their own.
     let first_station = usize::from(!is_global);
-    let common = common_errors::covariance(sizes, stations, points, |displace| {
+    let mut common = common_errors::covariance(sizes, stations, 3 * points, &[], |displace| {
         let displaced = |(index, matches): (usize, &Matches)| {
             let displaced_m = |station: Station, points_m: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
                 points_m.iter().map(|point| displace(station, point)).collect()
@@ -157,9 +157,10 @@ fn shared_errors(
         } else {
             std::iter::once(RigidTransform::IDENTITY).chain(placed).collect()
         };
-        Some(common_errors::Displaced { station1_from_station, residuals_m })
+        Some(Displaced::new(station1_from_station, &residuals_m))
     })?;
-    Some(common + common_errors::settling(sizes, station1_from_station))
+    common.covariance += common_errors::settling(sizes, station1_from_station);
+    Some(common)
 }
 
 /// Returns the position of a point in the frame of a station that measured it (m).

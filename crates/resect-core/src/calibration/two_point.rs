@@ -12,10 +12,11 @@ use crate::network::{Number, PerStation, Station};
 use nalgebra::Vector3;
 
 use super::checks;
+use super::common_errors::{self, Displaced};
 use super::judgement::Judgement;
 use super::method_answer::MethodAnswer;
 use super::point_to_point::{self, Errors, Matches};
-use super::{Alignment, CalibrationError, ErrorSizes, Method, Offer, common_errors};
+use super::{Alignment, CalibrationError, ErrorSizes, Method, Offer};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding};
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
@@ -137,7 +138,7 @@ pub fn solve(
         covariance.as_ref(),
     );
     // Two points have hardly any residuals.
-    let common = common_errors::covariance(sizes, matches.len(), 0, |displace| {
+    let common = common_errors::covariance(sizes, matches.len(), 0, &[], |displace| {
         let displaced: Vec<Matches> = (matches.iter().enumerate())
             .map(|(station, matches)| {
                 let read = matches.from_m.iter();
@@ -148,12 +149,12 @@ pub fn solve(
         let worlds = point_to_point::transforms(&displaced, Alignment::Level)?;
         let worlds = worlds.into_iter().collect();
         let station1_from_station = point_to_point::relative_to_station1(&worlds, None).0;
-        Some(common_errors::Displaced { station1_from_station, residuals_m: Vec::new() })
+        Some(Displaced::new(station1_from_station, &[]))
     });
     let settling = common_errors::settling(sizes, &station1_from_station);
     let covariance = covariance
         .zip(common)
-        .map(|(own, common)| point_to_point::level_part(&own) + common + settling);
+        .map(|(own, common)| point_to_point::level_part(&own) + common.covariance + settling);
     let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(resection_unchecked()),

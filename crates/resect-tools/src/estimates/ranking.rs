@@ -17,7 +17,7 @@ use super::judged::Judged;
 use super::metrics::RELATIVE_M;
 use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS};
 use resect_core::statistics::median;
-use resect_core::statistics::tables::{NORMAL_95, normal_probability, student_three_sigma};
+use resect_core::statistics::tables::{NORMAL_95, normal_probability, student_sigmas};
 
 /// Numbers of blocks, shortest block (s), and smallest number of blocks for a decision. Absolute errors are correlated over as
 /// long as a drift takes to change, which no single length of block fits: the least significant of several counts. Relative
@@ -274,7 +274,7 @@ fn ln_factor(blocks: &[BlockErrors]) -> Option<Estimate> {
     let correlation = correlation.clamp(0.0, 1.0 - 1e-9);
     let repeats = (1.0 + correlation) / (1.0 - correlation);
     let of_blocks = square / (count - 1.0) / count * repeats;
-    let widened = student_three_sigma(count / repeats - 1.0) / SUPPORTED_SIGMAS;
+    let widened = student_sigmas(SUPPORTED_SIGMAS, count / repeats - 1.0) / SUPPORTED_SIGMAS;
     Some(Estimate { value: mean, sigma: widened * (of_blocks + of_truth).sqrt() })
 }
 

@@ -4,6 +4,8 @@ use super::basin::Basin;
 use super::mirror_twin::Mirror;
 use super::observability::Observability;
 use super::prior_search::PriorSearch;
+use crate::calibration::TransformSigma;
+use crate::network::PerStation;
 
 /// Details of an answer from inter-prism distances: of method D, or of a joint estimate of several prisms.
 #[derive(Clone, Debug)]
@@ -15,6 +17,9 @@ pub struct InterPrismDetails {
     /// All distinct minima in order of cost, with the answer and its twin; one for each valley. The costs of the others are from
     /// about a thousand triplets.
     pub basins: Vec<Basin>,
+    /// σ by the noise of this drive alone; `None` of an unobservable answer. Mistakes are looked for with it: they are larger than errors of
+    /// instruments, but in a small rig not larger than what these may cause.
+    pub noise_sigma: Option<PerStation<TransformSigma>>,
     /// The search of the prior; `None` if it was not requested.
     pub prior_search: Option<PriorSearch>,
 }

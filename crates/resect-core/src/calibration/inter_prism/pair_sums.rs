@@ -4,8 +4,6 @@
 //! −b with respect to their yaws. Station 1 has no unknowns; it is always station a. The normal matrix follows from the sums of
 //! products of (u, a, b, r). `L` rows are stored side by side, for vector instructions.
 
-use nalgebra::DVector;
-
 use super::NormalEquations;
 use super::prism_network::first_unknown;
 use crate::linear_algebra::sums::{multiply_add, sum_lanes};
@@ -19,7 +17,7 @@ pub struct PairRows<const L: usize> {
     pub r: [f64; L],
 }
 
-/// Sums of one pair over the rows of its residuals: products of u, a, b and r, and u, a and b themselves.
+/// Sums of one pair over the rows of its residuals: products of u, a, b and r.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct PairSums<const L: usize> {
@@ -33,9 +31,6 @@ pub struct PairSums<const L: usize> {
     ar: [f64; L],
     br: [f64; L],
     rr: [f64; L],
-    u: [[f64; L]; 3],
-    a: [f64; L],
-    b: [f64; L],
 }
 
 impl<const L: usize> PairSums<L> {
@@ -50,9 +45,6 @@ impl<const L: usize> PairSums<L> {
         ar: [0.0; L],
         br: [0.0; L],
         rr: [0.0; L],
-        u: [[0.0; L]; 3],
-        a: [0.0; L],
-        b: [0.0; L],
     };
 
     /// Returns the sums over all lanes.
@@ -66,7 +58,6 @@ impl<const L: usize> PairSums<L> {
             total.ua[i] = [sum_lanes(&self.ua[i])];
             total.ub[i] = [sum_lanes(&self.ub[i])];
             total.ur[i] = [sum_lanes(&self.ur[i])];
-            total.u[i] = [sum_lanes(&self.u[i])];
         }
         total.aa = [sum_lanes(&self.aa)];
         total.ab = [sum_lanes(&self.ab)];
@@ -74,15 +65,12 @@ impl<const L: usize> PairSums<L> {
         total.ar = [sum_lanes(&self.ar)];
         total.br = [sum_lanes(&self.br)];
         total.rr = [sum_lanes(&self.rr)];
-        total.a = [sum_lanes(&self.a)];
-        total.b = [sum_lanes(&self.b)];
         total
     }
 
-    /// Adds rows; `moving` is true if station a has unknowns. A solver needs the products, a covariance needs the gradient and the
-    /// plain sums.
+    /// Adds rows; `moving` is true if station a has unknowns.
     #[inline(always)]
-    pub fn add<const FOR_SOLVER: bool>(&mut self, rows: &PairRows<L>, moving: bool) {
+    pub fn add(&mut self, rows: &PairRows<L>, moving: bool) {
         for i in 0..3 {
             multiply_add(&mut self.ur[i], &rows.u[i], &rows.r);
         }
@@ -90,32 +78,22 @@ impl<const L: usize> PairSums<L> {
         if moving {
             multiply_add(&mut self.ar, &rows.a, &rows.r);
         }
-        if FOR_SOLVER {
-            let mut entry = 0;
+        let mut entry = 0;
+        for i in 0..3 {
+            for j in i..3 {
+                multiply_add(&mut self.uu[entry], &rows.u[i], &rows.u[j]);
+                entry += 1;
+            }
+            multiply_add(&mut self.ub[i], &rows.u[i], &rows.b);
+        }
+        multiply_add(&mut self.bb, &rows.b, &rows.b);
+        multiply_add(&mut self.rr, &rows.r, &rows.r);
+        if moving {
             for i in 0..3 {
-                for j in i..3 {
-                    multiply_add(&mut self.uu[entry], &rows.u[i], &rows.u[j]);
-                    entry += 1;
-                }
-                multiply_add(&mut self.ub[i], &rows.u[i], &rows.b);
+                multiply_add(&mut self.ua[i], &rows.u[i], &rows.a);
             }
-            multiply_add(&mut self.bb, &rows.b, &rows.b);
-            multiply_add(&mut self.rr, &rows.r, &rows.r);
-            if moving {
-                for i in 0..3 {
-                    multiply_add(&mut self.ua[i], &rows.u[i], &rows.a);
-                }
-                multiply_add(&mut self.aa, &rows.a, &rows.a);
-                multiply_add(&mut self.ab, &rows.a, &rows.b);
-            }
-        } else {
-            for l in 0..L {
-                for i in 0..3 {
-                    self.u[i][l] += rows.u[i][l];
-                }
-                self.a[l] += rows.a[l];
-                self.b[l] += rows.b[l];
-            }
+            multiply_add(&mut self.aa, &rows.a, &rows.a);
+            multiply_add(&mut self.ab, &rows.a, &rows.b);
         }
     }
 }
@@ -163,11 +141,6 @@ impl PairSums<1> {
 
     fn uu(&self, i: usize, j: usize) -> f64 {
         self.uu[[[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]][0]
-    }
-
-    /// Adds Σ ∂r/∂p of a pair to a vector by unknown.
-    pub fn add_pull(&self, pair: StationPair, pull: &mut DVector<f64>) {
-        add_row(pull.as_mut_slice(), pair, (&self.u, &self.a, &self.b));
     }
 }
 

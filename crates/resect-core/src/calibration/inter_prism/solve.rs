@@ -2,7 +2,8 @@
 
 use super::unjudged::UnjudgedAnswer;
 use super::used::Used;
-use super::{FirstSolution, InterPrismDetails, clock_check, gross_errors};
+use super::{FirstSolution, InterPrismDetails, clock_check, gross_errors, systematic_errors};
+use crate::calibration::common_errors::CommonErrors;
 use crate::calibration::method_answer::MethodAnswer;
 use crate::calibration::{CalibrationError, CalibrationSettings, Method, clocks_in_words};
 use crate::deployment::Deployment;
@@ -20,6 +21,9 @@ pub fn solve(
     let FirstSolution { network, data, published, .. } = first;
     let used = Used::all(triplets);
     let prior_ms = published.prior_ms;
+    let (time_s, interval) = used.instants();
+    let instants = (&time_s[..], &interval[..]);
+    let systematic = systematic_errors::estimate(&data, instants, &published.answer, settings);
     let plain = published.choice.answer.station1_from_station.clone();
     let ((mut answer, pull), suspected) = rayon::join(
         || {
@@ -39,7 +43,10 @@ pub fn solve(
     let observability = answer.observability();
     let mut judgement = answer.judge(deployment, &observability, None);
     judgement.doubt(pull);
+    // The verdict is that of the drive's shape; its σ has the errors of the instruments as well.
+    judgement.doubt(systematic.as_ref().and_then(CommonErrors::doubt));
     let covariance = answer.uncertainty.covariance.clone();
+    let covariance = covariance.zip(systematic).map(|(noise, common)| noise + common.covariance);
     if let Some(clocks) = suspected.filter(|_| covariance.is_some()) {
         judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
         judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));

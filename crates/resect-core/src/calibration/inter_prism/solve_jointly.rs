@@ -43,7 +43,7 @@ pub fn solve_jointly(
     let screening = Screening { deployment, rig, network: &network, triplets, settings, progress };
     let (screened, survey) = rayon::join(
         || screening.screened(published),
-        || joint::survey_adjustment::of_deployment(deployment, layout, settings),
+        || joint::adjust_survey::of_deployment(deployment, layout, settings),
     );
     let Screened { published, data, used } = screened?;
     let prior_ms = published.prior_ms;

@@ -117,7 +117,7 @@ impl FramePose {
 fn sums(columns: &[Column; MONOMIALS], a: &FramePose, b: &FramePose, moving: bool) -> PairSums<1> {
     let mut sums = PairSums::<LANES>::ZERO;
     for start in (0..ROWS).step_by(LANES) {
-        sums.add::<true>(&rows(columns, start, a, b), moving);
+        sums.add(&rows(columns, start, a, b), moving);
     }
     sums.fold()
 }

@@ -109,8 +109,10 @@ impl UnjudgedAnswer {
     }
 
     pub fn into_details(self, observability: Observability) -> InterPrismDetails {
+        let noise_sigma = self.uncertainty.sigma();
         let Published { choice, basins, .. } = self.published;
         InterPrismDetails {
+            noise_sigma,
             basin: choice.answer,
             mirror: choice.mirror,
             observability,
