@@ -106,7 +106,7 @@ pub fn run(arguments: &TrajectoryArguments) -> Result<(), Failure> {
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let station = arguments.station.map(|number| station_index(&deployment, number.into()));
     let station = station.transpose()?;
-    if let GroundTruth::Trajectory(track) = GroundTruth::of(&deployment, &analysis, station) {
+    if let GroundTruth::Trajectory(track, _) = GroundTruth::of(&deployment, &analysis, station) {
         return one_station(arguments, &deployment, &track);
     }
     let answer = analysis.answer.clone()?;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::association::{associate, thinned};
 use super::matched_pose::{MatchedPose, TruePose, TrueRotation};
 use super::options::Association;
-use super::station_trajectory::station_trajectory;
+use super::station_trajectory::{shared_errors, station_trajectory};
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::Calibration;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
+use resect_core::calibration::{Calibration, ErrorSizes};
 use resect_core::deployment::Deployment;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::evaluation::no_trajectory::NoTrajectory;
@@ -22,8 +22,9 @@ use resect_core::network::Prism;
 pub enum GroundTruth<'a> {
     /// The vehicle's poses, or the positions of a single prism, in station 1's frame.
     Deployment { deployment: &'a Deployment, analysis: &'a Analysis },
-    /// The poses or positions of another system, such as motion capture, GNSS, a single total station, or surveyed points.
-    Trajectory(Arc<EstimatedTrajectory>),
+    /// The poses or positions of another system, such as motion capture, GNSS, or surveyed points. Those of a single station have the sizes of its
+    /// errors.
+    Trajectory(Arc<EstimatedTrajectory>, Option<ErrorSizes>),
 }
 
 impl<'a> GroundTruth<'a> {
@@ -31,11 +32,12 @@ impl<'a> GroundTruth<'a> {
     /// prism of one station in its own frame. That is also the ground truth if only one station has measurements.
     pub fn of(deployment: &'a Deployment, analysis: &'a Analysis, station: Option<usize>) -> Self {
         if let Some(truth) = &deployment.ground_truth {
-            return Self::Trajectory(Arc::clone(truth));
+            return Self::Trajectory(Arc::clone(truth), None);
         }
         match station.or_else(|| only_station(deployment)) {
             Some(station) => {
-                Self::Trajectory(Arc::new(station_trajectory(deployment, analysis, station)))
+                let truth = station_trajectory(deployment, analysis, station);
+                Self::Trajectory(Arc::new(truth), Some(analysis.settings.calibration.errors))
             }
             None => Self::Deployment { deployment, analysis },
         }
@@ -50,7 +52,7 @@ impl<'a> GroundTruth<'a> {
     pub fn name(&self) -> &str {
         match self {
             Self::Deployment { deployment, .. } => &deployment.name,
-            Self::Trajectory(truth) => &truth.name,
+            Self::Trajectory(truth, _) => &truth.name,
         }
     }
 
@@ -58,7 +60,7 @@ impl<'a> GroundTruth<'a> {
     pub fn has_orientation(&self) -> bool {
         match self {
             Self::Deployment { analysis, .. } => !Prism::is_one(&analysis.offer.followed),
-            Self::Trajectory(truth) => truth.has_orientations(),
+            Self::Trajectory(truth, _) => truth.has_orientations(),
         }
     }
 
@@ -66,7 +68,7 @@ impl<'a> GroundTruth<'a> {
     pub fn start_s(&self) -> Option<f64> {
         match self {
             Self::Deployment { deployment, .. } => deployment.start_s(),
-            Self::Trajectory(truth) => Some(truth.poses.first()?.time_s),
+            Self::Trajectory(truth, _) => Some(truth.poses.first()?.time_s),
         }
     }
 
@@ -79,7 +81,7 @@ impl<'a> GroundTruth<'a> {
         (association, most): (Association, usize),
     ) -> Result<Vec<MatchedPose>, NoTrajectory> {
         let truth = match self {
-            Self::Trajectory(truth) => truth,
+            Self::Trajectory(truth, _) => truth,
             Self::Deployment { .. } => {
                 let poses: Vec<EstimatedPose> = thinned(poses, most).copied().collect();
                 let times_s: Vec<f64> =
@@ -106,7 +108,12 @@ impl<'a> GroundTruth<'a> {
 
     /// Errors common to all instants: their Jacobian at each time, and their covariance; `None` if they are unknown.
     pub fn common_errors(&self, times_s: &[f64]) -> Option<ConstantsJacobian> {
-        let Self::Deployment { deployment, analysis } = self else { return None };
+        let (deployment, analysis) = match self {
+            Self::Deployment { deployment, analysis } => (deployment, analysis),
+            Self::Trajectory(truth, sizes) => {
+                return Some(shared_errors(truth, times_s, sizes.as_ref()?));
+            }
+        };
         let calibration = &analysis.answer.as_ref().ok()?.calibration;
         common_errors(deployment, &analysis.offer.followed, calibration, times_s)
     }

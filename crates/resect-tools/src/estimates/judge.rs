@@ -89,7 +89,7 @@ fn judge_one(
 ) -> Result<FittedEstimate, Unjudged> {
     let (fit, matched) = fit::fit(truth, &estimate, &options)?;
     let coverage = match truth {
-        GroundTruth::Trajectory(truth) if !is_denser(&truth.poses, &estimate.poses) => {
+        GroundTruth::Trajectory(truth, _) if !is_denser(&truth.poses, &estimate.poses) => {
             Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
         }
         _ => Coverage::PosesWithoutTruth(estimate.poses.len() - matched.len()),

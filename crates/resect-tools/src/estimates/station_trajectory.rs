@@ -1,9 +1,11 @@
 //! The trajectory of one station's prism in the station's own frame, without a calibration.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use resect_core::analysis::Analysis;
-use resect_core::calibration::joint::unseen_covariance_m2;
+use resect_core::calibration::ErrorSizes;
+use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
+use resect_core::calibration::joint::{shared_errors_m, unseen_covariance_m2};
 use resect_core::deployment::{Deployment, EstimatedPose, EstimatedTrajectory, PoseCovariance};
 use resect_core::pipeline::interpolation::{grid, white_noise_on_acceleration};
 use resect_core::pipeline::interval_filter;
@@ -84,6 +86,31 @@ pub fn station_trajectory(
         covariances,
         findings: Vec::new(),
     }
+}
+
+/// Errors of a station that all of its positions share, of 1 σ: the displacements at each time by each of them.
+pub fn shared_errors(
+    truth: &EstimatedTrajectory,
+    times_s: &[f64],
+    sizes: &ErrorSizes,
+) -> ConstantsJacobian {
+    let poses = &truth.poses;
+    let none = ConstantsJacobian::default();
+    let [Some(first), Some(last)] = [poses.first(), poses.last()] else { return none };
+    let length_s = (last.time_s - first.time_s).max(1e-9);
+    let interval = vec![0; poses.len()];
+    let at = |time_s: &f64| {
+        let next = poses.partition_point(|pose| pose.time_s < *time_s).min(poses.len() - 1);
+        let velocity = velocity_m_per_s(poses, &interval, next);
+        // A tripod settles gradually, so its displacement grows with the share of the drive.
+        let settled = ((time_s - first.time_s) / length_s).clamp(0.0, 1.0).powi(2);
+        let shared_m = shared_errors_m(&poses[next].position_m, &velocity, settled, sizes);
+        let by_error = DMatrix::from_fn(3, shared_m.len(), |row, column| shared_m[column][row]);
+        (*time_s, by_error)
+    };
+    let instants: Vec<(f64, DMatrix<f64>)> = times_s.iter().map(at).collect();
+    let errors = instants.first().map_or(0, |(_, by_error)| by_error.ncols());
+    ConstantsJacobian { instants, covariance: DMatrix::identity(errors, errors) }
 }
 
 /// Velocity at an instant (m/s) by differences with its neighbours in the same interval.

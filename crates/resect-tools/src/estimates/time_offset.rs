@@ -58,7 +58,7 @@ pub fn coarse(
             }
             Ok(by_speeds(poses, [from_s, last.time_s], &known).map(exact))
         }
-        GroundTruth::Trajectory(truth) => {
+        GroundTruth::Trajectory(truth, _) => {
             let truth = &truth.poses[..];
             if median_interval_s(truth) > HALF_S || median_interval_s(poses) > HALF_S {
                 let sigma_s = Some(POINTS_SIGMA_S);

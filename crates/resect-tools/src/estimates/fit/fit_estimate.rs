@@ -85,7 +85,7 @@ pub fn fit(
             align(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
             let chosen: Vec<EstimatedPose> = match truth {
                 GroundTruth::Deployment { .. } => pairs.iter().map(|pair| pair.pose).collect(),
-                GroundTruth::Trajectory(_) => poses.clone(),
+                GroundTruth::Trajectory(..) => poses.clone(),
             };
             let longer =
                 times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
