@@ -8,6 +8,7 @@
 
 mod beyond;
 mod cramer_rao;
+mod detectable;
 mod facets;
 mod inter_prism_ratio;
 mod methods;

@@ -35,7 +35,7 @@ const LAYOUT_FILES: [&str; 8] = [
     "track_clocks.rs",
 ];
 /// Other indices and sizes.
-const LAYOUT: [&str; 26] = [
+const LAYOUT: [&str; 24] = [
     "inter_prism/compression.rs CONSTANT",
     "inter_prism/compression.rs LANES",
     "inter_prism/compression.rs MONOMIALS",
@@ -54,8 +54,6 @@ const LAYOUT: [&str; 26] = [
     "joint/equations.rs STAMPS",
     "joint/prism_motion.rs FRAME",
     "joint/step_fit.rs STEPPING",
-    "joint/survey.rs ANGLES",
-    "joint/survey.rs RANGES",
     "joint/survey_adjustment.rs ALL",
     "joint/survey_change.rs CHANGES",
     "joint/survey_change.rs POSES",
