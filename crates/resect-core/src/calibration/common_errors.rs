@@ -73,7 +73,7 @@ impl CommonErrors {
 /// Residuals limit the errors, of which the answer is not freed. With its moves M, those R of the residuals r, and their variance s², the
 /// covariance is `M (P + b bᵀ) Mᵀ` with `P = (1 + Rᵀ R / s²)⁻¹` and `b = P Rᵀ r / s²`. `independent` is the number of independent
 /// residuals. `further` are alignments with [`SHARE`] σ of other errors.
-pub fn covariance(
+pub fn effect(
     sizes: &ErrorSizes,
     stations: usize,
     independent: usize,

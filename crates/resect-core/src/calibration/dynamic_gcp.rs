@@ -260,7 +260,7 @@ impl<'a> AlignedTracks<'a> {
         let some: Vec<usize> = (0..self.used.len()).step_by(stride).collect();
         let some = self.used.select(&some);
         let common =
-            common_errors::covariance(sizes, some.points_m.len(), independent, &[], |displace| {
+            common_errors::effect(sizes, some.points_m.len(), independent, &[], |displace| {
                 let points_m = some.points_m.map_each(|station, points| {
                     points.iter().map(|point| displace(station, point)).collect()
                 });

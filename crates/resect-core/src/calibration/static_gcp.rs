@@ -132,7 +132,7 @@ fn shared_errors(
     let points: usize = matches.iter().map(Matches::len).sum();
     // Points of station 1 are those to which the others are aligned, or have an alignment of their own.
     let first_station = usize::from(!is_global);
-    let mut common = common_errors::covariance(sizes, stations, 3 * points, &[], |displace| {
+    let mut common = common_errors::effect(sizes, stations, 3 * points, &[], |displace| {
         let displaced = |(index, matches): (usize, &Matches)| {
             let displaced_m = |station: Station, points_m: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
                 points_m.iter().map(|point| displace(station, point)).collect()

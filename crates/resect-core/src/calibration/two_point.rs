@@ -138,7 +138,7 @@ pub fn solve(
         covariance.as_ref(),
     );
     // Two points have hardly any residuals.
-    let common = common_errors::covariance(sizes, matches.len(), 0, &[], |displace| {
+    let common = common_errors::effect(sizes, matches.len(), 0, &[], |displace| {
         let displaced: Vec<Matches> = (matches.iter().enumerate())
             .map(|(station, matches)| {
                 let read = matches.from_m.iter();

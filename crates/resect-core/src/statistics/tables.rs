@@ -63,8 +63,8 @@ mod tests {
     #[test]
     fn quantiles_are_those_of_tables() {
         for (degrees, quantile) in [(4.0, 6.620), (5.0, 5.507), (10.0, 3.957), (23.0, 3.361)] {
-            let found = student_sigmas(3.0, degrees);
-            assert!((found / quantile - 1.0).abs() < 0.035, "{degrees}: {found}");
+            let sigmas = student_sigmas(3.0, degrees);
+            assert!((sigmas / quantile - 1.0).abs() < 0.035, "{degrees}: {sigmas}");
         }
         for (count, sigmas) in [(1, 3.291), (10, 3.891), (100, 4.417), (1000, 4.892)] {
             assert!((largest_normal(count) - sigmas).abs() < 0.02, "{}", largest_normal(count));

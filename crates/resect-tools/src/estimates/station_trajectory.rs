@@ -99,7 +99,7 @@ pub fn shared_errors(
     let [Some(first), Some(last)] = [poses.first(), poses.last()] else { return none };
     let length_s = (last.time_s - first.time_s).max(1e-9);
     let interval = vec![0; poses.len()];
-    let at = |time_s: &f64| {
+    let by_errors = |time_s: &f64| {
         let next = poses.partition_point(|pose| pose.time_s < *time_s).min(poses.len() - 1);
         let velocity = velocity_m_per_s(poses, &interval, next);
         // A tripod settles gradually, so its displacement grows with the share of the drive.
@@ -108,7 +108,7 @@ pub fn shared_errors(
         let by_error = DMatrix::from_fn(3, shared_m.len(), |row, column| shared_m[column][row]);
         (*time_s, by_error)
     };
-    let instants: Vec<(f64, DMatrix<f64>)> = times_s.iter().map(at).collect();
+    let instants: Vec<(f64, DMatrix<f64>)> = times_s.iter().map(by_errors).collect();
     let errors = instants.first().map_or(0, |(_, by_error)| by_error.ncols());
     ConstantsJacobian { instants, covariance: DMatrix::identity(errors, errors) }
 }

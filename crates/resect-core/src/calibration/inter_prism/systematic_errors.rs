@@ -4,8 +4,6 @@
 //! A share of each error is put into some triplets, and the answer follows by one Gauss–Newton step. Residuals limit the errors as for the
 //! other methods ([`crate::calibration::common_errors`]).
 
-use std::ops::Range;
-
 use nalgebra::Vector3;
 
 use super::{CentredTriplets, Minimum, NormalEquations};
@@ -33,14 +31,14 @@ pub fn estimate(
     let solve = |displaced: &CentredTriplets| {
         let gradient = NormalEquations::at(displaced, &answer.parameters).gradient;
         let parameters = &answer.parameters - &inverse * gradient;
-        Some(Displaced {
+        Displaced {
             station1_from_station: displaced
                 .transforms(&parameters)
                 .map(|level| RigidTransform::from(*level)),
             residuals_m: displaced.distance_errors_m(&parameters),
-        })
+        }
     };
-    let mut further: Vec<Option<Displaced>> = Vec::new();
+    let mut further: Vec<Displaced> = Vec::new();
     let velocities = data.velocities_m_per_s(&instants, time_s, interval);
     for station in (0..data.centre_m.len()).map(Station::at) {
         for error_m in timing_errors_m(&some, station, &velocities[station], sizes) {
@@ -50,16 +48,12 @@ pub fn estimate(
     for prisms in data.network.prism_pairs() {
         further.push(solve(&some.with_longer(prisms, SHARE * settings.inter_prism_sigma_m)));
     }
-    let further: Option<Vec<Displaced>> = further.into_iter().collect();
     let blocks = time_blocks::of(time_s, interval).len();
     let independent = blocks * data.network.residuals();
-    let mut common = common_errors::covariance(
-        sizes,
-        data.centre_m.len(),
-        independent,
-        &further?,
-        |displace| solve(&some.displaced(displace)),
-    )?;
+    let mut common =
+        common_errors::effect(sizes, data.centre_m.len(), independent, &further, |displace| {
+            Some(solve(&some.displaced(displace)))
+        })?;
     let placed = data.transforms(&answer.parameters).map(|level| RigidTransform::from(*level));
     // Variance of a random walk's mean about its start is a third of that of its end.
     common.covariance += common_errors::settling(sizes, &placed) / 3.0;
@@ -102,7 +96,7 @@ impl CentredTriplets {
         self.coordinates.map(|station| {
             let point_m = |i: usize| Vector3::from_fn(|axis, _| station[axis][i]);
             let velocity = |i: &usize| {
-                let Range { start, end } = i.saturating_sub(1)..(i + 1).min(self.len() - 1);
+                let (start, end) = (i.saturating_sub(1), (i + 1).min(self.len() - 1));
                 let apart_s = time_s[end] - time_s[start];
                 let is_inside = interval[start] == interval[end] && apart_s > 0.0;
                 let moved_m = point_m(end) - point_m(start);

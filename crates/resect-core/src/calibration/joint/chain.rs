@@ -40,7 +40,7 @@ impl ChainVector {
 
     /// Scalar product.
     pub fn dot(&self, other: &Self) -> f64 {
-        let of_blocks = self.slow.iter().zip(&other.slow).map(|(own, other)| own.dot(other));
+        let of_blocks = self.slow.iter().zip(&other.slow).map(|(a, b)| a.dot(b));
         self.constants.dot(&other.constants) + of_blocks.sum::<f64>()
     }
 

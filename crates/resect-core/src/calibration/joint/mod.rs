@@ -92,7 +92,8 @@
 //! ([`mod@facet_covariance`]).
 //!
 //! # Survey
-//! Control points are adjusted on their own ([`mod@survey_adjustment`]), with the estimate θ̂. The readings alone have the
+//! Control points are adjusted on their own ([`mod@adjust_survey`]), with the estimate θ̂. An offset of a station's ranges, and a station that
+//! moved between two sets, are tested ([`survey_conflicts`]). The readings alone have the
 //! information Λ and the gradient γ there. They observe `θ + Δθ`. Elimination of Δθ leaves a quadratic cost of θ, with the columns `Λ_Δ`
 //! of poses and leans ([`survey_change`]):
 //!

@@ -48,9 +48,9 @@ pub struct Survey {
 /// An error of a station during the survey with its size.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SurveyConflict {
-    /// Its ranges are longer than those of the others (m).
+    /// Ranges that are longer than those of the other stations (m).
     Ranges { station: Station, excess_m: Estimate },
-    /// It stood elsewhere in one set than in the others.
+    /// A station that stood elsewhere in one set than in the others.
     Moved { station: Station, set: usize, turned_rad: Estimate, moved_m: [Estimate; 3] },
 }
 

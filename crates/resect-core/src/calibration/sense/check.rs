@@ -68,8 +68,9 @@ pub fn check(
             .any(|agreement| agreement > Agreement::Agrees);
     if doubted {
         let answer = (&shown, sigma.as_ref());
-        let found = explanation::explain(deployment, rig, triplets, answer, tried, progress)?;
-        for (place, finding) in found.into_iter().enumerate() {
+        let explanations =
+            explanation::explain(deployment, rig, triplets, answer, tried, progress)?;
+        for (place, finding) in explanations.into_iter().enumerate() {
             if finding.severity > crate::deployment::Severity::Note {
                 calibration.verdict = calibration.verdict.max(Verdict::Weak);
             }
