@@ -22,7 +22,7 @@ REFRACTION = 0.13
 RANGE, RANGE_SHARE, ANGLE, TARGET, SURVEYED = 1e-3, 1e-6, 6e-6, 3e-4, 2e-3
 # Standard deviations of the priors: lean (that of a drive, and its change since the survey), scale, vertical index, collimation, prism
 # constant of the target, zero of the ranges of a station.
-LEAN, SCALE, INDEX, COLLIMATION, CONSTANT, ZERO = 2 * 2**0.5 * ARCSECOND, 7e-6, 4 * ARCSECOND, 3 * ARCSECOND, 5e-3, 5e-4
+LEAN, SCALE, INDEX, COLLIMATION, CONSTANT, ZERO = 2 * 2**0.5 * ARCSECOND, 7e-6, 4 * ARCSECOND, 3 * ARCSECOND, 5e-3, 1e-3
 # Cauchy's loss, its consistency with normal errors, and the numbers by which the stated noise counts.
 LOSS_SCALE, CONSISTENCY, STATED = 2.4, 0.70, 12.0
 LEAST_REDUNDANCY = 0.05
@@ -118,7 +118,8 @@ class Adjustment:
             frames[index] = align_level(markers[survey.surveyed[mine]], survey.known[mine])
         self.x = np.concatenate([np.ravel(poses), np.zeros(self.PRIORS), markers.ravel(), frames.ravel()])
         self.weights = np.ones(len(survey.range))
-        self.factors = np.ones(2)
+        # Of the noise along the sights, to their right and up.
+        self.factors = np.ones(3)
 
     def parts(self, x):
         poses, priors, rest = np.split(x, [8, 8 + self.PRIORS])
@@ -151,7 +152,7 @@ class Adjustment:
         return out
 
     def sigma(self):
-        return self.survey.sigma * self.factors[[0, 1, 1]]
+        return self.survey.sigma * self.factors
 
     def whitened(self, x):
         survey = self.survey
@@ -178,9 +179,9 @@ class Adjustment:
         """Estimates noise factors, then robust weights, from residuals by the former factors and weights."""
         weights = self.weights[:, None] ** 2
         factors = self.factors.copy()
-        for kind, axes in enumerate([slice(0, 1), slice(1, 3)]):
-            square = STATED / factors[kind] ** 2 + (weights * squares[:, axes]).sum() / CONSISTENCY
-            factors[kind] *= np.sqrt(square / (STATED + (weights * redundancy[:, axes]).sum()))
+        for axis in range(3):
+            square = STATED / factors[axis] ** 2 + (weights[:, 0] * squares[:, axis]).sum() / CONSISTENCY
+            factors[axis] *= np.sqrt(square / (STATED + (weights[:, 0] * redundancy[:, axis]).sum()))
         mean = (squares / redundancy.clip(LEAST_REDUNDANCY)).mean(1)
         self.weights = 1 / (1 + mean / LOSS_SCALE**2)
         self.factors = factors
