@@ -85,11 +85,36 @@ fn main() {
 }
 
 /// Target, name and content of formats that the program does not write.
-const TEXTS: [(&str, &str, &str); 12] = [
+const TEXTS: [(&str, &str, &str); 16] = [
     (
         "trajectory",
         "gt.txt",
         "# t x y z qx qy qz qw\n1 1 2 3 0 0 0 1\n1.1 1 2.1 3 0 0 0 1\n\x0c1,1e-6,0,0,0,1e-6,0,0,0,1e-6\n1.1,1e-6,0,0,0,1e-6,0,0,0,1e-6\n",
+    ),
+    (
+        "trajectory",
+        "rover.nmea",
+        "$GNGGA,195001.20,4646.9,N,07116.5,W,4,12,0.6,95.2,M,-27.5,M,,\n$GNGST,195001.20,1,,,,0.01,0.01,0.02\n\
+         $GNRMC,195001.20,A,,,,,,,110722,,,R\n$GNGGA,195001.40,4646.9,N,07116.4,W,5,12,0.6,95.2,M,-27.5,M,,\n",
+    ),
+    (
+        "trajectory",
+        "rover.csv",
+        "date,time,lat_deg,lon [rad],alt (mm),sde,sdn,sdu,Solution status\n2022-07-11,19:50:01.2,46.78,-1.2,95000,0.01,0.01,0.02,FIX\n\
+         2022-07-11,19:50:01.4,46.79,-1.2,95000,0.01,0.01,0.02,FLOAT\n",
+    ),
+    (
+        "trajectory",
+        "rover.pos",
+        "%  GPST x-ecef(m) y-ecef(m) z-ecef(m) Q ns sdx(m) sdy(m) sdz(m) sdxy(m) sdyz(m) sdzx(m) age(s) ratio\n\
+         2218 157819.2 1404310.2 -4142876.1 4625329.6 1 9 0.01 0.01 0.02 0.001 -0.001 0 0 9\n\
+         2218 157819.4 1404310.3 -4142876.1 4625329.6 2 9 0.3 0.3 0.6 0.1 -0.1 0 0 1\n",
+    ),
+    (
+        "mcap_json",
+        "fix.json",
+        "{\"header\":{\"stamp\":{\"sec\":1,\"nanosec\":2}},\"status\":{\"status\":2},\"latitude\":46.78,\"longitude\":-71.2,\
+         \"altitude\":null,\"position_covariance\":[1,0,0,0,1,0,0,0,4],\"position_covariance_type\":3}",
     ),
     (
         "mcap_json",

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;
+use resect_io::gnss_solution::SolutionChoice;
 use resect_tools::estimates::TrajectoryAlignment;
 use resect_tools::experiment::Parameter;
 use resect_tools::simulation::Preset;
@@ -78,6 +79,12 @@ pub const ESTIMATE_ALIGNMENTS: Choices<TrajectoryAlignment> = &[
         "similarity",
         "A scale too, for one camera alone (evo's `--align --correct_scale`)",
     ),
+];
+
+pub const SOLUTIONS: Choices<SolutionChoice> = &[
+    (SolutionChoice::Best, "best", "The most accurate kind in the file: fixed, if there is any"),
+    (SolutionChoice::Float, "float", "Fixed and float, each with its σ"),
+    (SolutionChoice::All, "all", "All kinds, each with its σ"),
 ];
 
 pub const PARAMETERS: Choices<Parameter> = &[

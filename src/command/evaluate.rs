@@ -18,13 +18,14 @@ use resect_tools::estimates::{GroundTruth, judge, station_index};
 
 #[derive(Args)]
 pub struct EvaluateArguments {
-    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, or bags with Odometry or PoseStamped
+    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, bags with Odometry, PoseStamped or NavSatFix, RTKLIB
+    /// (.pos), NMEA
     #[arg(required = true, value_name = "ESTIMATE")]
     trajectory: Vec<PathBuf>,
     /// Ground truth: a folder or file with the stations' tracks, or a trajectory in any format of the estimates. It may have
-    /// orientations or positions only, and be dense or a few surveyed points
-    #[arg(long, value_name = "PATH")]
-    against: PathBuf,
+    /// orientations or positions only, and be dense or a few surveyed points. Given three times or more: GNSS solutions of antennas of one body
+    #[arg(long, required = true, value_name = "PATH")]
+    against: Vec<PathBuf>,
     #[command(flatten)]
     truth: TruthArguments,
     #[command(flatten)]
@@ -82,8 +83,8 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     ];
     for (file, text) in files {
         if let Some(file) = file {
-            let estimates = arguments.trajectory.iter().map(|path| &**path);
-            spare(file, used_files(&deployment).chain(estimates))?;
+            let read = arguments.trajectory.iter().chain(&arguments.against);
+            spare(file, used_files(&deployment).chain(read.map(|path| &**path)))?;
             write(file, text())?;
         }
     }

@@ -1,16 +1,19 @@
 //! Options of the ground truth: of a trajectory, or of one station of a deployment.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 use nalgebra::Vector3;
 
 use super::Failure;
+use super::choice::{SOLUTIONS, choice};
 use super::progress_line::with_progress;
 use super::settings_args::metres;
 use resect_core::deployment::{Deployment, PoseCovariance};
 use resect_core::network::MOST_STATIONS;
+use resect_io::antenna_poses::read_antennas;
+use resect_io::gnss_solution::SolutionChoice;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
 
@@ -23,21 +26,38 @@ pub struct TruthArguments {
     /// Topic of the ground truth in a bag of several trajectories
     #[arg(long, value_name = "TOPIC")]
     truth_topic: Option<String>,
+    /// Position of a GNSS antenna in the body (m), once for each file of --against. Three or more antennas give poses; without positions,
+    /// the distances of three antennas are the medians of their solutions
+    #[arg(long = "antenna", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
+    antennas_m: Vec<Vector3<f64>>,
+    /// Solutions of a GNSS receiver that are the ground truth
+    #[arg(long, value_name = "KIND", value_parser = choice(SOLUTIONS), default_value = "best")]
+    truth_solutions: SolutionChoice,
     /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
     pub truth_station: Option<u8>,
 }
 
 impl TruthArguments {
-    /// Opens a deployment, or a trajectory as the ground truth of one.
+    /// Opens a deployment, or a trajectory as the ground truth of one; several files are those of antennas.
     ///
     /// # Errors
-    /// If the path is neither, or if an option does not apply to it.
-    pub fn open(&self, path: &Path, extras: Extras) -> Result<Arc<Deployment>, Failure> {
+    /// If the paths are neither, or if an option does not apply to them.
+    pub fn open(&self, paths: &[PathBuf], extras: Extras) -> Result<Arc<Deployment>, Failure> {
         let topic = self.truth_topic.as_deref();
-        let opened = with_progress(&format!("reading {}", path.display()), |progress| {
-            open_truth(path, topic, extras, progress)
-        });
+        let opened = match paths {
+            [path] if self.antennas_m.is_empty() => {
+                with_progress(&format!("reading {}", path.display()), |progress| {
+                    open_truth(path, (topic, self.truth_solutions), extras, progress)
+                })
+            }
+            _ if topic.is_some() => {
+                let line = "--truth-topic is for one bag, and several files are antennas";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+            paths => read_antennas(paths, &self.antennas_m, self.truth_solutions)
+                .map(|truth| Deployment::of_ground_truth(Arc::new(truth))),
+        };
         let mut deployment = Arc::new(opened?);
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
             (Some(truth), Some(sigma_m)) => {

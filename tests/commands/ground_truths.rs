@@ -11,6 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use resect_core::geometry::Geodetic;
 use resect_tools::simulation::{EPOCH_S, Preset, Simulated, simulate};
 use serde_json::Value;
 
@@ -157,6 +158,69 @@ fn the_uncertainty_of_a_trajectory_is_read_from_columns_a_file_or_an_option() {
         let why = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(1) && why.contains(part), "{why}");
     }
+}
+
+/// A solution of RTKLIB about 46.78° N, 71.28° W of an antenna with these positions in the vehicle; every tenth is float, 0.5 m too high.
+fn solution(simulated: &Simulated, antenna_m: &Vector3<f64>) -> String {
+    let base = Geodetic { latitude_rad: 0.816_465, longitude_rad: -1.243_983, height_m: 67.7 };
+    let mut text = String::from(
+        "%  UTC latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) age(s) ratio\n",
+    );
+    for (index, time_s) in times_s(5.0).enumerate() {
+        let (position_m, orientation) = true_pose(simulated, time_s);
+        let is_float = index % 10 == 3;
+        let error_m = Vector3::z() * if is_float { 0.5 } else { 0.0 };
+        let local_m = position_m + orientation * antenna_m + error_m;
+        let ecef_m = base.to_ecef() + base.ecef_from_local() * local_m;
+        let geodetic = Geodetic::from_ecef(ecef_m);
+        let of_day_s = (time_s - 1_759_968_000.0) % 86_400.0;
+        let [hour, minute] = [of_day_s / 3600.0, of_day_s / 60.0 % 60.0].map(f64::trunc);
+        let (quality, sigma) = if is_float { (2, 0.5) } else { (1, 0.005) };
+        text += &format!(
+            "2025/10/09 {hour:02}:{minute:02}:{:06.3} {:.10} {:.10} {:.4} {quality} 9 {sigma} {sigma} {sigma} 0 0 0 0 9\n",
+            of_day_s % 60.0,
+            geodetic.latitude_rad.to_degrees(),
+            geodetic.longitude_rad.to_degrees(),
+            geodetic.height_m,
+        );
+    }
+    text
+}
+
+#[test]
+fn a_gnss_solution_is_a_ground_truth_by_its_fixed_positions() {
+    let folder = Folder::new();
+    let (simulated, slam) = estimated(&folder);
+    let antenna_m = Vector3::new(0.4, 0.1, 0.5);
+    let truth = folder.write("rover.pos", &solution(&simulated, &antenna_m));
+    let codes = |found: &Value| -> Vec<String> {
+        let findings = found["ground_truth"]["findings"].as_array().expect("findings");
+        findings.iter().map(|finding| finding["code"].as_str().expect("text").to_owned()).collect()
+    };
+    let fixed = evaluated(&[&slam], &truth, &[]);
+    assert_eq!(codes(&fixed), ["gnss-solutions-left-out", "gnss-positions-local"]);
+    let judged_slam = &fixed["estimates"][0];
+    assert!((number(&judged_slam["time_offset_s"]) + CLOCK_S).abs() < 0.004, "{judged_slam:#}");
+    for (axis, expected) in (antenna_m - LEVER_M).iter().enumerate().take(2) {
+        let lever_m = number(&judged_slam["lever_arm_m"][axis]);
+        assert!((lever_m - expected).abs() < 0.04, "{judged_slam:#}");
+    }
+    assert!(number(&judged_slam["ape_position_m"]["rmse"]) < 0.05, "{judged_slam:#}");
+    assert!((number(&judged_slam["ground_truth_sigma_m"]) - 0.005 * 3.0_f64.sqrt()).abs() < 1e-4);
+    // Float solutions are off by half a metre.
+    let all = evaluated(&[&slam], &truth, &["--truth-solutions", "all"]);
+    assert_eq!(codes(&all), ["gnss-solutions-mixed", "gnss-positions-local"]);
+    assert!(number(&all["estimates"][0]["ape_position_m"]["rmse"]) > 0.1, "{all:#}");
+    // A solution that is evaluated has all its positions.
+    let judged = evaluated(&[&truth], &slam, &["--body", "found"]);
+    assert_eq!(judged["estimates"][0]["findings"][0]["code"], "gnss-solutions-mixed");
+    // A line that is cut off is an error with its place.
+    let text = std::fs::read_to_string(&truth).expect("text");
+    let cut = folder.write("cut.pos", &text[..text.len() - 30]);
+    let arguments = ["evaluate", slam.to_str().expect("UTF-8"), "--against"];
+    let output = run(&[&arguments[..], &[cut.to_str().expect("UTF-8")]].concat());
+    let why = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && why.contains("cut.pos:751: "), "{why}");
 }
 
 #[test]

@@ -342,7 +342,7 @@ fn trajectory(name: &str, text: &str) -> Result<EstimatedTrajectory, OpenError> 
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     std::fs::write(&path, text).expect("writable");
-    resect_io::estimate_file::read_truth(&path, None)
+    resect_io::estimate_file::read_truth(&path, None, Default::default())
 }
 
 #[test]

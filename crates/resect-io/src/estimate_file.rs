@@ -1,12 +1,13 @@
-//! Reading of trajectories of other systems: TUM, EuRoC, KITTI with times, CSV with a header, and bags of ROS 1 and ROS 2.
+//! Reading of trajectories of other systems: TUM, EuRoC, KITTI with times, CSV with a header, positions of GNSS receivers, motion capture, and
+//! bags of ROS 1 and ROS 2.
 //!
-//! [`pose_table`] reads the tables.
+//! [`pose_table`] reads the tables, [`local_positions`](crate::local_positions) converts latitude and longitude.
 
 use crate::findings::trajectories::{
-    estimate_columns_guessed, estimate_covariances_missing, estimate_orientations_constant,
-    estimate_orientations_missing, estimate_out_of_order, estimate_poses_skipped,
-    estimate_positions_rounded, estimate_quaternions_normalised, estimate_stamps_joined,
-    estimate_times_repeated,
+    estimate_angles_not_read, estimate_columns_guessed, estimate_covariances_missing,
+    estimate_orientations_constant, estimate_orientations_missing, estimate_out_of_order,
+    estimate_poses_skipped, estimate_positions_rounded, estimate_quaternions_normalised,
+    estimate_stamps_joined, estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -17,12 +18,17 @@ use crate::error::OpenError;
 use crate::findings::tracks::rows_skipped;
 use crate::format::Format;
 use crate::format::bag;
-use crate::format::bag::{Piece, RecordedPoses, natural_key};
+use crate::format::bag::{Piece, PoseTopic, RecordedPoses, natural_key};
 use crate::format::estimate::{KITTI_FIELDS, is_kitti};
+use crate::format::motion_capture::{self, CapturedBody};
 use crate::format::pose_covariance::{file_beside, of_message, read_beside};
 use crate::format::pose_table::{self, FORMATS, LARGEST_M};
 use crate::format::table::CORRECT;
 use crate::format::text_encoding::decode_text;
+use crate::format::{geodetic_table, nav_sat_fix, nmea, rtklib_pos};
+use crate::gnss_solution::{GnssTrack, SolutionChoice};
+use crate::local_positions::local_positions;
+use crate::rounding::rounded_axis;
 use crate::skipped_rows::SkippedRows;
 use resect_core::deployment::Finding;
 use resect_core::progress::Progress;
@@ -47,18 +53,31 @@ enum WantedTopics {
     PosesAndPoints,
 }
 
-/// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
-pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
-    read_wanted(path, WantedTopics::PosesElsePoints)
+/// Trajectories of a file that are read.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    topics: WantedTopics,
+    /// Solutions of a GNSS receiver that are a ground truth; `None` for all of an estimate, which is evaluated with its errors.
+    solutions: Option<SolutionChoice>,
 }
 
-/// Reads the one trajectory of a file that is the ground truth; `topic` chooses among those of a bag.
-pub fn read_truth(path: &Path, topic: Option<&str>) -> Result<EstimatedTrajectory, OpenError> {
-    let wanted = match topic {
+/// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
+pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
+    read_wanted(path, Wanted { topics: WantedTopics::PosesElsePoints, solutions: None })
+}
+
+/// Reads the one trajectory of a file that is the ground truth; `topic` chooses among those of a bag, `solutions` among those of a
+/// GNSS receiver.
+pub fn read_truth(
+    path: &Path,
+    topic: Option<&str>,
+    solutions: SolutionChoice,
+) -> Result<EstimatedTrajectory, OpenError> {
+    let topics = match topic {
         Some(_) => WantedTopics::PosesAndPoints,
         None => WantedTopics::PosesElsePoints,
     };
-    let mut all = read_wanted(path, wanted)?;
+    let mut all = read_wanted(path, Wanted { topics, solutions: Some(solutions) })?;
     let topics: Vec<String> = all.iter().filter_map(|one| one.topic.clone()).collect();
     // A single topic needs no choice, whatever its name.
     if let Some(topic) = topic.filter(|_| !topics.is_empty()) {
@@ -80,7 +99,7 @@ pub fn read_truth(path: &Path, topic: Option<&str>) -> Result<EstimatedTrajector
     }
 }
 
-fn read_wanted(path: &Path, wanted: WantedTopics) -> Result<Vec<EstimatedTrajectory>, OpenError> {
+fn read_wanted(path: &Path, wanted: Wanted) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let pieces = pieces_of_bag(path)?;
     if !pieces.is_empty() {
@@ -88,8 +107,18 @@ fn read_wanted(path: &Path, wanted: WantedTopics) -> Result<Vec<EstimatedTraject
     }
     let text = read_text(path)?;
     let file = path.display().to_string();
+    if motion_capture::looks_like(&text) {
+        return read_motion_capture(path, &name, &text);
+    }
     let mut findings = Vec::new();
-    let poses = poses(&file, path, &text, &mut findings)?;
+    let poses = match gnss_track(&file, &text)? {
+        Some(track) => {
+            let local = local_positions(&file, track, wanted.solutions, None)?;
+            findings.extend(local.findings);
+            local.poses
+        }
+        None => poses(&file, path, &text, &mut findings)?,
+    };
     if poses.is_empty() {
         return Err(OpenError::file(&file, "no pose in this file", FORMATS));
     }
@@ -124,11 +153,36 @@ fn pieces_of_bag(path: &Path) -> Result<Vec<PathBuf>, OpenError> {
     Ok(pieces)
 }
 
+/// Reads the bodies of a motion capture, each with its name as the topic if there are several.
+fn read_motion_capture(
+    path: &Path,
+    name: &str,
+    text: &str,
+) -> Result<Vec<EstimatedTrajectory>, OpenError> {
+    let file = path.display().to_string();
+    let bodies = motion_capture::read(&file, text)?;
+    let several = bodies.len() > 1;
+    let trajectory = |body: CapturedBody| {
+        let CapturedBody { name: body, poses, skipped, has_angles } = body;
+        let mut findings: Vec<Finding> = rows_skipped(&file, &skipped).into_iter().collect();
+        if has_angles {
+            findings.push(estimate_angles_not_read(&file, &body));
+        }
+        let poses = poses.into_iter().map(|pose| (pose, None)).collect();
+        let (name, topic) = match several {
+            true => (format!("{name} {body}"), Some(body)),
+            false => (name.to_owned(), None),
+        };
+        put_in_order((name, topic), path, poses, findings)
+    };
+    bodies.into_iter().map(trajectory).collect()
+}
+
 fn read_bag(
     path: &Path,
     name: &str,
     pieces: &[PathBuf],
-    wanted: WantedTopics,
+    wanted: Wanted,
 ) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let names: Vec<String> = pieces.iter().map(|piece| piece.display().to_string()).collect();
     let pieces: Vec<Piece<'_>> =
@@ -136,7 +190,7 @@ fn read_bag(
     let RecordedPoses { mut topics, all_topics, findings } =
         bag::poses(&pieces, &Progress::default())?;
     let has_poses = topics.iter().any(|topic| !topic.are_points);
-    if wanted == WantedTopics::PosesElsePoints && has_poses {
+    if wanted.topics == WantedTopics::PosesElsePoints && has_poses {
         topics.retain(|topic| !topic.are_points);
     }
     let file = path.display().to_string();
@@ -146,7 +200,7 @@ fn read_bag(
             _ => all_topics.iter().take(LISTED_TOPICS).cloned().collect::<Vec<_>>().join(", "),
         };
         let what = format!(
-            "no poses in Odometry, PoseStamped, TransformStamped, PointStamped or /tf; its topics: {topics}"
+            "no poses in Odometry, PoseStamped, TransformStamped, PointStamped, NavSatFix or /tf; its topics: {topics}"
         );
         let remedy =
             "record the poses of the body as Odometry or PoseStamped, or export them as a table";
@@ -155,27 +209,42 @@ fn read_bag(
     let several = topics.len() > 1;
     let estimates = topics.into_iter().map(|topic| {
         let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
-        let (mut poses, mut skipped) = (Vec::new(), SkippedRows::default());
-        for (index, pose) in topic.poses.iter().enumerate() {
-            let covariance =
-                pose.covariance.as_ref().and_then(|elements| of_message(&elements[..]));
-            match pose_of_message(pose) {
-                Ok(pose) => poses.push((pose, covariance)),
-                Err(reason) => skipped.add(index + 1, reason),
-            }
-        }
-        if let Some((message, reason)) =
-            skipped.first.as_ref().filter(|_| skipped.count > poses.len())
-        {
-            let what = format!("message {message} of {} {reason}", topic.name);
-            return Err(OpenError::file(&file, what, "leave the topic out, or record it again"));
-        }
         let mut findings = findings.clone();
-        findings.extend(estimate_poses_skipped(&file, &topic.name, &skipped));
+        let poses = if topic.fixes.is_empty() {
+            poses_of_topic(&file, &topic, &mut findings)?
+        } else {
+            let track = nav_sat_fix::track(&file, &topic.fixes);
+            let local = local_positions(&file, track, wanted.solutions, None)?;
+            findings.extend(local.findings);
+            local.poses
+        };
         let topic = several.then(|| topic.name.clone());
         put_in_order((name, topic), path, poses, findings)
     });
     estimates.collect()
+}
+
+/// Returns the poses of the messages of a topic, and adds a finding about those that are skipped.
+fn poses_of_topic(
+    file: &str,
+    topic: &PoseTopic,
+    findings: &mut Vec<Finding>,
+) -> Result<Vec<StatedPose>, OpenError> {
+    let (mut poses, mut skipped) = (Vec::new(), SkippedRows::default());
+    for (index, pose) in topic.poses.iter().enumerate() {
+        let covariance = pose.covariance.as_ref().and_then(|elements| of_message(&elements[..]));
+        match pose_of_message(pose) {
+            Ok(pose) => poses.push((pose, covariance)),
+            Err(reason) => skipped.add(index + 1, reason),
+        }
+    }
+    if let Some((message, reason)) = skipped.first.as_ref().filter(|_| skipped.count > poses.len())
+    {
+        let what = format!("message {message} of {} {reason}", topic.name);
+        return Err(OpenError::file(file, what, "leave the topic out, or record it again"));
+    }
+    findings.extend(estimate_poses_skipped(file, &topic.name, &skipped));
+    Ok(poses)
 }
 
 /// Returns the pose of a message, or the reason why it is not one. An unset rotation is all zeros.
@@ -200,7 +269,7 @@ fn pose_of_message(pose: &bag::messages::StampedPose) -> Result<EstimatedPose, S
 }
 
 /// Returns a trajectory sorted by time, without repeated times, and adds findings about the changes; an error if most poses share a time.
-fn put_in_order(
+pub fn put_in_order(
     (name, topic): (String, Option<String>),
     path: &Path,
     mut poses: Vec<StatedPose>,
@@ -240,8 +309,9 @@ fn put_in_order(
         findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
+    let positions_m: Vec<Vector3<f64>> = poses.iter().map(|pose| pose.position_m).collect();
     findings
-        .extend(rounded_axis(&poses).map(|(axis, step_m)| {
+        .extend(rounded_axis(&positions_m).map(|(axis, step_m)| {
             estimate_positions_rounded(&file, ["x", "y", "z"][axis], step_m)
         }));
     if are_orientations_unset(&poses) {
@@ -260,27 +330,6 @@ fn put_in_order(
 
 /// Shortest span of a trajectory (s).
 const SHORTEST_SPAN_S: f64 = 1e-3;
-/// Smallest step of rounded coordinates that is reported (m), and the fewest poses that reveal it.
-const LEAST_STEP_M: f64 = 0.02;
-const FEWEST_ROUNDED: usize = 50;
-
-/// Returns the axis whose coordinates are rounded most, and their step (m); `None` if none is rounded to centimetres.
-fn rounded_axis(poses: &[EstimatedPose]) -> Option<(usize, f64)> {
-    if poses.len() < FEWEST_ROUNDED {
-        return None;
-    }
-    let step_m = |axis: usize| {
-        let mut values: Vec<f64> = poses.iter().map(|pose| pose.position_m[axis]).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        let step_m = values.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        // Measured coordinates hardly ever repeat.
-        let repeat = values.len() > 1 && 2 * values.len() < poses.len();
-        (repeat && step_m >= LEAST_STEP_M).then_some((axis, step_m))
-    };
-    (0..3).filter_map(step_m).max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
 /// Fewest poses and shortest extent of positions (m) that reveal an unset orientation.
 const FEWEST_UNSET: usize = 5;
 const LEAST_EXTENT_M: f64 = 0.1;
@@ -303,6 +352,31 @@ fn read_text(path: &Path) -> Result<String, OpenError> {
     let bytes = std::fs::read(path).map_err(io)?;
     decode_text(&bytes)
         .ok_or_else(|| OpenError::file(&path.display().to_string(), "not a text file", FORMATS))
+}
+
+/// Reads the solutions of a GNSS receiver in a text file.
+///
+/// # Errors
+/// If the file has another content.
+pub fn gnss_track_of_file(path: &Path) -> Result<GnssTrack, OpenError> {
+    let file = path.display().to_string();
+    gnss_track(&file, &read_text(path)?)?.ok_or_else(|| {
+        let remedy = "give RTKLIB (.pos), NMEA, or a table with latitude, longitude and height";
+        OpenError::file(&file, "not a GNSS solution", remedy)
+    })
+}
+
+/// Returns the positions of a GNSS receiver, if a text has the format of any.
+fn gnss_track(file: &str, text: &str) -> Result<Option<GnssTrack>, OpenError> {
+    Ok(if rtklib_pos::looks_like(text) {
+        Some(rtklib_pos::read_track(file, text)?)
+    } else if nmea::looks_like(text) {
+        Some(nmea::read(file, text)?)
+    } else if geodetic_table::looks_like(text) {
+        Some(geodetic_table::read(file, text)?)
+    } else {
+        None
+    })
 }
 
 /// Reads the poses of a text, and adds findings about skipped rows and guesses.

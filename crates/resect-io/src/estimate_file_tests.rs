@@ -56,6 +56,12 @@ fn the_same_pose_is_read_from_every_format() {
         let turned = pose.orientation.expect("turned") * Vector3::x();
         assert!((turned - Vector3::y()).norm() < 1e-12, "{name}: {turned}");
     }
+    for header in ["point,time,Easting [m],Northing [m],Elevation [m]", "id;t;e;n;h"] {
+        let separator = if header.contains(';') { ";" } else { "," };
+        let row = ["P7", "0.5", "1", "2", "3"].join(separator);
+        let surveyed = of("points.csv", &format!("{header}\n{row}\n")).expect(header);
+        assert_eq!(surveyed.poses[0].position_m, Vector3::new(1.0, 2.0, 3.0), "{header}");
+    }
     let positions = of("f.txt", "0.5 1 2 3\n0.6 1 2 4\n").expect("positions");
     assert_eq!((positions.poses.len(), positions.poses[1].orientation), (2, None));
 }
@@ -195,4 +201,112 @@ fn rows_without_a_pose_are_counted() {
             .contains("2 rows are not valid and skipped (line 2: `nan` is not a number)"),
         "{finding}"
     );
+}
+
+/// Time (Unix, s), latitude and longitude (degrees), height above the ellipsoid (m) and σ (m) of fixes; the second is float.
+const FIXES: [(f64, [f64; 3], f64); 3] = [
+    (1_657_569_001.2, [46.78, -71.275, 67.7], 0.01),
+    (1_657_569_001.4, [46.780_01, -71.275, 67.8], 0.3),
+    (1_657_569_001.6, [46.780_02, -71.274_99, 67.9], 0.01),
+];
+
+/// The fixes in each format of a GNSS receiver, with the names of the files.
+fn gnss_files() -> Vec<(&'static str, Vec<u8>)> {
+    let mut pos = String::from(
+        "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) age(s) ratio\n",
+    );
+    let mut csv = String::from("timestamp,lat,lon,alt,sde,sdn,sdu,Solution status\n");
+    let mut nmea = String::new();
+    for (index, (time_s, [latitude, longitude, height], sigma)) in FIXES.into_iter().enumerate() {
+        let is_fixed = index != 1;
+        pos += &format!(
+            "2022/07/11 19:50:{:.3} {latitude:.9} {longitude:.9} {height:.4} {} 9 {sigma} {sigma} {sigma} 0 0 0 0 9\n",
+            time_s - 1_657_568_982.0,
+            if is_fixed { 1 } else { 2 },
+        );
+        let word = if is_fixed { "FIX" } else { "FLOAT" };
+        csv += &format!(
+            "{time_s:.3},{latitude:.9},{longitude:.9},{height},{sigma},{sigma},{sigma},{word}\n"
+        );
+        let minutes = |degrees: f64| 100.0 * degrees.trunc() + 60.0 * degrees.fract();
+        let time = format!("19500{:.2}", time_s - 1_657_569_000.0);
+        for content in [
+            format!(
+                "GNGGA,{time},{:.8},N,0{:.8},W,{},12,0.6,{:.4},M,-27.5,M,1,1",
+                minutes(latitude),
+                minutes(-longitude),
+                if is_fixed { 4 } else { 5 },
+                height + 27.5,
+            ),
+            format!("GNGST,{time},1,,,,{sigma},{sigma},{sigma}"),
+            format!("GNRMC,{time},A,,,,,,,110722,,,R"),
+        ] {
+            let sum = content.bytes().fold(0, |sum, byte| sum ^ byte);
+            nmea += &format!("${content}*{sum:02X}\r\n");
+        }
+    }
+    vec![
+        ("rover.pos", pos.into_bytes()),
+        ("rover.csv", csv.into_bytes()),
+        ("rover.nmea", nmea.into_bytes()),
+    ]
+}
+
+/// An MCAP bag with the fixes as `NavSatFix`, whose status does not distinguish fixed from float.
+fn gnss_bag() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new().compression(None);
+    let mut writer = options.create(&mut bytes).expect("a bag");
+    let schema = writer.add_schema("sensor_msgs/msg/NavSatFix", "ros2msg", b"").expect("a schema");
+    let channel_id =
+        writer.add_channel(schema, "/gps/fix", "cdr", &Default::default()).expect("a topic");
+    for (sequence, (time_s, degrees_and_height, sigma)) in (0..).zip(FIXES) {
+        let mut message = vec![0, 1, 0, 0];
+        let nanoseconds = (time_s.fract() * 1e9).round() as u32;
+        for word in [time_s as u32, nanoseconds, 4] {
+            message.extend(word.to_le_bytes());
+        }
+        // The frame, status 2 of GBAS, padding, and GPS with GLONASS.
+        message.extend(b"gps\0\x02\0\x03\0\0\0\0\0");
+        for number in degrees_and_height {
+            message.extend(number.to_le_bytes());
+        }
+        let variance = sigma * sigma;
+        for number in [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance] {
+            message.extend(number.to_le_bytes());
+        }
+        message.push(2);
+        let log_time = (time_s * 1e9) as u64;
+        let header =
+            mcap::records::MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        writer.write_to_known_channel(&header, &message).expect("written");
+    }
+    writer.finish().expect("written");
+    drop(writer);
+    bytes.into_inner()
+}
+
+#[test]
+fn a_receiver_is_read_alike_from_every_format() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let north_m = 1.1117;
+    for (name, bytes) in gnss_files().into_iter().chain([("rover.mcap", gnss_bag())]) {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        // An estimate has all solutions, with their errors.
+        let estimate = only(&path).expect(name);
+        assert_eq!((estimate.poses.len(), estimate.covariances.len()), (3, 3), "{name}");
+        for (pose, (time_s, _, sigma)) in estimate.poses.iter().zip(FIXES) {
+            assert!((pose.time_s - time_s).abs() < 1e-6, "{name}: {}", pose.time_s);
+            let index = estimate.poses.iter().position(|other| other == pose).expect("itself");
+            let variance = estimate.covariances[index].position_m2[(2, 2)];
+            assert!((variance - sigma * sigma).abs() < 1e-9, "{name}: {variance}");
+        }
+        let second_m = estimate.poses[1].position_m;
+        assert!((second_m - Vector3::new(0.0, north_m, 0.1)).norm() < 1e-3, "{name}: {second_m}");
+        let is_bag = name == "rover.mcap";
+        let truth = |solutions| read_truth(&path, None, solutions).expect(name).poses.len();
+        assert_eq!(truth(SolutionChoice::Best), if is_bag { 3 } else { 2 }, "{name}");
+        assert_eq!(truth(SolutionChoice::Float), 3, "{name}");
+    }
 }

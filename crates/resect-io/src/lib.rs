@@ -11,11 +11,15 @@
 //! | [`atomic`] | atomic writing: a crash leaves the old file or the new one | a remedy for a failed write: `atomic/error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`skipped_rows`] | rows of tables that are not valid | |
+//! | [`gnss_solution`] | solutions of a GNSS receiver: kind, covariance, choice | |
 //! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `kinds.rs` |
 //! | [`reading_sense`] | plausibility of numbers as radians, metres and seconds | |
 //! | [`recording`] | conversion of records into tracks: impossible readings are counted and left out | |
 //! | [`format`](mod@format) | one file a format, `bag/` for the bags, `rig_files.rs` for the rig; `recognise.rs` distinguishes them by content | another message of a bag: `bag/messages.rs`, `bag/stream.rs`, then a field of the deployment; a format (a new GNSS format, say): a file here, a variant of `Format` in `format.rs`, a line in `recognise.rs`, its part in `open/` (GNSS: `open/gnss.rs`, `open/found.rs`); `examples/add_a_format.rs` of the root package shows a reader |
+//! | [`rounding`] | coordinates that are rounded too much | |
+//! | [`local_positions`] | positions of GNSS receivers in metres about the first | another format: a reader that returns a `GnssTrack`, its call in `estimate_file.rs` |
 //! | [`estimate_file`] | trajectories of other systems | a format: a layout in `format/pose_table.rs` |
+//! | [`antenna_poses`] | poses of a body from several GNSS antennas | |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
 //! | [`open`](mod@open) | opening of a folder as a deployment: the role of each file | a check of complete tracks: `open/track_checks.rs` |
 //! | [`sample`], [`source`] | the built-in deployments; the source of a deployment | |
@@ -27,6 +31,7 @@
 //! | [`plan_file`], [`way_file`], [`settings_file`] | plans, driven paths, settings | |
 //! | [`simulation_files`] | a simulated deployment as the files of a real one | |
 
+pub mod antenna_poses;
 pub mod atomic;
 pub mod error;
 pub mod estimate_file;
@@ -34,12 +39,15 @@ mod extras;
 pub mod file_mark;
 pub mod findings;
 pub mod format;
+pub mod gnss_solution;
 pub mod growing;
+mod local_positions;
 pub mod open;
 pub mod override_changes;
 pub mod plan_file;
 mod reading_sense;
 pub mod recording;
+mod rounding;
 pub mod sample;
 pub mod settings_file;
 pub mod simulation_files;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::OpenError;
 use crate::estimate_file;
 pub use crate::extras::Extras;
+use crate::gnss_solution::SolutionChoice;
 use crate::open;
 use crate::sample::Sample;
 use resect_core::deployment::Deployment;
@@ -39,6 +40,13 @@ pub struct TrajectoryFile {
     pub path: PathBuf,
     /// Topic in a bag of several trajectories.
     pub topic: Option<String>,
+    /// Solutions of a GNSS receiver that are used.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub solutions: SolutionChoice,
+}
+
+fn is_default(choice: &SolutionChoice) -> bool {
+    *choice == SolutionChoice::default()
 }
 
 impl Source {
@@ -51,8 +59,18 @@ impl Source {
     }
 
     pub fn ground_truth(path: impl Into<PathBuf>, topic: Option<String>) -> Self {
-        let file = TrajectoryFile { path: path.into(), topic };
+        let solutions = SolutionChoice::default();
+        let file = TrajectoryFile { path: path.into(), topic, solutions };
         Self { place: Place::GroundTruth(file), extras: Extras::default() }
+    }
+
+    /// Uses these solutions of a GNSS receiver, if a trajectory is the ground truth.
+    #[must_use]
+    pub fn with_solutions(mut self, choice: SolutionChoice) -> Self {
+        if let Place::GroundTruth(file) = &mut self.place {
+            file.solutions = choice;
+        }
+        self
     }
 
     pub fn with(self, extras: Extras) -> Self {
@@ -83,8 +101,8 @@ impl Source {
     /// Reads everything. `progress` counts bytes of files; cancelling it returns [`OpenError::Cancelled`].
     pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut found = match &self.place {
-            Place::GroundTruth(TrajectoryFile { path, topic }) => {
-                let truth = estimate_file::read_truth(path, topic.as_deref())?;
+            Place::GroundTruth(TrajectoryFile { path, topic, solutions }) => {
+                let truth = estimate_file::read_truth(path, topic.as_deref(), *solutions)?;
                 return Ok(Deployment::of_ground_truth(Arc::new(truth)));
             }
             Place::Path(path) => open::find(path, progress)?,

@@ -4,23 +4,29 @@ use std::path::Path;
 
 use crate::error::OpenError;
 use crate::estimate_file;
+use crate::gnss_solution::SolutionChoice;
 use crate::source::{Extras, Source};
 use crate::what_is::{Dropped, what_is};
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 
-/// Opens a deployment, or a trajectory as the ground truth of one; `topic` chooses the trajectory in a bag of several.
+/// Opens a deployment, or a trajectory as the ground truth of one; `topic` chooses the trajectory in a bag of several, `solutions` those of a
+/// GNSS receiver.
 ///
 /// # Errors
 /// If the path is neither.
 pub fn open_truth(
     path: &Path,
-    topic: Option<&str>,
+    (topic, solutions): (Option<&str>, SolutionChoice),
     extras: Extras,
     progress: &Progress,
 ) -> Result<Deployment, OpenError> {
-    let truth = || Source::ground_truth(path, topic.map(str::to_owned)).open(progress);
-    if topic.is_some() || what_is(path) == Dropped::Estimate {
+    let truth = || {
+        Source::ground_truth(path, topic.map(str::to_owned))
+            .with_solutions(solutions)
+            .open(progress)
+    };
+    if topic.is_some() || matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
         return truth();
     }
     // Positions of one prism, or poses in a bag, are no deployment.

@@ -172,6 +172,7 @@ impl Engine {
                 Heard::Correction { station: None, .. }
                 | Heard::Pose { .. }
                 | Heard::Transforms(_)
+                | Heard::Fix { .. }
                 | Heard::NotTaken,
             ) => {}
             Err(why) => self.leave_out(LeftOut::Malformed, 1, &why),

@@ -224,6 +224,7 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
             Place::GroundTruth(file) => Place::GroundTruth(TrajectoryFile {
                 path: change(&file.path),
                 topic: file.topic.clone(),
+                solutions: file.solutions,
             }),
             Place::Sample(sample) => Place::Sample(*sample),
         },

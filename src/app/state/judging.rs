@@ -13,7 +13,9 @@ use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstima
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
 use resect_io::estimate_file;
+use resect_io::findings::kinds;
 use resect_io::source::Source;
 use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, GroundTruth, judge};
 
@@ -210,7 +212,23 @@ impl State {
         open.judging.set(Vec::new());
         let truth = chosen.estimate;
         let source = Source::ground_truth(&truth.path, truth.topic.clone());
-        self.add(Arc::new(Deployment::of_ground_truth(truth)), Some(source));
+        if !truth.findings.iter().any(|finding| finding.kind == kinds::GNSS_SOLUTIONS_MIXED) {
+            self.add_ground_truth(Deployment::of_ground_truth(truth), source, others);
+            return;
+        }
+        // An estimate has all solutions of a receiver, a ground truth the most accurate ones.
+        let reopened = source.clone();
+        self.jobs.start(
+            move || reopened.open(&Progress::default()),
+            move |state: &mut Self, _, opened| match opened {
+                Ok(deployment) => state.add_ground_truth(deployment, source, others),
+                Err(why) => state.toasts.error(&why.to_string()),
+            },
+        );
+    }
+
+    fn add_ground_truth(&mut self, deployment: Deployment, source: Source, others: Vec<Added>) {
+        self.add(Arc::new(deployment), Some(source));
         if let Some(open) = self.deployments.active_mut() {
             open.judging.set(others);
         }

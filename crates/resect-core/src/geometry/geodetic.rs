@@ -1,6 +1,6 @@
 //! Positions on the Earth: latitude, longitude and height, converted to and from Cartesian coordinates.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Semi-major axis of the WGS84 ellipsoid (m), and its flattening (NGA.STND.0036, table 3.1).
 const SEMI_MAJOR_M: f64 = 6_378_137.0;
@@ -29,6 +29,21 @@ impl Geodetic {
             horizontal_m * sin_longitude,
             (normal_m * (1.0 - ECCENTRICITY2) + self.height_m) * sin_latitude,
         )
+    }
+
+    /// Rotation from local coordinates at this position to Earth-centred ones: its columns are east, north and up.
+    pub fn ecef_from_local(self) -> Matrix3<f64> {
+        let (sin_latitude, cos_latitude) = self.latitude_rad.sin_cos();
+        let (sin_longitude, cos_longitude) = self.longitude_rad.sin_cos();
+        Matrix3::from_columns(&[
+            Vector3::new(-sin_longitude, cos_longitude, 0.0),
+            Vector3::new(
+                -sin_latitude * cos_longitude,
+                -sin_latitude * sin_longitude,
+                cos_latitude,
+            ),
+            Vector3::new(cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude),
+        ])
     }
 
     /// The inverse of [`Geodetic::to_ecef`], for positions more than 43 km from the centre of the Earth.
@@ -98,6 +113,23 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn local_axes_are_directions_of_growing_coordinates(
+            latitude_rad in -1.5..1.5f64,
+            longitude_rad in -PI..PI,
+        ) {
+            let base = Geodetic { latitude_rad, longitude_rad, height_m: 100.0 };
+            let local = |moved: Geodetic| {
+                base.ecef_from_local().transpose() * (moved.to_ecef() - base.to_ecef())
+            };
+            let east = local(Geodetic { longitude_rad: longitude_rad + 1e-6, ..base }).normalize();
+            let north = local(Geodetic { latitude_rad: latitude_rad + 1e-6, ..base }).normalize();
+            let up = local(Geodetic { height_m: 101.0, ..base });
+            prop_assert!((east - Vector3::x()).norm() < 1e-5, "{east}");
+            prop_assert!((north - Vector3::y()).norm() < 1e-5, "{north}");
+            prop_assert!((up - Vector3::z()).norm() < 1e-6, "{up}");
+        }
+
         #[test]
         fn round_trip(
             latitude_rad in -FRAC_PI_2..FRAC_PI_2,

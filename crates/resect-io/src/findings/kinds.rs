@@ -159,6 +159,29 @@ resect_core::finding_kinds! {
     /// Several GNSS fixes have the same stamp; the first of each was kept.
     GNSS_STAMPS_REPEATED = "gnss-stamps-repeated", Warning;
 
+    /// Positions on the Earth were converted to metres east, north and up.
+    GNSS_POSITIONS_LOCAL = "gnss-positions-local", Note;
+    /// Only the most accurate kind of GNSS solutions is the ground truth; the others are left out.
+    GNSS_SOLUTIONS_LEFT_OUT = "gnss-solutions-left-out", Warning;
+    /// GNSS solutions of several kinds are used.
+    GNSS_SOLUTIONS_MIXED = "gnss-solutions-mixed", Note;
+    /// Records of a receiver have no solution.
+    GNSS_WITHOUT_SOLUTION = "gnss-without-solution", Warning;
+    /// No solution of a ground truth has fixed ambiguities.
+    GNSS_NOT_FIXED = "gnss-not-fixed", Warning;
+    /// A log of NMEA has no date.
+    GNSS_DATES_MISSING = "gnss-dates-missing", Warning;
+    /// Covariances of a receiver are approximated from the dilution of precision.
+    GNSS_SIGMA_APPROXIMATED = "gnss-sigma-approximated", Warning;
+    /// A column of a table with latitude and longitude is not read.
+    GNSS_COLUMN_NOT_READ = "gnss-column-not-read", Warning;
+    /// Poses are computed from the positions of several antennas.
+    ANTENNA_POSES = "antenna-poses", Note;
+    /// Positions of antennas give no pose.
+    ANTENNA_EPOCHS_LEFT_OUT = "antenna-epochs-left-out", Warning;
+    /// Positions of antennas state no σ.
+    ANTENNAS_WITHOUT_SIGMA = "antennas-without-sigma", Warning;
+
     /// Poses of a trajectory were not in order of time, and were sorted.
     ESTIMATE_OUT_OF_ORDER = "estimate-out-of-order", Warning;
     /// Seconds and nanoseconds of an estimated trajectory were joined without leading zeros.
@@ -177,4 +200,6 @@ resect_core::finding_kinds! {
     ESTIMATE_COVARIANCES_MISSING = "estimate-covariances-missing", Warning;
     /// Quaternions of a trajectory were normalised.
     ESTIMATE_QUATERNIONS_NORMALISED = "estimate-quaternions-normalised", Warning;
+    /// Orientations of a motion capture are angles about axes, and are not read.
+    ESTIMATE_ANGLES_NOT_READ = "estimate-angles-not-read", Warning;
 }

@@ -3,6 +3,7 @@
 pub mod bags;
 pub mod control_points;
 mod examples;
+pub mod gnss;
 pub mod kinds;
 pub mod positions;
 pub mod readings;

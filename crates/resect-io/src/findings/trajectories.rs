@@ -63,6 +63,14 @@ pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
         .count("poses", count)
 }
 
+/// The orientations of `body` are angles about axes in an unknown order.
+pub fn estimate_angles_not_read(file: &str, body: &str) -> Finding {
+    let message = format!(
+        "{file}: the orientations of {body} are angles about axes in an unknown order and not read; export quaternions"
+    );
+    Finding::new(kinds::ESTIMATE_ANGLES_NOT_READ, message).about(Subject::Named(body.to_owned()))
+}
+
 /// Returns a finding about the messages of a topic that are not poses; `None` without any.
 pub fn estimate_poses_skipped(file: &str, topic: &str, skipped: &SkippedRows) -> Option<Finding> {
     let (message, reason) = skipped.first.as_ref()?;
@@ -95,6 +103,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_covariances_missing("gt.csv", 3, 90),
         estimate_positions_rounded("slam.tum", "y", 10.0),
         estimate_quaternions_normalised("slam.tum", 7),
+        estimate_angles_not_read("take.csv", "Robot"),
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
     ]

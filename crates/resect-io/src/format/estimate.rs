@@ -1,20 +1,24 @@
 //! Recognition of a trajectory estimated by another system; [`estimate_file`](crate::estimate_file) reads it.
 //!
-//! Only files with orientations are recognised: positions alone may equally be a station's track.
+//! Files with orientations are recognised, and positions of GNSS receivers. Other positions may equally be a station's track.
 
-use super::pose_table;
+use super::{geodetic_table, motion_capture, nmea, pose_table};
 
 /// Numbers in a line of KITTI: the first three rows of a 4×4 matrix.
 pub const KITTI_FIELDS: usize = 12;
 /// Largest difference from one of the length of a matrix's row.
 const ROUNDED: f64 = 1e-2;
 
-/// Returns true if the first lines of a file are a table of poses with unit quaternions, or KITTI.
+/// Returns true for the beginning of a table of poses with unit quaternions, KITTI, NMEA, motion capture, or latitudes and longitudes.
 pub fn looks_like(text: &str) -> bool {
     let is_table = |layout: pose_table::PoseLayout| {
         layout.has_orientations() && layout.has_unit_quaternions(text)
     };
-    is_kitti(text) || pose_table::layout(text).is_ok_and(is_table)
+    is_kitti(text)
+        || nmea::looks_like(text)
+        || geodetic_table::looks_like(text)
+        || motion_capture::looks_like(text)
+        || pose_table::layout(text).is_ok_and(is_table)
 }
 
 /// Returns true if the first line of numbers is a pose of KITTI.
@@ -46,6 +50,8 @@ mod tests {
              1403636580838555648,4.68,-1.78,0.78,0.534108,-0.153029,-0.827383,-0.082152,0.0\n",
             "timestamp;x;y;z;qx;qy;qz;qw\n",
             "1 0 0 5 0 1 0 6 0 0 1 7\n",
+            "timestamp,lat,lon,alt\n1,46.78,-71.27,95\n",
+            "[log] start\n$GNGGA,195001.20,4646.9,N,07116.5,W,4,12,0.6,95.2,M,-27.5,M,,\n",
         ] {
             assert!(looks_like(text), "{text}");
         }

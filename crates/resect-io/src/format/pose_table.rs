@@ -7,21 +7,17 @@ use std::borrow::Cow;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::joined_stamps::joined_s;
-use super::mapped_csv::calendar_s;
 use super::pose_covariance::CovarianceColumns;
+use super::pose_stamps::{self, Stamp, TimeColumns, plain_name, unit_of_time};
 use super::table::{self, header_line, number, uncommented};
 use crate::error::OpenError;
 use crate::skipped_rows::SkippedRows;
-use resect_core::statistics::median;
 use resect_tools::estimates::{EstimatedPose, PoseCovariance};
 
 /// Largest difference of a quaternion's length from one; larger ones are reported.
 const ROUNDED: f64 = 1e-2;
 /// Least share of unit quaternions by which a layout without a header is accepted.
 const UNIT_SHARE: f64 = 0.9;
-/// Largest median interval between poses (s) of a unit of time that is guessed.
-const LONGEST_INTERVAL_S: f64 = 100.0;
 /// Largest coordinate (m).
 pub const LARGEST_M: f64 = 1e12;
 pub const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV with the columns \
@@ -37,13 +33,6 @@ struct PoseColumns {
     /// x, y, z, w.
     orientation: Option<[usize; 4]>,
     covariance: Option<CovarianceColumns>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum TimeColumns {
-    /// One number or date; counts per second, if the header names the unit.
-    One(usize, Option<u32>),
-    SecondsAndNanoseconds(usize, usize),
 }
 
 /// Layout of a table: the columns, and their source.
@@ -99,6 +88,11 @@ pub fn layout(head: &str) -> Result<PoseLayout, (usize, String)> {
     Ok(PoseLayout { columns, separator, header_line: 0, header_fields: None, guessed })
 }
 
+/// Returns true if a header has the columns of poses.
+pub fn names_poses(header: &str) -> bool {
+    named(header).is_some()
+}
+
 impl PoseLayout {
     /// Returns true if the poses have orientations; a table of positions alone may equally be a track.
     pub fn has_orientations(&self) -> bool {
@@ -146,69 +140,15 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         let what = "the columns have no header, and where a quaternion is expected are no unit quaternions";
         return Err(OpenError::file(file, what, NAME_THE_COLUMNS));
     }
-    let are_joined = separate_joined_stamps(&mut rows);
-    let per_second = match layout.columns.time {
-        TimeColumns::One(_, unit) => counts_per_second(&rows, unit),
-        TimeColumns::SecondsAndNanoseconds(..) => 1,
-    };
-    let pose = |row: PoseRow| {
-        let pose = EstimatedPose {
-            time_s: row.stamp.seconds(per_second),
-            position_m: row.position_m,
-            orientation: row.orientation,
-        };
+    let stamps = rows.iter().map(|row| row.stamp).collect();
+    let (times_s, are_joined) = pose_stamps::times_s(layout.columns.time, stamps);
+    let pose = |(row, time_s): (PoseRow, f64)| {
+        let pose =
+            EstimatedPose { time_s, position_m: row.position_m, orientation: row.orientation };
         (pose, row.covariance)
     };
-    let poses = rows.into_iter().map(pose).collect();
+    let poses = rows.into_iter().zip(times_s).map(pose).collect();
     Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed, are_joined })
-}
-
-/// A stamp before its unit is known. Nanoseconds have more digits than a double.
-#[derive(Clone, Copy, Debug)]
-enum Stamp {
-    Whole(i128),
-    /// A number, and the same as if the digits behind the point were a count of nanoseconds.
-    Real(f64, Option<f64>),
-    Seconds(f64),
-}
-
-impl Stamp {
-    fn value(self) -> f64 {
-        match self {
-            Self::Whole(whole) => whole as f64,
-            Self::Real(value, _) | Self::Seconds(value) => value,
-        }
-    }
-
-    fn seconds(self, per_second: u32) -> f64 {
-        let unit = i128::from(per_second);
-        match self {
-            Self::Whole(whole) => {
-                (whole / unit) as f64 + (whole % unit) as f64 / f64::from(per_second)
-            }
-            Self::Real(value, _) => value / f64::from(per_second),
-            Self::Seconds(value) => value,
-        }
-    }
-}
-
-/// Replaces stamps like 1760000000.42186 by 1760000000.000042186 if only that puts the poses in order; returns true if it did.
-fn separate_joined_stamps(rows: &mut [PoseRow]) -> bool {
-    let joined_s = |row: &PoseRow| match row.stamp {
-        Stamp::Real(_, joined_s) => joined_s,
-        _ => None,
-    };
-    let Some(separated_s) = rows.iter().map(joined_s).collect::<Option<Vec<f64>>>() else {
-        return false;
-    };
-    let is_ordered = rows.is_sorted_by(|a, b| a.stamp.value() <= b.stamp.value());
-    if is_ordered || !separated_s.is_sorted() {
-        return false;
-    }
-    for (row, time_s) in rows.iter_mut().zip(separated_s) {
-        row.stamp = Stamp::Seconds(time_s);
-    }
-    true
 }
 
 /// One row of a table.
@@ -262,12 +202,7 @@ impl PoseColumns {
                 _ => Err(format!("`{}` is not a number", table::shown(field))),
             }
         };
-        let stamp = match self.time {
-            TimeColumns::One(column, _) => stamp(field(column)?, separator)?,
-            TimeColumns::SecondsAndNanoseconds(seconds, nanoseconds) => {
-                Stamp::Seconds(value(seconds)? + 1e-9 * value(nanoseconds)?)
-            }
-        };
+        let stamp = self.time.stamp(fields, separator)?;
         let [x, y, z] = self.position;
         let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
         if position_m.amax() > LARGEST_M {
@@ -297,46 +232,11 @@ impl PoseColumns {
     }
 }
 
-fn stamp(field: &str, separator: char) -> Result<Stamp, String> {
-    if let Ok(whole) = field.parse::<i128>() {
-        return Ok(Stamp::Whole(whole));
-    }
-    match number(field, separator != ',') {
-        Ok(value) if value.is_finite() => Ok(Stamp::Real(value, joined_s(field))),
-        // ISO 8601, in UTC unless it names an offset.
-        _ => match calendar_s(field, 0.0) {
-            Ok(time_s) => Ok(Stamp::Seconds(time_s)),
-            Err(_) => Err(format!("`{}` is not a time", table::shown(field))),
-        },
-    }
-}
-
-/// Returns the counts per second of stamps: those that the header names, unless the stamps are too large for them; otherwise by the size
-/// of stamps since 1970, if the interval between poses is possible.
-fn counts_per_second(rows: &[PoseRow], named: Option<u32>) -> u32 {
-    const UNITS: [(f64, u32); 4] =
-        [(0.0, 1), (1e11, 1_000), (1e14, 1_000_000), (1e17, 1_000_000_000)];
-    let size = median(rows.iter().map(|row| row.stamp.value().abs())).unwrap_or(0.0);
-    if let Some(named) = named.filter(|named| size / f64::from(*named) < UNITS[1].0) {
-        return named;
-    }
-    let intervals =
-        rows.windows(2).map(|pair| (pair[1].stamp.value() - pair[0].stamp.value()).abs());
-    let interval = median(intervals.filter(|interval| *interval > 0.0)).unwrap_or(0.0);
-    let by_size = UNITS.into_iter().rposition(|(least, _)| size >= least).unwrap_or(0);
-    // Stamps since the start of a computer are smaller than their unit suggests; seconds are never replaced.
-    let is_possible = |(_, unit): &&(f64, u32)| interval / f64::from(*unit) < LONGEST_INTERVAL_S;
-    match by_size {
-        0 => 1,
-        _ => UNITS[by_size..].iter().find(is_possible).map_or(UNITS[by_size].1, |(_, unit)| *unit),
-    }
-}
-
 /// Returns the columns by the names in a header; `None` without time or position.
 fn named(header: &str) -> Option<PoseColumns> {
     let names = table::fields(header, table::separator(header)).ok()?;
     let units: Vec<Option<u32>> = names.iter().map(|name| unit_of_time(name)).collect();
-    let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+    let names: Vec<String> = names.iter().map(|name| plain_name(name)).collect();
     let find = |wanted: &str| names.iter().position(|name| name == wanted);
     let axis = |prefixes: &[&str], axis: &str| {
         prefixes.iter().find_map(|prefix| find(&format!("{prefix}{axis}")))
@@ -368,63 +268,26 @@ fn named(header: &str) -> Option<PoseColumns> {
         "transform_rotation_",
         "quaternion_",
     ];
-    // The stamp of a message precedes the time of its recording.
-    const TIMES: [&str; 9] = [
-        "header_stamp",
-        "stamp",
-        "timestamp",
-        "time",
-        "t",
-        "timestamp_s",
-        "time_s",
-        "utime",
-        "date",
-    ];
-    const PAIRS: [[&str; 2]; 5] = [
-        ["header_stamp_sec", "header_stamp_nanosec"],
-        ["header_stamp_secs", "header_stamp_nsecs"],
-        ["sec", "nanosec"],
-        ["sec", "nsec"],
-        ["secs", "nsecs"],
-    ];
-    let pair = PAIRS.into_iter().find_map(|[sec, nsec]| find(sec).zip(find(nsec)));
-    let one = || TIMES.into_iter().find_map(find);
-    let time = match pair {
-        Some((seconds, nanoseconds)) => TimeColumns::SecondsAndNanoseconds(seconds, nanoseconds),
-        None => one().map(|column| TimeColumns::One(column, units[column]))?,
-    };
-    let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|name| axis(&POSITION, name)) else {
-        return None;
+    let time = TimeColumns::named(&find, &units)?;
+    let position = match ["x", "y", "z"].map(|name| axis(&POSITION, name)) {
+        [Some(x), Some(y), Some(z)] => [x, y, z],
+        _ => map_coordinates(&find)?,
     };
     let orientation = match ["x", "y", "z", "w"].map(|name| axis(&ORIENTATION, name)) {
         [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
         _ => None,
     };
     let covariance = CovarianceColumns::named(&find);
-    Some(PoseColumns { time, position: [x, y, z], orientation, covariance })
+    Some(PoseColumns { time, position, orientation, covariance })
 }
 
-/// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `field.x` and `x_m` become `x`.
-fn plain(name: &str) -> String {
-    let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
-    let name = name.replace(['.', '/', ' '], "_");
-    let name = name.trim_start_matches(['#', '%', '_']);
-    let name = name.strip_prefix("field_").unwrap_or(name);
-    let units = ["_m", "_rad", "_ns", "_us", "_ms"];
-    units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name).to_owned()
-}
-
-/// Returns the counts per second that a column's name states: `timestamp [ns]`, `time_ms`.
-fn unit_of_time(name: &str) -> Option<u32> {
-    let name = name.trim().trim_end_matches([']', ')']).to_lowercase();
-    let unit = name.rsplit(['[', '(', '_', ' ']).next().filter(|unit| unit.len() < name.len())?;
-    match unit {
-        "s" | "sec" => Some(1),
-        "ms" => Some(1_000),
-        "us" | "µs" => Some(1_000_000),
-        "ns" => Some(1_000_000_000),
-        _ => None,
-    }
+/// Returns the columns of map coordinates: east, north and height.
+fn map_coordinates(find: &dyn Fn(&str) -> Option<usize>) -> Option<[usize; 3]> {
+    const EAST_NORTH: [[&str; 2]; 3] = [["easting", "northing"], ["east", "north"], ["e", "n"]];
+    const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "z"];
+    let (east, north) =
+        EAST_NORTH.into_iter().find_map(|[east, north]| find(east).zip(find(north)))?;
+    Some([east, north, HEIGHTS.into_iter().find_map(find)?])
 }
 
 /// Returns the columns of a row without a header, and the name of the layout unless it is TUM's or positions.

@@ -5,15 +5,23 @@
 //! user chooses the time scale, the coordinates and the separator. A stamp is a date and a time of day, or a week and its seconds,
 //! both in the time scale of the header.
 //!
+//! Standard deviations and square roots of covariances follow the quality; RTKLIB states them along north, east, up for latitude and longitude,
+//! and along the axes of Cartesian coordinates.
+//!
 //! Heights may be above the ellipsoid or the sea; they are read as ellipsoidal. Between antennas of one vehicle the difference is a few
 //! parts in a million of their distance.
 
 use crate::findings::tracks::{gnss_stamps_out_of_order, gnss_stamps_repeated};
-use jiff::civil::{Date, date};
+use jiff::civil::Date;
 use jiff::tz::Offset;
-use nalgebra::Vector3;
+use nalgebra::Matrix3;
 
+use super::gps_time::{clock_of_week_s, gpst_from_unix_s, unix_from_gpst_s, unix_of_day_s};
 use crate::error::OpenError;
+use crate::gnss_solution::{
+    GnssSolution, GnssTrack, SolutionKind, SolutionPosition, covariance_of_roots,
+    geodetic_of_degrees,
+};
 use resect_core::deployment::{Finding, GnssFix};
 use resect_core::geometry::Geodetic;
 
@@ -33,8 +41,9 @@ enum Coordinates {
     Degrees,
     /// Latitude, longitude (degrees, minutes and seconds in separate fields), height (m).
     DegreesMinutesSeconds,
-    /// ECEF, or east, north, up from the base (m).
-    Cartesian,
+    Ecef,
+    /// East, north, up from the base (m).
+    Baseline,
 }
 
 /// Content of the line that names the columns.
@@ -44,6 +53,15 @@ struct Layout {
     coordinates: Coordinates,
     /// Number of fields in each line.
     fields: usize,
+    /// Field of the first of three standard deviations, which three square roots of covariances follow; `None` if it has none.
+    sigmas: Option<usize>,
+}
+
+/// A line of a file.
+struct SolutionLine {
+    number: usize,
+    quality: u8,
+    solution: GnssSolution,
 }
 
 impl Layout {
@@ -60,13 +78,15 @@ impl Layout {
             ["latitude(d'\")", "longitude(d'\")", "height(m)", "Q"] => {
                 Coordinates::DegreesMinutesSeconds
             }
-            ["x-ecef(m)", "y-ecef(m)", "z-ecef(m)", "Q"]
-            | ["e-baseline(m)", "n-baseline(m)", "u-baseline(m)", "Q"] => Coordinates::Cartesian,
+            ["x-ecef(m)", "y-ecef(m)", "z-ecef(m)", "Q"] => Coordinates::Ecef,
+            ["e-baseline(m)", "n-baseline(m)", "u-baseline(m)", "Q"] => Coordinates::Baseline,
             _ => return None,
         };
         // A stamp is one column of two fields; an angle in degrees, minutes and seconds is one column of three.
-        let fields = names.len() + 1 + coordinates.fields() - 3;
-        Some(Self { time_scale, coordinates, fields })
+        let further = 1 + coordinates.fields() - 3;
+        let has_sigmas = names.windows(6).position(|names| names == coordinates.sigma_names());
+        let sigmas = has_sigmas.map(|column| column + further);
+        Some(Self { time_scale, coordinates, fields: names.len() + further, sigmas })
     }
 }
 
@@ -75,22 +95,47 @@ impl Coordinates {
         if self == Self::DegreesMinutesSeconds { 7 } else { 3 }
     }
 
-    /// Returns the position (m); `None` for coordinates that are not on earth. `numbers` has as many values as there are fields.
-    fn position_m(self, numbers: &[f64]) -> Option<Vector3<f64>> {
+    /// Names of three standard deviations and of three square roots of covariances.
+    fn sigma_names(self) -> [&'static str; 6] {
+        match self {
+            Self::Degrees | Self::DegreesMinutesSeconds => {
+                ["sdn(m)", "sde(m)", "sdu(m)", "sdne(m)", "sdeu(m)", "sdun(m)"]
+            }
+            Self::Ecef => ["sdx(m)", "sdy(m)", "sdz(m)", "sdxy(m)", "sdyz(m)", "sdzx(m)"],
+            Self::Baseline => ["sde(m)", "sdn(m)", "sdu(m)", "sden(m)", "sdnu(m)", "sdue(m)"],
+        }
+    }
+
+    /// Returns the position; `None` for coordinates that are not on earth. `numbers` has as many values as there are fields.
+    fn position(self, numbers: &[f64]) -> Option<SolutionPosition> {
         let (latitude_deg, longitude_deg, height_m) = match (self, numbers) {
-            (Self::Cartesian, [x, y, z]) => return Some(Vector3::new(*x, *y, *z)),
+            (Self::Ecef, [x, y, z]) => return Some(SolutionPosition::Ecef([*x, *y, *z].into())),
+            (Self::Baseline, [east, north, up]) => {
+                return Some(SolutionPosition::Baseline([*east, *north, *up].into()));
+            }
             (Self::Degrees, [latitude, longitude, height]) => (*latitude, *longitude, *height),
             (Self::DegreesMinutesSeconds, [d, m, s, e, n, t, height]) => {
                 (degrees(*d, *m, *s), degrees(*e, *n, *t), *height)
             }
             _ => unreachable!("there are as many numbers as fields"),
         };
-        let on_earth = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0;
-        on_earth.then(|| {
-            let latitude_rad = latitude_deg.to_radians();
-            let longitude_rad = longitude_deg.to_radians();
-            Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef()
-        })
+        geodetic_of_degrees(latitude_deg, longitude_deg, height_m).map(SolutionPosition::Geodetic)
+    }
+
+    /// Returns the covariance along east, north and up (m²) of the standard deviations in a line; `None` if they are unset.
+    fn covariance_m2(self, stated: [f64; 6], position: SolutionPosition) -> Option<Matrix3<f64>> {
+        let [a, b, c, ab, bc, ca] = stated;
+        match self {
+            // North and east are exchanged.
+            Self::Degrees | Self::DegreesMinutesSeconds => {
+                covariance_of_roots([b, a, c], [ab, ca, bc])
+            }
+            Self::Baseline => covariance_of_roots([a, b, c], [ab, bc, ca]),
+            Self::Ecef => {
+                let local = Geodetic::from_ecef(position.cartesian_m()).ecef_from_local();
+                Some(local.transpose() * covariance_of_roots([a, b, c], [ab, bc, ca])? * local)
+            }
+        }
     }
 }
 
@@ -119,8 +164,31 @@ pub fn looks_like(head: &str) -> bool {
 
 /// Reads the fixes in strictly increasing order of time.
 pub fn read(file: &str, text: &str) -> Result<(Vec<GnssFix>, Vec<Finding>), OpenError> {
+    let fix = |line: SolutionLine| {
+        let SolutionLine { number, quality, solution } = line;
+        let position_m = solution.position.cartesian_m();
+        (number, GnssFix { time_s: solution.time_s, position_m, quality })
+    };
+    let mut fixes = solution_lines(file, text)?.into_iter().map(fix).collect();
+    let findings = put_in_order(file, &mut fixes);
+    Ok((fixes.into_iter().map(|(_, fix)| fix).collect(), findings))
+}
+
+/// Reads the solutions of one receiver with their covariances.
+pub fn read_track(file: &str, text: &str) -> Result<GnssTrack, OpenError> {
+    let mut track = GnssTrack::default();
+    for line in solution_lines(file, text)? {
+        match line.quality {
+            0 => track.without_fix += 1,
+            _ => track.solutions.push(line.solution),
+        }
+    }
+    Ok(track)
+}
+
+fn solution_lines(file: &str, text: &str) -> Result<Vec<SolutionLine>, OpenError> {
     let mut layout = None;
-    let mut fixes = Vec::new();
+    let mut solutions = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let (number, line) = (index + 1, line.trim());
         if line.starts_with('%') {
@@ -135,21 +203,38 @@ pub fn read(file: &str, text: &str) -> Result<(Vec<GnssFix>, Vec<Finding>), Open
                     "export the solution again with its header",
                 ));
             };
-            fixes.push((number, read_fix(file, number, line, layout)?));
+            solutions.push(read_solution(file, number, line, layout)?);
         }
     }
-    if fixes.is_empty() {
+    if solutions.is_empty() {
         return Err(OpenError::file(
             file,
             "has no GNSS fix",
             "compute the solution again, or remove the file",
         ));
     }
-    let findings = put_in_order(file, &mut fixes);
-    Ok((fixes.into_iter().map(|(_, fix)| fix).collect(), findings))
+    Ok(solutions)
 }
 
-fn read_fix(file: &str, number: usize, line: &str, layout: Layout) -> Result<GnssFix, OpenError> {
+/// Returns the kind of a quality of RTKLIB; 0 is no solution.
+fn kind_of(quality: u8) -> SolutionKind {
+    match quality {
+        1 => SolutionKind::Fixed,
+        2 => SolutionKind::Float,
+        3 | 4 => SolutionKind::Differential,
+        5 => SolutionKind::Single,
+        6 => SolutionKind::Ppp,
+        7 => SolutionKind::NotMeasured,
+        _ => SolutionKind::Unstated,
+    }
+}
+
+fn read_solution(
+    file: &str,
+    number: usize,
+    line: &str,
+    layout: Layout,
+) -> Result<SolutionLine, OpenError> {
     let wrong = |what: String| OpenError::line(file, number, what, "correct or delete the line");
     let fields: Vec<_> = split(line).collect();
     if fields.len() != layout.fields {
@@ -175,11 +260,23 @@ fn read_fix(file: &str, number: usize, line: &str, layout: Layout) -> Result<Gns
     if quality.fract() != 0.0 || !(0.0..=LARGEST_QUALITY).contains(quality) {
         return Err(wrong(format!("{quality} in column `Q` is not a quality")));
     }
-    let position_m = layout
+    let position = layout
         .coordinates
-        .position_m(coordinates)
-        .ok_or_else(|| wrong("latitude or longitude beyond the Earth's".to_owned()))?;
-    Ok(GnssFix { time_s: layout.time_scale.unix_s(clock_s), position_m, quality: *quality as u8 })
+        .position(coordinates)
+        .ok_or_else(|| wrong("latitude, longitude or height beyond the Earth's".to_owned()))?;
+    let stated = layout.sigmas.map(|first| {
+        let mut values = [f64::NAN; 6];
+        for (value, field) in values.iter_mut().zip(&fields[first..]) {
+            *value = field.parse().unwrap_or(f64::NAN);
+        }
+        values
+    });
+    let covariance_m2 =
+        stated.and_then(|stated| layout.coordinates.covariance_m2(stated, position));
+    let quality = *quality as u8;
+    let (time_s, kind) = (layout.time_scale.unix_s(clock_s), kind_of(quality));
+    let solution = GnssSolution { time_s, position, kind, covariance_m2 };
+    Ok(SolutionLine { number, quality, solution })
 }
 
 /// Sorts by time, keeps the first of equal stamps, and returns findings about both.
@@ -228,33 +325,6 @@ pub fn write(fixes: &[GnssFix]) -> String {
     text
 }
 
-const WEEK_S: f64 = 7.0 * 86_400.0;
-
-/// The first day of week 0 of GPS.
-const GPS_WEEK_0: Date = date(1980, 1, 6);
-
-/// Year and month that begin directly after a leap second, since GPS time and UTC agreed (IERS Bulletin C).
-const LEAPS: [(i16, i8); 18] = [
-    (1981, 7),
-    (1982, 7),
-    (1983, 7),
-    (1985, 7),
-    (1988, 1),
-    (1990, 1),
-    (1991, 1),
-    (1992, 7),
-    (1993, 7),
-    (1994, 7),
-    (1996, 1),
-    (1997, 7),
-    (1999, 1),
-    (2006, 1),
-    (2009, 1),
-    (2012, 7),
-    (2015, 7),
-    (2017, 1),
-];
-
 impl TimeScale {
     /// Converts seconds from 1970 on a clock of this scale to Unix time.
     fn unix_s(self, clock_s: f64) -> f64 {
@@ -266,29 +336,11 @@ impl TimeScale {
     }
 }
 
-/// Unix times of the leap seconds, each with the total number from then on.
-fn leaps() -> impl Iterator<Item = (f64, f64)> {
-    LEAPS
-        .iter()
-        .zip(1..)
-        .map(|((year, month), n)| (unix_of_day_s(date(*year, *month, 1)), f64::from(n)))
-}
-
-fn unix_from_gpst_s(gpst_s: f64) -> f64 {
-    gpst_s - leaps().take_while(|(since_s, n)| since_s + n <= gpst_s).count() as f64
-}
-
-fn gpst_from_unix_s(unix_s: f64) -> f64 {
-    unix_s + leaps().take_while(|(since_s, _)| *since_s <= unix_s).count() as f64
-}
-
 /// Returns the seconds from 1970-01-01 to a clock reading: date and time of day, or week and its seconds.
 fn clock_s(first: &str, second: &str) -> Option<f64> {
     if !first.contains('/') {
         let week: u16 = first.parse().ok()?;
-        let of_week_s: f64 = second.parse().ok()?;
-        let week_s = unix_of_day_s(GPS_WEEK_0) + f64::from(week) * WEEK_S;
-        return (0.0..WEEK_S).contains(&of_week_s).then_some(week_s + of_week_s);
+        return clock_of_week_s(week, second.parse().ok()?);
     }
     let mut parts = first.split('/');
     let year: i16 = parts.next()?.parse().ok()?;
@@ -316,11 +368,6 @@ fn calendar(clock_s: f64) -> String {
     let stamp = jiff::Timestamp::from_millisecond(clock_ms);
     let stamp = stamp.unwrap_or(if clock_ms < 0 { first } else { last });
     Offset::UTC.to_datetime(stamp).strftime("%Y/%m/%d %H:%M:%S%.3f").to_string()
-}
-
-/// Returns the seconds from 1970-01-01 to a date, with days of equal length.
-fn unix_of_day_s(day: Date) -> f64 {
-    day.duration_since(date(1970, 1, 1)).as_secs_f64()
 }
 
 #[cfg(test)]

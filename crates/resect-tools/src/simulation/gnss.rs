@@ -1,6 +1,6 @@
 //! Three RTK receivers on the vehicle, with noise and epochs without a fixed solution.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -26,7 +26,7 @@ pub fn measure(
     duration_s: f64,
     rng: &mut ChaCha8Rng,
 ) -> [Vec<GnssFix>; 3] {
-    let ecef_from_local = east_north_up(&STATION1);
+    let ecef_from_local = STATION1.ecef_from_local();
     antennas_m.map(|antenna_m| {
         (0..(duration_s * RATE_HZ) as usize)
             .map(|k| {
@@ -43,15 +43,4 @@ pub fn measure(
             })
             .collect()
     })
-}
-
-/// Returns the rotation matrix with the columns east, north and up at a position, in Earth-centred coordinates.
-fn east_north_up(place: &Geodetic) -> Matrix3<f64> {
-    let (sin_lat, cos_lat) = place.latitude_rad.sin_cos();
-    let (sin_lon, cos_lon) = place.longitude_rad.sin_cos();
-    Matrix3::from_columns(&[
-        Vector3::new(-sin_lon, cos_lon, 0.0),
-        Vector3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat),
-        Vector3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat),
-    ])
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::container::Positioned;
 use super::inflate::Budget;
 use super::intake::{Intake, natural_key};
-use super::messages::{Kind, StampedPose};
+use super::messages::{Kind, NavSatFix, StampedPose};
 use super::{inflate, mcap, ros1, sqlite};
 use crate::error::OpenError;
 use crate::format::format::Format;
@@ -82,6 +82,8 @@ pub struct PoseTopic {
     pub name: String,
     /// Poses in the order of the recording, each with a stamp.
     pub poses: Vec<StampedPose>,
+    /// Fixes of a satellite receiver instead of poses, each with a stamp.
+    pub fixes: Vec<NavSatFix>,
     /// True if the messages are positions: points may also be anything else.
     pub are_points: bool,
 }
@@ -97,7 +99,7 @@ pub struct RecordedPoses {
     pub findings: Vec<Finding>,
 }
 
-/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`, `PointStamped`) in one recording, by topic.
+/// Reads the poses of other systems (`nav_msgs/Odometry`, `PoseStamped`, `PointStamped`, `NavSatFix`) in one recording, by topic.
 pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses, OpenError> {
     let mut unused = Recording::new(None, false);
     let mut intake = Intake::of_poses(&mut unused, progress);
@@ -105,21 +107,32 @@ pub fn poses(pieces: &[Piece<'_>], progress: &Progress) -> Result<RecordedPoses,
         read_piece(piece, 0, &mut intake)?;
         intake.end_file()?;
     }
-    let poses = intake.poses.take().unwrap_or_default();
+    let mut poses = intake.poses.take().unwrap_or_default();
+    let mut fixes = std::mem::take(&mut intake.fixes);
+    poses.resize_with(intake.stream.topics.len(), Vec::new);
+    fixes.resize_with(intake.stream.topics.len(), Vec::new);
+    let is_position = |kind: Kind| kind.is_position() || kind == Kind::NavSatFix;
     let names: Vec<(String, bool)> = (intake.stream.topics.iter())
-        .map(|topic| (topic.name.clone(), topic.kind.is_some_and(Kind::is_position)))
+        .map(|topic| (topic.name.clone(), topic.kind.is_some_and(is_position)))
         .collect();
     let all_topics = intake.stream.topics.iter();
     let all_topics =
         all_topics.map(|topic| format!("{} ({})", topic.name, topic.message_type)).collect();
     let transforms = std::mem::take(&mut intake.transforms).into_poses();
     drop(intake);
-    let topics = names.into_iter().zip(poses);
-    let topics = topics.map(|((name, are_points), poses)| PoseTopic { name, poses, are_points });
-    let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();
+    let topics = names.into_iter().zip(poses.into_iter().zip(fixes));
+    let topics = topics.map(|((name, are_points), (poses, fixes))| PoseTopic {
+        name,
+        poses,
+        fixes,
+        are_points,
+    });
+    let is_empty = |topic: &PoseTopic| topic.poses.is_empty() && topic.fixes.is_empty();
+    let mut topics: Vec<PoseTopic> = topics.filter(|topic| !is_empty(topic)).collect();
     topics.extend(transforms.into_iter().map(|(name, poses)| PoseTopic {
         name,
         poses,
+        fixes: Vec::new(),
         are_points: false,
     }));
     topics.sort_by_cached_key(|topic| natural_key(&topic.name));

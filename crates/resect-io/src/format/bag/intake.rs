@@ -1,6 +1,6 @@
 //! Receiver of the containers' messages: adds them to the recording, and counts losses.
 
-use super::messages::StampedPose;
+use super::messages::{NavSatFix, StampedPose};
 use super::stream::{Heard, Stream};
 pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
 use super::transform_tree::TransformTree;
@@ -38,6 +38,8 @@ pub struct Intake<'a> {
     /// Poses by index of the topic; `None` if readings are wanted instead.
     pub(super) poses: Option<Vec<Vec<StampedPose>>>,
     pub(super) transforms: TransformTree,
+    /// Fixes by index of the topic, as the poses.
+    pub(super) fixes: Vec<Vec<NavSatFix>>,
 }
 
 impl<'a> Intake<'a> {
@@ -62,6 +64,7 @@ impl<'a> Intake<'a> {
             span_s: None,
             poses: None,
             transforms: TransformTree::default(),
+            fixes: Vec::new(),
         }
     }
 
@@ -128,6 +131,13 @@ impl<'a> Intake<'a> {
                     // Poses without a stamp get the recorder's time, as readings do.
                     let stamp_s = pose.stamp_s.or(Some(recorded_s));
                     poses[topic].push(StampedPose { stamp_s, ..pose });
+                }
+            }
+            Ok(Heard::Fix { topic, fix }) => {
+                if self.poses.is_some() {
+                    self.fixes.resize_with(self.fixes.len().max(topic + 1), Vec::new);
+                    let stamp_s = fix.stamp_s.or(Some(recorded_s));
+                    self.fixes[topic].push(NavSatFix { stamp_s, ..fix });
                 }
             }
             Ok(Heard::Transforms(transforms)) => {

@@ -5,7 +5,9 @@
 
 use serde_json::Value;
 
-use super::messages::{Coords, Correction, Kind, Message, Point, StampedPose, StampedTransform};
+use super::messages::{
+    Coords, Correction, Kind, Message, NavSatFix, Point, StampedPose, StampedTransform,
+};
 use super::wire::Malformed;
 use crate::format::mapped_csv::calendar_s;
 
@@ -32,6 +34,7 @@ pub fn decode(kind: Kind, message: &[u8]) -> Result<Message, Malformed> {
         Kind::Point => Message::Point(Point { stamp_s, position_m: position_m(&value["point"])? }),
         Kind::LeicaPoint => Message::Point(Point { stamp_s, position_m: position_m(&value)? }),
         Kind::PoseStamped | Kind::Odometry => Message::Pose(pose(&value, stamp_s)?),
+        Kind::NavSatFix => Message::Fix(nav_sat_fix(&value, stamp_s)?),
         Kind::Transforms => {
             let all = value["transforms"].as_array().ok_or(Malformed::Field("transforms"))?;
             Message::Transforms(all.iter().map(transform).collect::<Result<_, _>>()?)
@@ -59,6 +62,31 @@ fn pose(value: &Value, stamp_s: Option<f64>) -> Result<StampedPose, Malformed> {
     });
     let position_m = position_m(&named("position", "translation"))?;
     Ok(StampedPose { stamp_s, position_m, orientation, covariance })
+}
+
+/// Fix of ROS, or of Foxglove without a status. JSON has no NaN, so coordinates without a fix are null.
+fn nav_sat_fix(value: &Value, stamp_s: Option<f64>) -> Result<NavSatFix, Malformed> {
+    let coordinate = |name: &'static str| match &value[name] {
+        Value::Null if !value["status"].is_null() => Ok(f64::NAN),
+        _ => number(value, name),
+    };
+    let status = value["status"]["status"].as_i64().and_then(|status| i8::try_from(status).ok());
+    let elements = value["position_covariance"].as_array();
+    let elements: Option<Vec<f64>> =
+        elements.and_then(|elements| elements.iter().map(Value::as_f64).collect());
+    let covariance_m2 = elements.and_then(|elements| <[f64; 9]>::try_from(elements).ok());
+    let covariance_type = match covariance_m2 {
+        Some(_) => whole(value, "position_covariance_type")?,
+        None => 0,
+    };
+    Ok(NavSatFix {
+        stamp_s,
+        status,
+        degrees: [coordinate("latitude")?, coordinate("longitude")?],
+        altitude_m: coordinate("altitude")?,
+        covariance_m2: covariance_m2.unwrap_or_default(),
+        covariance_type,
+    })
 }
 
 fn transform(value: &Value) -> Result<StampedTransform, Malformed> {
@@ -146,6 +174,11 @@ mod tests {
         let Ok(Message::Coords(coords)) = decode(Kind::TheodoliteCoords, reading) else { panic!() };
         assert_eq!((coords.stamp_s, coords.own_clock_s, coords.station), (Some(5.0), Some(4.5), 2));
         assert_eq!([coords.azimuth_rad, coords.zenith_rad, coords.range_m], [0.1, 1.5, 30.25]);
+        let fix = br#"{"timestamp":{"sec":5,"nsec":0},"latitude":46.78,"longitude":-71.275,"altitude":95.25,
+            "position_covariance":[1,0,0,0,1,0,0,0,4],"position_covariance_type":3}"#;
+        let Ok(Message::Fix(fix)) = decode(Kind::NavSatFix, fix) else { panic!() };
+        assert_eq!((fix.stamp_s, fix.status, fix.degrees), (Some(5.0), None, [46.78, -71.275]));
+        assert_eq!((fix.covariance_m2[8], fix.covariance_type), (4.0, 3));
         for (text, why) in [
             (&b"{\"theodolite_id\": 1}"[..], Malformed::Field("status")),
             (b"{", Malformed::NotJson),

@@ -11,6 +11,8 @@
 //!   time zone. The header's stamp is used, since all stations share its clock.
 //! - `nav_msgs/Odometry`: `Header header; string child_frame_id`, then as `geometry_msgs/PoseStamped`: `Header header; float64 x, y, z;
 //!   float64 qx, qy, qz, qw`; `PoseWithCovarianceStamped` begins likewise. They are trajectories of other systems, not readings.
+//! - `sensor_msgs/NavSatFix`: `Header header; int8 status; uint16 service; float64 latitude, longitude (degrees), altitude; float64[9]
+//!   position_covariance; uint8 position_covariance_type`. `foxglove.LocationFix` is the same without status.
 //! - `geometry_msgs/TransformStamped`: as `Odometry`; `tf2_msgs/TFMessage` is a sequence of them.
 //!
 //! Time corrections and Leica points are tested only on messages written to these definitions, not on a real recording.
@@ -27,6 +29,7 @@ pub enum Kind {
     PoseStamped,
     Odometry,
     Transforms,
+    NavSatFix,
 }
 
 /// Type of the authors' readings, with its ROS 1 name.
@@ -47,6 +50,7 @@ impl Kind {
             | "foxglove.PoseInFrame" => Some(Self::PoseStamped),
             "nav_msgs/Odometry" | "geometry_msgs/TransformStamped" => Some(Self::Odometry),
             "tf2_msgs/TFMessage" | "tf/tfMessage" => Some(Self::Transforms),
+            "sensor_msgs/NavSatFix" | "foxglove.LocationFix" => Some(Self::NavSatFix),
             _ => None,
         }
     }
@@ -56,9 +60,9 @@ impl Kind {
         matches!(self, Self::Point | Self::LeicaPoint)
     }
 
-    /// Returns true if its messages are poses estimated by another system.
+    /// Returns true if its messages are poses or positions estimated by another system.
     pub fn is_pose(self) -> bool {
-        matches!(self, Self::PoseStamped | Self::Odometry | Self::Transforms)
+        matches!(self, Self::PoseStamped | Self::Odometry | Self::Transforms | Self::NavSatFix)
     }
 }
 
@@ -75,6 +79,22 @@ pub enum Message {
     Point(Point),
     Pose(StampedPose),
     Transforms(Vec<StampedTransform>),
+    Fix(NavSatFix),
+}
+
+/// A fix of a satellite receiver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NavSatFix {
+    pub stamp_s: Option<f64>,
+    /// -1 without a fix; `None` for messages without.
+    pub status: Option<i8>,
+    /// Latitude and longitude.
+    pub degrees: [f64; 2],
+    pub altitude_m: f64,
+    /// East, north, up, row by row.
+    pub covariance_m2: [f64; 9],
+    /// 0 unknown, 1 approximated, 2 diagonal known, 3 known.
+    pub covariance_type: u8,
 }
 
 /// A pose of another system.
@@ -154,6 +174,7 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
             wire.string()?;
             Message::Point(Point { stamp_s, position_m: position_m(&mut wire)? })
         }
+        Kind::NavSatFix => Message::Fix(nav_sat_fix(&mut wire, stamp_s)?),
         Kind::PoseStamped | Kind::Odometry | Kind::Transforms => {
             if kind == Kind::Odometry {
                 wire.string()?;
@@ -204,6 +225,20 @@ fn transforms(wire: &mut Wire<'_>) -> Result<Vec<StampedTransform>, Malformed> {
         transforms.push(StampedTransform { parent: frame(parent), child: frame(child), pose });
     }
     Ok(transforms)
+}
+
+fn nav_sat_fix(wire: &mut Wire<'_>, stamp_s: Option<f64>) -> Result<NavSatFix, Malformed> {
+    let status = Some(wire.u8()?.cast_signed());
+    // The satellite systems that are in use.
+    wire.u16()?;
+    let degrees = [wire.f64()?, wire.f64()?];
+    let altitude_m = wire.f64()?;
+    let mut covariance_m2 = [0.0; 9];
+    for element_m2 in &mut covariance_m2 {
+        *element_m2 = wire.f64()?;
+    }
+    let covariance_type = wire.u8()?;
+    Ok(NavSatFix { stamp_s, status, degrees, altitude_m, covariance_m2, covariance_type })
 }
 
 /// Reads the covariance behind a pose; `None` in messages that end there.
@@ -315,6 +350,21 @@ mod tests {
             let leica = writer().header(0, 0).string("p12").floats(&point.position_m);
             let leica = leica.string("11.07.2022").string("19:50:01");
             assert_eq!(decode(Kind::LeicaPoint, encoding, &leica.0), Ok(Message::Point(point)));
+
+            let covariance_m2 = [1e-4, 0.0, 0.0, 0.0, 2e-4, 0.0, 0.0, 0.0, 4e-4];
+            let fix = writer().header(5, 0).number([0xff]).number([3, 0]);
+            let fix = fix.floats(&[46.78, -71.275, 95.25]).floats(&covariance_m2).number([2]);
+            assert_eq!(
+                decode(Kind::NavSatFix, encoding, &fix.0),
+                Ok(Message::Fix(NavSatFix {
+                    stamp_s: Some(5.0),
+                    status: Some(-1),
+                    degrees: [46.78, -71.275],
+                    altitude_m: 95.25,
+                    covariance_m2,
+                    covariance_type: 2,
+                }))
+            );
         }
     }
 

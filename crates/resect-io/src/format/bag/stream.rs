@@ -10,7 +10,7 @@ use resect_core::network::{MOST_STATIONS, PerStation};
 use super::inflate::{self, ZSTD_MAGIC};
 use super::json_messages;
 use super::messages::{
-    Coords, Kind, Message, Point, StampedPose, StampedTransform, decode, short_type,
+    Coords, Kind, Message, NavSatFix, Point, StampedPose, StampedTransform, decode, short_type,
 };
 use super::wire::Encoding;
 use crate::recording::Recording;
@@ -58,6 +58,10 @@ pub enum Heard {
         pose: StampedPose,
     },
     Transforms(Vec<StampedTransform>),
+    Fix {
+        topic: usize,
+        fix: NavSatFix,
+    },
     /// A position of an unknown station, or a reading replaced by those of the topics that the user names.
     NotTaken,
 }
@@ -204,6 +208,7 @@ impl Stream {
             },
             Message::Pose(pose) => Heard::Pose { topic, pose },
             Message::Transforms(transforms) => Heard::Transforms(transforms),
+            Message::Fix(fix) => Heard::Fix { topic, fix },
         })
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use nalgebra::Vector3;
 use proptest::prelude::*;
 
 /// 2019/06/08 08:03:55.5 of GPS is week 2056, 547435.5 s; UTC is 18 s behind.
@@ -121,7 +122,7 @@ fn what_is_wrong_is_said_with_its_line() {
         ("2056 1.0 47.1 -0.3 85.1x 1 9", "`85.1x` is not a number"),
         ("2056 1.0 47.1 -0.3 85.1 1.5 9", "1.5 in column `Q` is not a quality"),
         ("2056 1.0 47.1 -0.3 85.1 12 9", "12 in column `Q` is not a quality"),
-        ("2056 1.0 97.1 -0.3 85.1 1 9", "latitude or longitude"),
+        ("2056 1.0 97.1 -0.3 85.1 1 9", "latitude, longitude or height"),
         ("", "a.pos: has no GNSS fix"),
     ] {
         let error = one(columns, line).expect_err(line).to_string();
@@ -207,4 +208,39 @@ proptest! {
         let _ = looks_like(&text);
         let _ = read("a.pos", &format!("% GPST x-ecef(m) y-ecef(m) z-ecef(m) Q\n{text}"));
     }
+}
+
+/// Standard deviations in each kind of coordinates, of one error: σ of 0.01 m east, 0.02 m north, 0.03 m up, and a covariance of east and north.
+#[test]
+fn standard_deviations_are_along_east_north_and_up() {
+    let read = |names: &str, line: &str| {
+        let text =
+            format!("%  GPST {names} age(s) ratio\n2022/07/11 19:50:19.200 {line} 0.0 9.9\n");
+        read_track("rover.pos", &text).expect("a solution").solutions.remove(0)
+    };
+    let degrees = read(
+        "latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m)",
+        "0.0 90.0 95.0 1 9 0.0200 0.0100 0.0300 -0.0050 0.0000 0.0070",
+    );
+    let baseline = read(
+        "e-baseline(m) n-baseline(m) u-baseline(m) Q ns sde(m) sdn(m) sdu(m) sden(m) sdnu(m) sdue(m)",
+        "1.0 2.0 3.0 2 9 0.0100 0.0200 0.0300 -0.0050 0.0070 0.0000",
+    );
+    // At the equator and 90° of longitude, x is west, y up and z north.
+    let ecef = read(
+        "x-ecef(m) y-ecef(m) z-ecef(m) Q ns sdx(m) sdy(m) sdz(m) sdxy(m) sdyz(m) sdzx(m)",
+        "0.0 6378232.0 0.0 5 9 0.0100 0.0300 0.0200 0.0000 0.0070 0.0050",
+    );
+    let expected = Matrix3::new(1e-4, -2.5e-5, 0.0, -2.5e-5, 4e-4, 4.9e-5, 0.0, 4.9e-5, 9e-4);
+    for solution in [&degrees, &baseline, &ecef] {
+        let covariance_m2 = solution.covariance_m2.expect("stated");
+        assert!((covariance_m2 - expected).norm() < 1e-12, "{covariance_m2}");
+        assert!((solution.time_s - 1_657_569_001.2).abs() < 1e-6);
+    }
+    let kinds = [degrees.kind, baseline.kind, ecef.kind];
+    assert_eq!(kinds, [SolutionKind::Fixed, SolutionKind::Float, SolutionKind::Single]);
+    let track = read_track("rover.pos", &DEGREES.replace("   2   9 ", "   0   9 ")).expect("one");
+    assert_eq!((track.solutions.len(), track.without_fix), (1, 1));
+    let covariance_m2 = track.solutions[0].covariance_m2.expect("a missing covariance is zero");
+    assert_eq!(covariance_m2, Matrix3::from_diagonal(&Vector3::new(1e-4, 1e-4, 4e-4)));
 }
