@@ -73,7 +73,9 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
         Unjudged::NoReference(NoTrajectory::PrismsOnALine(_)) => Some("--truth-station"),
         Unjudged::NoReference(why) => trajectory_flag(why),
         Unjudged::Unfit { why, .. } => match why {
-            Unfit::NoOverlap | Unfit::OtherDrive(_) => Some("--time-offset"),
+            Unfit::NoOverlap | Unfit::OtherDrive(_) | Unfit::AmbiguousOffset { .. } => {
+                Some("--time-offset")
+            }
             Unfit::OnALine => Some("--align none"),
             Unfit::Undetermined => Some("--body same"),
             Unfit::OtherScale(_) => Some("--align similarity"),

@@ -31,6 +31,21 @@ pub struct Block {
     pub gradient: DVector<f64>,
 }
 
+impl Block {
+    /// Returns neighbouring blocks as one; they are not empty.
+    pub fn sum(blocks: &[Self]) -> Self {
+        let mut sum = Self {
+            information: blocks[0].information.clone(),
+            gradient: blocks[0].gradient.clone(),
+        };
+        for block in &blocks[1..] {
+            sum.information += &block.information;
+            sum.gradient += &block.gradient;
+        }
+        sum
+    }
+}
+
 /// Prior of the unknowns.
 pub struct Prior {
     /// 1/σ² of each unknown; zero without a prior.

@@ -127,8 +127,10 @@ fn add_fit(rows: &mut ErrorRows<'_>) {
     let is_one_way = judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
     rows.add("aligned by", "", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
     let with_sigma = |value: f64, sigma: Option<f64>| {
-        let sigma = sigma.map(|sigma| format!(" ± {:.1}", 1e3 * sigma));
-        format!("{:+.1}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
+        // Never ± 0.0.
+        let digits = if sigma.is_some_and(|sigma| 1e3 * sigma < 0.95) { 2 } else { 1 };
+        let sigma = sigma.map(|sigma| format!(" ± {:.digits$}", 1e3 * sigma));
+        format!("{:+.digits$}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
     };
     rows.add("time offset (ms)", "", &|one| {
         Some(match one.fit.determines_time_offset {

@@ -9,8 +9,9 @@ use resect_core::statistics::median;
 /// Poses further apart than this multiple of the median interval, and than this time (s), have a gap between them.
 const GAP_INTERVALS: f64 = 3.5;
 const SHORTEST_GAP_S: f64 = 0.25;
-/// Half of the time over which velocities are computed (s), if the trajectory has poses as dense as that.
-const HALF_S: f64 = 0.05;
+/// Halves of the time over which velocities are computed (s): the first one within which there are poses on both sides.
+/// Effect: over shorter times noise of the positions counts as motion, and the time offset converges slowly with a small σ.
+const HALVES_S: [f64; 3] = [0.25, 0.15, 0.05];
 
 /// A trajectory that is interpolated.
 ///
@@ -54,8 +55,15 @@ impl<'a> PoseInterpolation<'a> {
     pub fn at(&self, time_s: f64) -> Option<InterpolatedPose> {
         let (before, pose) = self.pose_at(time_s)?;
         let (start, end) = (self.poses[before].time_s, self.poses[before + 1].time_s);
-        let earlier = self.pose_at(time_s - HALF_S).map_or(pose, |(_, pose)| pose);
-        let later = self.pose_at(time_s + HALF_S).map_or(pose, |(_, pose)| pose);
+        let beside =
+            |half_s: f64| [time_s - half_s, time_s + half_s].map(|at_s| self.pose_at(at_s));
+        let both = HALVES_S.iter().find_map(|half_s| {
+            let [earlier, later] = beside(*half_s);
+            Some([earlier?.1, later?.1])
+        });
+        let [earlier, later] = both.unwrap_or_else(|| {
+            beside(HALVES_S[HALVES_S.len() - 1]).map(|beside| beside.map_or(pose, |(_, pose)| pose))
+        });
         let length_s = later.time_s - earlier.time_s;
         let mut twist = PoseTwist::default();
         if length_s > 0.0 {
@@ -155,8 +163,13 @@ mod tests {
             let turn = found.pose.orientation.expect("turned").inverse()
                 * truth.orientation.expect("turned");
             assert!(turn.angle() < 1e-5, "{time_s}: {}", turn.angle());
-            let velocity = Vector3::new(-2.0 * time_s.sin(), 2.0 * time_s.cos(), 0.1);
-            assert!((found.twist.velocity_m_per_s - velocity).norm() < 0.01, "{found:?}");
+            // The mean over the time of the difference: of a circle, shorter by sin h / h.
+            let off = HALVES_S.map(|half_s| {
+                let mean = half_s.sin() / half_s;
+                let [sin, cos] = [time_s.sin(), time_s.cos()].map(|value| 2.0 * mean * value);
+                (found.twist.velocity_m_per_s - Vector3::new(-sin, cos, 0.1)).norm()
+            });
+            assert!(off.iter().any(|off| *off < 0.003), "{time_s} {off:?}");
             assert!((found.twist.rate_rad_per_s - Vector3::z()).norm() < 0.01, "{found:?}");
         }
         assert_eq!(curve.at(3.5), None);

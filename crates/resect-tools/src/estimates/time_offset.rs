@@ -30,11 +30,13 @@ const LEAST_CORRELATION: f64 = 0.5;
 const POINTS_SIGMA_S: f64 = 0.25;
 
 /// Coarse offset to add to the estimate's times.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CoarseOffset {
     pub offset_s: f64,
     /// Prior standard deviation (s); `None` if the ground truth is dense enough for its speeds.
     pub sigma_s: Option<f64>,
+    /// Offsets at which the speeds fit not significantly worse (s).
+    pub rivals_s: Vec<f64>,
 }
 
 /// Returns the offset to add to the estimate's times (s), to a tenth of a second. It is zero if speeds do not determine it but
@@ -43,7 +45,6 @@ pub fn coarse(
     poses: &[EstimatedPose],
     truth: &GroundTruth<'_>,
 ) -> Result<Option<CoarseOffset>, NoTrajectory> {
-    let exact = |offset_s: f64| CoarseOffset { offset_s, sigma_s: None };
     match truth {
         GroundTruth::Deployment { .. } => {
             let truths = truth.at(Instants::Rate(RATE_HZ))?;
@@ -56,19 +57,20 @@ pub fn coarse(
                 let at = ((truth.time_s - from_s) * RATE_HZ).round() as usize;
                 known[at] = Some(truth.velocity_m_per_s.norm());
             }
-            Ok(by_speeds(poses, [from_s, last.time_s], &known).map(exact))
+            Ok(by_speeds(poses, [from_s, last.time_s], &known))
         }
         GroundTruth::Trajectory(truth, _) => {
             let truth = &truth.poses[..];
             if median_interval_s(truth) > HALF_S || median_interval_s(poses) > HALF_S {
                 let sigma_s = Some(POINTS_SIGMA_S);
-                let of_points = |offset_s: f64| CoarseOffset { offset_s, sigma_s };
+                let of_points =
+                    |offset_s: f64| CoarseOffset { offset_s, sigma_s, rivals_s: Vec::new() };
                 return Ok(by_positions(poses, truth).map(of_points));
             }
             let (Some(first), Some(last)) = (truth.first(), truth.last()) else {
                 return Ok(None);
             };
-            Ok(by_speeds(poses, [first.time_s, last.time_s], &speeds(truth)).map(exact))
+            Ok(by_speeds(poses, [first.time_s, last.time_s], &speeds(truth)))
         }
     }
 }
@@ -146,35 +148,93 @@ fn by_positions(poses: &[EstimatedPose], truth: &[EstimatedPose]) -> Option<f64>
     best(from_s - last.time_s, to_s - first.time_s).map(|(_, offset_s)| offset_s)
 }
 
+/// Shortest time between two offsets that are rivals (s), and their largest number.
+const RIVALS_APART_S: f64 = 1.0;
+const MOST_RIVALS: usize = 8;
+/// Time within which speeds change (s), for the number of independent ones.
+const INDEPENDENT_S: f64 = 2.0;
+/// Difference of two correlations, in σ, that decides between two offsets.
+/// Effect: a smaller one takes a chance match for the offset. Textbook: 3 σ.
+const DECISIVE_SIGMAS: f64 = 3.0;
+/// Largest of the correlations at all offsets by chance, in σ. Textbook: of 600, 4 σ are exceeded once in fifty times.
+const CHANCE_SIGMAS: f64 = 4.0;
+
 /// Returns the offset at which the speeds correlate best. The known speeds are at even steps from the start of the span (s).
 fn by_speeds(
     poses: &[EstimatedPose],
     [from_s, to_s]: [f64; 2],
     known: &[Option<f64>],
-) -> Option<f64> {
+) -> Option<CoarseOffset> {
     let (first, last) = (poses.first()?, poses.last()?);
     let overlap =
         |offset_s: f64| (last.time_s + offset_s).min(to_s) - (first.time_s + offset_s).max(from_s);
-    let own = speeds(poses);
+    let speeds = speeds(poses);
     // A lag of whole steps aligns the estimate's first sample with one of the truth's.
     let zero = ((first.time_s - from_s) * RATE_HZ).round();
     let usual = (USUAL_S * RATE_HZ) as i64;
     let near = -usual..=usual;
-    let far = -(own.len() as i64)..=known.len() as i64;
-    let best = |lags: std::ops::RangeInclusive<i64>, zero: i64| {
-        lags.filter_map(|lag| Some((correlation(&own, known, zero + lag)?, lag)))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
+    let far = -(speeds.len() as i64)..=known.len() as i64;
+    let all = |lags: std::ops::RangeInclusive<i64>, zero: i64| -> Vec<(f64, i64)> {
+        lags.filter_map(|lag| Some((correlation(&speeds, known, zero + lag)?, lag))).collect()
     };
-    let found = if overlap(0.0) > -USUAL_S { best(near, zero as i64) } else { None };
-    match found.filter(|(alike, _)| *alike > LEAST_CORRELATION) {
-        Some((_, lag)) => Some(lag as f64 / RATE_HZ),
-        None if overlap(0.0) > LEAST_COMMON_S => Some(0.0),
+    let common = speeds.len().min(known.len());
+    let is_overlapping = overlap(0.0) > -USUAL_S;
+    let near = if is_overlapping { best_of(&all(near, zero as i64), common) } else { None };
+    let coarse = |(_, lag, rivals): (f64, i64, Vec<i64>), later_s: f64| {
+        let offset_s = |lag: i64| later_s + lag as f64 / RATE_HZ;
+        CoarseOffset {
+            offset_s: offset_s(lag),
+            sigma_s: None,
+            rivals_s: rivals.into_iter().map(offset_s).collect(),
+        }
+    };
+    // The largest of hundreds of correlations by chance is large if few speeds are independent.
+    let by_chance = (CHANCE_SIGMAS / (independent(common) - 3.0).max(1.0).sqrt()).tanh();
+    match near {
+        Some(best) if best.0 > LEAST_CORRELATION.max(by_chance) => Some(coarse(best, 0.0)),
+        Some((alike, lag, mut rivals)) if overlap(0.0) > LEAST_COMMON_S => {
+            if lag.abs() >= (RIVALS_APART_S * RATE_HZ) as i64 {
+                rivals.push(0);
+            }
+            Some(coarse((alike, lag, rivals), 0.0))
+        }
+        _ if overlap(0.0) > LEAST_COMMON_S => Some(coarse((0.0, 0, Vec::new()), 0.0)),
         // The stamps have different origins.
-        None if (own.len() as u64).saturating_mul(known.len() as u64) > MOST_PRODUCTS => None,
-        None => best(far, 0)
-            .filter(|(alike, _)| *alike > LEAST_CORRELATION)
-            .map(|(_, lag)| from_s - first.time_s + lag as f64 / RATE_HZ),
+        _ if (speeds.len() as u64).saturating_mul(known.len() as u64) > MOST_PRODUCTS => None,
+        _ => best_of(&all(far, 0), common)
+            .filter(|best| best.0 > LEAST_CORRELATION.max(by_chance))
+            .map(|best| coarse(best, from_s - first.time_s)),
     }
+}
+
+/// Number of independent ones among speeds.
+fn independent(speeds: usize) -> f64 {
+    speeds as f64 / (INDEPENDENT_S * RATE_HZ)
+}
+
+/// Returns the largest correlation with its lag, and the lags of maxima that are not significantly smaller; `common` is the number of
+/// speeds that both have.
+fn best_of(all: &[(f64, i64)], common: usize) -> Option<(f64, i64, Vec<i64>)> {
+    let (alike, lag) = *all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let apart = (RIVALS_APART_S * RATE_HZ) as i64;
+    let fisher = |alike: f64| alike.clamp(-0.999, 0.999).atanh();
+    // Fisher's transform of a correlation has the variance 1 / (n − 3).
+    let sigma = (2.0 / (independent(common) - 3.0).max(1.0)).sqrt();
+    let mut maxima: Vec<(f64, i64)> = all
+        .windows(3)
+        .filter(|three| three[1].0 >= three[0].0 && three[1].0 > three[2].0)
+        .map(|three| three[1])
+        .filter(|(other, _)| fisher(alike) - fisher(*other) < DECISIVE_SIGMAS * sigma)
+        .collect();
+    maxima.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut rivals: Vec<i64> = Vec::new();
+    for (_, other) in maxima {
+        let is_apart = |known: &i64| (known - other).abs() >= apart;
+        if rivals.len() < MOST_RIVALS && is_apart(&lag) && rivals.iter().all(is_apart) {
+            rivals.push(other);
+        }
+    }
+    Some((alike, lag, rivals))
 }
 
 /// Speeds of the estimate (m/s) at even steps from its first time; `None` without poses nearby.

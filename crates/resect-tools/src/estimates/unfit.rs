@@ -14,6 +14,11 @@ pub enum Unfit {
     )]
     OtherDrive(f64),
     #[error(
+        "its speeds and positions fit the ground truth with a time offset of {second_s:+.1} s as well as with {best_s:+.1} s; give its \
+         time offset"
+    )]
+    AmbiguousOffset { best_s: f64, second_s: f64 },
+    #[error(
         "fewer than ten of its times have ground truth; check that both are of one drive, and check a given time offset"
     )]
     FewEpochs,

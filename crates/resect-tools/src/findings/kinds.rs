@@ -3,6 +3,12 @@
 resect_core::finding_kinds! {
     /// The clock of a trajectory is far from that of the ground truth.
     ESTIMATE_CLOCK_FAR_OFF = "estimate-clock-far-off", Warning, TRAJECTORY;
+    /// The clock of a trajectory is set during the drive.
+    ESTIMATE_CLOCK_STEPPED = "estimate-clock-stepped", Warning, TRAJECTORY;
+    /// The clock of a trajectory has another rate than that of the ground truth.
+    ESTIMATE_CLOCK_DRIFTS = "estimate-clock-drifts", Warning, TRAJECTORY;
+    /// The time offset of a trajectory wanders.
+    ESTIMATE_CLOCK_WANDERS = "estimate-clock-wanders", Note;
     /// A trajectory has another scale than the ground truth.
     ESTIMATE_SCALE_OFF = "estimate-scale-off", Warning, TRAJECTORY;
     /// A trajectory has too few common times with the ground truth to estimate its clock and lever arm.

@@ -16,6 +16,49 @@ pub fn estimate_clock_far_off(estimate: &str, clock_s: f64) -> Finding {
     .quantity("clock_offset", clock_s, Unit::Second)
 }
 
+/// `by_s` is the step of the trajectory's clock against that of the ground truth, at a time from the start (s).
+pub fn estimate_clock_stepped(estimate: &str, by_s: f64, after_s: f64) -> Finding {
+    let direction = if by_s > 0.0 { "forward" } else { "back" };
+    Finding::new(
+        kinds::ESTIMATE_CLOCK_STEPPED,
+        format!(
+            "{estimate}: at {after_s:.0} s its clock is set {direction} by {:.2} s against that of the ground truth; one time offset \
+             does not fit",
+            by_s.abs()
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("clock_step", by_s, Unit::Second)
+    .quantity("time", after_s, Unit::Second)
+}
+
+/// `per_s` is the change of the trajectory's clock against that of the ground truth in each second.
+pub fn estimate_clock_drifts(estimate: &str, per_s: f64) -> Finding {
+    Finding::new(
+        kinds::ESTIMATE_CLOCK_DRIFTS,
+        format!(
+            "{estimate}: its clock gains {:+.2} ms each second on that of the ground truth; one time offset does not fit",
+            1e3 * per_s
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("clock_rate", per_s, Unit::Ratio)
+}
+
+/// The time offset changes by `sigma_s` within a time (s), both ways.
+pub fn estimate_clock_wanders(estimate: &str, sigma_s: f64, within_s: f64) -> Finding {
+    Finding::new(
+        kinds::ESTIMATE_CLOCK_WANDERS,
+        format!(
+            "{estimate}: its time offset to the ground truth wanders by {:.0} ms (1 σ) within {within_s:.1} s, which the σ of its mean \
+             contains",
+            1e3 * sigma_s
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("clock_sigma", sigma_s, Unit::Second)
+}
+
 /// `times_longer` is the ratio of the trajectory's length to the ground truth's; `why` states it in words.
 pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Finding {
     Finding::new(kinds::ESTIMATE_SCALE_OFF, format!("{estimate}: {why}"))
@@ -49,6 +92,9 @@ pub fn deployment_left_out(why: &str) -> Finding {
 pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_clock_far_off("slam", 120.0),
+        estimate_clock_stepped("slam", 0.7, 214.0),
+        estimate_clock_drifts("slam", 1e-3),
+        estimate_clock_wanders("slam", 0.05, 0.2),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
         estimate_few_points("slam", 7),
         estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),

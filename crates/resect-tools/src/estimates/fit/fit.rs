@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::clock_change::ClockChange;
 use crate::estimates::matched_pose::TruePose;
 use resect_core::deployment::EstimatedPose;
 use resect_core::deployment::Finding;
@@ -24,13 +25,15 @@ pub struct Fit {
     pub time_offset_sigma_s: Option<f64>,
     /// False if only the prior of the time offset decides: the estimate stands still at the surveyed points.
     pub determines_time_offset: bool,
+    /// Change of the time offset during the drive, if it was estimated and is not constant.
+    pub clock_change: Option<ClockChange>,
     /// The body's origin in the vehicle's frame (m), with σ if it was estimated. For a ground truth of a single prism, the
     /// prism in the body's frame. `None` if nothing has an orientation.
     pub lever_arm_m: Option<Vector3<f64>>,
     pub lever_arm_sigma_m: Option<Vector3<f64>>,
-    /// `vehicle_from_body`, with σ if it was estimated (rad); `None` if one of the two has no orientation.
+    /// `vehicle_from_body`, with σ about the vehicle's axes if it was estimated (rad); `None` if one of the two has no orientation.
     pub body_rotation: Option<UnitQuaternion<f64>>,
-    pub body_rotation_sigma_rad: Option<f64>,
+    pub body_rotation_sigma_rad: Option<Vector3<f64>>,
     pub findings: Vec<Finding>,
 }
 

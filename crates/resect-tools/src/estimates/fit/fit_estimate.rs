@@ -1,37 +1,29 @@
-//! The Gauss–Newton iteration that fits an estimate to the ground truth.
+//! The fit of an estimate to the ground truth: coarse offset, conventions, iteration, and alignment.
 
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::body::turn_body;
+use super::alignment::{FEWEST_POINTS, align};
+use super::clock_change::ClockChange;
 use super::fit::Fit;
-use super::pieces::{Pieces, by_common};
-use super::state::{CLOCK, FitState, LEVER, SCALE, UNKNOWNS};
+use super::refine::{FEWEST_EPOCHS, Sought, mean_turn, refine};
+use super::state::FitState;
 use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::{MatchedPose, consistent};
-use crate::estimates::options::{Association, Body, Options, TrajectoryAlignment};
+use crate::estimates::options::{Body, Options, TrajectoryAlignment};
 use crate::estimates::time_offset::{self, CoarseOffset};
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
-use crate::findings::studies::{estimate_clock_far_off, estimate_few_points, estimate_scale_off};
+use crate::findings::studies::{
+    estimate_clock_drifts, estimate_clock_far_off, estimate_clock_stepped, estimate_clock_wanders,
+    estimate_few_points, estimate_scale_off,
+};
 use resect_core::calibration::Estimate;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
-use resect_core::geometry::{RigidTransform, align_rigid, align_similar};
-use resect_core::statistics::{median, sandwich};
+use resect_core::geometry::{RigidTransform, align_similar};
+use resect_core::statistics::median;
 
-/// Largest number of epochs in a fit, evenly spread.
+/// Largest number of epochs by which clock and conventions are checked first, evenly spread.
 const MOST_EPOCHS: usize = 4000;
-const MOST_STEPS: usize = 300;
-/// Clock and lever arm have converged if a step is smaller than this (s, m).
-const SETTLED: f64 = 1e-5;
-/// Steps that shrink less than this ratio oscillate, such as where the estimate stands still, and are damped.
-const OSCILLATES: f64 = 0.98;
-/// Change of the time offset (s) above which the ground truth is recomputed, and not moved along its velocity: during the
-/// iteration, and before its end.
-const LINEAR_S: f64 = 0.01;
-const EXACT_S: f64 = 1e-4;
-const FEWEST_EPOCHS: usize = 10;
-/// Fewest pairs by which a frame is aligned, if clock and lever arm are not estimated.
-const FEWEST_POINTS: usize = 4;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
 /// Relative misfit beyond which an estimate with times elsewhere is of another drive. Aligned paths of two drives differ by half of their
@@ -56,24 +48,30 @@ pub fn fit(
     if matches!(options.body, Body::Lever(_)) && !turning {
         return Err(unfit(Unfit::NoOrientation));
     }
-    let CoarseOffset { offset_s, sigma_s } = match options.time_offset_s {
-        Some(offset_s) => CoarseOffset { offset_s, sigma_s: None },
+    let CoarseOffset { offset_s, sigma_s, rivals_s } = match options.time_offset_s {
+        Some(offset_s) => CoarseOffset { offset_s, sigma_s: None, rivals_s: Vec::new() },
         None => time_offset::coarse(poses, truth)?.ok_or_else(|| unfit(Unfit::NoOverlap))?,
     };
-    let mut sought = Sought {
+    let offset_s = best_by_positions(offset_s, &rivals_s, truth, (estimate, options))?;
+    let has_orientation = truth.has_orientation();
+    let sought = Sought {
         frame: options.alignment,
         clock: options.time_offset_s.is_none(),
         lever: options.body == Body::Found && turning,
+        body: options.body != Body::Same
+            && has_orientation
+            && poses.iter().all(|pose| pose.orientation.is_some()),
     };
     let mut state = FitState {
         fit: initial(offset_s, options.body, turning),
         later_s: 0.0,
         offset_prior: sigma_s.map(|sigma_s| Estimate { value: offset_s, sigma: sigma_s }),
+        is_scaled: options.alignment == TrajectoryAlignment::Similarity,
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,
     };
     let association = options.association;
-    if sought.clock || sought.lever {
+    if sought.any() {
         let pairs = truth.matched(poses, offset_s, (association, MOST_EPOCHS))?;
         refuse_other_conventions(&pairs, options.alignment).map_err(unfit)?;
         if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
@@ -89,7 +87,7 @@ pub fn fit(
             };
             let longer =
                 times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
-            refine(&mut state, (truth, association), &chosen, &mut sought, estimate).map_err(
+            refine(&mut state, (truth, association), &chosen, &sought, estimate).map_err(
                 |why| match (&why, longer) {
                     (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
                         unfit(Unfit::OtherScale(longer))
@@ -99,9 +97,26 @@ pub fn fit(
             )?;
         }
     }
+    let is_scaled = state.is_scaled;
     let mut fit = state.fit;
+    if !is_scaled {
+        fit.scale = 1.0;
+    }
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
         fit.findings.push(estimate_clock_far_off(&estimate.name, -fit.time_offset_s));
+    }
+    if let Some(change) = fit.clock_change {
+        let start_s = truth.start_s().unwrap_or_default();
+        let name = &estimate.name;
+        fit.findings.push(match change {
+            ClockChange::Step { time_s, by_s } => {
+                estimate_clock_stepped(name, -by_s, time_s - start_s)
+            }
+            ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
+            ClockChange::Wander { sigma_s, within_s } => {
+                estimate_clock_wanders(name, sigma_s, within_s)
+            }
+        });
     }
     let pairs = truth.matched(poses, fit.time_offset_s, (association, usize::MAX))?;
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
@@ -111,12 +126,76 @@ pub fn fit(
         let why = Unfit::OtherScale(longer).to_string();
         fit.findings.push(estimate_scale_off(&estimate.name, longer, &why));
     }
-    turn_body(&mut fit, &pairs, options.body == Body::Same);
+    if options.body == Body::Same {
+        fit.body_rotation = mean_turn(&fit, &pairs).map(|_| UnitQuaternion::identity());
+    } else if fit.body_rotation_sigma_rad.is_none() {
+        fit.body_rotation = mean_turn(&fit, &pairs);
+    }
     let misfit = relative_misfit(&fit, &pairs);
     if options.time_offset_s.is_none() && are_apart(poses, &pairs) && misfit > OTHER_DRIVE {
         return Err(unfit(Unfit::OtherDrive(100.0 * misfit)));
     }
     Ok((fit, pairs))
+}
+
+/// Largest number of epochs by which time offsets are compared, and the ratio of misfits that decides between two.
+/// Effect: a smaller ratio takes a place that looks alike for the right one. Field: of two seconds apart, positions differ by metres.
+const MOST_COMPARED: usize = 400;
+const DECISIVE_RATIO: f64 = 1.5;
+/// Misfits below this one do not differ (m): lever arm and tenths of a second are not estimated yet.
+const LEAST_MISFIT_M: f64 = 0.1;
+/// Smallest share of the poses that have ground truth at an offset, relative to the best.
+const LEAST_COMMON: f64 = 0.7;
+
+/// Returns the offset at which the aligned positions fit best (s); an error if another one fits nearly as well.
+fn best_by_positions(
+    offset_s: f64,
+    rivals_s: &[f64],
+    truth: &GroundTruth<'_>,
+    (estimate, options): (&EstimatedTrajectory, &Options),
+) -> Result<f64, Unjudged> {
+    if rivals_s.is_empty() {
+        return Ok(offset_s);
+    }
+    let mut misfits: Vec<(f64, f64, usize)> = Vec::new();
+    for offset_s in std::iter::once(offset_s).chain(rivals_s.iter().copied()) {
+        let pairs =
+            truth.matched(&estimate.poses, offset_s, (options.association, MOST_COMPARED))?;
+        let mut fit = initial(offset_s, options.body, false);
+        if align(&mut fit, &pairs, options.alignment).is_ok() {
+            let off_m = pairs.iter().map(|pair| {
+                let [placed_m, true_m] = fit.both_positions_m(&pair.pose, &pair.truth);
+                (true_m - placed_m).norm()
+            });
+            misfits.extend(median(off_m).map(|misfit_m| (misfit_m, offset_s, pairs.len())));
+        }
+    }
+    let most = misfits.iter().map(|(.., count)| *count).max().unwrap_or_default();
+    misfits.retain(|(.., count)| *count as f64 >= LEAST_COMMON * most as f64);
+    misfits.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Nothing fits: the check of conventions or of another drive says why.
+    let extent_m = extent_m(&estimate.poses);
+    if misfits.first().is_none_or(|(misfit_m, ..)| *misfit_m > OTHER_DRIVE * extent_m) {
+        return Ok(offset_s);
+    }
+    match misfits[..] {
+        [(best_m, best_s, _), (second_m, second_s, _), ..]
+            if second_m < DECISIVE_RATIO * best_m.max(LEAST_MISFIT_M) =>
+        {
+            let why = Unfit::AmbiguousOffset { best_s, second_s };
+            Err(Unjudged::Unfit { name: estimate.name.clone(), why })
+        }
+        [(_, best_s, _), ..] => Ok(best_s),
+        [] => Ok(offset_s),
+    }
+}
+
+/// Root mean square distance of poses from their mean (m).
+fn extent_m(poses: &[EstimatedPose]) -> f64 {
+    let count = poses.len() as f64;
+    let mean_m = poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>() / count;
+    let squares = poses.iter().map(|pose| (pose.position_m - mean_m).norm_squared());
+    (squares.sum::<f64>() / count).sqrt()
 }
 
 /// Returns true if the estimate's own stamps do not overlap the times of the ground truth.
@@ -151,6 +230,7 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
         time_offset_s,
         time_offset_sigma_s: None,
         determines_time_offset: true,
+        clock_change: None,
         lever_arm_m: turning.then(|| match body {
             Body::Lever(lever_m) => lever_m,
             Body::Found | Body::Same => Vector3::zeros(),
@@ -160,13 +240,6 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
         body_rotation_sigma_rad: None,
         findings: Vec::new(),
     }
-}
-
-/// Unknowns to estimate.
-struct Sought {
-    frame: TrajectoryAlignment,
-    clock: bool,
-    lever: bool,
 }
 
 /// Returns an error if the positions fit much better with one axis reversed (they are left-handed) or with the inverse of each pose
@@ -224,106 +297,4 @@ fn times_longer(pairs: &[MatchedPose]) -> Option<f64> {
         }
     }
     median(ratios).filter(|longer| *longer > 0.0 && !(DRIFT.recip()..DRIFT).contains(longer))
-}
-
-/// Aligns the frame by plain least squares, with fixed clock and lever arm.
-pub fn align(
-    fit: &mut Fit,
-    pairs: &[MatchedPose],
-    alignment: TrajectoryAlignment,
-) -> Result<(), Unfit> {
-    if pairs.len() < FEWEST_POINTS {
-        return Err(Unfit::FewEpochs);
-    }
-    if alignment == TrajectoryAlignment::None {
-        return Ok(());
-    }
-    let lever_m = fit.lever_arm_m.unwrap_or_default();
-    let of_truth: Vec<Vector3<f64>> = pairs
-        .iter()
-        .map(|MatchedPose { truth, .. }| match &truth.rotation {
-            Some(rotation) => truth.position_m + rotation.orientation * lever_m,
-            None => truth.position_m,
-        })
-        .collect();
-    let own: Vec<Vector3<f64>> = pairs
-        .iter()
-        .map(|MatchedPose { pose, truth, .. }| match (&truth.rotation, pose.orientation) {
-            // The length of the lever arm does not depend on the scale.
-            (None, Some(own)) => pose.position_m + own * lever_m / fit.scale,
-            _ => pose.position_m,
-        })
-        .collect();
-    let found = match alignment {
-        TrajectoryAlignment::Similarity => align_similar(&of_truth, &own),
-        _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
-    };
-    (fit.truth_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
-    Ok(())
-}
-
-/// Estimates frame, lever arm and clock together, with σ of the latter two.
-fn refine(
-    state: &mut FitState,
-    (truth, association): (&GroundTruth<'_>, Association),
-    poses: &[EstimatedPose],
-    sought: &mut Sought,
-    estimate: &EstimatedTrajectory,
-) -> Result<(), Unjudged> {
-    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
-    let open = |sought: &Sought| -> Vec<usize> {
-        let frame = match sought.frame {
-            TrajectoryAlignment::None => 0..0,
-            TrajectoryAlignment::Rigid => 0..SCALE,
-            TrajectoryAlignment::Similarity => 0..SCALE + 1,
-        };
-        let lever = if sought.lever { LEVER..CLOCK } else { 0..0 };
-        let clock = if sought.clock { CLOCK..UNKNOWNS } else { 0..0 };
-        frame.chain(lever).chain(clock).collect()
-    };
-    let open = open(sought);
-    let mut asked_s = state.fit.time_offset_s;
-    let matched = |offset_s: f64| truth.matched(poses, offset_s, (association, MOST_EPOCHS));
-    let mut pairs = matched(asked_s)?;
-    let (mut damping, mut last_change) = (1.0, f64::INFINITY);
-    for _ in 0..MOST_STEPS {
-        if pairs.len() < FEWEST_EPOCHS {
-            return Err(unfit(Unfit::FewEpochs));
-        }
-        let pieces = Pieces::of(&pairs, state);
-        let (blocks, prior) = (pieces.blocks(&open), state.prior_precision(&open));
-        let mut information = DMatrix::from_diagonal(&prior);
-        let mut gradient = DVector::zeros(open.len());
-        for block in &blocks {
-            information += &block.information;
-            gradient += &block.gradient;
-        }
-        let now = DVector::from_iterator(open.len(), open.iter().map(|k| state.value(*k)));
-        gradient -= prior.component_mul(&now);
-        let root = information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
-        let step = root.solve(&gradient);
-        let change = state.step(&open, &(damping * step));
-        if change > OSCILLATES * last_change {
-            damping *= 0.5;
-        }
-        last_change = change;
-        let settled = change < SETTLED;
-        if state.later_s.abs() > if settled { EXACT_S } else { LINEAR_S } {
-            state.later_s = 0.0;
-            asked_s = state.fit.time_offset_s;
-            pairs = matched(asked_s)?;
-        } else if settled {
-            let prior = sandwich::Prior { precision: prior, weight: 1.0 };
-            let mut covariance = sandwich::covariance(&blocks, Some(&prior))
-                .ok_or_else(|| unfit(Unfit::Undetermined))?;
-            let times_s: Vec<f64> = pairs.iter().map(|pair| pair.truth.time_s).collect();
-            if let Some(common) = truth.common_errors(&times_s) {
-                let moved = root.solve(&by_common(&pieces, &open, state, &common));
-                covariance += &moved * &common.covariance * moved.transpose();
-            }
-            state.take_sigmas(&open, &covariance);
-            return Ok(());
-        }
-    }
-    Err(unfit(Unfit::Undetermined))
 }

@@ -1,16 +1,26 @@
 //! Fit of an estimate to the ground truth: time offset, position of the body in the vehicle, and transform of the estimate's
 //! frame.
 //!
-//! Gauss–Newton steps with Huber's loss on the position differences estimate time offset, lever arm and frame together. σ of
-//! time offset and lever arm have two sources. A sandwich estimator over blocks of time accounts for the drift of the estimate.
-//! The errors of the ground truth that are common to all instants are added, because the residuals do not show them. Finally
-//! plain least squares over all epochs aligns the frame again, as evo does.
+//! Gauss–Newton steps estimate time offset, lever arm, body rotation and scale beside a frame that wanders ([`wandering_frame`]). The sizes
+//! of noise and drift have the largest likelihood. σ have two sources. A sandwich estimator over blocks of time needs no model of
+//! the innovations. The errors of the ground truth that are common to all instants are added, because the residuals do not show them. Finally
+//! plain least squares over all epochs aligns the frame, as evo does.
 
-mod body;
+mod alignment;
+mod clock_change;
+mod drift_sizes;
+mod epoch_rows;
 mod fit;
 mod fit_estimate;
-mod pieces;
+mod likelihood;
+mod refine;
 mod state;
+mod wandering_frame;
 
+#[cfg(test)]
+mod tests;
+
+pub use alignment::align;
+pub use clock_change::ClockChange;
 pub use fit::Fit;
-pub use fit_estimate::{align, fit};
+pub use fit_estimate::fit;

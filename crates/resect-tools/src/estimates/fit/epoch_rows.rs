@@ -1,0 +1,90 @@
+//! Residuals of one epoch, and their derivatives.
+
+use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
+
+use super::state::{
+    BODY, BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_TRANSLATION, CLOCK, FitState, SCALE, UNKNOWNS,
+    WANDERING,
+};
+use crate::estimates::matched_pose::MatchedPose;
+
+/// Derivatives of three residuals by the unknowns, and by what wanders.
+pub type ByUnknowns = SMatrix<f64, 3, UNKNOWNS>;
+pub type ByWandering = SMatrix<f64, 3, WANDERING>;
+
+/// Three residuals, ground truth minus estimate, with their derivatives.
+pub struct EpochRow {
+    pub residual: Vector3<f64>,
+    pub by_wandering: ByWandering,
+    pub by_unknowns: ByUnknowns,
+}
+
+/// Residuals of an epoch in the ground truth's frame.
+pub struct EpochRows {
+    /// Of the position (m).
+    pub position: EpochRow,
+    /// Of the orientation (rad); `None` if either has none, or the body's rotation is not estimated.
+    pub rotation: Option<EpochRow>,
+    /// Position of the compared point by the estimate (m). The frame turns about it.
+    pub placed_m: Vector3<f64>,
+}
+
+/// Returns the residuals with the frame of the state, and a clock that is later by some time (s).
+pub fn epoch_rows(
+    MatchedPose { pose, truth, pose_twist }: &MatchedPose,
+    state: &FitState,
+    later_s: f64,
+) -> EpochRows {
+    let fit = &state.fit;
+    let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
+    let mut velocity = truth.velocity_m_per_s;
+    let mut rate = truth.rotation.as_ref().map(|rotation| rotation.rate_rad_per_s);
+    let mut lever_axes = Matrix3::zeros();
+    let orientation = fit.placed_orientation(pose);
+    if let Some(rotation) = &truth.rotation {
+        lever_axes = rotation.orientation.to_rotation_matrix().into_inner();
+        velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
+    } else if let Some(orientation) = orientation {
+        lever_axes = -orientation.to_rotation_matrix().into_inner();
+    }
+    if let Some(twist) = pose_twist {
+        // The estimate is interpolated: a later ground truth is an earlier estimate.
+        let by_turn = fit.truth_from_estimate.rotate(&twist.rate_rad_per_s);
+        velocity = fit.truth_from_estimate.rotate(&(fit.scale * twist.velocity_m_per_s));
+        if let (None, Some(orientation)) = (&truth.rotation, orientation) {
+            velocity += by_turn.cross(&(orientation * fit.lever_arm_m.unwrap_or_default()));
+        }
+        rate = rate.map(|_| by_turn);
+    }
+    true_m += velocity * later_s;
+    let mut position = EpochRow {
+        residual: true_m - placed_m,
+        by_wandering: ByWandering::zeros(),
+        by_unknowns: ByUnknowns::zeros(),
+    };
+    let minus = -Matrix3::identity();
+    position.by_wandering.fixed_view_mut::<3, 3>(0, BY_TRANSLATION).copy_from(&minus);
+    position.by_wandering.fixed_view_mut::<3, 3>(0, BY_POSITION).copy_from(&minus);
+    position.by_wandering.set_column(BY_CLOCK, &velocity);
+    position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
+    position.by_unknowns.set_column(CLOCK, &velocity);
+    let from_pivot_m = fit.scale * (pose.position_m - state.pivot_m);
+    position.by_unknowns.set_column(SCALE, &-fit.truth_from_estimate.rotate(&from_pivot_m));
+    let turned = truth.rotation.as_ref().zip(fit.body_rotation).zip(orientation.zip(rate));
+    let rotation = turned.map(|((rotation, body), (orientation, rate))| {
+        let later = UnitQuaternion::from_scaled_axis(rate * later_s) * rotation.orientation;
+        let mut row = EpochRow {
+            residual: (later * body * orientation.inverse()).scaled_axis(),
+            by_wandering: ByWandering::zeros(),
+            by_unknowns: ByUnknowns::zeros(),
+        };
+        row.by_wandering.fixed_view_mut::<3, 3>(0, 0).copy_from(&minus);
+        row.by_wandering.fixed_view_mut::<3, 3>(0, BY_ORIENTATION).copy_from(&minus);
+        row.by_wandering.set_column(BY_CLOCK, &rate);
+        row.by_unknowns.set_column(CLOCK, &rate);
+        let axes = rotation.orientation.to_rotation_matrix().into_inner();
+        row.by_unknowns.fixed_view_mut::<3, 3>(0, BODY).copy_from(&axes);
+        row
+    });
+    EpochRows { position, rotation, placed_m }
+}

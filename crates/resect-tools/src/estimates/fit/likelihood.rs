@@ -1,0 +1,82 @@
+//! Sizes of an estimate's noise and drift by the likelihood of its errors.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::drift_sizes::DriftSizes;
+use super::state::{FitState, UNKNOWNS};
+use super::wandering_frame::{WanderingPass, pass};
+use crate::estimates::matched_pose::MatchedPose;
+
+/// Factors by which a size is changed in the search, the coarsest first.
+/// Effect: the last one is the accuracy of the sizes, which σ follow by its root at most.
+const FACTORS: [f64; 3] = [4.0, 2.0, 1.4];
+/// Largest number of rounds of the search by each factor.
+const MOST_ROUNDS: usize = 3;
+/// Least decrease of the cost for which the search goes on. Textbook: 1 is half a standard deviation.
+const LEAST_DECREASE: f64 = 0.5;
+/// Standard deviation of the logarithm of a size a priori.
+/// Effect: sizes that the errors do not show stay usual. Field: systems differ by a factor of ten.
+const LN_SIGMA: f64 = 2.3;
+
+/// Returns the sizes with the largest likelihood at the unknowns as they are, beginning with some sizes.
+pub fn search(
+    usual: DriftSizes,
+    mut sizes: DriftSizes,
+    pairs: &[MatchedPose],
+    state: &FitState,
+    open: &[usize],
+) -> DriftSizes {
+    let cost = |sizes: &DriftSizes| {
+        let unusual = sizes.ln_ratios(&usual).map(|ln| (ln / LN_SIGMA).powi(2));
+        marginal_cost(&pass(pairs, state, sizes, None), state, open) + unusual.iter().sum::<f64>()
+    };
+    let mut least = cost(&sizes);
+    for factor in FACTORS {
+        for _ in 0..MOST_ROUNDS {
+            let before = least;
+            for index in 0..sizes.searched() {
+                for factor in [factor, factor.recip()] {
+                    let changed = sizes.changed(index, factor);
+                    let now = if changed == sizes { f64::INFINITY } else { cost(&changed) };
+                    if now < least {
+                        (sizes, least) = (changed, now);
+                        break;
+                    }
+                }
+            }
+            if before - least < LEAST_DECREASE {
+                break;
+            }
+        }
+    }
+    sizes
+}
+
+/// Returns the cost with the unknowns integrated (restricted likelihood: Harville 1977).
+fn marginal_cost(pass: &WanderingPass, state: &FitState, open: &[usize]) -> f64 {
+    let root = Equations::of(pass, state, open).information.cholesky();
+    pass.cost + root.map_or(f64::INFINITY, |root| root.ln_determinant())
+}
+
+/// Normal equations of the open unknowns, with their priors.
+pub struct Equations {
+    pub information: DMatrix<f64>,
+    pub gradient: DVector<f64>,
+    pub prior: DVector<f64>,
+}
+
+impl Equations {
+    pub fn of(pass: &WanderingPass, state: &FitState, open: &[usize]) -> Self {
+        let mut information = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
+        let mut gradient = DVector::zeros(UNKNOWNS);
+        for block in &pass.blocks {
+            information += &block.information;
+            gradient += &block.gradient;
+        }
+        let prior = state.prior_precision(open);
+        let information =
+            information.select_rows(open).select_columns(open) + DMatrix::from_diagonal(&prior);
+        let gradient = gradient.select_rows(open) - prior.component_mul(&state.values(open));
+        Self { information, gradient, prior }
+    }
+}

@@ -1,0 +1,253 @@
+//! The Gauss–Newton iteration of clock, lever arm, body rotation and scale.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::alignment::align_rigidly;
+use super::clock_change::clock_change;
+use super::drift_sizes::DriftSizes;
+use super::fit::Fit;
+use super::likelihood::{Equations, search};
+use super::state::{BODY, CLOCK, FitState, SCALE, UNKNOWNS};
+use super::wandering_frame::pass;
+use crate::estimates::association::thinned;
+use crate::estimates::ground_truth::GroundTruth;
+use crate::estimates::matched_pose::MatchedPose;
+use crate::estimates::options::{Association, TrajectoryAlignment};
+use crate::estimates::unfit::Unfit;
+use crate::estimates::unjudged::Unjudged;
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
+use resect_core::statistics::{median, sandwich};
+
+/// Largest number of epochs in a fit, evenly spread, and in the search of the sizes of noise and drift.
+const MOST_EPOCHS: usize = 3000;
+const MOST_SEARCHED: usize = 500;
+pub const FEWEST_EPOCHS: usize = 10;
+const MOST_STEPS: usize = 150;
+/// Number of times that the sizes of noise and drift are searched, each after the unknowns have converged.
+const SEARCHES: usize = 2;
+/// The unknowns have converged if a step is smaller than this share of σ, and nearly if it is smaller than the second.
+const SETTLED_SIGMAS: f64 = 0.02;
+const NEAR_SIGMAS: f64 = 0.3;
+/// Steps that shrink less than this ratio oscillate, such as where the estimate stands still, and are damped.
+const OSCILLATES: f64 = 0.98;
+/// Change of the time offset (s) above which the ground truth is recomputed, and not moved along its velocity: during the
+/// iteration, and before its end.
+const LINEAR_S: f64 = 0.01;
+const EXACT_S: f64 = 1e-4;
+/// The iteration ends if it has moved the clock by less than this share of its σ since the ground truth was computed; after many steps
+/// the second share is enough, and what is left counts as an error.
+const EXACT_SIGMAS: f64 = 0.05;
+const LEAST_EXACT_SIGMAS: f64 = 0.5;
+const MANY_STEPS: usize = 40;
+/// Largest ratio of two changes of the time offset from which the rest is extrapolated (Aitken).
+/// Effect: noise of the velocities shortens steps of the clock, so that they converge slowly.
+const MOST_RATIO: f64 = 0.8;
+
+/// Sizes of the steps of one system of equations.
+struct StepSizes {
+    last: f64,
+    damping: f64,
+    /// Last change of the time offset before the ground truth was computed again (s), and the number of times that it was.
+    last_s: f64,
+    renewals: usize,
+}
+
+impl Default for StepSizes {
+    fn default() -> Self {
+        Self { last: f64::INFINITY, damping: 1.0, last_s: 0.0, renewals: 0 }
+    }
+}
+
+impl StepSizes {
+    /// Returns the share of a step of this size to take.
+    fn damping(&mut self, size: f64) -> f64 {
+        if size > OSCILLATES * self.last {
+            self.damping *= 0.5;
+        }
+        self.last = size;
+        self.damping
+    }
+
+    /// Returns the expected rest of the changes of the time offset after one (s), before the ground truth is computed again.
+    fn rest_s(&mut self, change_s: f64) -> f64 {
+        self.renewals += 1;
+        if self.renewals > MOST_RENEWALS {
+            self.damping *= DAMPED;
+            self.last = f64::INFINITY;
+            return 0.0;
+        }
+        let ratio = if self.last_s == 0.0 { 0.0 } else { change_s / self.last_s };
+        let ratio = ratio.clamp(0.0, MOST_RATIO);
+        // After an extrapolation the next ratio is not that of the series.
+        self.last_s = if ratio > 0.0 { 0.0 } else { change_s };
+        (self.last, self.damping) = (f64::INFINITY, 1.0);
+        change_s * ratio / (1.0 - ratio)
+    }
+}
+
+/// Number of times that the ground truth is computed again before steps are damped, and the factor of each time. Where the estimate stands
+/// still, they may go to and fro for ever.
+const MOST_RENEWALS: usize = 12;
+const DAMPED: f64 = 0.8;
+
+/// Unknowns to estimate.
+pub struct Sought {
+    pub frame: TrajectoryAlignment,
+    pub clock: bool,
+    pub lever: bool,
+    pub body: bool,
+}
+
+impl Sought {
+    /// Returns true if there is anything to estimate beside the frame.
+    pub fn any(&self) -> bool {
+        self.clock || self.lever || self.body
+    }
+
+    fn open(&self) -> Vec<usize> {
+        let lever = if self.lever { 0..CLOCK } else { 0..0 };
+        let clock = if self.clock { CLOCK..BODY } else { 0..0 };
+        let body = if self.body { BODY..SCALE } else { 0..0 };
+        let is_scaled = self.frame != TrajectoryAlignment::None;
+        let scale = if is_scaled { SCALE..UNKNOWNS } else { 0..0 };
+        lever.chain(clock).chain(body).chain(scale).collect()
+    }
+}
+
+/// Estimates the unknowns with σ.
+pub fn refine(
+    state: &mut FitState,
+    (truth, association): (&GroundTruth<'_>, Association),
+    poses: &[EstimatedPose],
+    sought: &Sought,
+    estimate: &EstimatedTrajectory,
+) -> Result<(), Unjudged> {
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let open = sought.open();
+    let matched = |offset_s: f64| truth.matched(poses, offset_s, (association, MOST_EPOCHS));
+    let mut pairs = matched(state.fit.time_offset_s)?;
+    align_rigidly(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+    let misfits_m = pairs.iter().map(|pair| {
+        let [placed_m, true_m] = state.fit.both_positions_m(&pair.pose, &pair.truth);
+        (true_m - placed_m).norm()
+    });
+    let misfit_m = median(misfits_m).unwrap_or_default();
+    let is_aligned = sought.frame != TrajectoryAlignment::None;
+    let usual = match state.offset_prior {
+        None => DriftSizes::usual(is_aligned, misfit_m),
+        Some(_) => DriftSizes::of_points(is_aligned, misfit_m),
+    };
+    let mut sizes = usual;
+    let (mut steps, mut searches) = (StepSizes::default(), 0);
+    for step in 0..MOST_STEPS {
+        if pairs.len() < FEWEST_EPOCHS {
+            return Err(unfit(Unfit::FewEpochs));
+        }
+        align_rigidly(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+        if step == 0 && sought.body {
+            state.fit.body_rotation = mean_turn(&state.fit, &pairs);
+        }
+        let filtered = pass(&pairs, state, &sizes, None);
+        let equations = Equations::of(&filtered, state, &open);
+        let root = equations.information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
+        let solved = root.solve(&equations.gradient);
+        // In units of σ by the model.
+        let change = equations.gradient.dot(&solved).max(0.0).sqrt();
+        let damping = steps.damping(change);
+        state.step(&open, &(damping * solved));
+        let is_last = searches == SEARCHES;
+        let settled = damping * change < if is_last { SETTLED_SIGMAS } else { NEAR_SIGMAS };
+        let clock = open.iter().position(|unknown| *unknown == CLOCK);
+        let exact_s = clock.filter(|_| is_last).map_or(LINEAR_S, |clock| {
+            let share = if step < MANY_STEPS { EXACT_SIGMAS } else { LEAST_EXACT_SIGMAS };
+            EXACT_S.max(share * root.inverse()[(clock, clock)].sqrt())
+        });
+        if state.later_s.abs() > if settled { exact_s } else { LINEAR_S } {
+            state.fit.time_offset_s += steps.rest_s(state.later_s);
+            state.later_s = 0.0;
+            pairs = matched(state.fit.time_offset_s)?;
+        } else if settled && !is_last {
+            searches += 1;
+            let searched: Vec<MatchedPose> = thinned(&pairs, MOST_SEARCHED).cloned().collect();
+            sizes = search(usual, sizes, &searched, state, &open);
+            steps = StepSizes::default();
+        } else if settled {
+            return take_sigmas(state, truth, &pairs, &sizes, &open)
+                .ok_or_else(|| unfit(Unfit::Undetermined));
+        }
+    }
+    Err(unfit(Unfit::Undetermined))
+}
+
+/// Stores σ by blocks of time, with the errors that the ground truth shares.
+fn take_sigmas(
+    state: &mut FitState,
+    truth: &GroundTruth<'_>,
+    pairs: &[MatchedPose],
+    sizes: &DriftSizes,
+    open: &[usize],
+) -> Option<()> {
+    let times_s: Vec<f64> = pairs.iter().map(|pair| pair.truth.time_s).collect();
+    let common = truth.common_errors(&times_s);
+    let filtered = pass(pairs, state, sizes, common.as_ref());
+    let Equations { information, prior: precision, .. } = Equations::of(&filtered, state, open);
+    let prior = sandwich::Prior { precision, weight: 1.0 };
+    let blocks: Vec<sandwich::Block> = filtered
+        .blocks
+        .iter()
+        .map(|block| sandwich::Block {
+            information: block.information.select_rows(open).select_columns(open),
+            gradient: block.gradient.select_rows(open),
+        })
+        .collect();
+    let pairs_of_blocks: Vec<sandwich::Block> =
+        blocks.chunks(2).map(sandwich::Block::sum).collect();
+    let root = information.cholesky()?;
+    let mut covariance = root.inverse();
+    // Innovations that are correlated after all, or larger than their model, widen σ.
+    for blocks in [&blocks, &pairs_of_blocks] {
+        let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
+        for index in 0..open.len() {
+            let variance = &mut covariance[(index, index)];
+            *variance = variance.max(by_blocks[(index, index)]);
+        }
+    }
+    if let Some(common) = common {
+        let moved = root.solve(&filtered.by_common.select_rows(open));
+        covariance += &moved * &common.covariance * moved.transpose();
+    }
+    let clock = open.iter().position(|unknown| *unknown == CLOCK);
+    if let Some(clock) = clock {
+        covariance[(clock, clock)] += state.later_s.powi(2);
+    }
+    state.take_sigmas(open, &covariance);
+    // A clock that returns to its mean would show a step too small.
+    let followed = || pass(pairs, state, &sizes.with_walking_clock(), None);
+    let change =
+        clock.and_then(|_| clock_change(&followed().clock, [sizes.clock_s, sizes.clock_time_s]));
+    state.fit.clock_change = change;
+    Some(())
+}
+
+/// Returns the mean rotation of the body in the vehicle; `None` without orientations.
+pub fn mean_turn(fit: &Fit, pairs: &[MatchedPose]) -> Option<UnitQuaternion<f64>> {
+    let turns: Option<Vec<UnitQuaternion<f64>>> = pairs
+        .iter()
+        .map(|MatchedPose { pose, truth, .. }| {
+            let rotation = truth.rotation.as_ref()?;
+            Some(rotation.orientation.inverse() * fit.placed_orientation(pose)?)
+        })
+        .collect();
+    let turns = turns.filter(|turns| !turns.is_empty())?;
+    // Far from the mean rotation, the mean of rotation vectors is not the mean rotation.
+    let mut mean = turns[turns.len() / 2];
+    for _ in 0..10 {
+        let left = turns.iter().map(|turn| (turn * mean.inverse()).scaled_axis());
+        let step = left.sum::<Vector3<f64>>() / turns.len() as f64;
+        mean = UnitQuaternion::from_scaled_axis(step) * mean;
+        if step.norm() < 1e-9 {
+            break;
+        }
+    }
+    Some(mean)
+}

@@ -1,0 +1,172 @@
+//! Simulated odometry with known clock, lever arm and body rotation.
+
+use std::sync::Arc;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
+use resect_core::statistics::tables::NORMAL_95;
+
+use super::{ClockChange, Fit, fit};
+use crate::estimates::{GroundTruth, Options};
+
+/// Steps of the simulation (s), and its duration.
+const STEP_S: f64 = 0.05;
+const STEPS: usize = 4000;
+const CLOCK_S: f64 = -0.2;
+
+struct Drive {
+    random: ChaCha8Rng,
+    truth: Vec<EstimatedPose>,
+    lever_m: Vector3<f64>,
+    body: UnitQuaternion<f64>,
+}
+
+fn normal(random: &mut ChaCha8Rng) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| StandardNormal.sample(random))
+}
+
+/// A vehicle that turns and tilts, with stops.
+fn drive(seed: u64) -> Drive {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (mut yaw_rad, mut position_m) = (0.0, Vector3::zeros());
+    let [mut slow, mut tilt] = [Vector3::zeros(); 2];
+    let truth = (0..STEPS).map(|index| {
+        let time_s = index as f64 * STEP_S;
+        // Speed, rate of turn, roll and pitch change within seconds.
+        slow += -slow * STEP_S / 4.0 + normal(&mut random) * (2.0 * STEP_S / 4.0_f64).sqrt();
+        tilt += (slow * 0.05 - tilt) * STEP_S / 0.5;
+        let is_moving = f64::from(u8::from(time_s % 50.0 < 42.0));
+        yaw_rad += 0.3 * slow.z * is_moving * STEP_S;
+        let orientation = UnitQuaternion::from_euler_angles(tilt.x, tilt.y, yaw_rad);
+        let speed_m_per_s = (1.0 + 0.5 * slow.x).max(0.0) * is_moving;
+        position_m += orientation * Vector3::x() * (speed_m_per_s * STEP_S);
+        EstimatedPose { time_s, position_m, orientation: Some(orientation) }
+    });
+    let truth = truth.collect();
+    let lever_m = 0.2 * normal(&mut random);
+    let body = UnitQuaternion::from_scaled_axis(0.5 * normal(&mut random));
+    Drive { random, truth, lever_m, body }
+}
+
+impl Drive {
+    /// Poses of an odometry at 10 Hz that drifts as a random walk, in a frame of its own.
+    fn odometry(&mut self) -> EstimatedTrajectory {
+        let of_body = |pose: &EstimatedPose| {
+            let orientation = pose.orientation.expect("known");
+            (pose.position_m + orientation * self.lever_m, orientation * self.body)
+        };
+        let (mut position_m, mut orientation) = (Vector3::zeros(), UnitQuaternion::identity());
+        let mut poses = Vec::new();
+        for (index, two) in self.truth.windows(2).enumerate() {
+            let [(before_m, before), (after_m, after)] = [of_body(&two[0]), of_body(&two[1])];
+            let moved_m = before.inverse() * (after_m - before_m);
+            let walk_m = normal(&mut self.random) * (0.003 * moved_m.norm().sqrt());
+            let turned = normal(&mut self.random) * (8e-4 * STEP_S.sqrt());
+            position_m += orientation * (moved_m + walk_m);
+            orientation *= before.inverse() * after * UnitQuaternion::from_scaled_axis(turned);
+            if index % 2 == 0 {
+                let noise = UnitQuaternion::from_scaled_axis(1e-3 * normal(&mut self.random));
+                poses.push(EstimatedPose {
+                    time_s: two[1].time_s - CLOCK_S,
+                    position_m: position_m + 0.003 * normal(&mut self.random),
+                    orientation: Some(orientation * noise),
+                });
+            }
+        }
+        trajectory("odometry", poses)
+    }
+}
+
+fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory {
+    EstimatedTrajectory {
+        name: name.to_owned(),
+        path: name.into(),
+        topic: None,
+        poses,
+        covariances: Vec::new(),
+        findings: Vec::new(),
+    }
+}
+
+fn fitted(truth: &[EstimatedPose], estimate: &EstimatedTrajectory) -> Fit {
+    let truth = GroundTruth::Trajectory(Arc::new(trajectory("truth", truth.to_vec())), None);
+    fit(&truth, estimate, &Options::default()).expect("aligned").0
+}
+
+/// Errors over σ of clock, lever arm and body rotation.
+type OverSigma = [Vec<f64>; 3];
+
+fn over_sigma(seeds: std::ops::Range<u64>) -> OverSigma {
+    let mut all: OverSigma = Default::default();
+    for seed in seeds {
+        let mut drive = drive(seed);
+        let estimate = drive.odometry();
+        let fit = fitted(&drive.truth, &estimate);
+        let sigma_s = fit.time_offset_sigma_s.expect("estimated");
+        all[0].push((fit.time_offset_s - CLOCK_S) / sigma_s);
+        let sigma_m = fit.lever_arm_sigma_m.expect("estimated");
+        let off_m = fit.lever_arm_m.expect("estimated") - drive.lever_m;
+        all[1].extend(off_m.component_div(&sigma_m).iter());
+        let sigma_rad = fit.body_rotation_sigma_rad.expect("estimated");
+        let off = fit.body_rotation.expect("estimated") * drive.body.inverse();
+        all[2].extend(off.scaled_axis().component_div(&sigma_rad).iter());
+        assert!(sigma_s < 1e-3 && sigma_rad.max() < 1e-3, "{sigma_s} {sigma_rad}");
+        assert!(sigma_m.xy().max() < 5e-3 && fit.clock_change.is_none(), "{fit:?}");
+    }
+    all
+}
+
+/// The frame of the odometry turns by degrees. Clock, lever arm and body rotation are found to milliseconds, millimetres and tenths of a
+/// milliradian, with errors of the size of their σ.
+#[test]
+fn a_drifting_odometry_has_honest_sigmas() {
+    for over_sigma in over_sigma(0..10) {
+        let squares: f64 = over_sigma.iter().map(|value| value * value).sum();
+        let rms = (squares / over_sigma.len() as f64).sqrt();
+        assert!((0.3..1.5).contains(&rms), "{rms}");
+    }
+}
+
+#[test]
+#[ignore = "a minute"]
+fn regions_of_a_hundred_drifting_odometries_cover_the_truth() {
+    for (name, over_sigma) in
+        ["time offset", "lever arm", "body rotation"].iter().zip(over_sigma(0..100))
+    {
+        let covered = over_sigma.iter().filter(|value| value.abs() < NORMAL_95).count();
+        let covered = covered as f64 / over_sigma.len() as f64;
+        let largest = over_sigma.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        println!("{name}: {:.1} % within 95 %, largest {largest:.1} sigma", 100.0 * covered);
+        assert!(covered > 0.92, "{name}: {covered}");
+    }
+}
+
+#[test]
+fn a_clock_that_is_set_forward_is_found_with_time_and_size() {
+    let mut drive = drive(3);
+    let mut estimate = drive.odometry();
+    estimate.poses.iter_mut().filter(|pose| pose.time_s > 90.0).for_each(|pose| pose.time_s += 0.1);
+    let fit = fitted(&drive.truth, &estimate);
+    let Some(ClockChange::Step { time_s, by_s }) = fit.clock_change else { panic!("{fit:?}") };
+    assert!((time_s - 90.0).abs() < 3.0 && (by_s + 0.1).abs() < 0.02, "{time_s} {by_s}");
+    assert!(fit.time_offset_sigma_s.is_some_and(|sigma_s| sigma_s > 0.02), "{fit:?}");
+}
+
+/// A drive to and fro at even speed looks alike after each round.
+#[test]
+fn an_offset_that_is_not_unique_is_refused() {
+    let round = |time_s: f64| {
+        let phase = time_s * 0.4;
+        let position_m = Vector3::new(3.0 * phase.cos(), 2.0 * phase.sin(), 0.3 * phase.sin());
+        EstimatedPose { time_s, position_m, orientation: None }
+    };
+    let poses =
+        |from: u32, to: u32| (from..to).map(|index| round(f64::from(index) * 0.1)).collect();
+    let truth = GroundTruth::Trajectory(Arc::new(trajectory("truth", poses(0, 2000))), None);
+    let why = fit(&truth, &trajectory("rounds", poses(500, 1500)), &Options::default());
+    let why = why.map(|(fit, _)| fit).expect_err("ambiguous").to_string();
+    assert!(why.contains("as well as"), "{why}");
+}
