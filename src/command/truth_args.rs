@@ -7,12 +7,14 @@ use clap::Args;
 use nalgebra::Vector3;
 
 use super::Failure;
+use super::judging_args::convention;
 use super::progress_line::with_progress;
 use super::settings_args::metres;
 use resect_core::deployment::{Deployment, PoseCovariance};
 use resect_core::network::MOST_STATIONS;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
+use resect_tools::estimates::conventions::Convention;
 
 #[derive(Args)]
 pub struct TruthArguments {
@@ -23,6 +25,9 @@ pub struct TruthArguments {
     /// Topic of the ground truth in a bag of several trajectories
     #[arg(long, value_name = "TOPIC")]
     truth_topic: Option<String>,
+    /// Convention of the file of a trajectory that is the ground truth, in the words of --convention
+    #[arg(long, value_name = "WORDS", default_value = "xyzw", value_parser = convention)]
+    truth_convention: Convention,
     /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
     pub truth_station: Option<u8>,
@@ -39,6 +44,13 @@ impl TruthArguments {
             open_truth(path, topic, extras, progress)
         });
         let mut deployment = Arc::new(opened?);
+        if !self.truth_convention.is_as_read() {
+            let Some(truth) = &mut Arc::make_mut(&mut deployment).ground_truth else {
+                let line = "--truth-convention is for a trajectory; a deployment has its own units";
+                return Err(Failure::Usage(line.to_owned()));
+            };
+            self.truth_convention.apply(Arc::make_mut(truth));
+        }
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
             (Some(truth), Some(sigma_m)) => {
                 let truth = Arc::make_mut(truth);

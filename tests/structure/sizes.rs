@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::names::{SOURCES, files_of};
 
 /// Most lines of code of each crate, in the order of [`SOURCES`].
-const MOST_LINES: [usize; SOURCES.len()] = [26261, 8522, 11384, 2401, 7068, 32147];
+const MOST_LINES: [usize; SOURCES.len()] = [26261, 10250, 11760, 2401, 7074, 32169];
 
 fn is_test(path: &Path) -> bool {
     let mut names = path.iter().filter_map(|name| name.to_str());

@@ -235,7 +235,9 @@ fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<St
 
 /// Spans in which the estimate, or the ground truth, is wrong; `place` maps times to the axis.
 fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
-    let of = |odd_one: OddOne| matches!(odd_one, OddOne::Estimate | OddOne::Undecided) == estimate;
+    let of = |odd_one: OddOne| {
+        matches!(odd_one, OddOne::Estimate | OddOne::Convention | OddOne::Undecided) == estimate
+    };
     let spans = one.odd.iter().filter(|span| of(span.odd_one));
     let spans =
         spans.map(|span| Interval { start_s: place(span.span_s[0]), end_s: place(span.span_s[1]) });
