@@ -5,11 +5,12 @@ use clap::Args;
 
 use super::Failure;
 use super::settings_args::metres;
+use resect_tools::estimates::conventions::Convention;
 use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {
-    /// Alignment of an estimate's frame: rotation, translation and scale; with none it is in the ground truth's. This flag and the next two are
+    /// Alignment of an estimate's frame: rotation, translation and scale; with none it is in the ground truth's. This flag and the next three are
     /// given once for all estimates, or once for each in their order
     #[arg(long, value_parser = choice(ESTIMATE_ALIGNMENTS), default_values = ["rigid"])]
     align: Vec<TrajectoryAlignment>,
@@ -20,6 +21,12 @@ pub struct JudgingArguments {
     /// or its known origin there; for one prism, the prism's position in the body's frame (m)
     #[arg(long, alias = "lever-arm", value_name = "found|same|X,Y,Z", default_value = "found", allow_hyphen_values = true, value_parser = body)]
     body: Vec<Body>,
+    /// Convention of an estimate's file that differs from x y z w, metres, seconds and poses of the body in the world: words separated by commas.
+    /// wxyz, inverse or inverse-poses (those of the world in the body), world=AXES (of the orientations), axes=AXES (of the positions), mm, cm, km,
+    /// in, ft or length=FACTOR, ms, us, ns or time=FACTOR, held (repeated poses are left out), unset (poses of zeros are left out). AXES are
+    /// ned, nwu, optical, or letters such as yx-z
+    #[arg(long, value_name = "WORDS", default_value = "xyzw", value_parser = convention)]
+    convention: Vec<Convention>,
     /// Assume what evo assumes: equal clocks, one body frame, nearest stamps. The errors are then those of evo_ape and evo_rpe
     #[arg(long)]
     as_evo: bool,
@@ -36,11 +43,13 @@ impl JudgingArguments {
         let align = one_or_each("--align", &self.align, count)?;
         let time_offset_s = one_or_each("--time-offset", &self.time_offset, count)?;
         let body = one_or_each("--body", &self.body, count)?;
-        let each = align.into_iter().zip(time_offset_s).zip(body);
-        let options = each.map(|((alignment, time_offset_s), body)| Options {
+        let convention = one_or_each("--convention", &self.convention, count)?;
+        let each = align.into_iter().zip(time_offset_s).zip(body).zip(convention);
+        let options = each.map(|(((alignment, time_offset_s), body), convention)| Options {
             alignment,
             time_offset_s,
             body,
+            convention,
             ..Options::default()
         });
         let as_asked = |options: Options| if self.as_evo { options.as_evo() } else { options };
@@ -58,6 +67,11 @@ fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>
             several.len()
         ))),
     }
+}
+
+/// Reads a convention; shared with the ground truth.
+pub fn convention(text: &str) -> Result<Convention, String> {
+    text.parse()
 }
 
 fn offset(text: &str) -> Result<Option<f64>, String> {

@@ -72,6 +72,8 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
     match why {
         Unjudged::NoReference(NoTrajectory::PrismsOnALine(_)) => Some("--truth-station"),
         Unjudged::NoReference(why) => trajectory_flag(why),
+        // The message names the flag.
+        Unjudged::OtherConvention(_) => None,
         Unjudged::Unfit { why, .. } => match why {
             Unfit::NoOverlap | Unfit::OtherDrive(_) | Unfit::AmbiguousOffset { .. } => {
                 Some("--time-offset")

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use super::Failure;
 use super::choice::{SOLUTIONS, choice};
+use super::judging_args::convention;
 use super::progress_line::with_progress;
 use super::settings_args::metres;
 use resect_core::deployment::{Deployment, PoseCovariance};
@@ -16,6 +17,7 @@ use resect_io::antenna_poses::read_antennas;
 use resect_io::gnss_solution::SolutionChoice;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
+use resect_tools::estimates::conventions::Convention;
 
 #[derive(Args)]
 pub struct TruthArguments {
@@ -33,6 +35,9 @@ pub struct TruthArguments {
     /// Solutions of a GNSS receiver that are the ground truth
     #[arg(long, value_name = "KIND", value_parser = choice(SOLUTIONS), default_value = "best")]
     truth_solutions: SolutionChoice,
+    /// Convention of the file of a trajectory that is the ground truth, in the words of --convention
+    #[arg(long, value_name = "WORDS", default_value = "xyzw", value_parser = convention)]
+    truth_convention: Convention,
     /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
     pub truth_station: Option<u8>,
@@ -59,6 +64,13 @@ impl TruthArguments {
                 .map(|truth| Deployment::of_ground_truth(Arc::new(truth))),
         };
         let mut deployment = Arc::new(opened?);
+        if !self.truth_convention.is_as_read() {
+            let Some(truth) = &mut Arc::make_mut(&mut deployment).ground_truth else {
+                let line = "--truth-convention is for a trajectory; a deployment has its own units";
+                return Err(Failure::Usage(line.to_owned()));
+            };
+            self.truth_convention.apply(Arc::make_mut(truth));
+        }
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
             (Some(truth), Some(sigma_m)) => {
                 let truth = Arc::make_mut(truth);

@@ -166,7 +166,8 @@ fn solution(simulated: &Simulated, antenna_m: &Vector3<f64>) -> String {
     let mut text = String::from(
         "%  UTC latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) age(s) ratio\n",
     );
-    for (index, time_s) in times_s(5.0).enumerate() {
+    // Not in phase with the poses of the estimate, whose interpolation averages its noise between them.
+    for (index, time_s) in times_s(5.3).enumerate() {
         let (position_m, orientation) = true_pose(simulated, time_s);
         let is_float = index % 10 == 3;
         let error_m = Vector3::z() * if is_float { 0.5 } else { 0.0 };
@@ -220,7 +221,7 @@ fn a_gnss_solution_is_a_ground_truth_by_its_fixed_positions() {
     let arguments = ["evaluate", slam.to_str().expect("UTF-8"), "--against"];
     let output = run(&[&arguments[..], &[cut.to_str().expect("UTF-8")]].concat());
     let why = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success() && why.contains("cut.pos:751: "), "{why}");
+    assert!(!output.status.success() && why.contains("cut.pos:796: "), "{why}");
 }
 
 #[test]

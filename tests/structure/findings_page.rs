@@ -10,7 +10,7 @@ use resect_core::deployment::advice::{ADVICE, Advice};
 use resect_core::deployment::{FindingKind, Severity};
 
 /// Sections of the page, each with the code of its first kind.
-const SECTIONS: [(&str, &str); 22] = [
+const SECTIONS: [(&str, &str); 25] = [
     ("file-unreadable", "Files"),
     ("table-columns", "Readings"),
     ("bag-damaged", "Bags and tables"),
@@ -134,6 +134,7 @@ const REMEDIES: &[(&str, &str)] = &[
     ("antennas-without-sigma", "Export the solutions with standard deviations."),
     ("estimate-out-of-order", "Write the poses in order of time."),
     ("estimate-stamps-joined", "Write nanoseconds with nine digits."),
+    ("estimate-columns-unread", "Name the columns as the message says, or remove them."),
     ("estimate-times-repeated", "Write one pose for each time."),
     ("estimate-orientations-missing", "Write an orientation for each pose, or for none."),
     ("estimate-positions-rounded", "Write positions with millimetres or more digits."),
@@ -143,6 +144,21 @@ const REMEDIES: &[(&str, &str)] = &[
     ("published-answer-missing", "Follow the reason that the message names."),
     ("tracks-not-transformed", "Apply the answer to the original readings only."),
     ("prior-search-unconfirmed", "Use the closed-form prior (`--prior closed-form`)."),
+    (
+        "estimate-orientation-convention",
+        "Give the convention that the message names, or write the orientations of the body in the world of the positions.",
+    ),
+    ("estimate-unit", "Give the unit that the message names, or write metres."),
+    ("estimate-clock-rate", "Give the unit or rate that the message names, or write seconds."),
+    (
+        "estimate-poses-held",
+        "Write each pose once, with its own stamp; `--convention held` does that.",
+    ),
+    (
+        "estimate-poses-unset",
+        "Begin the file with the first real pose; `--convention unset` does that.",
+    ),
+    ("estimate-bodies-mixed", "Write one file for each body or child frame."),
     ("deployment-left-out", "Calibrate this deployment by itself; its findings name the cause."),
     ("earlier-calibration-weak", "Validate a calibration with the verdict *good*."),
     ("compared-in-unknown-frame", "Compare runs with the original readings."),

@@ -4,7 +4,8 @@
 //! [`pose_table`] reads the tables, [`local_positions`](crate::local_positions) converts latitude and longitude.
 
 use crate::findings::trajectories::{
-    estimate_angles_not_read, estimate_columns_guessed, estimate_covariances_missing,
+    estimate_angle_unit_guessed, estimate_angles_not_read, estimate_columns_guessed,
+    estimate_columns_named, estimate_columns_unread, estimate_covariances_missing,
     estimate_orientations_constant, estimate_orientations_missing, estimate_out_of_order,
     estimate_poses_skipped, estimate_positions_rounded, estimate_quaternions_normalised,
     estimate_stamps_joined, estimate_times_repeated,
@@ -395,6 +396,13 @@ fn poses(
     findings.extend(table.guessed.map(|layout| estimate_columns_guessed(file, layout)));
     if table.are_joined {
         findings.push(estimate_stamps_joined(file));
+    }
+    findings.extend(table.column_guess.map(|guess| estimate_columns_named(file, guess)));
+    findings.extend(
+        table.angle_unit.map(|unit| estimate_angle_unit_guessed(file, unit.unit_rad, unit.largest)),
+    );
+    if !table.unread_columns.is_empty() {
+        findings.push(estimate_columns_unread(file, &table.unread_columns));
     }
     if table.rough_quaternions > 0 {
         findings.push(estimate_quaternions_normalised(file, table.rough_quaternions));

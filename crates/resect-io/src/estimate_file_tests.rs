@@ -310,3 +310,93 @@ fn a_receiver_is_read_alike_from_every_format() {
         assert_eq!(truth(SolutionChoice::Float), 3, "{name}");
     }
 }
+
+/// Messages of a trajectory's findings.
+fn messages(estimate: &EstimatedTrajectory) -> String {
+    estimate.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn orientations_are_read_by_the_names_of_their_columns() {
+    let turn = UnitQuaternion::from_euler_angles(0.1, -0.2, 2.5);
+    let [roll, pitch, yaw] = [0.1, -0.2, 2.5];
+    let [droll, dpitch, dyaw] = [0.1_f64, -0.2, 2.5].map(f64::to_degrees);
+    let (x, y, z, w) = (turn.i, turn.j, turn.k, turn.w);
+    for (header, row, said) in [
+        ("t,x,y,z,roll,pitch,yaw", format!("1,2,3,{roll},{pitch},{yaw}"), "read as radians"),
+        ("t,x,y,z,roll,pitch,yaw", format!("1,2,3,{droll},{dpitch},{dyaw}"), "read as degrees"),
+        ("t,x,y,z,roll [deg],pitch [deg],yaw [deg]", format!("1,2,3,{droll},{dpitch},{dyaw}"), ""),
+        ("t,x,y,z,roll_rad,pitch_rad,yaw_rad", format!("1,2,3,{roll},{pitch},{yaw}"), ""),
+        ("t,x,y,z,Yaw(°),Roll(°),Pitch(°)", format!("1,2,3,{dyaw},{droll},{dpitch}"), ""),
+        ("t,x,y,z,q0,q1,q2,q3", format!("1,2,3,{w},{x},{y},{z}"), "q0 is read as w"),
+        (
+            "t,x,y,z,quat_0,quat_1,quat_2,quat_3",
+            format!("1,2,3,{w},{x},{y},{z}"),
+            "q0 is read as w",
+        ),
+        ("t,x,y,z,qw,qx,qy,qz", format!("1,2,3,{w},{x},{y},{z}"), ""),
+        ("t,tx,ty,tz,w,x,y,z", format!("1,2,3,{w},{x},{y},{z}"), ""),
+        ("t,x,y,z,x,y,z,w", format!("1,2,3,{x},{y},{z},{w}"), ""),
+    ] {
+        let estimate = of("a.csv", &format!("{header}\n1,{row}\n2,{row}\n")).expect(header);
+        let pose = &estimate.poses[0];
+        assert_eq!(pose.position_m, Vector3::new(1.0, 2.0, 3.0), "{header}");
+        assert!(pose.orientation.expect(header).angle_to(&turn) < 1e-9, "{header}");
+        let messages = messages(&estimate);
+        assert_eq!(messages.is_empty(), said.is_empty(), "{header}: {messages}");
+        assert!(messages.contains(said), "{header}: {messages}");
+    }
+}
+
+#[test]
+fn stated_units_are_obeyed_or_refused() {
+    let header = "t,x [mm],y_cm,z (m),sigma_x [mm],sigma_y [cm],sigma_z";
+    let estimate = of("a.csv", &format!("{header}\n1,1000,200,3,5,0.5,0.005\n")).expect(header);
+    assert!((estimate.poses[0].position_m - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-12);
+    let covariance_m2 = estimate.covariances[0].position_m2;
+    assert!((covariance_m2 - 25e-6 * Matrix3::<f64>::identity()).norm() < 1e-12, "{covariance_m2}");
+    let header =
+        "t,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,sigma_rx [deg],sigma_ry [deg],sigma_rz [deg]";
+    let estimate = of("a.csv", &format!("{header}\n1,1,2,3,0,0,0,1,1,1,1,1,1,1\n")).expect(header);
+    let rotation_rad2 = estimate.covariances[0].rotation_rad2.expect("stated");
+    assert!((rotation_rad2.trace() - 3.0 * 1_f64.to_radians().powi(2)).abs() < 1e-12);
+    let header = "t,x,y,z,cov_xx [mm^2],cov_xy [mm^2],cov_xz [mm^2],cov_yy [mm^2],cov_yz [mm^2],cov_zz [mm^2]";
+    let estimate = of("a.csv", &format!("{header}\n1,1,2,3,4,0,0,4,0,4\n")).expect(header);
+    assert!((estimate.covariances[0].position_m2.trace() - 12e-6).abs() < 1e-12);
+    for header in [
+        "t,x [furlong],y,z",
+        "t,x [deg],y,z",
+        "time [min],x,y,z",
+        "t,x,y,z,roll [m],pitch,yaw",
+        "t,x,y,z,roll_deg,pitch_deg,yaw_rad",
+        "t,x,y,z,sigma_x [parsec],sigma_y,sigma_z",
+    ] {
+        let columns = header.split(',').count();
+        let row = vec!["1"; columns].join(",");
+        let why = of("a.csv", &format!("{header}\n{row}\n")).expect_err(header).to_string();
+        assert!(why.contains(":1: ") && why.contains("unit"), "{header}: {why}");
+    }
+}
+
+#[test]
+fn columns_of_an_orientation_that_are_not_read_are_named() {
+    for (columns, named) in [
+        ("yaw", "column yaw is not read"),
+        ("qx,qy,qz", "columns qx, qy, qz are not read"),
+        ("q1,q2,q3,q4", "columns q1, q2, q3, q4 are not read"),
+        ("heading", "column heading is not read"),
+        ("sigma_x,sigma_y", "columns sigma_x, sigma_y are not read"),
+    ] {
+        let row = vec!["1"; 4 + columns.split(',').count()].join(",");
+        let estimate = of("a.csv", &format!("t,x,y,z,{columns}\n{row}\n")).expect(columns);
+        let messages = messages(&estimate);
+        assert!(messages.contains(named), "{columns}: {messages}");
+        assert!(estimate.poses[0].orientation.is_none());
+    }
+    for columns in ["vx,vy,vz", "yaw_rate", "quality,satellites", "qx,qy,qz,qw,roll,pitch,yaw"] {
+        let row = vec!["1"; 4 + columns.split(',').count()].join(",");
+        let messages =
+            messages(&of("a.csv", &format!("t,x,y,z,{columns}\n{row}\n")).expect(columns));
+        assert!(!messages.contains("not read"), "{columns}: {messages}");
+    }
+}

@@ -236,8 +236,11 @@ fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<St
 /// Spans in which the estimate, or the ground truth, is wrong; `place` maps times to the axis.
 fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
     let of = |odd_one: OddOne| {
-        matches!(odd_one, OddOne::Estimate | OddOne::EstimateOrClock | OddOne::Undecided)
-            == estimate
+        let is_estimate = matches!(
+            odd_one,
+            OddOne::Estimate | OddOne::EstimateOrClock | OddOne::Convention | OddOne::Undecided
+        );
+        is_estimate == estimate
     };
     let spans = one.odd.iter().filter(|span| of(span.odd_one));
     let spans =

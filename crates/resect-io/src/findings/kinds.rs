@@ -188,6 +188,10 @@ resect_core::finding_kinds! {
     ESTIMATE_STAMPS_JOINED = "estimate-stamps-joined", Warning;
     /// The columns of an estimated trajectory have no header.
     ESTIMATE_COLUMNS_GUESSED = "estimate-columns-guessed", Note;
+    /// Roll, pitch and yaw of a trajectory have no unit, which was guessed.
+    ESTIMATE_ANGLE_UNIT_GUESSED = "estimate-angle-unit-guessed", Note;
+    /// Columns of an orientation or a covariance are not read.
+    ESTIMATE_COLUMNS_UNREAD = "estimate-columns-unread", Warning;
     /// Several poses of a trajectory have the same time; the first of each was kept.
     ESTIMATE_TIMES_REPEATED = "estimate-times-repeated", Warning;
     /// Some poses of a trajectory have no orientation, so none is used.

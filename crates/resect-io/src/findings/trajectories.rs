@@ -94,6 +94,39 @@ pub fn estimate_columns_guessed(file: &str, layout: &str) -> Finding {
     Finding::new(kinds::ESTIMATE_COLUMNS_GUESSED, message).about(Subject::File(file.to_owned()))
 }
 
+/// `meaning` states how columns are read that their names leave open.
+pub fn estimate_columns_named(file: &str, meaning: &str) -> Finding {
+    let message = format!("{file}: {meaning}; name the columns qx, qy, qz, qw to be sure");
+    Finding::new(kinds::ESTIMATE_COLUMNS_GUESSED, message).about(Subject::File(file.to_owned()))
+}
+
+/// The unit of roll, pitch and yaw (rad), guessed by the largest of them as it stands in the file.
+pub fn estimate_angle_unit_guessed(file: &str, unit_rad: f64, largest: f64) -> Finding {
+    let unit = if unit_rad == 1.0 { "radians" } else { "degrees" };
+    let message = format!(
+        "{file}: roll, pitch and yaw are read as {unit}, because the largest is {largest:.2}; name the columns roll_deg or roll_rad \
+         to be sure"
+    );
+    Finding::new(kinds::ESTIMATE_ANGLE_UNIT_GUESSED, message)
+        .about(Subject::File(file.to_owned()))
+        .quantity("largest", largest, Unit::Ratio)
+}
+
+/// `names` are columns of an orientation or a covariance.
+pub fn estimate_columns_unread(file: &str, names: &[String]) -> Finding {
+    let message = format!(
+        "{file}: {} not read: an orientation needs qx, qy, qz, qw or roll, pitch, yaw; a covariance needs sigma_x, sigma_y, sigma_z \
+         or cov_x_x to cov_z_z",
+        match names {
+            [only] => format!("column {only} is"),
+            _ => format!("columns {} are", names.join(", ")),
+        }
+    );
+    Finding::new(kinds::ESTIMATE_COLUMNS_UNREAD, message)
+        .about(Subject::File(file.to_owned()))
+        .count("columns", names.len())
+}
+
 pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_out_of_order("slam.tum"),
@@ -106,5 +139,8 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_angles_not_read("take.csv", "Robot"),
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
+        estimate_columns_named("slam.csv", "q0 is read as w, and q1, q2, q3 as x, y, z"),
+        estimate_angle_unit_guessed("slam.csv", 1.0, 3.14),
+        estimate_columns_unread("slam.csv", &["yaw".to_owned()]),
     ]
 }

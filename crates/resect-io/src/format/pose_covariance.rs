@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Matrix6};
 
+use super::column_units::{angle_unit_rad, length_unit_m, square_unit};
 use super::table::{self, CORRECT, number};
 use crate::error::OpenError;
 use resect_tools::estimates::{EstimatedPose, PoseCovariance};
@@ -17,17 +18,56 @@ const PARTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 const SAME_STAMP_S: f64 = 1e-4;
 
 /// Columns of a pose's covariance.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CovarianceColumns {
+#[derive(Clone, Debug, PartialEq)]
+pub struct CovarianceColumns {
+    elements: CovarianceElements,
+    columns: Vec<usize>,
+    /// Factor of each column from its unit to metres and radians.
+    factors: Vec<f64>,
+}
+
+/// Elements that the columns have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum CovarianceElements {
     /// Standard deviations of the parts; without those of the rotation, three.
-    Sigmas(Vec<usize>),
-    /// Column of each element of the upper triangle, row by row, of three or six parts.
-    Triangle(Vec<usize>),
+    Sigmas,
+    /// The upper triangle, row by row, of three or six parts.
+    Triangle,
     /// The 36 elements of a message's matrix, row by row.
-    Message(Vec<usize>),
+    Message,
 }
 
 impl CovarianceColumns {
+    fn new(elements: CovarianceElements, columns: Vec<usize>) -> Self {
+        let factors = vec![1.0; columns.len()];
+        Self { elements, columns, factors }
+    }
+
+    pub fn indices(&self) -> Vec<usize> {
+        self.columns.clone()
+    }
+
+    /// Reads the units of the columns in their names.
+    ///
+    /// # Errors
+    /// If a unit is unknown.
+    pub fn with_units(mut self, headers: &[&str]) -> Result<Self, String> {
+        for (index, column) in self.columns.iter().enumerate() {
+            let name = headers[*column];
+            self.factors[index] = match self.elements {
+                CovarianceElements::Sigmas if index < 3 => length_unit_m(name)?,
+                CovarianceElements::Sigmas => angle_unit_rad(name)?.unwrap_or(1.0),
+                CovarianceElements::Triangle => {
+                    let parts = if self.columns.len() == 6 { 3 } else { 6 };
+                    let (row, column) = upper_triangle(parts).nth(index).unwrap_or_default();
+                    square_unit(name, [row >= 3, column >= 3])?
+                }
+                CovarianceElements::Message => square_unit(name, [index / 6 >= 3, index % 6 >= 3])?,
+            };
+        }
+        Ok(self)
+    }
+
     /// Finds the columns by their names without units, in lower case; the full covariance precedes standard deviations.
     pub fn named(find: &dyn Fn(&str) -> Option<usize>) -> Option<Self> {
         let all = |names: &[String]| -> Option<Vec<usize>> {
@@ -36,7 +76,7 @@ impl CovarianceColumns {
         for prefix in ["pose_covariance", "pose_covariance_", "covariance", "covariance_"] {
             let names: Vec<String> = (0..36).map(|index| format!("{prefix}{index}")).collect();
             if let Some(columns) = all(&names) {
-                return Some(Self::Message(columns));
+                return Some(Self::new(CovarianceElements::Message, columns));
             }
         }
         for count in [6, 3] {
@@ -45,7 +85,7 @@ impl CovarianceColumns {
                     .map(|(row, column)| format!("cov_{}{between}{}", PARTS[row], PARTS[column]))
                     .collect();
                 if let Some(columns) = all(&names) {
-                    return Some(Self::Triangle(columns));
+                    return Some(Self::new(CovarianceElements::Triangle, columns));
                 }
             }
         }
@@ -54,7 +94,7 @@ impl CovarianceColumns {
                 let names: Vec<String> =
                     PARTS[..count].iter().map(|part| format!("{prefix}{part}")).collect();
                 if let Some(columns) = all(&names) {
-                    return Some(Self::Sigmas(columns));
+                    return Some(Self::new(CovarianceElements::Sigmas, columns));
                 }
             }
         }
@@ -67,31 +107,32 @@ impl CovarianceColumns {
         fields: &[Cow<'_, str>],
         separator: char,
     ) -> Result<Option<PoseCovariance>, String> {
-        let values = |columns: &[usize]| -> Result<Vec<f64>, String> {
-            let value = |column: &usize| {
-                let field = fields.get(*column).map_or("", AsRef::as_ref);
-                number(field, separator != ',')
-                    .map_err(|what| format!("covariance `{}` {what}", table::shown(field)))
-            };
-            columns.iter().map(value).collect()
+        let value = |(column, factor): (&usize, &f64)| {
+            let field = fields.get(*column).map_or("", AsRef::as_ref);
+            number(field, separator != ',')
+                .map(|value| factor * value)
+                .map_err(|what| format!("covariance `{}` {what}", table::shown(field)))
         };
+        let values: Result<Vec<f64>, String> =
+            self.columns.iter().zip(&self.factors).map(value).collect();
+        let values = values?;
         let mut matrix = Matrix6::zeros();
-        let parts = match self {
-            Self::Sigmas(columns) => {
-                for (part, sigma) in values(columns)?.into_iter().enumerate() {
+        let parts = match self.elements {
+            CovarianceElements::Sigmas => {
+                for (part, sigma) in values.iter().enumerate() {
                     matrix[(part, part)] = sigma * sigma;
                 }
-                columns.len()
+                values.len()
             }
-            Self::Triangle(columns) => {
-                let parts = if columns.len() == 6 { 3 } else { 6 };
-                for ((row, column), value) in upper_triangle(parts).zip(values(columns)?) {
+            CovarianceElements::Triangle => {
+                let parts = if values.len() == 6 { 3 } else { 6 };
+                for ((row, column), value) in upper_triangle(parts).zip(values) {
                     matrix[(row, column)] = value;
                     matrix[(column, row)] = value;
                 }
                 parts
             }
-            Self::Message(columns) => return Ok(of_message(&values(columns)?)),
+            CovarianceElements::Message => return Ok(of_message(&values)),
         };
         Ok(of_matrix(&matrix, parts))
     }

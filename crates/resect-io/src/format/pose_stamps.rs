@@ -87,6 +87,15 @@ impl TimeColumns {
             })
     }
 
+    pub fn indices(self) -> Vec<usize> {
+        match self {
+            Self::One(column, _) | Self::GpsCalendar(column) => vec![column],
+            Self::SecondsAndNanoseconds(first, second)
+            | Self::DateAndTime(first, second, _)
+            | Self::WeekAndSeconds(first, second) => vec![first, second],
+        }
+    }
+
     /// Returns the stamp in a row, or the reason why it is none.
     pub fn stamp(&self, fields: &[Cow<'_, str>], separator: char) -> Result<Stamp, String> {
         let field = |column: usize| {

@@ -7,8 +7,11 @@ use std::borrow::Cow;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::pose_covariance::CovarianceColumns;
-use super::pose_stamps::{self, Stamp, TimeColumns, plain_name, unit_of_time};
+use super::orientation_columns::{
+    GuessedAngleUnit, OrientationColumns, from_roll_pitch_yaw, guessed_angle_unit,
+};
+use super::pose_columns::{PoseColumns, is_header, named, without_header};
+use super::pose_stamps::{self, Stamp};
 use super::table::{self, header_line, number, uncommented};
 use crate::error::OpenError;
 use crate::skipped_rows::SkippedRows;
@@ -24,16 +27,6 @@ pub const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with 
                        timestamp, x, y, z and optionally qx, qy, qz, qw, or a bag with Odometry, PoseStamped or /tf";
 const NAME_THE_COLUMNS: &str =
     "name the columns in a first line, such as timestamp,x,y,z,qx,qy,qz,qw";
-
-/// Indices of the columns of a pose.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct PoseColumns {
-    time: TimeColumns,
-    position: [usize; 3],
-    /// x, y, z, w.
-    orientation: Option<[usize; 4]>,
-    covariance: Option<CovarianceColumns>,
-}
 
 /// Layout of a table: the columns, and their source.
 #[derive(Debug)]
@@ -59,16 +52,22 @@ pub struct PoseTable {
     pub guessed: Option<&'static str>,
     /// True if seconds and nanoseconds were joined without leading zeros, which is corrected.
     pub are_joined: bool,
+    /// Meaning of columns that their names leave open, and names of columns that are not read.
+    pub column_guess: Option<&'static str>,
+    pub unread_columns: Vec<String>,
+    /// Unit of roll, pitch and yaw, if no name states it.
+    pub angle_unit: Option<GuessedAngleUnit>,
 }
 
 /// Returns the layout of a text that begins with `head`, or the line and the reason why it is no table of poses.
 pub fn layout(head: &str) -> Result<PoseLayout, (usize, String)> {
-    if let Some(header) = header_line(head, |line| named(uncommented(line)).is_some()) {
+    if let Some(header) = header_line(head, |line| is_header(uncommented(line))) {
         let names = uncommented(header);
-        let columns = named(names).expect("the header has been found by its names");
+        let line = head.lines().position(|line| line == header).map_or(0, |index| index + 1);
+        let columns = named(names).map_err(|what| (line, what))?;
+        let columns = columns.expect("the header has been found by its names");
         let separator = table::separator(names);
         let is_comment = header.trim_start().starts_with('#');
-        let line = head.lines().position(|line| line == header).map_or(0, |index| index + 1);
         let count = table::fields(names, separator).map_or(0, |names| names.len());
         let header_fields = (!is_comment).then_some(count);
         return Ok(PoseLayout {
@@ -90,7 +89,7 @@ pub fn layout(head: &str) -> Result<PoseLayout, (usize, String)> {
 
 /// Returns true if a header has the columns of poses.
 pub fn names_poses(header: &str) -> bool {
-    named(header).is_some()
+    is_header(header)
 }
 
 impl PoseLayout {
@@ -142,13 +141,37 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
     }
     let stamps = rows.iter().map(|row| row.stamp).collect();
     let (times_s, are_joined) = pose_stamps::times_s(layout.columns.time, stamps);
+    let angle_unit = match layout.columns.orientation {
+        Some(OrientationColumns::RollPitchYaw(_, None)) => {
+            Some(guessed_angle_unit(rows.iter().filter_map(|row| row.roll_pitch_yaw)))
+        }
+        _ => None,
+    };
+    let stated_rad = match layout.columns.orientation {
+        Some(OrientationColumns::RollPitchYaw(_, unit_rad)) => unit_rad,
+        _ => None,
+    };
+    let unit_rad = stated_rad.or(angle_unit.map(|guess| guess.unit_rad)).unwrap_or(1.0);
     let pose = |(row, time_s): (PoseRow, f64)| {
-        let pose =
-            EstimatedPose { time_s, position_m: row.position_m, orientation: row.orientation };
+        let angles = || Some(from_roll_pitch_yaw(&(unit_rad * row.roll_pitch_yaw?)));
+        let pose = EstimatedPose {
+            time_s,
+            position_m: row.position_m,
+            orientation: row.orientation.or_else(angles),
+        };
         (pose, row.covariance)
     };
     let poses = rows.into_iter().zip(times_s).map(pose).collect();
-    Ok(PoseTable { poses, rough_quaternions: rough, skipped, guessed: layout.guessed, are_joined })
+    Ok(PoseTable {
+        poses,
+        rough_quaternions: rough,
+        skipped,
+        guessed: layout.guessed,
+        are_joined,
+        column_guess: layout.columns.guess,
+        unread_columns: layout.columns.unread,
+        angle_unit,
+    })
 }
 
 /// One row of a table.
@@ -156,6 +179,8 @@ struct PoseRow {
     stamp: Stamp,
     position_m: Vector3<f64>,
     orientation: Option<UnitQuaternion<f64>>,
+    /// In the unit of the file.
+    roll_pitch_yaw: Option<Vector3<f64>>,
     /// Length before normalisation; 1 without an orientation.
     quaternion_length: f64,
     covariance: Option<PoseCovariance>,
@@ -204,7 +229,8 @@ impl PoseColumns {
         };
         let stamp = self.time.stamp(fields, separator)?;
         let [x, y, z] = self.position;
-        let position_m = Vector3::new(value(x)?, value(y)?, value(z)?);
+        let position = Vector3::new(value(x)?, value(y)?, value(z)?);
+        let position_m = position.component_mul(&Vector3::from(self.length_m));
         if position_m.amax() > LARGEST_M {
             return Err("the position is farther away than any planet".to_owned());
         }
@@ -212,135 +238,26 @@ impl PoseColumns {
             Some(columns) => columns.covariance(fields, separator)?,
             None => None,
         };
-        let Some([x, y, z, w]) = self.orientation else {
-            let quaternion_length = 1.0;
-            return Ok(PoseRow {
-                stamp,
-                position_m,
-                orientation: None,
-                quaternion_length,
-                covariance,
-            });
+        let (orientation, roll_pitch_yaw, quaternion_length) = match self.orientation {
+            None => (None, None, 1.0),
+            Some(OrientationColumns::RollPitchYaw([roll, pitch, yaw], _)) => {
+                (None, Some(Vector3::new(value(roll)?, value(pitch)?, value(yaw)?)), 1.0)
+            }
+            Some(OrientationColumns::Quaternion([x, y, z, w])) => {
+                let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
+                if raw.norm() < 1e-3 {
+                    return Err("the quaternion is zero".to_owned());
+                }
+                (Some(UnitQuaternion::from_quaternion(raw)), None, raw.norm())
+            }
         };
-        let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
-        let quaternion_length = raw.norm();
-        if quaternion_length < 1e-3 {
-            return Err("the quaternion is zero".to_owned());
-        }
-        let orientation = Some(UnitQuaternion::from_quaternion(raw));
-        Ok(PoseRow { stamp, position_m, orientation, quaternion_length, covariance })
+        Ok(PoseRow {
+            stamp,
+            position_m,
+            orientation,
+            roll_pitch_yaw,
+            quaternion_length,
+            covariance,
+        })
     }
-}
-
-/// Returns the columns by the names in a header; `None` without time or position.
-fn named(header: &str) -> Option<PoseColumns> {
-    let names = table::fields(header, table::separator(header)).ok()?;
-    let units: Vec<Option<u32>> = names.iter().map(|name| unit_of_time(name)).collect();
-    let names: Vec<String> = names.iter().map(|name| plain_name(name)).collect();
-    let find = |wanted: &str| names.iter().position(|name| name == wanted);
-    let axis = |prefixes: &[&str], axis: &str| {
-        prefixes.iter().find_map(|prefix| find(&format!("{prefix}{axis}")))
-    };
-    const POSITION: [&str; 13] = [
-        "",
-        "t",
-        "p",
-        "p_",
-        "t_",
-        "pos_",
-        "position_",
-        "translation_",
-        "p_rs_r_",
-        "pose_position_",
-        "pose_pose_position_",
-        "transform_translation_",
-        "point_",
-    ];
-    const ORIENTATION: [&str; 10] = [
-        "q",
-        "q_",
-        "q_rs_",
-        "quat_",
-        "orientation_",
-        "rotation_",
-        "pose_orientation_",
-        "pose_pose_orientation_",
-        "transform_rotation_",
-        "quaternion_",
-    ];
-    let time = TimeColumns::named(&find, &units)?;
-    let position = match ["x", "y", "z"].map(|name| axis(&POSITION, name)) {
-        [Some(x), Some(y), Some(z)] => [x, y, z],
-        _ => map_coordinates(&find)?,
-    };
-    let orientation = match ["x", "y", "z", "w"].map(|name| axis(&ORIENTATION, name)) {
-        [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
-        _ => None,
-    };
-    let covariance = CovarianceColumns::named(&find);
-    Some(PoseColumns { time, position, orientation, covariance })
-}
-
-/// Returns the columns of map coordinates: east, north and height.
-fn map_coordinates(find: &dyn Fn(&str) -> Option<usize>) -> Option<[usize; 3]> {
-    const EAST_NORTH: [[&str; 2]; 3] = [["easting", "northing"], ["east", "north"], ["e", "n"]];
-    const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "z"];
-    let (east, north) =
-        EAST_NORTH.into_iter().find_map(|[east, north]| find(east).zip(find(north)))?;
-    Some([east, north, HEIGHTS.into_iter().find_map(find)?])
-}
-
-/// Returns the columns of a row without a header, and the name of the layout unless it is TUM's or positions.
-fn without_header(
-    fields: &[Cow<'_, str>],
-    separator: char,
-) -> Result<(PoseColumns, Option<&'static str>), String> {
-    let numbers: Vec<Option<f64>> =
-        fields.iter().map(|field| number(field, separator != ',').ok()).collect();
-    let at = |time, first: usize, orientation: Option<[usize; 4]>| PoseColumns {
-        time,
-        position: [first, first + 1, first + 2],
-        orientation,
-        covariance: None,
-    };
-    let one = TimeColumns::One(0, None);
-    let pair = TimeColumns::SecondsAndNanoseconds(0, 1);
-    let is_text = |index: usize| numbers.get(index).is_some_and(Option::is_none);
-    let are_numbers =
-        |from: usize| numbers.len() > from && numbers[from..].iter().all(Option::is_some);
-    let is_nanoseconds = numbers.first().copied().flatten().is_some_and(|t| t.abs() > 1e15);
-    let count = match fields.last() {
-        Some(last) if last.is_empty() => fields.len() - 1,
-        _ => fields.len(),
-    };
-    let quaternion_from = |first: usize| Some([first, first + 1, first + 2, first + 3]);
-    Ok(match count {
-        8 | 17 if separator == ',' && is_nanoseconds && are_numbers(1) => {
-            (at(one, 1, Some([5, 6, 7, 4])), Some("EuRoC: time, x, y, z, qw, qx, qy, qz"))
-        }
-        8 if are_numbers(1) => (at(one, 1, quaternion_from(4)), None),
-        4 if are_numbers(1) => (at(one, 1, None), None),
-        10.. if separator == ',' && is_text(2) && !is_text(3) => (
-            at(pair, 3, quaternion_from(6)),
-            Some("ros2 topic echo --csv: sec, nanosec, frame, pose"),
-        ),
-        11.. if separator == ',' && is_text(2) && is_text(3) => (
-            at(pair, 4, quaternion_from(7)),
-            Some("ros2 topic echo --csv: sec, nanosec, frames, pose"),
-        ),
-        6 if separator == ',' && is_text(2) && !is_text(3) => {
-            (at(pair, 3, None), Some("ros2 topic echo --csv: sec, nanosec, frame, point"))
-        }
-        _ if is_text(0) => {
-            return Err(format!(
-                "the header `{}` has no columns of poses",
-                shown_row(fields, separator)
-            ));
-        }
-        count => return Err(format!("{count} fields without a header do not form a pose")),
-    })
-}
-
-fn shown_row(fields: &[Cow<'_, str>], separator: char) -> String {
-    table::shown(&fields.join(&separator.to_string()))
 }

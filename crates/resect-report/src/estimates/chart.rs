@@ -39,9 +39,10 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
         for span in &one.odd {
             let [start, end] = span.span_s.map(|time_s| plot.place(time_s - start_s, 0.0)[0]);
             let ink = match span.odd_one {
-                OddOne::Estimate | OddOne::EstimateOrClock | OddOne::Undecided => {
-                    Ink::Rgb(palette::METRICS[1])
-                }
+                OddOne::Estimate
+                | OddOne::EstimateOrClock
+                | OddOne::Convention
+                | OddOne::Undecided => Ink::Rgb(palette::METRICS[1]),
                 OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => {
                     Ink::Rgb(palette::METRICS[0])
                 }

@@ -149,7 +149,7 @@ fn odd(span: &OddSpan) -> Value {
         "rotation_rad": span.rotation_rad,
         "wrong": match span.odd_one {
             OddOne::Estimate => "estimate",
-            OddOne::Undecided | OddOne::EstimateOrClock => "undecided",
+            OddOne::Undecided | OddOne::EstimateOrClock | OddOne::Convention => "undecided",
             OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => "ground-truth",
         },
         "station": span.station.map(|station| station + 1),
@@ -157,6 +157,7 @@ fn odd(span: &OddSpan) -> Value {
             OddOne::Estimate if span.by_readings && span.by_rig => "the readings agree with the rig",
             OddOne::Estimate if span.by_readings => "the readings agree with each other",
             OddOne::Estimate => "another estimate agrees with the ground truth",
+            OddOne::Convention => "the estimate seems to have another convention",
             OddOne::Undecided => "neither has redundant readings",
             OddOne::EstimateOrClock => "a shift of the clock that all stations share explains it as well",
             OddOne::Readings if span.by_rig => "the readings contradict the rig",

@@ -136,6 +136,9 @@ pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> Str
         OddOne::Estimate => {
             "the estimate is wrong: another estimate agrees with the ground truth".to_owned()
         }
+        OddOne::Convention => {
+            "the estimate's file seems to have another convention: see its findings".to_owned()
+        }
         OddOne::Undecided => {
             "one of the two is wrong; another estimate at these times would show which".to_owned()
         }

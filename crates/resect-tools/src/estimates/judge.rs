@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::agreement::{AgreeingPair, agreements};
 use super::association::is_denser;
+use super::convention_checks::{self, ComparedEstimate, CopiedEstimate};
 use super::errors::{self, EpochError};
 use super::fit::{self, Fit};
 use super::ground_truth::GroundTruth;
@@ -11,10 +12,11 @@ use super::judged::{Coverage, Judged, UnalignedErrors};
 use super::matched_pose::{MatchedPose, TruePose, consistent};
 use super::metrics::{self, Ape, RELATIVE_M};
 use super::odd::{self, OddOne, OddSpan};
-use super::options::Options;
+use super::options::{Body, Options};
 use super::ranking::{self, PairComparison};
 use super::unjudged::Unjudged;
-use resect_core::deployment::{EstimatedTrajectory, names_of_trajectories};
+use crate::findings::conventions::estimate_copy;
+use resect_core::deployment::{EstimatedTrajectory, Finding, Severity, names_of_trajectories};
 use resect_core::geometry::RigidTransform;
 
 /// All estimates, and the comparisons between them.
@@ -44,16 +46,46 @@ pub fn judge(
             Err(why) => unjudged.push((name, why)),
         }
     }
+    let copies = copies(&mut compared);
+    let sources = convention_checks::sources(&copies);
     let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
-    let agreements = agreements(&by_sound);
-    let mut odd: Vec<Vec<OddSpan>> =
-        (0..by_sound.len()).map(|own| odd::spans(own, &by_sound, &compared[own].truths)).collect();
+    let mut agreements = agreements(&by_sound);
+    agreements.retain(|pair| pair.estimates.iter().all(|index| copies[*index].is_none()));
+    let mut odd: Vec<Vec<OddSpan>> = (0..by_sound.len())
+        .map(|own| odd::spans(own, (&by_sound, &sources), &compared[own].truths))
+        .collect();
     for (one, odd) in compared.iter().zip(&mut odd) {
         attribute_to_stations(truth, &one.judged, odd);
+        let is_estimate = |span: &&mut OddSpan| span.odd_one == OddOne::Estimate;
+        if one.has_other_convention {
+            odd.iter_mut().filter(is_estimate).for_each(|span| span.odd_one = OddOne::Convention);
+        }
     }
     let judged: Vec<Judged> =
         compared.into_iter().zip(odd).map(|(one, odd)| Judged { odd, ..one.judged }).collect();
     EstimatesJudgement { comparisons: ranking::compare(&judged), agreements, judged, unjudged }
+}
+
+/// Returns the estimates that are copies of others, and adds a finding to each.
+fn copies(compared: &mut [FittedEstimate]) -> Vec<Option<CopiedEstimate>> {
+    let all: Vec<ComparedEstimate<'_>> = compared
+        .iter()
+        .map(|FittedEstimate { judged, .. }| ComparedEstimate {
+            poses: &judged.estimate.poses,
+            time_offset_s: judged.fit.time_offset_s,
+            rmse_m: judged.position.rmse,
+        })
+        .collect();
+    let copies = convention_checks::copies(&all);
+    for (index, copy) in copies.iter().enumerate() {
+        let Some(copy) = copy else { continue };
+        let original = compared[copy.original].judged.estimate.name.clone();
+        let judged = &mut compared[index].judged;
+        let differences_m = [copy.apart_m, judged.position.rmse];
+        let finding = estimate_copy(&judged.estimate.name, &original, differences_m);
+        judged.fit.findings.push(finding);
+    }
+    copies
 }
 
 /// Adds the spans in which the readings of a deployment were rejected, and names the station whose readings are wrong.
@@ -80,14 +112,17 @@ struct FittedEstimate {
     /// Errors after aligning on self-consistent epochs only. A ground truth that is metres off for some seconds rotates the
     /// frame of evo's alignment, and would make the estimate seem wrong elsewhere.
     by_sound: Vec<EpochError>,
+    /// True if the estimate's file seems to have another convention than the one with which it was read.
+    has_other_convention: bool,
 }
 
 fn judge_one(
     truth: &GroundTruth<'_>,
-    estimate: EstimatedTrajectory,
+    mut estimate: EstimatedTrajectory,
     options: Options,
 ) -> Result<FittedEstimate, Unjudged> {
-    let (fit, matched) = fit::fit(truth, &estimate, &options)?;
+    let ConventionalFit { fit, matched, has_other_convention } =
+        fit_with_convention(truth, &mut estimate, &options)?;
     let coverage = match truth {
         GroundTruth::Trajectory(truth, _) if !is_denser(&truth.poses, &estimate.poses) => {
             Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
@@ -120,7 +155,44 @@ fn judge_one(
         relative,
     };
     let truths = matched.into_iter().map(|pair| pair.truth).collect();
-    Ok(FittedEstimate { judged, truths, by_sound })
+    Ok(FittedEstimate { judged, truths, by_sound, has_other_convention })
+}
+
+/// A fit of an estimate with the stated convention.
+struct ConventionalFit {
+    fit: Fit,
+    matched: Vec<MatchedPose>,
+    has_other_convention: bool,
+}
+
+/// Applies the stated convention, fits the estimate, and adds findings about conventions that it seems to have besides.
+fn fit_with_convention(
+    truth: &GroundTruth<'_>,
+    estimate: &mut EstimatedTrajectory,
+    options: &Options,
+) -> Result<ConventionalFit, Unjudged> {
+    options.convention.apply(estimate);
+    let early = convention_checks::before_fit(truth, estimate, options)?;
+    let said = || {
+        let messages: Vec<String> = early.findings.iter().map(Finding::to_string).collect();
+        messages.join("; ")
+    };
+    // Options that leave nothing to estimate are those of evo, whose numbers are wanted as they are.
+    let is_estimated = options.time_offset_s.is_none() || options.body == Body::Found;
+    if early.is_other_unit && is_estimated {
+        return Err(Unjudged::OtherConvention(said()));
+    }
+    let (mut fit, matched) = match fit::fit(truth, estimate, options) {
+        Err(why) if !early.findings.is_empty() => {
+            return Err(Unjudged::OtherConvention(format!("{why}; {}", said())));
+        }
+        fitted => fitted?,
+    };
+    let late = convention_checks::after_fit(estimate, &matched, &fit, options);
+    let mut suspicions = early.findings.iter().chain(&late);
+    let has_other_convention = suspicions.any(|finding| finding.severity == Severity::Warning);
+    fit.findings.extend(early.findings.into_iter().chain(late));
+    Ok(ConventionalFit { fit, matched, has_other_convention })
 }
 
 fn ape_of(errors: &[EpochError]) -> Ape {

@@ -14,6 +14,8 @@
 mod agreement;
 mod association;
 mod common_errors;
+mod convention_checks;
+pub mod conventions;
 pub mod errors;
 pub mod fit;
 mod ground_truth;

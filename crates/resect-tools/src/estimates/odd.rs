@@ -33,6 +33,8 @@ const AGREE: f64 = 0.4;
 pub enum OddOne {
     /// The readings agree with the rig there, or other estimates agree with the ground truth.
     Estimate,
+    /// The estimate's file has another convention, which its findings name.
+    Convention,
     /// A single estimate contradicts a trajectory, which has no redundant readings.
     Undecided,
     /// A single estimate contradicts readings that agree with the rig, but a shift of the recorder's clock, which all stations share,
@@ -122,8 +124,13 @@ pub fn station_at_fault(
 
 /// Spans in which one of the estimates contradicts the ground truth, without stations; `truths` are at the times of its errors.
 ///
-/// Estimates drift, so the drift is subtracted from their errors.
-pub fn spans(own: usize, all: &[&[EpochError]], truths: &[TruePose]) -> Vec<OddSpan> {
+/// Estimates drift, so the drift is subtracted from their errors. `sources` has the index of the estimate whose poses each one has:
+/// copies count once among those that agree.
+pub fn spans(
+    own: usize,
+    (all, sources): (&[&[EpochError]], &[usize]),
+    truths: &[TruePose],
+) -> Vec<OddSpan> {
     let all: Vec<Vec<EpochError>> = all.iter().map(|errors| without_drift(errors)).collect();
     let errors = &all[own][..];
     let usual = Usual::of(errors);
@@ -154,7 +161,7 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[TruePose]) -> Vec<OddS
                 median(span.iter().filter_map(|index| errors[*index].contradiction_m))
                     .unwrap_or_default();
             let others: Vec<f64> = (0..all.len())
-                .filter(|other| *other != own)
+                .filter(|other| sources[*other] == *other && sources[*other] != sources[own])
                 .filter_map(|other| difference(&span, errors, &all[other]))
                 .collect();
             let agreeing = others.iter().filter(|apart| **apart < AGREE).count();

@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::conventions::Convention;
+
 /// Options of the alignment of an estimate with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
@@ -12,6 +14,9 @@ pub struct Options {
     pub body: Body,
     #[serde(default)]
     pub association: Association,
+    /// Convention of the estimate's file, which is applied before the comparison.
+    #[serde(default, skip_serializing_if = "Convention::is_as_read")]
+    pub convention: Convention,
 }
 
 impl Options {
@@ -33,6 +38,7 @@ impl Default for Options {
             time_offset_s: None,
             body: Body::Found,
             association: Association::Interpolated,
+            convention: Convention::AS_READ,
         }
     }
 }

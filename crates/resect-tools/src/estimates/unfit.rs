@@ -40,11 +40,12 @@ pub enum Unfit {
     OtherScale(f64),
     #[error(
         "its positions are mirrored: with one axis reversed they fit {0:.0} times better; check that x, y, z are right-handed, \
-         for example that east and north are not exchanged"
+         for example that east and north are not exchanged (--convention axes=yxz)"
     )]
     Mirrored(f64),
     #[error(
-        "its poses are inverse: those of the world in the body fit {0:.0} times better; write the poses of the body in the world"
+        "its poses are inverse: those of the world in the body fit {0:.0} times better; write the poses of the body in the world \
+         (--convention inverse-poses)"
     )]
     Inverse(f64),
     #[error("a lever arm needs orientations; neither the estimate nor the ground truth has any")]

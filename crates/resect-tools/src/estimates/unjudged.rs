@@ -12,6 +12,9 @@ pub enum Unjudged {
     NoReference(#[from] NoTrajectory),
     #[error("{name}: {why}")]
     Unfit { name: String, why: Unfit },
+    /// Another convention explains why; messages of the findings.
+    #[error("{0}")]
+    OtherConvention(String),
 }
 
 impl Unjudged {
@@ -22,7 +25,7 @@ impl Unjudged {
                 Some(Remedy::JointEstimate)
             }
             Self::NoReference(NoTrajectory::NoRig(_)) => Some(Remedy::GiveRig),
-            Self::NoReference(_) | Self::Unfit { .. } => None,
+            Self::NoReference(_) | Self::Unfit { .. } | Self::OtherConvention(_) => None,
         };
         estimate_not_judged(&self.to_string(), remedy)
     }

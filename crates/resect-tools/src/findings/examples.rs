@@ -1,9 +1,10 @@
 //! One example of each finding of this crate.
 
-use super::{planning, studies, validation};
+use super::{conventions, planning, studies, validation};
 use resect_core::deployment::Finding;
 
 /// An example of each kind of finding that this crate makes.
 pub fn examples() -> Vec<Finding> {
-    [planning::examples(), studies::examples(), validation::examples()].concat()
+    [planning::examples(), conventions::examples(), studies::examples(), validation::examples()]
+        .concat()
 }

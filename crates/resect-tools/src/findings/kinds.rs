@@ -15,6 +15,26 @@ resect_core::finding_kinds! {
     ESTIMATE_FEW_POINTS = "estimate-few-points", Note;
     /// A trajectory cannot be compared with the ground truth.
     ESTIMATE_NOT_JUDGED = "estimate-not-judged", Problem, TRAJECTORY;
+    /// The orientations of a trajectory follow the ground truth in another convention only.
+    ESTIMATE_ORIENTATION_CONVENTION = "estimate-orientation-convention", Warning;
+    /// A trajectory or its ground truth has another unit of length than metres.
+    ESTIMATE_UNIT = "estimate-unit", Warning;
+    /// A trajectory has a slightly different scale all over the drive.
+    ESTIMATE_SCALE_DIFFERS = "estimate-scale-differs", Note;
+    /// The stamps of a trajectory have another unit, or its clock another rate.
+    ESTIMATE_CLOCK_RATE = "estimate-clock-rate", Warning;
+    /// The poses of a trajectory are held until the next.
+    ESTIMATE_POSES_HELD = "estimate-poses-held", Warning;
+    /// The poses of a trajectory are interpolated between others.
+    ESTIMATE_POSES_INTERPOLATED = "estimate-poses-interpolated", Note;
+    /// Poses of a trajectory are zeros that were never set.
+    ESTIMATE_POSES_UNSET = "estimate-poses-unset", Warning;
+    /// The poses of a trajectory are those of two bodies.
+    ESTIMATE_BODIES_MIXED = "estimate-bodies-mixed", Warning;
+    /// A trajectory is a copy of another one.
+    ESTIMATE_COPY = "estimate-copy", Note;
+    /// A trajectory and its ground truth seem to be exchanged.
+    ESTIMATE_EXCHANGED = "estimate-exchanged", Note;
     /// A deployment of a study cannot be judged, and was left out.
     DEPLOYMENT_LEFT_OUT = "deployment-left-out", Warning;
 

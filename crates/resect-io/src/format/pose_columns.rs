@@ -1,0 +1,176 @@
+//! Columns of a table of poses: by the names in a header, or by a fixed layout without one.
+
+use std::borrow::Cow;
+
+use super::column_units::{counts_per_second, length_unit_m, without_unit};
+use super::orientation_columns::{OrientationColumns, named_orientation, unread_columns};
+use super::pose_covariance::CovarianceColumns;
+use super::pose_stamps::TimeColumns;
+use super::table::{self, number};
+
+/// Indices of the columns of a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseColumns {
+    pub time: TimeColumns,
+    pub position: [usize; 3],
+    /// Unit of each coordinate (m).
+    pub length_m: [f64; 3],
+    pub orientation: Option<OrientationColumns>,
+    pub covariance: Option<CovarianceColumns>,
+    /// Meaning of columns that their names leave open.
+    pub guess: Option<&'static str>,
+    /// Names of columns of an orientation or covariance that are not read.
+    pub unread: Vec<String>,
+}
+
+const POSITION: [&str; 13] = [
+    "",
+    "t",
+    "p",
+    "p_",
+    "t_",
+    "pos_",
+    "position_",
+    "translation_",
+    "p_rs_r_",
+    "pose_position_",
+    "pose_pose_position_",
+    "transform_translation_",
+    "point_",
+];
+/// Returns true if a header names time and position.
+pub fn is_header(header: &str) -> bool {
+    let Ok(fields) = table::fields(header, table::separator(header)) else { return false };
+    let names: Vec<String> = fields.iter().map(|name| without_unit(name)).collect();
+    let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
+    time_columns(&names, &headers).is_some() && position_columns(&names).is_some()
+}
+
+/// Returns the columns of time, with the units that the names state.
+fn time_columns(names: &[String], headers: &[&str]) -> Option<TimeColumns> {
+    let units: Vec<Option<u32>> =
+        headers.iter().map(|header| counts_per_second(header).ok().flatten()).collect();
+    TimeColumns::named(&|wanted| names.iter().position(|name| name == wanted), &units)
+}
+
+fn position_columns(names: &[String]) -> Option<[usize; 3]> {
+    let axis = |prefixes: &[&str], axis: &str| {
+        let find = |wanted: String| names.iter().position(|name| *name == wanted);
+        prefixes.iter().find_map(|prefix| find(format!("{prefix}{axis}")))
+    };
+    let columns = |prefixes: &[&str]| {
+        let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|name| axis(prefixes, name)) else {
+            return None;
+        };
+        Some([x, y, z])
+    };
+    // Beside w, plain letters are a quaternion if another name is a position.
+    let is_quaternion = names.iter().any(|name| name == "w");
+    let with_prefix = is_quaternion.then(|| columns(&POSITION[1..])).flatten();
+    with_prefix.or_else(|| columns(&POSITION)).or_else(|| map_coordinates(names))
+}
+
+/// Returns the columns of map coordinates: east, north and height.
+fn map_coordinates(names: &[String]) -> Option<[usize; 3]> {
+    const EAST_NORTH: [[&str; 2]; 3] = [["easting", "northing"], ["east", "north"], ["e", "n"]];
+    const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "z"];
+    let find = |wanted: &str| names.iter().position(|name| name == wanted);
+    let (east, north) =
+        EAST_NORTH.into_iter().find_map(|[east, north]| find(east).zip(find(north)))?;
+    Some([east, north, HEIGHTS.into_iter().find_map(find)?])
+}
+
+/// Returns the columns by the names in a header; `None` without time or position.
+///
+/// # Errors
+/// If a name states a unit that is not read.
+pub fn named(header: &str) -> Result<Option<PoseColumns>, String> {
+    let fields = table::fields(header, table::separator(header))?;
+    let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
+    let names: Vec<String> = headers.iter().map(|name| without_unit(name)).collect();
+    let (Some(time), Some(position)) = (time_columns(&names, &headers), position_columns(&names))
+    else {
+        return Ok(None);
+    };
+    if let TimeColumns::One(column, _) = time {
+        // A unit that is not read is refused.
+        counts_per_second(headers[column])?;
+    }
+    let mut length_m = [1.0; 3];
+    for (length_m, column) in length_m.iter_mut().zip(position) {
+        *length_m = length_unit_m(headers[column])?;
+    }
+    let orientation = named_orientation(&names, &headers, &|column| position.contains(&column))?;
+    let (orientation, guess) = match orientation {
+        Some(named) => (Some(named.columns), named.guess),
+        None => (None, None),
+    };
+    let find = |wanted: &str| names.iter().position(|name| name == wanted);
+    let covariance =
+        CovarianceColumns::named(&find).map(|columns| columns.with_units(&headers)).transpose()?;
+    let mut used = time.indices();
+    used.extend(position);
+    used.extend(orientation.iter().flat_map(OrientationColumns::indices));
+    used.extend(covariance.iter().flat_map(CovarianceColumns::indices));
+    let unread = unread_columns(&headers, &names, &used, orientation.is_some());
+    Ok(Some(PoseColumns { time, position, length_m, orientation, covariance, guess, unread }))
+}
+
+/// Returns the columns of a row without a header, and the name of the layout unless it is TUM's or positions.
+pub fn without_header(
+    fields: &[Cow<'_, str>],
+    separator: char,
+) -> Result<(PoseColumns, Option<&'static str>), String> {
+    let numbers: Vec<Option<f64>> =
+        fields.iter().map(|field| number(field, separator != ',').ok()).collect();
+    let columns_from = |time, first: usize, quaternion: Option<[usize; 4]>| PoseColumns {
+        time,
+        position: [first, first + 1, first + 2],
+        length_m: [1.0; 3],
+        orientation: quaternion.map(OrientationColumns::Quaternion),
+        covariance: None,
+        guess: None,
+        unread: Vec::new(),
+    };
+    let single = TimeColumns::One(0, None);
+    let pair = TimeColumns::SecondsAndNanoseconds(0, 1);
+    let is_text = |index: usize| numbers.get(index).is_some_and(Option::is_none);
+    let are_numbers =
+        |from: usize| numbers.len() > from && numbers[from..].iter().all(Option::is_some);
+    let is_nanoseconds = numbers.first().copied().flatten().is_some_and(|t| t.abs() > 1e15);
+    let count = match fields.last() {
+        Some(last) if last.is_empty() => fields.len() - 1,
+        _ => fields.len(),
+    };
+    let quaternion_from = |first: usize| Some([first, first + 1, first + 2, first + 3]);
+    Ok(match count {
+        8 | 17 if separator == ',' && is_nanoseconds && are_numbers(1) => (
+            columns_from(single, 1, Some([5, 6, 7, 4])),
+            Some("EuRoC: time, x, y, z, qw, qx, qy, qz"),
+        ),
+        8 if are_numbers(1) => (columns_from(single, 1, quaternion_from(4)), None),
+        4 if are_numbers(1) => (columns_from(single, 1, None), None),
+        10.. if separator == ',' && is_text(2) && !is_text(3) => (
+            columns_from(pair, 3, quaternion_from(6)),
+            Some("ros2 topic echo --csv: sec, nanosec, frame, pose"),
+        ),
+        11.. if separator == ',' && is_text(2) && is_text(3) => (
+            columns_from(pair, 4, quaternion_from(7)),
+            Some("ros2 topic echo --csv: sec, nanosec, frames, pose"),
+        ),
+        6 if separator == ',' && is_text(2) && !is_text(3) => {
+            (columns_from(pair, 3, None), Some("ros2 topic echo --csv: sec, nanosec, frame, point"))
+        }
+        _ if is_text(0) => {
+            return Err(format!(
+                "the header `{}` has no columns of poses",
+                shown_row(fields, separator)
+            ));
+        }
+        count => return Err(format!("{count} fields without a header do not form a pose")),
+    })
+}
+
+fn shown_row(fields: &[Cow<'_, str>], separator: char) -> String {
+    table::shown(&fields.join(&separator.to_string()))
+}

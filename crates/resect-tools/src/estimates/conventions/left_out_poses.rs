@@ -1,0 +1,34 @@
+//! Poses that a convention leaves out: repeats of the one before, and those that were never set.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
+
+/// Returns true if a pose has the position and the orientation of the one before.
+pub fn is_repeat(before: &EstimatedPose, pose: &EstimatedPose) -> bool {
+    before.position_m == pose.position_m && before.orientation == pose.orientation
+}
+
+/// Returns true if a pose is at the origin without rotation, as before it is set.
+pub fn is_unset(pose: &EstimatedPose) -> bool {
+    let is_identity = |orientation: UnitQuaternion<f64>| orientation == UnitQuaternion::identity();
+    pose.position_m == Vector3::zeros() && pose.orientation.is_none_or(is_identity)
+}
+
+/// Leaves out the poses for which a condition on the one before and on the pose is true, with their covariances.
+pub fn leave_out(
+    estimate: &mut EstimatedTrajectory,
+    is_left_out: impl Fn(Option<&EstimatedPose>, &EstimatedPose) -> bool,
+) {
+    let poses = std::mem::take(&mut estimate.poses);
+    let keep: Vec<bool> = (0..poses.len())
+        .map(|index| !is_left_out(index.checked_sub(1).map(|before| &poses[before]), &poses[index]))
+        .collect();
+    let kept = |index: &usize| keep[*index];
+    estimate.poses = (0..poses.len()).filter(kept).map(|index| poses[index]).collect();
+    if !estimate.covariances.is_empty() {
+        let covariances = &estimate.covariances;
+        estimate.covariances =
+            (0..poses.len()).filter(kept).map(|index| covariances[index]).collect();
+    }
+}
