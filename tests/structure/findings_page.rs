@@ -10,7 +10,7 @@ use resect_core::deployment::advice::{ADVICE, Advice};
 use resect_core::deployment::{FindingKind, Severity};
 
 /// Sections of the page, each with the code of its first kind.
-const SECTIONS: [(&str, &str); 25] = [
+const SECTIONS: [(&str, &str); 22] = [
     ("file-unreadable", "Files"),
     ("table-columns", "Readings"),
     ("bag-damaged", "Bags and tables"),
@@ -30,9 +30,6 @@ const SECTIONS: [(&str, &str); 25] = [
     ("noise-levels", "Instrument errors and distances"),
     ("tracks-aligned", "One prism, control points and resection"),
     ("estimate-clock-far-off", "Evaluation and studies"),
-    ("estimate-clock-stepped", "Evaluation and studies"),
-    ("estimate-clock-drifts", "Evaluation and studies"),
-    ("estimate-clock-wanders", "Evaluation and studies"),
     ("earlier-calibration-weak", "Validation and plans"),
     ("no-connection", "Live drive"),
     ("autosave-unavailable", "Window"),
