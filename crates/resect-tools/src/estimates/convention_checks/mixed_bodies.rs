@@ -81,7 +81,7 @@ pub fn mixed_bodies(poses: &[EstimatedPose]) -> Option<MixedBodies> {
     if between_m.len() < fewest || within_m.len() < FEWEST {
         return None;
     }
-    let (between_m, within_m) = (median(between_m.into_iter())?, median(within_m.into_iter())?);
+    let (between_m, within_m) = (median(between_m)?, median(within_m)?);
     let are_two = between_m > TIMES_LONGER * within_m;
     are_two.then_some(MixedBodies { poses: counts, between_m, within_m })
 }

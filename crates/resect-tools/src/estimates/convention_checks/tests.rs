@@ -154,9 +154,7 @@ fn orders_inverses_and_worlds_of_orientations_are_recognised() {
     let turned = |change: &dyn Fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| {
         changed(|pose| EstimatedPose { orientation: pose.orientation.map(change), ..pose })
     };
-    for flag in
-        ["wxyz", "inverse", "wxyz,inverse", "world=ned", "world=nwu", "inverse,world=optical"]
-    {
+    for flag in ["wxyz", "inverse", "wxyz,inverse", "world=ned", "inverse,world=optical"] {
         let convention: Convention = flag.parse().expect(flag);
         assert_recognised(turned(&|orientation| convention.as_written(orientation)), flag);
     }

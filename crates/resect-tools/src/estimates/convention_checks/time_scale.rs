@@ -53,6 +53,8 @@ const TIMES_BETTER: f64 = 3.0;
 const LARGEST_MISFIT: f64 = 0.05;
 /// As-read shapes that fit better than this have no other rate that this search could find.
 const GOOD_FIT: f64 = 0.01;
+/// The search around a rate begins below this misfit only. A trajectory of another drive has a larger one at all rates.
+const NEAR_MISFIT: f64 = 0.2;
 /// Above this misfit the numbers with the clock as read have no meaning.
 const MEANINGLESS: f64 = 0.3;
 /// Number of steps of the search around a rate.
@@ -122,6 +124,9 @@ pub fn suspected_rate(
         if misfit < value {
             (factor, value) = (rate, misfit);
         }
+    }
+    if value > NEAR_MISFIT {
+        return Ok(None);
     }
     let mut step = 2e-3;
     for _ in 0..STEPS {

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use super::alignment::{FEWEST_POINTS, align};
 use super::clock_change::ClockChange;
 use super::fit::Fit;
-use super::refine::{FEWEST_EPOCHS, Sought, mean_turn, refine};
+use super::refine::{FEWEST_EPOCHS, Sought, mean_turn, orientations_follow, refine};
 use super::state::FitState;
 use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::{MatchedPose, consistent};
@@ -54,7 +54,7 @@ pub fn fit(
     };
     let offset_s = best_by_positions(offset_s, &rivals_s, truth, (estimate, options))?;
     let has_orientation = truth.has_orientation();
-    let sought = Sought {
+    let mut sought = Sought {
         frame: options.alignment,
         clock: options.time_offset_s.is_none(),
         lever: options.body == Body::Found && turning,
@@ -81,6 +81,7 @@ pub fn fit(
             // Selected once: a set that changes with the clock would prevent convergence.
             let pairs = consistent(&pairs);
             align(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+            sought.body &= orientations_follow(&state.fit, &pairs);
             let chosen: Vec<EstimatedPose> = match truth {
                 GroundTruth::Deployment { .. } => pairs.iter().map(|pair| pair.pose).collect(),
                 GroundTruth::Trajectory(..) => poses.clone(),

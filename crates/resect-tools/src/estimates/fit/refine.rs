@@ -90,6 +90,10 @@ impl StepSizes {
 const MOST_RENEWALS: usize = 12;
 const DAMPED: f64 = 0.8;
 
+/// Least cost of a constant clock by which it is said to change.
+/// Effect: a smaller one takes lasting errors along the motion for wander. Textbook: χ² of 2 exceeds 20 once in 20,000.
+const DECISIVE_COST: f64 = 20.0;
+
 /// Unknowns to estimate.
 pub struct Sought {
     pub frame: TrajectoryAlignment,
@@ -223,10 +227,33 @@ fn take_sigmas(
     state.take_sigmas(open, &covariance);
     // A clock that returns to its mean would show a step too small.
     let followed = || pass(pairs, state, &sizes.with_walking_clock(), None);
-    let change =
-        clock.and_then(|_| clock_change(&followed().clock, [sizes.clock_s, sizes.clock_time_s]));
-    state.fit.clock_change = change;
+    let constant = DriftSizes { clock_s: 1e-5, ..*sizes };
+    // The other sizes stay: with their own best ones, the cost without wander would be smaller.
+    let is_changing = || {
+        let without = pass(pairs, state, &constant, None);
+        let Equations { information, gradient, .. } = Equations::of(&without, state, open);
+        // The unknowns follow: their offset is another one without wander.
+        let gain = information.cholesky().map_or(0.0, |root| gradient.dot(&root.solve(&gradient)));
+        without.cost - gain - filtered.cost > DECISIVE_COST
+    };
+    state.fit.clock_change = clock
+        .filter(|_| is_changing())
+        .and_then(|_| clock_change(&followed().clock, [sizes.clock_s, sizes.clock_time_s]));
     Some(())
+}
+
+/// Largest root mean square angle of orientations about the mean rotation of the body (rad). Beyond, they do not follow the drive: their
+/// convention is another one, or they drift by tens of degrees.
+const LARGEST_SPREAD_RAD: f64 = 0.5;
+
+/// Returns true if the orientations of an estimate turn as those of the ground truth do.
+pub fn orientations_follow(fit: &Fit, pairs: &[MatchedPose]) -> bool {
+    let Some(mean) = mean_turn(fit, pairs) else { return false };
+    let squares = pairs.iter().filter_map(|MatchedPose { pose, truth, .. }| {
+        let vehicle = truth.rotation.as_ref()?.orientation;
+        Some((vehicle * mean).angle_to(&fit.placed_orientation(pose)?).powi(2))
+    });
+    squares.sum::<f64>() < pairs.len() as f64 * LARGEST_SPREAD_RAD.powi(2)
 }
 
 /// Returns the mean rotation of the body in the vehicle; `None` without orientations.
