@@ -140,7 +140,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
         estimate_columns_named("slam.csv", "q0 is read as w, and q1, q2, q3 as x, y, z"),
-        estimate_angle_unit_guessed("slam.csv", 1.0, 3.14),
+        estimate_angle_unit_guessed("slam.csv", 1.0, 3.1),
         estimate_columns_unread("slam.csv", &["yaw".to_owned()]),
     ]
 }

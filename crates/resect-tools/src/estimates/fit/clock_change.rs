@@ -18,6 +18,9 @@ const FEWEST: usize = 40;
 const BESIDE_S: f64 = 5.0;
 /// Smallest change that is said (s). Field: it moves a vehicle by a centimetre.
 const LEAST_S: f64 = 0.01;
+/// Longest time within which a wander changes that is said (s).
+/// Effect: a slower one cannot be told from lasting errors along the motion. Field: jitter of stamps changes from reading to reading.
+const LONGEST_JITTER_S: f64 = 2.0;
 /// A step or a drift explains all but this share of the clock's variance.
 /// Effect: a larger share takes wander for a step. Simulated: wander leaves more than half of it.
 const LEFT: f64 = 0.15;
@@ -61,7 +64,8 @@ pub fn clock_change(clock: &[(f64, f64)], [sigma_s, within_s]: [f64; 2]) -> Opti
     let best = steps.chain([drift]).min_by(|a, b| a.0.total_cmp(&b.0));
     let change = best.filter(|(left, _, by_s)| *left < LEFT * total && by_s.abs() > LEAST_S);
     let wander = ClockChange::Wander { sigma_s, within_s };
-    change.map(|(_, change, _)| change).or((sigma_s > LEAST_S).then_some(wander))
+    let is_jitter = sigma_s > LEAST_S && within_s < LONGEST_JITTER_S;
+    change.map(|(_, change, _)| change).or(is_jitter.then_some(wander))
 }
 
 #[cfg(test)]

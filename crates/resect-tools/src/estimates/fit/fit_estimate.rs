@@ -18,7 +18,7 @@ use crate::findings::studies::{
     estimate_few_points, estimate_scale_off,
 };
 use resect_core::calibration::Estimate;
-use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory, Finding};
 use resect_core::geometry::{RigidTransform, align_similar};
 use resect_core::statistics::median;
 
@@ -70,34 +70,7 @@ pub fn fit(
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,
     };
-    let association = options.association;
-    if sought.any() {
-        let pairs = truth.matched(poses, offset_s, (association, MOST_EPOCHS))?;
-        refuse_other_conventions(&pairs, options.alignment).map_err(unfit)?;
-        if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
-            let point = estimate_few_points(&estimate.name, pairs.len());
-            state.fit.findings.push(point);
-        } else {
-            // Selected once: a set that changes with the clock would prevent convergence.
-            let pairs = consistent(&pairs);
-            align(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
-            sought.body &= orientations_follow(&state.fit, &pairs);
-            let chosen: Vec<EstimatedPose> = match truth {
-                GroundTruth::Deployment { .. } => pairs.iter().map(|pair| pair.pose).collect(),
-                GroundTruth::Trajectory(..) => poses.clone(),
-            };
-            let longer =
-                times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
-            refine(&mut state, (truth, association), &chosen, &sought, estimate).map_err(
-                |why| match (&why, longer) {
-                    (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
-                        unfit(Unfit::OtherScale(longer))
-                    }
-                    _ => why,
-                },
-            )?;
-        }
-    }
+    estimate_unknowns(&mut state, truth, estimate, &mut sought, options)?;
     let is_scaled = state.is_scaled;
     let mut fit = state.fit;
     if !is_scaled {
@@ -108,18 +81,9 @@ pub fn fit(
     }
     if let Some(change) = fit.clock_change {
         let start_s = truth.start_s().unwrap_or_default();
-        let name = &estimate.name;
-        fit.findings.push(match change {
-            ClockChange::Step { time_s, by_s } => {
-                estimate_clock_stepped(name, -by_s, time_s - start_s)
-            }
-            ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
-            ClockChange::Wander { sigma_s, within_s } => {
-                estimate_clock_wanders(name, sigma_s, within_s)
-            }
-        });
+        fit.findings.push(clock_finding(&estimate.name, change, start_s));
     }
-    let pairs = truth.matched(poses, fit.time_offset_s, (association, usize::MAX))?;
+    let pairs = truth.matched(poses, fit.time_offset_s, (options.association, usize::MAX))?;
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
     if let Some(longer) =
         times_longer(&pairs).filter(|_| options.alignment == TrajectoryAlignment::Rigid)
@@ -137,6 +101,55 @@ pub fn fit(
         return Err(unfit(Unfit::OtherDrive(100.0 * misfit)));
     }
     Ok((fit, pairs))
+}
+
+/// Estimates clock, lever arm and body if there are enough pairs for them.
+fn estimate_unknowns(
+    state: &mut FitState,
+    truth: &GroundTruth<'_>,
+    estimate: &EstimatedTrajectory,
+    sought: &mut Sought,
+    options: &Options,
+) -> Result<(), Unjudged> {
+    if !sought.any() {
+        return Ok(());
+    }
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let (poses, association) = (&estimate.poses, options.association);
+    let pairs = truth.matched(poses, state.fit.time_offset_s, (association, MOST_EPOCHS))?;
+    refuse_other_conventions(&pairs, options.alignment).map_err(unfit)?;
+    if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
+        state.fit.findings.push(estimate_few_points(&estimate.name, pairs.len()));
+        return Ok(());
+    }
+    // Selected once: a set that changes with the clock would prevent convergence.
+    let pairs = consistent(&pairs);
+    align(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+    sought.body &= orientations_follow(&state.fit, &pairs);
+    let chosen: Vec<EstimatedPose> = match truth {
+        GroundTruth::Deployment { .. } => pairs.iter().map(|pair| pair.pose).collect(),
+        GroundTruth::Trajectory(..) => poses.clone(),
+    };
+    let longer = times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
+    refine(state, (truth, association), &chosen, sought, estimate).map_err(|why| {
+        match (&why, longer) {
+            (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
+                unfit(Unfit::OtherScale(longer))
+            }
+            _ => why,
+        }
+    })
+}
+
+/// Finding about a time offset that is not constant; `start_s` is the first time of the ground truth.
+fn clock_finding(name: &str, change: ClockChange, start_s: f64) -> Finding {
+    match change {
+        ClockChange::Step { time_s, by_s } => estimate_clock_stepped(name, -by_s, time_s - start_s),
+        ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
+        ClockChange::Wander { sigma_s, within_s } => {
+            estimate_clock_wanders(name, sigma_s, within_s)
+        }
+    }
 }
 
 /// Largest number of epochs by which time offsets are compared, and the ratio of misfits that decides between two.

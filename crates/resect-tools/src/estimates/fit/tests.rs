@@ -138,8 +138,6 @@ fn regions_of_a_hundred_drifting_odometries_cover_the_truth() {
     {
         let covered = over_sigma.iter().filter(|value| value.abs() < NORMAL_95).count();
         let covered = covered as f64 / over_sigma.len() as f64;
-        let largest = over_sigma.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        println!("{name}: {:.1} % within 95 %, largest {largest:.1} sigma", 100.0 * covered);
         assert!(covered > 0.92, "{name}: {covered}");
     }
 }
