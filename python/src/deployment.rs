@@ -139,12 +139,8 @@ pub fn open_truth(
 ) -> PyResult<DeploymentHandle> {
     let extras = raised(extras(given))?;
     interruptible(py, move |progress| {
-        let deployment = truth::open_truth(
-            &path,
-            (topic.as_deref(), Default::default()),
-            extras,
-            progress,
-        )?;
+        let deployment =
+            truth::open_truth(&path, (topic.as_deref(), Default::default()), extras, progress)?;
         Ok(DeploymentHandle::new(deployment, 0.0))
     })
 }

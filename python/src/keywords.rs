@@ -182,8 +182,11 @@ pub fn of_request(why: &RequestError) -> Failure {
 pub fn of_estimate(why: &Unjudged) -> Failure {
     let keyword = match why {
         Unjudged::NoReference(why) => return of_trajectory(why),
+        Unjudged::OtherConvention(_) => None,
         Unjudged::Unfit { why, .. } => match why {
-            Unfit::NoOverlap | Unfit::OtherDrive(_) | Unfit::AmbiguousOffset { .. } => Some("time_offset_s"),
+            Unfit::NoOverlap | Unfit::OtherDrive(_) | Unfit::AmbiguousOffset { .. } => {
+                Some("time_offset_s")
+            }
             Unfit::OnALine => Some("align=\"none\""),
             Unfit::Undetermined => Some("body=\"same\""),
             Unfit::OtherScale(_) => Some("align=\"similarity\""),
