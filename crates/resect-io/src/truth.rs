@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::error::OpenError;
 use crate::estimate_file;
 use crate::gnss_solution::SolutionChoice;
+use crate::open::FoundFile;
 use crate::source::{Extras, Source};
 use crate::what_is::{Dropped, what_is};
 use resect_core::deployment::Deployment;
@@ -34,7 +35,18 @@ pub fn open_truth(
         truth().map_err(|why| match estimate_file::read(path) {
             // Several trajectories: a topic must be chosen.
             Ok(_) => why,
-            Err(_) => error,
+            Err(_) => no_truth(path).unwrap_or(error),
         })
     })
+}
+
+/// Returns the error for a single file that has no tracks; `None` for others.
+fn no_truth(path: &Path) -> Option<OpenError> {
+    let name = path.file_name()?.to_string_lossy().into_owned();
+    let file = FoundFile::at(path, name).ok().filter(|_| path.is_file())?;
+    let what =
+        format!("is neither tracks of stations nor a trajectory ({})", file.format.describe());
+    let remedy = "give a deployment, a trajectory (TUM, EuRoC, CSV with a header, a bag), or positions of a GNSS receiver (.pos, \
+                  NMEA, latitude and longitude)";
+    (!file.format.may_be_track()).then(|| OpenError::file(&file.file, what, remedy))
 }

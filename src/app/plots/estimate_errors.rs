@@ -17,7 +17,6 @@ use resect_core::pipeline::Interval;
 use resect_core::statistics::tables::NORMAL_95;
 use resect_tools::estimates::Judged;
 use resect_tools::estimates::errors::{EpochError, driven_m};
-use resect_tools::estimates::odd::OddOne;
 use resect_tools::palette;
 
 /// Least range of the error axis, for errors that are all zero (mm).
@@ -235,14 +234,7 @@ fn said_at(position: &HoverPosition<'_>, x: impl Fn(f64) -> String) -> Option<St
 
 /// Spans in which the estimate, or the ground truth, is wrong; `place` maps times to the axis.
 fn shades(one: &Judged, place: impl Fn(f64) -> f64, estimate: bool) -> Shades {
-    let of = |odd_one: OddOne| {
-        let is_estimate = matches!(
-            odd_one,
-            OddOne::Estimate | OddOne::EstimateOrClock | OddOne::Convention | OddOne::Undecided
-        );
-        is_estimate == estimate
-    };
-    let spans = one.odd.iter().filter(|span| of(span.odd_one));
+    let spans = one.odd.iter().filter(|span| span.odd_one.is_of_truth() != estimate);
     let spans =
         spans.map(|span| Interval { start_s: place(span.span_s[0]), end_s: place(span.span_s[1]) });
     let colour = if estimate { palette::METRICS[1] } else { palette::METRICS[0] };

@@ -16,7 +16,7 @@ const LENGTHS: [(&str, f64); 13] = [
     ("feet", 0.3048),
     ("in", 0.0254),
 ];
-const ANGLES: [(&str, f64); 10] = [
+const ANGLES: [(&str, f64); 11] = [
     ("rad", 1.0),
     ("radian", 1.0),
     ("radians", 1.0),
@@ -25,6 +25,8 @@ const ANGLES: [(&str, f64); 10] = [
     ("degree", std::f64::consts::PI / 180.0),
     ("degrees", std::f64::consts::PI / 180.0),
     ("°", std::f64::consts::PI / 180.0),
+    // Whole numbers of receivers.
+    ("e7", 1e-7 * std::f64::consts::PI / 180.0),
     ("gon", std::f64::consts::PI / 200.0),
     ("grad", std::f64::consts::PI / 200.0),
 ];
@@ -43,15 +45,15 @@ const TIMES: [(&str, u32); 10] = [
 /// Units of time that are not read.
 const LONGER_TIMES: [&str; 8] = ["min", "minute", "minutes", "h", "hour", "hours", "d", "days"];
 /// Units at the end of a name, after an underscore.
-const ENDINGS: [&str; 14] = [
-    "_mrad", "_rad", "_degrees", "_degree", "_deg", "_mm", "_cm", "_km", "_ft", "_ns", "_us",
-    "_ms", "_m", "_s",
+const ENDINGS: [&str; 18] = [
+    "_mrad", "_radians", "_rad", "_degrees", "_degree", "_deg", "_e7", "_meters", "_metres", "_mm",
+    "_cm", "_km", "_ft", "_ns", "_us", "_ms", "_m", "_s",
 ];
 
 /// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `field.x` and `x_m` become `x`.
 pub fn without_unit(name: &str) -> String {
     let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
-    let name = name.replace(['.', '/', ' '], "_");
+    let name = name.replace(['.', '/', ' ', '-'], "_");
     let name = name.trim_start_matches(['#', '%', '_']);
     let name = name.strip_prefix("field_").unwrap_or(name);
     // `time_s` and `timestamp_s` have names of their own.

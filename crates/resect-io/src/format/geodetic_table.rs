@@ -5,8 +5,9 @@
 
 use std::borrow::Cow;
 
+use super::column_units::{angle_unit_rad, length_unit_m, without_unit};
 use super::nav_sat_fix::{FixCovariance, forget_constant_single, kind_of_status};
-use super::pose_stamps::{Stamp, TimeColumns, plain_name, times_s, unit_of_time};
+use super::pose_stamps::{Stamp, TimeColumns, times_s};
 use super::pose_table;
 use super::table::{self, CORRECT, header_line, number, row_fields, uncommented};
 use crate::error::OpenError;
@@ -63,8 +64,8 @@ struct ScaledColumn {
     factor: f64,
 }
 
-/// Names of a header, split into name and unit.
-struct ColumnNames(Vec<(String, Option<String>)>);
+/// Names of a header: without units in lower case, and as they stand there.
+struct ColumnNames(Vec<(String, String)>);
 
 /// Columns of σ or of a covariance.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +120,7 @@ fn header(text: &str) -> Option<&str> {
 impl ColumnNames {
     fn of(header: &str) -> Result<Self, String> {
         let names = table::fields(header, table::separator(header))?;
-        Ok(Self(names.iter().map(|name| split_unit(name)).collect()))
+        Ok(Self(names.iter().map(|name| (without_unit(name), name.to_string())).collect()))
     }
 
     fn has_angles(&self) -> bool {
@@ -142,13 +143,14 @@ impl ColumnNames {
         wanted.iter().find_map(|name| self.find(name)).or_else(|| wanted.iter().find_map(by_end))
     }
 
-    fn column(&self, index: usize, units: &[(&str, f64)]) -> Result<ScaledColumn, String> {
-        let (name, unit) = &self.0[index];
-        let unit = unit.as_deref().unwrap_or_default();
-        match units.iter().find(|(word, _)| *word == unit) {
-            Some((_, factor)) => Ok(ScaledColumn { index, factor: *factor }),
-            None => Err(format!("the unit `{}` of `{name}` is not known", table::shown(unit))),
-        }
+    /// Column of an angle, in degrees unless its name has another unit.
+    fn angle(&self, index: usize) -> Result<ScaledColumn, String> {
+        let unit_rad = angle_unit_rad(&self.0[index].1)?;
+        Ok(ScaledColumn { index, factor: unit_rad.unwrap_or(std::f64::consts::PI / 180.0) })
+    }
+
+    fn length(&self, index: usize) -> Result<ScaledColumn, String> {
+        Ok(ScaledColumn { index, factor: length_unit_m(&self.0[index].1)? })
     }
 
     /// Finds three columns of σ, along east, north and up.
@@ -173,7 +175,7 @@ impl ColumnNames {
                 Some([column(axes[0])?, column(axes[1])?, column(axes[2])?])
             })
         })?;
-        let columns = indices.map(|index| self.column(index, &LENGTHS));
+        let columns = indices.map(|index| self.length(index));
         let [east, north, up] = columns;
         Some((|| Ok(ErrorColumns::Sigmas([east?, north?, up?])))())
     }
@@ -190,67 +192,25 @@ impl ColumnNames {
     }
 }
 
-/// Metres of one unit.
-const LENGTHS: [(&str, f64); 6] =
-    [("", 1.0), ("m", 1.0), ("cm", 0.01), ("mm", 1e-3), ("km", 1e3), ("ft", 0.3048)];
-/// Radians of one unit.
-const ANGLES: [(&str, f64); 4] = [
-    ("", std::f64::consts::PI / 180.0),
-    ("deg", std::f64::consts::PI / 180.0),
-    ("rad", 1.0),
-    ("e7", 1e-7 * std::f64::consts::PI / 180.0),
-];
-
-/// Splits a column's name into its name in lower case and its unit: `Latitude [deg]`, `lat_rad`, `alt(m)`.
-fn split_unit(name: &str) -> (String, Option<String>) {
-    const ENDS: [&str; 13] = [
-        "deg", "degree", "degrees", "rad", "radians", "m", "meters", "metres", "cm", "mm", "km",
-        "ft", "e7",
-    ];
-    let lower = name.trim().to_lowercase();
-    let (text, unit) = match lower.split_once(['[', '(']) {
-        Some((text, unit)) => (text, Some(unit.trim_end_matches([']', ')', ' ']).trim())),
-        None => (&*lower, None),
-    };
-    let text = text.trim().replace(['.', '/', ' ', '-'], "_");
-    let text = text.trim_matches(['#', '%', '_']);
-    let text = text.strip_prefix("field_").unwrap_or(text);
-    let by_end =
-        || ENDS.iter().find_map(|unit| Some((text.strip_suffix(unit)?.strip_suffix('_')?, *unit)));
-    let (text, unit) = match unit.filter(|unit| !unit.is_empty()) {
-        Some(unit) => (text, Some(unit)),
-        None => by_end().map_or((text, None), |(text, unit)| (text, Some(unit))),
-    };
-    let unit = unit.map(|unit| match unit {
-        "degree" | "degrees" | "°" => "deg",
-        "radian" | "radians" => "rad",
-        "metre" | "metres" | "meter" | "meters" => "m",
-        "feet" | "foot" => "ft",
-        other => other,
-    });
-    (text.to_owned(), unit.map(str::to_owned))
-}
-
 impl GeodeticColumns {
-    /// Returns the columns by their names; the error completes a sentence that begins with the header.
+    /// Returns the columns by their names; the error is a sentence without the file.
     fn named(header: &str) -> Result<Self, String> {
         let fields = table::fields(header, table::separator(header))?;
-        let units: Vec<Option<u32>> = fields.iter().map(|name| unit_of_time(name)).collect();
-        let plain: Vec<String> = fields.iter().map(|name| plain_name(name)).collect();
-        let find = |wanted: &str| plain.iter().position(|name| name == wanted);
+        let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
         let names = ColumnNames::of(header)?;
         let position = |wanted: &[&str]| {
-            names.position_of(wanted).ok_or_else(|| format!("has no column {}", wanted[0]))
+            names
+                .position_of(wanted)
+                .ok_or_else(|| format!("the header has no column {}", wanted[0]))
         };
         let position = [
-            names.column(position(&LATITUDES)?, &ANGLES)?,
-            names.column(position(&LONGITUDES)?, &ANGLES)?,
-            names.column(
-                position(&HEIGHTS).map_err(|_| "has no column height".to_owned())?,
-                &LENGTHS,
+            names.angle(position(&LATITUDES)?)?,
+            names.angle(position(&LONGITUDES)?)?,
+            names.length(
+                position(&HEIGHTS).map_err(|_| "the header has no column height".to_owned())?,
             )?,
         ];
-        let time = TimeColumns::named(&find, &units).ok_or("has no column of times")?;
+        let time = TimeColumns::named(&headers)?.ok_or("the header has no column of times")?;
         let errors = match names.message_covariance() {
             Some(columns) => Some(columns),
             None => names.sigmas().transpose()?,
@@ -343,9 +303,8 @@ pub fn read(file: &str, text: &str) -> Result<GnssTrack, OpenError> {
     };
     let header_line = text.lines().position(|line| line == header).map_or(0, |index| index + 1);
     let names = uncommented(header);
-    let mut columns = GeodeticColumns::named(names).map_err(|what| {
-        OpenError::line(file, header_line, format!("the header {what}"), NAME_THE_COLUMNS)
-    })?;
+    let mut columns = GeodeticColumns::named(names)
+        .map_err(|what| OpenError::line(file, header_line, what, NAME_THE_COLUMNS))?;
     let separator = table::separator(names);
     let count = table::fields(names, separator).map_or(0, |names| names.len());
     let lines = text.lines().enumerate().skip(header_line);

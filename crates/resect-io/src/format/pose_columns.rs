@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::column_units::{counts_per_second, length_unit_m, without_unit};
+use super::column_units::{length_unit_m, without_unit};
 use super::orientation_columns::{OrientationColumns, named_orientation, unread_columns};
 use super::pose_covariance::CovarianceColumns;
 use super::pose_stamps::TimeColumns;
@@ -43,14 +43,8 @@ pub fn is_header(header: &str) -> bool {
     let Ok(fields) = table::fields(header, table::separator(header)) else { return false };
     let names: Vec<String> = fields.iter().map(|name| without_unit(name)).collect();
     let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
-    time_columns(&names, &headers).is_some() && position_columns(&names).is_some()
-}
-
-/// Returns the columns of time, with the units that the names state.
-fn time_columns(names: &[String], headers: &[&str]) -> Option<TimeColumns> {
-    let units: Vec<Option<u32>> =
-        headers.iter().map(|header| counts_per_second(header).ok().flatten()).collect();
-    TimeColumns::named(&|wanted| names.iter().position(|name| name == wanted), &units)
+    TimeColumns::named(&headers).is_ok_and(|time| time.is_some())
+        && position_columns(&names).is_some()
 }
 
 fn position_columns(names: &[String]) -> Option<[usize; 3]> {
@@ -88,14 +82,10 @@ pub fn named(header: &str) -> Result<Option<PoseColumns>, String> {
     let fields = table::fields(header, table::separator(header))?;
     let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
     let names: Vec<String> = headers.iter().map(|name| without_unit(name)).collect();
-    let (Some(time), Some(position)) = (time_columns(&names, &headers), position_columns(&names))
+    let (Some(time), Some(position)) = (TimeColumns::named(&headers)?, position_columns(&names))
     else {
         return Ok(None);
     };
-    if let TimeColumns::One(column, _) = time {
-        // A unit that is not read is refused.
-        counts_per_second(headers[column])?;
-    }
     let mut length_m = [1.0; 3];
     for (length_m, column) in length_m.iter_mut().zip(position) {
         *length_m = length_unit_m(headers[column])?;

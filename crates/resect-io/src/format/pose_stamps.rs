@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::column_units::{self, without_unit};
 use super::gps_time::{clock_of_week_s, unix_from_gpst_s};
 use super::joined_stamps::joined_s;
 use super::mapped_csv::calendar_s;
@@ -26,11 +27,23 @@ pub enum TimeColumns {
 }
 
 impl TimeColumns {
-    /// Finds the columns by their names without units, in lower case; `named_units` has the counts per second of each column.
-    pub fn named(
-        find: &dyn Fn(&str) -> Option<usize>,
-        named_units: &[Option<u32>],
-    ) -> Option<Self> {
+    /// Finds the columns by the names in a header; `None` if there are none.
+    ///
+    /// # Errors
+    /// If the unit of the column of times is not read.
+    pub fn named(headers: &[&str]) -> Result<Option<Self>, String> {
+        let names: Vec<String> = headers.iter().map(|header| without_unit(header)).collect();
+        let columns = Self::by_names(&|wanted| names.iter().position(|name| name == wanted));
+        Ok(match columns {
+            Some(Self::One(column, _)) => {
+                Some(Self::One(column, column_units::counts_per_second(headers[column])?))
+            }
+            columns => columns,
+        })
+    }
+
+    /// Finds the columns by their names without units, in lower case; the unit of one is not known yet.
+    fn by_names(find: &dyn Fn(&str) -> Option<usize>) -> Option<Self> {
         // The stamp of a message precedes the time of its recording.
         const TIMES: [&str; 9] = [
             "header_stamp",
@@ -73,7 +86,7 @@ impl TimeColumns {
         });
         let single = |names: &[&str]| {
             let column = names.iter().find_map(|name| find(name))?;
-            Some(Self::One(column, named_units[column]))
+            Some(Self::One(column, None))
         };
         let week = || WEEKS.into_iter().find_map(|[week, of_week]| find(week).zip(find(of_week)));
         // A time of day belongs to its date.
@@ -230,28 +243,5 @@ fn counts_per_second(stamps: &[Stamp], named: Option<u32>) -> u32 {
     match by_size {
         0 => 1,
         _ => UNITS[by_size..].iter().find(is_possible).map_or(UNITS[by_size].1, |(_, unit)| *unit),
-    }
-}
-
-/// Returns a column's name in lower case without its unit: `p_RS_R_x [m]` becomes `p_rs_r_x`, `field.x` and `x_m` become `x`.
-pub fn plain_name(name: &str) -> String {
-    let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
-    let name = name.replace(['.', '/', ' '], "_");
-    let name = name.trim_start_matches(['#', '%', '_']);
-    let name = name.strip_prefix("field_").unwrap_or(name);
-    let units = ["_m", "_rad", "_ns", "_us", "_ms"];
-    units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name).to_owned()
-}
-
-/// Returns the counts per second that a column's name states: `timestamp [ns]`, `time_ms`.
-pub fn unit_of_time(name: &str) -> Option<u32> {
-    let name = name.trim().trim_end_matches([']', ')']).to_lowercase();
-    let unit = name.rsplit(['[', '(', '_', ' ']).next().filter(|unit| unit.len() < name.len())?;
-    match unit {
-        "s" | "sec" => Some(1),
-        "ms" => Some(1_000),
-        "us" | "µs" => Some(1_000_000),
-        "ns" => Some(1_000_000_000),
-        _ => None,
     }
 }

@@ -6,7 +6,6 @@ use crate::residual_chart::draw_strokes;
 use resect_core::statistics::quantiles;
 use resect_core::statistics::tables::NORMAL_95;
 use resect_tools::estimates::EstimatesJudgement;
-use resect_tools::estimates::odd::OddOne;
 use resect_tools::palette;
 
 const LABEL: f32 = 11.0;
@@ -38,15 +37,7 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
         marks.push(Mark::text([LEFT, top - 10.0], name, LABEL, Ink::Text, Anchor::Left));
         for span in &one.odd {
             let [start, end] = span.span_s.map(|time_s| plot.place(time_s - start_s, 0.0)[0]);
-            let ink = match span.odd_one {
-                OddOne::Estimate
-                | OddOne::EstimateOrClock
-                | OddOne::Convention
-                | OddOne::Undecided => Ink::Rgb(palette::METRICS[1]),
-                OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => {
-                    Ink::Rgb(palette::METRICS[0])
-                }
-            };
+            let ink = Ink::Rgb(palette::METRICS[usize::from(!span.odd_one.is_of_truth())]);
             let (min, max) = ([start, top], [end.max(start + 1.0), bottom]);
             marks.push(Mark::Rect { min, max, ink, opacity: 0.25, outline: None });
         }

@@ -48,6 +48,13 @@ pub enum OddOne {
     LeftOut,
 }
 
+impl OddOne {
+    /// Returns true if the ground truth is wrong or missing; otherwise the estimate is wrong, or may be.
+    pub fn is_of_truth(self) -> bool {
+        matches!(self, Self::Readings | Self::TruthAgainst(_) | Self::LeftOut)
+    }
+}
+
 /// A span in which an estimate and the ground truth contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OddSpan {

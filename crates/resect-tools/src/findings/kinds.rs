@@ -7,8 +7,8 @@ resect_core::finding_kinds! {
     ESTIMATE_CLOCK_STEPPED = "estimate-clock-stepped", Warning, TRAJECTORY;
     /// The clock of a trajectory has another rate than that of the ground truth.
     ESTIMATE_CLOCK_DRIFTS = "estimate-clock-drifts", Warning, TRAJECTORY;
-    /// The time offset of a trajectory wanders.
-    ESTIMATE_CLOCK_WANDERS = "estimate-clock-wanders", Note;
+    /// The stamps of a trajectory or of its ground truth jitter.
+    ESTIMATE_STAMPS_JITTER = "estimate-stamps-jitter", Note;
     /// A trajectory has another scale than the ground truth.
     ESTIMATE_SCALE_OFF = "estimate-scale-off", Warning, TRAJECTORY;
     /// A trajectory has too few common times with the ground truth to estimate its clock and lever arm.

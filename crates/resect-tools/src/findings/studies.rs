@@ -45,18 +45,17 @@ pub fn estimate_clock_drifts(estimate: &str, per_s: f64) -> Finding {
     .quantity("clock_rate", per_s, Unit::Ratio)
 }
 
-/// The time offset changes by `sigma_s` within a time (s), both ways.
-pub fn estimate_clock_wanders(estimate: &str, sigma_s: f64, within_s: f64) -> Finding {
+/// `sigma_s` is the jitter of the stamps of the trajectory against those of the ground truth (s).
+pub fn estimate_stamps_jitter(estimate: &str, sigma_s: f64) -> Finding {
     Finding::new(
-        kinds::ESTIMATE_CLOCK_WANDERS,
+        kinds::ESTIMATE_STAMPS_JITTER,
         format!(
-            "{estimate}: its time offset to the ground truth wanders by {:.0} ms (1 σ) within {within_s:.1} s, which the σ of its mean \
-             contains",
+            "{estimate}: its stamps jitter by {:.0} ms (1 σ) against those of the ground truth; the time offset is their mean",
             1e3 * sigma_s
         ),
     )
     .about(Subject::Named(estimate.to_owned()))
-    .quantity("clock_sigma", sigma_s, Unit::Second)
+    .quantity("jitter", sigma_s, Unit::Second)
 }
 
 /// `times_longer` is the ratio of the trajectory's length to the ground truth's; `why` states it in words.
@@ -94,7 +93,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_clock_far_off("slam", 120.0),
         estimate_clock_stepped("slam", 0.7, 214.0),
         estimate_clock_drifts("slam", 1e-3),
-        estimate_clock_wanders("slam", 0.05, 0.2),
+        estimate_stamps_jitter("slam", 0.05),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
         estimate_few_points("slam", 7),
         estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),

@@ -87,7 +87,10 @@ fn what_is_missing_or_not_on_earth_is_said_with_its_line() {
     for (text, why) in [
         ("timestamp,lat,lon\n1,46.78,-71.275\n", "rover.csv:1: the header has no column height"),
         ("lat,lon,alt\n46.78,-71.275,95\n", "the header has no column of times"),
-        ("t,lat [gon],lon [gon],alt\n1,46.78,-71.275,95\n", "the unit `gon` of `lat` is not known"),
+        (
+            "t,lat [arcmin],lon [arcmin],alt\n1,46.78,-71.275,95\n",
+            "the unit of column `lat [arcmin]` is not one of",
+        ),
         (
             "t,lat,lon,alt\n1,467800000,-712750000,95\n",
             "not on the Earth in the units of the header",

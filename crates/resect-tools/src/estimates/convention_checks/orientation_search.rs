@@ -139,7 +139,7 @@ fn suspected(
     let (convention, with_convention) = *fitting.next()?;
     let mut alternatives: Vec<Convention> = Vec::new();
     // A rotation of the world about the axis of the drive changes nothing. Worlds without a name are not usual.
-    let operation = |one: &Convention| (one.has_w_first, one.inverted);
+    let operation = |convention: &Convention| (convention.has_w_first, convention.inverted);
     for (other, _) in fitting {
         let is_known = alternatives.iter().any(|known| operation(known) == operation(other));
         if operation(other) != operation(&convention) && other.world_axes.has_name() && !is_known {
@@ -161,8 +161,8 @@ fn spread_rad(rotations: &[UnitQuaternion<f64>]) -> f64 {
 }
 
 /// A convention is reported by the lever arm if errors of positions are this many times larger as read, and if the blocks of the drive
-/// agree: Student's t of 11 degrees of freedom exceeds 5 once in 2500 drives. Measured: six drives of FusionPortable with their right
-/// conventions have ratios below 1.01.
+/// agree: Student's t of 11 degrees of freedom exceeds 5 once in 2500 drives.
+/// Effect: a smaller ratio takes drift for another convention.
 const LEVER_TIMES_BETTER: f64 = 1.08;
 const LEVER_SIGNIFICANT: f64 = 5.0;
 const BLOCKS: usize = 12;

@@ -42,8 +42,8 @@ pub fn significant_scale(pairs: &[MatchedPose], fit: &Fit) -> Option<Estimate> {
         scales.push((extent_m2, longer * fit.scale.recip() - 1.0, noise));
     }
     let weight: f64 = scales.iter().map(|(weight, ..)| weight).sum();
-    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| {
-        scales.iter().map(|scale| scale.0 * of(scale)).sum::<f64>() / weight
+    let mean = |value: &dyn Fn(&(f64, f64, f64)) -> f64| {
+        scales.iter().map(|scale| scale.0 * value(scale)).sum::<f64>() / weight
     };
     let value = mean(&|(_, scale, _)| *scale);
     let scatter: f64 =

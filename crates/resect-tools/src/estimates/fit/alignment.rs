@@ -23,12 +23,12 @@ pub fn align(
     if alignment == TrajectoryAlignment::None {
         return Ok(());
     }
-    let [of_truth, own] = both_m(fit, pairs);
-    let found = match alignment {
-        TrajectoryAlignment::Similarity => align_similar(&of_truth, &own),
-        _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
+    let [true_m, body_m] = both_m(fit, pairs);
+    let aligned = match alignment {
+        TrajectoryAlignment::Similarity => align_similar(&true_m, &body_m),
+        _ => align_rigid(&true_m, &body_m).map(|transform| (transform, 1.0)),
     };
-    (fit.truth_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
+    (fit.truth_from_estimate, fit.scale) = aligned.ok_or(Unfit::OnALine)?;
     Ok(())
 }
 

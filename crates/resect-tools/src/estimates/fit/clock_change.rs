@@ -9,8 +9,8 @@ pub enum ClockChange {
     Step { time_s: f64, by_s: f64 },
     /// It changes steadily (s of change for each second).
     Drift { per_s: f64 },
-    /// It changes to and fro: size (s), and the time within which it changes (s).
-    Wander { sigma_s: f64, within_s: f64 },
+    /// It changes to and fro from stamp to stamp: size (s).
+    Jitter { sigma_s: f64 },
 }
 
 /// Smallest number of epochs, and time at either side of a step (s).
@@ -63,9 +63,8 @@ pub fn clock_change(clock: &[(f64, f64)], [sigma_s, within_s]: [f64; 2]) -> Opti
     });
     let best = steps.chain([drift]).min_by(|a, b| a.0.total_cmp(&b.0));
     let change = best.filter(|(left, _, by_s)| *left < LEFT * total && by_s.abs() > LEAST_S);
-    let wander = ClockChange::Wander { sigma_s, within_s };
     let is_jitter = sigma_s > LEAST_S && within_s < LONGEST_JITTER_S;
-    change.map(|(_, change, _)| change).or(is_jitter.then_some(wander))
+    change.map(|(_, change, _)| change).or(is_jitter.then_some(ClockChange::Jitter { sigma_s }))
 }
 
 #[cfg(test)]

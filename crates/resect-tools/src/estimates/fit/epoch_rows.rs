@@ -21,9 +21,9 @@ pub struct EpochRow {
 
 /// Residuals of an epoch in the ground truth's frame.
 pub struct EpochRows {
-    /// Of the position (m).
+    /// Residual of the position (m).
     pub position: EpochRow,
-    /// Of the orientation (rad); `None` if either has none, or the body's rotation is not estimated.
+    /// Residual of the orientation (rad); `None` if either has none, or the body's rotation is not estimated.
     pub rotation: Option<EpochRow>,
     /// Position of the compared point by the estimate (m). The frame turns about it.
     pub placed_m: Vector3<f64>,

@@ -14,8 +14,8 @@ use crate::estimates::time_offset::{self, CoarseOffset};
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
 use crate::findings::studies::{
-    estimate_clock_drifts, estimate_clock_far_off, estimate_clock_stepped, estimate_clock_wanders,
-    estimate_few_points, estimate_scale_off,
+    estimate_clock_drifts, estimate_clock_far_off, estimate_clock_stepped, estimate_few_points,
+    estimate_scale_off, estimate_stamps_jitter,
 };
 use resect_core::calibration::Estimate;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory, Finding};
@@ -146,9 +146,7 @@ fn clock_finding(name: &str, change: ClockChange, start_s: f64) -> Finding {
     match change {
         ClockChange::Step { time_s, by_s } => estimate_clock_stepped(name, -by_s, time_s - start_s),
         ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
-        ClockChange::Wander { sigma_s, within_s } => {
-            estimate_clock_wanders(name, sigma_s, within_s)
-        }
+        ClockChange::Jitter { sigma_s } => estimate_stamps_jitter(name, sigma_s),
     }
 }
 
@@ -196,7 +194,12 @@ fn best_by_positions(
         [(best_m, best_s, _), (second_m, second_s, _), ..]
             if second_m < DECISIVE_RATIO * best_m.max(LEAST_MISFIT_M) =>
         {
-            let why = Unfit::AmbiguousOffset { best_s, second_s };
+            let are_apart = best_s.abs().min(second_s.abs()) > FAR_S;
+            let why = if are_apart {
+                Unfit::NoOverlap
+            } else {
+                Unfit::AmbiguousOffset { best_s, second_s }
+            };
             Err(Unjudged::Unfit { name: estimate.name.clone(), why })
         }
         [(_, best_s, _), ..] => Ok(best_s),

@@ -142,6 +142,19 @@ fn regions_of_a_hundred_drifting_odometries_cover_the_truth() {
     }
 }
 
+/// Interpolation averages the noise of two poses, and so prefers times between them. A ground truth at the times of every second pose
+/// must not be moved there.
+#[test]
+fn a_ground_truth_in_phase_with_the_estimate_has_no_biased_clock() {
+    let mut drive = drive(5);
+    let estimate = drive.odometry();
+    let in_phase: Vec<EstimatedPose> = drive.truth.iter().copied().skip(1).step_by(4).collect();
+    let fit = fitted(&in_phase, &estimate);
+    let (off_s, sigma_s) =
+        (fit.time_offset_s - CLOCK_S, fit.time_offset_sigma_s.expect("estimated"));
+    assert!(off_s.abs() < 3.0 * sigma_s && sigma_s < 0.002, "{off_s} ± {sigma_s}");
+}
+
 #[test]
 fn a_clock_that_is_set_forward_is_found_with_time_and_size() {
     let mut drive = drive(3);
