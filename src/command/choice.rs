@@ -4,6 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;
 use resect_io::gnss_solution::SolutionChoice;
+use resect_report::named_transform::TransformFormat;
 use resect_tools::estimates::TrajectoryAlignment;
 use resect_tools::experiment::Parameter;
 use resect_tools::simulation::Preset;
@@ -128,6 +129,15 @@ pub const PRESETS: Choices<Preset> = &[
         "field-errors",
         "The Warthog with all errors of real instruments, drawn from the seed with the sizes seen in the field",
     ),
+];
+
+pub const TRANSFORM_FORMATS: Choices<TransformFormat> = &[
+    (TransformFormat::Urdf, "urdf", "A fixed joint of a robot description"),
+    (TransformFormat::Ros2, "ros2", "The command static_transform_publisher of ROS 2"),
+    (TransformFormat::Ros1, "ros1", "The command static_transform_publisher of ROS 1"),
+    (TransformFormat::Matrix, "matrix", "A 4×4 matrix"),
+    (TransformFormat::Numpy, "numpy", "A 4×4 matrix in Python's syntax"),
+    (TransformFormat::Quaternion, "quaternion", "x y z qx qy qz qw"),
 ];
 
 #[cfg(test)]

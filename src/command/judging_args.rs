@@ -58,7 +58,7 @@ impl JudgingArguments {
 }
 
 /// Returns a value for each file, from a flag that is given once for all or once for each.
-fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>, Failure> {
+pub fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>, Failure> {
     match values {
         [one] => Ok(vec![*one; count]),
         each if each.len() == count => Ok(each.to_vec()),

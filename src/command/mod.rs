@@ -14,6 +14,7 @@ mod desktop_entry;
 mod evaluate;
 mod explain;
 mod export;
+mod extrinsics;
 mod failure;
 mod judging_args;
 mod licences;

@@ -8,8 +8,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use super::progress_line::be_quiet;
 use super::{
     Failure, ablate, calibrate, check, compare, complain, completions, desktop, evaluate, explain,
-    export, licences, live, plan, report, schema, screenshot, simulate, sweep, trajectory,
-    validate, window,
+    export, extrinsics, licences, live, plan, report, schema, screenshot, simulate, sweep,
+    trajectory, validate, window,
 };
 
 /// Version with the commit and the features that the program was built from.
@@ -62,6 +62,9 @@ enum CliCommand {
     /// Evaluate trajectories of other systems against the ground truth of a deployment, with its σ
     #[command(after_help = "Example: resect evaluate slam.tum odometry.tum --against FOLDER")]
     Evaluate(evaluate::EvaluateArguments),
+    /// Estimate the pose of a body or an antenna in another body from their trajectories
+    #[command(after_help = "Example: resect extrinsics lidar.tum antenna.pos --copy urdf")]
+    Extrinsics(extrinsics::ExtrinsicsArguments),
     /// Calibrate during the drive, from a stream of the network or a replay
     #[command(after_help = "Example: resect live ws://robot:8765 --rig FOLDER --record drive.mcap")]
     Live(live::LiveArguments),
@@ -138,6 +141,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Sweep(arguments)) => sweep::run(&arguments),
         Some(CliCommand::Trajectory(arguments)) => trajectory::run(&arguments),
         Some(CliCommand::Evaluate(arguments)) => evaluate::run(&arguments),
+        Some(CliCommand::Extrinsics(arguments)) => extrinsics::run(&arguments),
         Some(CliCommand::Live(arguments)) => live::run(&arguments),
         Some(CliCommand::Check(arguments)) => check::run(&arguments),
         Some(CliCommand::Report(arguments)) => report::run(&arguments),

@@ -13,6 +13,7 @@ mod golden;
 mod ground_truths;
 mod live;
 mod networks;
+mod public_truths;
 mod report;
 mod schema;
 mod schema_check;

@@ -148,6 +148,8 @@ fn evaluations(runs: &mut Runs<'_>) {
     runs.keep("evaluate @true.tum @late.tum --against @warthog --time-offset 0");
     runs.keep("evaluate @true.tum @own.tum --against @bent.tum");
     runs.keep("evaluate @true.tum --against @warthog --truth-station 2");
+    runs.keep("extrinsics @true.tum @own.tum");
+    runs.keep("extrinsics @true.tum @bent.tum");
 }
 
 fn drives_to_come(runs: &mut Runs<'_>) {

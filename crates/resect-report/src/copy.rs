@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::json::{SCHEMA, transform_of};
+use super::named_transform::{NamedTransform, TransformFormat, one_line, transforms_text};
 use super::summary::{ResultSummary, StationSummary};
 use resect_core::calibration::Verdict;
 
@@ -18,30 +19,19 @@ pub enum CopyFormat {
     Toml,
     /// The transforms as in the output of `calibrate --json`.
     Json,
-    /// Homogeneous matrices of four rows.
-    Matrix,
-    /// One line `x y z qx qy qz qw` for each transform.
-    Quaternion,
-    /// Homogeneous matrices in Python's syntax.
-    Numpy,
-    /// A shell command: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
-    Ros2,
-    /// A shell command: `rosrun tf2_ros static_transform_publisher`, with arguments in order.
-    Ros1,
-    /// Fixed joints of a robot description (XML).
-    Urdf,
+    Transforms(TransformFormat),
 }
 
 impl CopyFormat {
     pub const ALL: [Self; 8] = [
         Self::Toml,
         Self::Json,
-        Self::Matrix,
-        Self::Quaternion,
-        Self::Numpy,
-        Self::Ros2,
-        Self::Ros1,
-        Self::Urdf,
+        Self::Transforms(TransformFormat::Matrix),
+        Self::Transforms(TransformFormat::Quaternion),
+        Self::Transforms(TransformFormat::Numpy),
+        Self::Transforms(TransformFormat::Ros2),
+        Self::Transforms(TransformFormat::Ros1),
+        Self::Transforms(TransformFormat::Urdf),
     ];
 
     /// Returns the name of the format in a menu.
@@ -49,12 +39,7 @@ impl CopyFormat {
         match self {
             Self::Toml => "TOML",
             Self::Json => "JSON",
-            Self::Matrix => "4×4 matrix",
-            Self::Quaternion => "x y z qx qy qz qw",
-            Self::Numpy => "numpy",
-            Self::Ros2 => "ROS 2 static_transform_publisher",
-            Self::Ros1 => "ROS 1 static_transform_publisher",
-            Self::Urdf => "URDF joints",
+            Self::Transforms(format) => format.title(),
         }
     }
 }
@@ -96,97 +81,27 @@ impl CopiedTransforms {
     }
 }
 
-/// The parent of tf is the frame to which points are mapped.
-const PARENT: &str = "Parent station1, lengths in m";
-
 /// Returns the text for the clipboard.
 pub fn text(format: CopyFormat, summary: &ResultSummary, copied: CopiedTransforms) -> String {
     let stations = copied.of(summary);
     match format {
         CopyFormat::Toml => toml(summary, stations),
         CopyFormat::Json => json(summary, stations),
-        CopyFormat::Matrix => {
-            commented(summary, "Rows of [R t; 0 1], t in m", stations, |text, station| {
-                _ = writeln!(text, "# {}", maps(station));
-                for row in matrix(station) {
-                    _ = writeln!(text, "{}", row.map(|cell| format!("{cell:>15}")).join(" "));
-                }
-            })
+        CopyFormat::Transforms(format) => {
+            let transforms: Vec<NamedTransform> = stations.iter().map(named).collect();
+            transforms_text(format, &origin(summary), &transforms)
         }
-        CopyFormat::Quaternion => {
-            commented(summary, "x y z (m) qx qy qz qw", stations, |text, station| {
-                _ = writeln!(text, "# {}", maps(station));
-                _ = writeln!(text, "{}", pose(station).join(" "));
-            })
-        }
-        CopyFormat::Numpy => commented(summary, "[R t; 0 1], t in m", stations, |text, station| {
-            _ = writeln!(text, "# {}", maps(station));
-            _ = writeln!(text, "{} = np.array([", station.name());
-            for row in matrix(station) {
-                let cells = row.map(|cell| format!("{cell:>15}"));
-                _ = writeln!(text, "    [{}],", cells.join(", "));
-            }
-            text.push_str("])\n");
-        }),
-        CopyFormat::Ros2 => commented(summary, PARENT, stations, |text, station| {
-            let [x, y, z, qx, qy, qz, qw] = pose(station);
-            _ = writeln!(
-                text,
-                "ros2 run tf2_ros static_transform_publisher --x {x} --y {y} --z {z} --qx {qx} --qy {qy} --qz {qz} \
-                 --qw {qw} --frame-id station1 --child-frame-id station{}",
-                station.station
-            );
-        }),
-        CopyFormat::Ros1 => commented(summary, PARENT, stations, |text, station| {
-            _ = writeln!(
-                text,
-                "rosrun tf2_ros static_transform_publisher {} station1 station{}",
-                pose(station).join(" "),
-                station.station
-            );
-        }),
-        CopyFormat::Urdf => urdf(summary, stations),
     }
 }
 
-/// Writes joints whose origin is the pose of the child's frame in the parent's. `rpy` are rotations about the parent's
-/// fixed x, y and z axes in that order (URDF specification, element `origin`).
-fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
-    let mut text = String::new();
-    for line in origin(summary).lines() {
-        // Two hyphens would end the comment, so a space separates them. A single one, as in a date, stays.
-        let mut said = line.trim_start_matches(['#', ' ']).to_owned();
-        while said.contains("--") {
-            said = said.replace("--", "- -");
-        }
-        _ = writeln!(text, "<!-- {said} -->");
+fn named(station: &StationSummary) -> NamedTransform {
+    NamedTransform {
+        name: station.name(),
+        maps: format!("station {} into station 1", station.station),
+        parent: "station1".to_owned(),
+        child: format!("station{}", station.station),
+        parent_from_child: station.station1_from_station(),
     }
-    for station in stations {
-        let transform = station.station1_from_station();
-        let [x, y, z] = station.translation_m.map(digits);
-        let (roll, pitch, yaw) = transform.rotation.euler_angles();
-        let [roll, pitch, yaw] = [roll, pitch, yaw].map(digits);
-        let number = station.station;
-        _ = write!(
-            text,
-            "<joint name=\"station1_station{number}\" type=\"fixed\">\n  <parent link=\"station1\"/>\n  \
-             <child link=\"station{number}\"/>\n  <origin xyz=\"{x} {y} {z}\" rpy=\"{roll} {pitch} {yaw}\"/>\n</joint>\n"
-        );
-    }
-    text
-}
-
-/// Writes the common comments, then each transform.
-fn commented(
-    summary: &ResultSummary,
-    what: &str,
-    stations: &[StationSummary],
-    write: impl Fn(&mut String, &StationSummary),
-) -> String {
-    let mut text = origin(summary);
-    _ = writeln!(text, "# {what}");
-    stations.iter().for_each(|station| write(&mut text, station));
-    text
 }
 
 /// Returns comments with the origin of the numbers and the doubts about them.
@@ -205,32 +120,6 @@ fn origin(summary: &ResultSummary) -> String {
         }
     }
     text
-}
-
-/// Replaces control characters: copies are pasted into shells, where a name must not begin a line of its own.
-fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
-fn maps(station: &StationSummary) -> String {
-    format!("{}: station {} into station 1", station.name(), station.station)
-}
-
-/// Formats a value to 1e-9, without negative zeros.
-fn digits(value: f64) -> String {
-    let text = format!("{value:.9}");
-    if text == "-0.000000000" { "0.000000000".to_owned() } else { text }
-}
-
-fn matrix(station: &StationSummary) -> [[String; 4]; 4] {
-    let matrix = station.station1_from_station().matrix();
-    std::array::from_fn(|row| std::array::from_fn(|column| digits(matrix[(row, column)])))
-}
-
-/// Returns the numbers x, y, z, qx, qy, qz, qw of a transform.
-fn pose(station: &StationSummary) -> [String; 7] {
-    let ([x, y, z], [qx, qy, qz, qw]) = (station.translation_m, station.quaternion_xyzw);
-    [x, y, z, qx, qy, qz, qw].map(digits)
 }
 
 fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {

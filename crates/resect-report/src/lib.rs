@@ -13,9 +13,9 @@
 //! | [`of_run`], [`difference`] | the date and the durations of a run; the difference of two answers | |
 //! | [`text`], [`trace`] | an answer in the terminal; the trace of the solver, as text and JSON | a column of the trace: `trace.rs` |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
-//! | [`copy`] | an answer for the clipboard | |
+//! | [`named_transform`], [`copy`] | transforms as text for other programs; an answer for the clipboard | a format: `named_transform.rs` |
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
-//! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`] | the output of the commands `evaluate`, `live`, `plan`, of the studies (`compare`, `ablate`, `sweep`), of `validate` | |
+//! | [`estimates`], [`extrinsics`], [`live`], [`planning`], [`study`], [`validation`] | the output of the commands `evaluate`, `extrinsics`, `live`, `plan`, of the studies (`compare`, `ablate`, `sweep`), of `validate` | |
 //! | [`report`] | the HTML report | a section: a file here |
 //! | [`rerun_error`], [`rerun`] | recordings for the Rerun viewer | |
 
@@ -27,11 +27,13 @@ pub mod csv;
 pub mod difference;
 pub mod drawing;
 pub mod estimates;
+pub mod extrinsics;
 pub mod font;
 mod frame;
 pub mod glossary;
 pub mod json;
 pub mod live;
+pub mod named_transform;
 pub mod of_run;
 pub mod plan_view;
 pub mod planning;

@@ -43,8 +43,8 @@ pub fn is_header(header: &str) -> bool {
     let Ok(fields) = table::fields(header, table::separator(header)) else { return false };
     let names: Vec<String> = fields.iter().map(|name| without_unit(name)).collect();
     let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
-    TimeColumns::named(&headers).is_ok_and(|time| time.is_some())
-        && position_columns(&names).is_some()
+    // One with a unit that is not read is a header too.
+    !matches!(TimeColumns::named(&headers), Ok(None)) && position_columns(&names).is_some()
 }
 
 fn position_columns(names: &[String]) -> Option<[usize; 3]> {

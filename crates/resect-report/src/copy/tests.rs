@@ -4,6 +4,7 @@ use nalgebra::{Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde_json::Value;
 
 use super::*;
+use crate::named_transform::TransformFormat;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Method, TransformSigma};
 use resect_core::geometry::RigidTransform;
@@ -83,7 +84,7 @@ fn from_pose(pose: &[f64]) -> Matrix4<f64> {
 
 #[test]
 fn the_matrices_are_read_back() {
-    let text = copied(CopyFormat::Matrix);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Matrix));
     let rows: Vec<_> = code_lines(&text).into_iter().map(numbers).collect();
     assert_eq!(rows.len(), 8);
     for (rows, expected) in rows.chunks(4).zip(transforms()) {
@@ -94,7 +95,7 @@ fn the_matrices_are_read_back() {
 
 #[test]
 fn the_quaternions_are_read_back_in_the_order_that_is_named() {
-    let text = copied(CopyFormat::Quaternion);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Quaternion));
     assert!(text.contains("x y z (m) qx qy qz qw"));
     let lines = code_lines(&text);
     assert_eq!(lines.len(), 2);
@@ -105,7 +106,7 @@ fn the_quaternions_are_read_back_in_the_order_that_is_named() {
 
 #[test]
 fn numpy_is_read_back() {
-    let text = copied(CopyFormat::Numpy);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Numpy));
     let arrays: Vec<&str> = text.split("np.array(").skip(1).collect();
     assert_eq!(arrays.len(), 2);
     for (array, expected) in arrays.into_iter().zip(transforms()) {
@@ -120,7 +121,7 @@ fn numpy_is_read_back() {
 
 #[test]
 fn both_publishers_name_parent_and_child() {
-    let text = copied(CopyFormat::Ros2);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Ros2));
     for ((line, expected), child) in code_lines(&text).into_iter().zip(transforms()).zip(2..) {
         let words: Vec<&str> = line.split_whitespace().collect();
         assert_eq!(words[..4], ["ros2", "run", "tf2_ros", "static_transform_publisher"]);
@@ -133,7 +134,7 @@ fn both_publishers_name_parent_and_child() {
         assert_eq!(value("--frame-id"), "station1");
         assert_eq!(value("--child-frame-id"), format!("station{child}"));
     }
-    let text = copied(CopyFormat::Ros1);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Ros1));
     for ((line, expected), child) in code_lines(&text).into_iter().zip(transforms()).zip(2..) {
         let arguments = line
             .strip_prefix("rosrun tf2_ros static_transform_publisher ")
@@ -146,7 +147,7 @@ fn both_publishers_name_parent_and_child() {
 /// A URDF joint rotates about fixed axes: first x, then y, then z.
 #[test]
 fn urdf_joints_are_read_back() {
-    let text = copied(CopyFormat::Urdf);
+    let text = copied(CopyFormat::Transforms(TransformFormat::Urdf));
     for (number, expected) in (2..).zip(transforms()) {
         let joint = text.split("<joint ").nth(number - 1).expect("one a station");
         assert!(joint.contains("type=\"fixed\"") && joint.contains("<parent link=\"station1\"/>"));
@@ -179,7 +180,7 @@ fn urdf_joints_are_read_back() {
 }
 
 fn text_of(summary: &ResultSummary) -> String {
-    text(CopyFormat::Urdf, summary, CopiedTransforms::All)
+    text(CopyFormat::Transforms(TransformFormat::Urdf), summary, CopiedTransforms::All)
 }
 
 #[test]
@@ -256,7 +257,12 @@ fn a_good_answer_that_nothing_checked_says_so_in_every_form() {
 /// A deployment's name comes from a file, and these lines are pasted into a shell.
 #[test]
 fn a_name_cannot_smuggle_in_a_line() {
-    for format in [CopyFormat::Ros1, CopyFormat::Ros2, CopyFormat::Numpy, CopyFormat::Matrix] {
+    for format in [
+        CopyFormat::Transforms(TransformFormat::Ros1),
+        CopyFormat::Transforms(TransformFormat::Ros2),
+        CopyFormat::Transforms(TransformFormat::Numpy),
+        CopyFormat::Transforms(TransformFormat::Matrix),
+    ] {
         let text = text(format, &summary(Verdict::Weak), CopiedTransforms::All);
         assert!(!text.lines().any(|line| line.starts_with("rm") || line.starts_with("along")));
     }

@@ -159,14 +159,14 @@ fn judge_one(
 }
 
 /// A fit of an estimate with the stated convention.
-struct ConventionalFit {
-    fit: Fit,
-    matched: Vec<MatchedPose>,
-    has_other_convention: bool,
+pub struct ConventionalFit {
+    pub fit: Fit,
+    pub matched: Vec<MatchedPose>,
+    pub has_other_convention: bool,
 }
 
 /// Applies the stated convention, fits the estimate, and adds findings about conventions that it seems to have besides.
-fn fit_with_convention(
+pub fn fit_with_convention(
     truth: &GroundTruth<'_>,
     estimate: &mut EstimatedTrajectory,
     options: &Options,

@@ -27,6 +27,8 @@ pub mod odd;
 mod options;
 mod pose_interpolation;
 pub mod ranking;
+#[cfg(test)]
+pub mod simulated_odometry;
 mod station_trajectory;
 mod time_offset;
 pub mod unfit;
@@ -34,8 +36,9 @@ mod unjudged;
 
 pub use agreement::AgreeingPair;
 pub use ground_truth::GroundTruth;
-pub use judge::{EstimatesJudgement, judge};
+pub use judge::{ConventionalFit, EstimatesJudgement, fit_with_convention, judge};
 pub use judged::{Coverage, Judged, UnalignedErrors};
+pub use matched_pose::MatchedPose;
 pub use metrics::RELATIVE_M;
 pub use options::{Association, Body, Options, TrajectoryAlignment};
 pub use resect_core::deployment::{

@@ -68,8 +68,9 @@ pub fn epoch_rows(
     position.by_wandering.set_column(BY_CLOCK, &velocity);
     position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
     position.by_unknowns.set_column(CLOCK, &velocity);
-    let from_pivot_m = fit.scale * (pose.position_m - state.pivot_m);
-    position.by_unknowns.set_column(SCALE, &-fit.truth_from_estimate.rotate(&from_pivot_m));
+    // By the ground truth: the noise of an estimate's own positions would count as motion, and make it seem too long.
+    let own_m = fit.truth_from_estimate.rotate(&(fit.scale * (pose.position_m - state.pivot_m)));
+    position.by_unknowns.set_column(SCALE, &-(own_m + position.residual));
     let turned = truth.rotation.as_ref().zip(fit.body_rotation).zip(orientation.zip(rate));
     let rotation = turned.map(|((rotation, body), (orientation, rate))| {
         let later = UnitQuaternion::from_scaled_axis(rate * later_s) * rotation.orientation;

@@ -1,9 +1,10 @@
 //! The fit of an estimate: frame, clock, lever arm and the body's rotation.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::clock_change::ClockChange;
 use crate::estimates::matched_pose::TruePose;
+use resect_core::calibration::Estimate;
 use resect_core::deployment::EstimatedPose;
 use resect_core::deployment::Finding;
 use resect_core::geometry::RigidTransform;
@@ -31,9 +32,13 @@ pub struct Fit {
     /// prism in the body's frame. `None` if nothing has an orientation.
     pub lever_arm_m: Option<Vector3<f64>>,
     pub lever_arm_sigma_m: Option<Vector3<f64>>,
+    /// Covariance of the lever arm (m²) if it was estimated.
+    pub lever_arm_covariance_m2: Option<Matrix3<f64>>,
     /// `vehicle_from_body`, with σ about the vehicle's axes if it was estimated (rad); `None` if one of the two has no orientation.
     pub body_rotation: Option<UnitQuaternion<f64>>,
     pub body_rotation_sigma_rad: Option<Vector3<f64>>,
+    /// Factor of the estimate's lengths beside the lever arm, if it was estimated. It has a prior unless the alignment has a scale.
+    pub estimated_scale: Option<Estimate>,
     pub findings: Vec<Finding>,
 }
 

@@ -253,8 +253,10 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
             Body::Found | Body::Same => Vector3::zeros(),
         }),
         lever_arm_sigma_m: None,
+        lever_arm_covariance_m2: None,
         body_rotation: None,
         body_rotation_sigma_rad: None,
+        estimated_scale: None,
         findings: Vec::new(),
     }
 }

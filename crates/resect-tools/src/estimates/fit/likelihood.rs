@@ -18,17 +18,20 @@ const LEAST_DECREASE: f64 = 0.5;
 /// Effect: sizes that the errors do not show stay usual. Field: systems differ by a factor of ten.
 const LN_SIGMA: f64 = 2.3;
 
-/// Returns the sizes with the largest likelihood at the unknowns as they are, beginning with some sizes.
+/// Returns the sizes with the largest likelihood at the unknowns as they are, beginning with some sizes. Each of the samples counts.
 pub fn search(
     usual: DriftSizes,
     mut sizes: DriftSizes,
-    pairs: &[MatchedPose],
+    samples: &[Vec<MatchedPose>],
     state: &FitState,
     open: &[usize],
 ) -> DriftSizes {
     let cost = |sizes: &DriftSizes| {
         let unusual = sizes.ln_ratios(&usual).map(|ln| (ln / LN_SIGMA).powi(2));
-        marginal_cost(&pass(pairs, state, sizes, None), state, open) + unusual.iter().sum::<f64>()
+        let of_samples = samples
+            .iter()
+            .map(|pairs| marginal_cost(&pass(pairs, state, sizes, None), state, open));
+        of_samples.sum::<f64>() + unusual.iter().sum::<f64>()
     };
     let mut least = cost(&sizes);
     for factor in FACTORS {

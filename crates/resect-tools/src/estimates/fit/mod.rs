@@ -22,5 +22,5 @@ mod tests;
 
 pub use alignment::align;
 pub use clock_change::ClockChange;
-pub use fit::Fit;
+pub use fit::{Fit, LEAST_GAIN, LEVER_SIGMA_M};
 pub use fit_estimate::fit;

@@ -8,7 +8,7 @@ use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
 use super::likelihood::{Equations, search};
 use super::state::{BODY, CLOCK, FitState, SCALE, UNKNOWNS};
-use super::wandering_frame::pass;
+use super::wandering_frame::{first_frame, pass};
 use crate::estimates::association::thinned;
 use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::MatchedPose;
@@ -18,9 +18,11 @@ use crate::estimates::unjudged::Unjudged;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::statistics::{median, sandwich};
 
-/// Largest number of epochs in a fit, evenly spread, and in the search of the sizes of noise and drift.
+/// Largest number of epochs in a fit, evenly spread, and in a sample for the search of the sizes of noise and drift.
 const MOST_EPOCHS: usize = 3000;
-const MOST_SEARCHED: usize = 500;
+const MOST_SEARCHED: usize = 300;
+/// Number of consecutive epochs in a group of a sample.
+const BURST: usize = 20;
 pub const FEWEST_EPOCHS: usize = 10;
 const MOST_STEPS: usize = 150;
 /// Number of times that the sizes of noise and drift are searched, each after the unknowns have converged.
@@ -151,6 +153,9 @@ pub fn refine(
         if step == 0 && sought.body {
             state.fit.body_rotation = mean_turn(&state.fit, &pairs);
         }
+        if is_aligned {
+            state.fit.truth_from_estimate = first_frame(&pairs, state, &sizes);
+        }
         let filtered = pass(&pairs, state, &sizes, None);
         let equations = Equations::of(&filtered, state, &open);
         let root = equations.information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
@@ -172,8 +177,7 @@ pub fn refine(
             pairs = matched(state.fit.time_offset_s)?;
         } else if settled && !is_last {
             searches += 1;
-            let searched: Vec<MatchedPose> = thinned(&pairs, MOST_SEARCHED).cloned().collect();
-            sizes = search(usual, sizes, &searched, state, &open);
+            sizes = search(usual, sizes, &samples(&pairs), state, &open);
             steps = StepSizes::default();
         } else if settled {
             return take_sigmas(state, truth, &pairs, &sizes, &open)
@@ -181,6 +185,17 @@ pub fn refine(
         }
     }
     Err(unfit(Unfit::Undetermined))
+}
+
+/// Returns samples of the epochs for the search of the sizes: all of few; otherwise evenly spread ones, which show slow changes, and groups of
+/// consecutive ones, which show fast ones.
+fn samples(pairs: &[MatchedPose]) -> Vec<Vec<MatchedPose>> {
+    if pairs.len() <= 2 * MOST_SEARCHED {
+        return vec![pairs.to_vec()];
+    }
+    let every = pairs.len().div_ceil(MOST_SEARCHED);
+    let groups = pairs.chunks(BURST).step_by(every).flatten();
+    vec![thinned(pairs, MOST_SEARCHED).cloned().collect(), groups.cloned().collect()]
 }
 
 /// Stores σ by blocks of time, with the errors that the ground truth shares.
@@ -204,12 +219,12 @@ fn take_sigmas(
             gradient: block.gradient.select_rows(open),
         })
         .collect();
-    let pairs_of_blocks: Vec<sandwich::Block> =
-        blocks.chunks(2).map(sandwich::Block::sum).collect();
+    let [twos, fours] =
+        [2, 4].map(|count| blocks.chunks(count).map(sandwich::Block::sum).collect::<Vec<_>>());
     let root = information.cholesky()?;
     let mut covariance = root.inverse();
     // Innovations that are correlated after all, or larger than their model, widen σ.
-    for blocks in [&blocks, &pairs_of_blocks] {
+    for blocks in [&blocks, &twos, &fours] {
         let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
         for index in 0..open.len() {
             let variance = &mut covariance[(index, index)];

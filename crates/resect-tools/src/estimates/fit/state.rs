@@ -85,7 +85,7 @@ impl FitState {
         }
     }
 
-    /// Stores the standard deviations of clock, lever arm and body rotation.
+    /// Stores the standard deviations of clock, lever arm, body rotation and scale; an open lever arm has the first indices.
     pub fn take_sigmas(&mut self, open: &[usize], covariance: &DMatrix<f64>) {
         let sigma = |unknown: usize| {
             let index = open.iter().position(|other| *other == unknown)?;
@@ -98,6 +98,12 @@ impl FitState {
             sigma(CLOCK).is_none_or(|sigma_s| sigma_s < LEAST_GAIN * prior.sigma)
         });
         self.fit.lever_arm_sigma_m = vector(0);
+        let is_lever_open = vector(0).is_some();
+        self.fit.lever_arm_covariance_m2 =
+            is_lever_open.then(|| covariance.fixed_view::<3, 3>(0, 0).into_owned());
         self.fit.body_rotation_sigma_rad = vector(BODY);
+        // Relative: the unknown is the logarithm.
+        self.fit.estimated_scale = sigma(SCALE)
+            .map(|sigma| Estimate { value: self.fit.scale, sigma: sigma * self.fit.scale });
     }
 }

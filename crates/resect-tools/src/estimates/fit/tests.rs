@@ -1,95 +1,14 @@
-//! Simulated odometry with known clock, lever arm and body rotation.
+//! Fits of a simulated odometry with known clock, lever arm and body rotation.
 
 use std::sync::Arc;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use nalgebra::Vector3;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::statistics::tables::NORMAL_95;
 
 use super::{ClockChange, Fit, fit};
+use crate::estimates::simulated_odometry::{CLOCK_S, drive, trajectory};
 use crate::estimates::{GroundTruth, Options};
-
-/// Steps of the simulation (s), and its duration.
-const STEP_S: f64 = 0.05;
-const STEPS: usize = 4000;
-const CLOCK_S: f64 = -0.2;
-
-struct Drive {
-    random: ChaCha8Rng,
-    truth: Vec<EstimatedPose>,
-    lever_m: Vector3<f64>,
-    body: UnitQuaternion<f64>,
-}
-
-fn normal(random: &mut ChaCha8Rng) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| StandardNormal.sample(random))
-}
-
-/// A vehicle that turns and tilts, with stops.
-fn drive(seed: u64) -> Drive {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (mut yaw_rad, mut position_m) = (0.0, Vector3::zeros());
-    let [mut slow, mut tilt] = [Vector3::zeros(); 2];
-    let truth = (0..STEPS).map(|index| {
-        let time_s = index as f64 * STEP_S;
-        // Speed, rate of turn, roll and pitch change within seconds.
-        slow += -slow * STEP_S / 4.0 + normal(&mut random) * (2.0 * STEP_S / 4.0_f64).sqrt();
-        tilt += (slow * 0.05 - tilt) * STEP_S / 0.5;
-        let is_moving = f64::from(u8::from(time_s % 50.0 < 42.0));
-        yaw_rad += 0.3 * slow.z * is_moving * STEP_S;
-        let orientation = UnitQuaternion::from_euler_angles(tilt.x, tilt.y, yaw_rad);
-        let speed_m_per_s = (1.0 + 0.5 * slow.x).max(0.0) * is_moving;
-        position_m += orientation * Vector3::x() * (speed_m_per_s * STEP_S);
-        EstimatedPose { time_s, position_m, orientation: Some(orientation) }
-    });
-    let truth = truth.collect();
-    let lever_m = 0.2 * normal(&mut random);
-    let body = UnitQuaternion::from_scaled_axis(0.5 * normal(&mut random));
-    Drive { random, truth, lever_m, body }
-}
-
-impl Drive {
-    /// Poses of an odometry at 10 Hz that drifts as a random walk, in a frame of its own.
-    fn odometry(&mut self) -> EstimatedTrajectory {
-        let of_body = |pose: &EstimatedPose| {
-            let orientation = pose.orientation.expect("known");
-            (pose.position_m + orientation * self.lever_m, orientation * self.body)
-        };
-        let (mut position_m, mut orientation) = (Vector3::zeros(), UnitQuaternion::identity());
-        let mut poses = Vec::new();
-        for (index, two) in self.truth.windows(2).enumerate() {
-            let [(before_m, before), (after_m, after)] = [of_body(&two[0]), of_body(&two[1])];
-            let moved_m = before.inverse() * (after_m - before_m);
-            let walk_m = normal(&mut self.random) * (0.003 * moved_m.norm().sqrt());
-            let turned = normal(&mut self.random) * (8e-4 * STEP_S.sqrt());
-            position_m += orientation * (moved_m + walk_m);
-            orientation *= before.inverse() * after * UnitQuaternion::from_scaled_axis(turned);
-            if index % 2 == 0 {
-                let noise = UnitQuaternion::from_scaled_axis(1e-3 * normal(&mut self.random));
-                poses.push(EstimatedPose {
-                    time_s: two[1].time_s - CLOCK_S,
-                    position_m: position_m + 0.003 * normal(&mut self.random),
-                    orientation: Some(orientation * noise),
-                });
-            }
-        }
-        trajectory("odometry", poses)
-    }
-}
-
-fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory {
-    EstimatedTrajectory {
-        name: name.to_owned(),
-        path: name.into(),
-        topic: None,
-        poses,
-        covariances: Vec::new(),
-        findings: Vec::new(),
-    }
-}
 
 fn fitted(truth: &[EstimatedPose], estimate: &EstimatedTrajectory) -> Fit {
     let truth = GroundTruth::Trajectory(Arc::new(trajectory("truth", truth.to_vec())), None);

@@ -18,6 +18,7 @@ use super::state::{
 };
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
+use resect_core::geometry::RigidTransform;
 use resect_core::statistics::robust::huber;
 use resect_core::statistics::sandwich;
 
@@ -27,9 +28,12 @@ const BLOCKS: f64 = 24.0;
 const SHORTEST_BLOCK_S: f64 = 2.0;
 /// Bend of Huber's loss, in σ of an innovation. Textbook: 2 to 3 leaves normal errors their weight.
 const BEND: f64 = 2.5;
-/// Standard deviations of the first frame: rotation (rad), and translation relative to the misfit of the alignment. They decide nothing
-/// as long as they are larger than the errors of the alignment.
-const FIRST_RAD: f64 = 0.3;
+/// Standard deviations of the frame at the epoch where a filter begins: rotation (rad), after a filter that ran back and before it, and
+/// translation relative to the misfit of the alignment. They decide nothing as long as they are larger than the errors of that frame.
+/// Effect: with a large one, the first epochs turn the frame by their noise, and the derivatives there are wrong. Simulated: on flat ground the
+/// lever arm was wrong by up to 6 σ with 0.3 rad.
+const FIRST_RAD: f64 = 0.005;
+const LAST_RAD: f64 = 0.3;
 const FIRST_MISFITS: f64 = 10.0;
 
 type Covariance = SMatrix<f64, WANDERING, WANDERING>;
@@ -50,6 +54,8 @@ pub struct WanderingPass {
 /// The filter at an epoch.
 struct Filter {
     state: FitState,
+    /// Time of the epoch before (s), and the compared point there (m).
+    before: Option<(f64, Vector3<f64>)>,
     /// Errors that last; zero for the frame, which is part of the state.
     lasting: SVector<f64, WANDERING>,
     covariance: Covariance,
@@ -82,8 +88,7 @@ pub fn pass(
         clock: Vec::with_capacity(pairs.len()),
         by_common: DMatrix::zeros(UNKNOWNS, columns),
     };
-    let mut filter = Filter::new(pairs, state, sizes, columns);
-    let mut before: Option<(f64, Vector3<f64>)> = None;
+    let mut filter = Filter::new(pairs, state, sizes, (FIRST_RAD, columns));
     let mut instants = common.map(|common| common.instants.iter().peekable());
     let mut block = usize::MAX;
     let mut information = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
@@ -97,15 +102,11 @@ pub fn pass(
             gradient.fill(0.0);
         }
         block = index;
-        let placed_m = filter.state.fit.both_positions_m(&pair.pose, &pair.truth)[0];
-        if let Some((before_s, before_m)) = before {
-            filter.predict(time_s - before_s, &(placed_m - before_m), sizes);
-        }
         let by_common = instants.as_mut().and_then(|instants| {
             while instants.next_if(|(other_s, _)| *other_s < time_s).is_some() {}
             Some(&instants.next_if(|(other_s, _)| *other_s == time_s)?.1)
         });
-        for innovation in filter.update(pair, sizes, by_common) {
+        for innovation in filter.next(pair, sizes, by_common) {
             let weighted = innovation.by_unknowns.tr_mul(&innovation.information);
             information += weighted * innovation.by_unknowns;
             gradient += weighted * innovation.value;
@@ -115,11 +116,18 @@ pub fn pass(
             }
         }
         pass.clock.push((time_s, filter.lasting[BY_CLOCK]));
-        let placed_m = filter.state.fit.both_positions_m(&pair.pose, &pair.truth)[0];
-        before = Some((time_s, placed_m));
     }
     pass.blocks.push(block_of(&information, &gradient));
     pass
+}
+
+/// Returns the frame at the first epoch, by a filter that runs back from the last one.
+pub fn first_frame(pairs: &[MatchedPose], state: &FitState, sizes: &DriftSizes) -> RigidTransform {
+    let mut filter = Filter::new(pairs, state, sizes, (LAST_RAD, 0));
+    for pair in pairs.iter().rev() {
+        filter.next(pair, sizes, None);
+    }
+    filter.state.fit.truth_from_estimate
 }
 
 fn block_of(
@@ -133,7 +141,13 @@ fn block_of(
 }
 
 impl Filter {
-    fn new(pairs: &[MatchedPose], state: &FitState, sizes: &DriftSizes, columns: usize) -> Self {
+    /// `first_rad` is the standard deviation of the frame's rotation, `columns` the number of common errors.
+    fn new(
+        pairs: &[MatchedPose],
+        state: &FitState,
+        sizes: &DriftSizes,
+        (first_rad, columns): (f64, usize),
+    ) -> Self {
         let mut covariance = Covariance::zeros();
         if sizes.is_aligned {
             let squares: f64 = pairs
@@ -145,7 +159,7 @@ impl Filter {
                 .sum();
             let first_m = FIRST_MISFITS * (squares / pairs.len() as f64).sqrt() + 0.1;
             for axis in 0..3 {
-                covariance[(axis, axis)] = FIRST_RAD.powi(2);
+                covariance[(axis, axis)] = first_rad.powi(2);
                 let translation = BY_TRANSLATION + axis;
                 covariance[(translation, translation)] = first_m.powi(2);
             }
@@ -155,11 +169,30 @@ impl Filter {
         }
         Self {
             state: state.clone(),
+            before: None,
             lasting: SVector::zeros(),
             covariance,
             by_unknowns: SMatrix::zeros(),
             by_common: DMatrix::zeros(WANDERING, columns),
         }
+    }
+
+    /// Predicts the next epoch and takes its residuals.
+    fn next(
+        &mut self,
+        pair: &MatchedPose,
+        sizes: &DriftSizes,
+        common: Option<&DMatrix<f64>>,
+    ) -> Vec<Innovation> {
+        let time_s = pair.truth.time_s;
+        let placed_m =
+            |filter: &Self| filter.state.fit.both_positions_m(&pair.pose, &pair.truth)[0];
+        if let Some((before_s, before_m)) = self.before {
+            self.predict((time_s - before_s).abs(), &(placed_m(self) - before_m), sizes);
+        }
+        let innovations = self.update(pair, sizes, common);
+        self.before = Some((time_s, placed_m(self)));
+        innovations
     }
 
     /// Goes on by some time (s), in which the compared point moved (m).
