@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::state::{BY_CLOCK, BY_ORIENTATION, BY_POSITION, WANDERING};
+use super::state::{BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, WANDERING};
 
 /// Standard deviations of noise, random walks and clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,14 +21,20 @@ pub struct DriftSizes {
     /// Wander of the clock about the mean offset (s), and the time within which it changes (s).
     pub clock_s: f64,
     pub clock_time_s: f64,
+    /// Slow wander of the clock, which changes within [`SLOW_S`] (s).
+    pub slow_clock_s: f64,
     /// True if the frame is aligned; otherwise the estimate is in the ground truth's frame.
     pub is_aligned: bool,
     /// True against few surveyed points.
     pub is_of_points: bool,
 }
 
+/// Time within which the slow wander of a clock changes (s).
+/// Field: clocks without synchronisation, and delays of a link, wander within minutes.
+pub const SLOW_S: f64 = 60.0;
+
 /// Smallest and largest size in the units above.
-pub const SIZE_LIMITS: [[f64; 2]; 10] = [
+pub const SIZE_LIMITS: [[f64; 2]; 11] = [
     [1e-5, 10.0],
     [1e-6, 1.0],
     [1e-5, 10.0],
@@ -39,6 +45,7 @@ pub const SIZE_LIMITS: [[f64; 2]; 10] = [
     [1e-7, 0.3],
     [1e-5, 1.0],
     [0.1, 300.0],
+    [1e-5, 1.0],
 ];
 
 impl DriftSizes {
@@ -53,17 +60,19 @@ impl DriftSizes {
             tilt_rad_per_root_s: NONE,
             turn_rad_per_root_s: NONE,
             clock_s: NONE,
+            slow_clock_s: NONE,
             is_of_points: true,
             ..Self::usual(is_aligned, misfit_m)
         }
     }
 
     /// Size of each Gauss–Markov process, the time within which it changes (s), and its range in what wanders.
-    pub fn processes(&self) -> [(f64, f64, Range<usize>); 3] {
+    pub fn processes(&self) -> [(f64, f64, Range<usize>); 4] {
         [
             (self.lasting_m, self.lasting_s, BY_POSITION..BY_ORIENTATION),
             (self.lasting_rad, self.lasting_s, BY_ORIENTATION..BY_CLOCK),
-            (self.clock_s, self.clock_time_s, BY_CLOCK..WANDERING),
+            (self.clock_s, self.clock_time_s, BY_CLOCK..BY_SLOW_CLOCK),
+            (self.slow_clock_s, SLOW_S, BY_SLOW_CLOCK..WANDERING),
         ]
     }
 
@@ -83,6 +92,7 @@ impl DriftSizes {
             turn_rad_per_root_s: 1e-3,
             clock_s: 1e-3,
             clock_time_s: 3.0,
+            slow_clock_s: 1e-3,
             is_aligned,
             is_of_points: false,
         }
@@ -96,11 +106,12 @@ impl DriftSizes {
     /// Returns the sizes with a clock that walks as far in a second, but never returns to its mean.
     pub fn with_walking_clock(self) -> Self {
         const NEVER_S: f64 = 1e5;
-        let clock_s = self.clock_s * (NEVER_S / self.clock_time_s).sqrt();
-        Self { clock_s, clock_time_s: NEVER_S, ..self }
+        let walk = |size_s: f64, within_s: f64| size_s * (NEVER_S / within_s).sqrt();
+        let clock_s = walk(self.clock_s, self.clock_time_s).max(walk(self.slow_clock_s, SLOW_S));
+        Self { clock_s, clock_time_s: NEVER_S, slow_clock_s: SIZE_LIMITS[10][0], ..self }
     }
 
-    fn all(&mut self) -> [&mut f64; 10] {
+    fn all(&mut self) -> [&mut f64; 11] {
         [
             &mut self.position_m,
             &mut self.rotation_rad,
@@ -112,11 +123,12 @@ impl DriftSizes {
             &mut self.turn_rad_per_root_s,
             &mut self.clock_s,
             &mut self.clock_time_s,
+            &mut self.slow_clock_s,
         ]
     }
 
     /// Logarithms of the sizes over others.
-    pub fn ln_ratios(mut self, other: &Self) -> [f64; 10] {
+    pub fn ln_ratios(mut self, other: &Self) -> [f64; 11] {
         let mut other = *other;
         let (sizes, others) = (self.all(), other.all());
         std::array::from_fn(|index| (*sizes[index] / *others[index]).ln())

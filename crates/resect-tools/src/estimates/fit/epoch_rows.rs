@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 use super::state::{
-    BODY, BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_TRANSLATION, CLOCK, FitState, SCALE, UNKNOWNS,
-    WANDERING,
+    BODY, BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, CLOCK, FitState,
+    SCALE, UNKNOWNS, WANDERING,
 };
 use crate::estimates::matched_pose::MatchedPose;
 
@@ -65,7 +65,9 @@ pub fn epoch_rows(
     let minus = -Matrix3::identity();
     position.by_wandering.fixed_view_mut::<3, 3>(0, BY_TRANSLATION).copy_from(&minus);
     position.by_wandering.fixed_view_mut::<3, 3>(0, BY_POSITION).copy_from(&minus);
-    position.by_wandering.set_column(BY_CLOCK, &velocity);
+    for clock in [BY_CLOCK, BY_SLOW_CLOCK] {
+        position.by_wandering.set_column(clock, &velocity);
+    }
     position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
     position.by_unknowns.set_column(CLOCK, &velocity);
     // By the ground truth: the noise of an estimate's own positions would count as motion, and make it seem too long.
@@ -81,7 +83,9 @@ pub fn epoch_rows(
         };
         row.by_wandering.fixed_view_mut::<3, 3>(0, 0).copy_from(&minus);
         row.by_wandering.fixed_view_mut::<3, 3>(0, BY_ORIENTATION).copy_from(&minus);
-        row.by_wandering.set_column(BY_CLOCK, &rate);
+        for clock in [BY_CLOCK, BY_SLOW_CLOCK] {
+            row.by_wandering.set_column(clock, &rate);
+        }
         row.by_unknowns.set_column(CLOCK, &rate);
         let axes = rotation.orientation.to_rotation_matrix().into_inner();
         row.by_unknowns.fixed_view_mut::<3, 3>(0, BODY).copy_from(&axes);

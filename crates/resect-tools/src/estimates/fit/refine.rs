@@ -242,7 +242,7 @@ fn take_sigmas(
     state.take_sigmas(open, &covariance);
     // A clock that returns to its mean would show a step too small.
     let followed = || pass(pairs, state, &sizes.with_walking_clock(), None);
-    let constant = DriftSizes { clock_s: 1e-5, ..*sizes };
+    let constant = DriftSizes { clock_s: 1e-5, slow_clock_s: 1e-5, ..*sizes };
     // The other sizes stay: with their own best ones, the cost without wander would be smaller.
     let is_changing = || {
         let without = pass(pairs, state, &constant, None);

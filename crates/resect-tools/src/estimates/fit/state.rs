@@ -12,12 +12,13 @@ pub const CLOCK: usize = 3;
 pub const BODY: usize = 4;
 pub const SCALE: usize = 7;
 /// Number of quantities that wander: rotation of the frame (rad), which begins at 0, its translation (m), errors of position (m) and
-/// orientation (rad) that last for some time, and the clock (s).
-pub const WANDERING: usize = 13;
+/// orientation (rad) that last for some time, and the clock (s), fast and slowly.
+pub const WANDERING: usize = 14;
 pub const BY_TRANSLATION: usize = 3;
 pub const BY_POSITION: usize = 6;
 pub const BY_ORIENTATION: usize = 9;
 pub const BY_CLOCK: usize = 12;
+pub const BY_SLOW_CLOCK: usize = 13;
 /// Prior standard deviation of the logarithm of the scale of an estimate that is in metres.
 /// Effect: without it, an error of scale counts as one of the lever arm. Field: odometry by wheels or lidar is within a few percent.
 const SCALE_SIGMA: f64 = 0.03;

@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
 use super::state::{
-    BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_TRANSLATION, FitState, UNKNOWNS, WANDERING,
+    BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, UNKNOWNS,
+    WANDERING,
 };
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
@@ -115,7 +116,7 @@ pub fn pass(
                 pass.by_common += weighted * innovation.by_common;
             }
         }
-        pass.clock.push((time_s, filter.lasting[BY_CLOCK]));
+        pass.clock.push((time_s, filter.later_s()));
     }
     pass.blocks.push(block_of(&information, &gradient));
     pass
@@ -175,6 +176,11 @@ impl Filter {
             by_unknowns: SMatrix::zeros(),
             by_common: DMatrix::zeros(WANDERING, columns),
         }
+    }
+
+    /// Change of the time offset that the filter follows (s).
+    fn later_s(&self) -> f64 {
+        self.lasting[BY_CLOCK] + self.lasting[BY_SLOW_CLOCK]
     }
 
     /// Predicts the next epoch and takes its residuals.
@@ -264,7 +270,7 @@ impl Filter {
     }
 
     fn rows(&self, pair: &MatchedPose) -> EpochRows {
-        let mut rows = epoch_rows(pair, &self.state, self.state.later_s + self.lasting[BY_CLOCK]);
+        let mut rows = epoch_rows(pair, &self.state, self.state.later_s + self.later_s());
         rows.position.residual -= self.lasting.fixed_rows::<3>(BY_POSITION);
         if let Some(row) = &mut rows.rotation {
             row.residual -= self.lasting.fixed_rows::<3>(BY_ORIENTATION);
