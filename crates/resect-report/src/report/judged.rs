@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use super::charts::figure;
 use super::findings::findings;
 use crate::estimates::{
-    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdicts, why_empty,
+    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdict_sentence, verdicts,
+    why_empty,
 };
 use resect_core::deployment::Finding;
 use resect_tools::estimates::EstimatesJudgement;
@@ -23,6 +24,9 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
     let rows = rows(judgement, Angles::DEGREES);
     html! {
         h3 { "Trajectories of other systems" }
+        @if let Some(sentence) = verdict_sentence(judgement, Angles::DEGREES) {
+            p.recommendation { strong { (sentence) } }
+        }
         (verdict_tables(judgement))
         @for both in &judgement.agreements { p { (agreed(judgement, both)) } }
         (findings(&notes))
@@ -42,6 +46,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                 }
             } }
             @for line in why_empty(&rows) { p { (line) } }
+            // A map of the estimates belongs here, above their errors over time.
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",

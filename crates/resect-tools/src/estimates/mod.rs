@@ -29,6 +29,7 @@ mod pose_interpolation;
 pub mod ranking;
 mod station_trajectory;
 mod time_offset;
+mod truth_choice;
 pub mod unfit;
 mod unjudged;
 
@@ -43,4 +44,5 @@ pub use resect_core::deployment::{
 };
 pub use station_trajectory::{NoStation, station_index};
 pub use time_offset::offset_by_speeds_s;
+pub use truth_choice::{TruthReason, choose_truth};
 pub use unjudged::Unjudged;
