@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::Theme;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, LayoutPreset, Pane, Start, WorkspaceCommand};
 use resect_io::estimate_file;
@@ -11,7 +12,9 @@ use resect_io::sample::Sample;
 use resect_tools::simulation::{EPOCH_S, Preset, Simulated, simulate};
 
 use crate::common::slam::{SLAM, Slam, span_s, true_pose, write_tum};
-use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, window, window_from};
+use crate::harness::{
+    LARGE, SMALL, Window, click, send, settle, shown, type_and_enter_at_once, window, window_from,
+};
 
 const FIRST_PANES: [Pane; 3] = [Pane::Scene, Pane::Pipeline, Pane::Result];
 
@@ -68,6 +71,31 @@ fn two_trajectories_open_as_ground_truth_and_estimate_and_can_be_exchanged() {
         settle(&mut harness);
         assert_eq!(names(&harness).1, ["fastlio2"]);
     }
+}
+
+#[test]
+fn the_convention_of_a_file_is_entered_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pair = write_pair(&simulate(Preset::FigureEight, 4), folder.path(), 20.0);
+    let mut harness = window_from(LARGE, Theme::Dark, &start(&pair), None);
+    settle(&mut harness);
+    let convention = |harness: &Window| shown(harness).judging.added[0].options.convention;
+    let enter = |harness: &mut Window, text: &str| {
+        let field = "file's convention is";
+        harness.get_by_role_and_label(Role::TextInput, field).focus();
+        settle(harness);
+        type_and_enter_at_once(harness, text);
+        settle(harness);
+    };
+    enter(&mut harness, "held");
+    assert_eq!(convention(&harness).to_string(), "held");
+    assert_eq!(shown(&harness).judging.judged().count(), 1, "evaluated again");
+    enter(&mut harness, "held, sideways");
+    harness.get_by_label_contains("`sideways` is no convention");
+    assert_eq!(convention(&harness).to_string(), "held");
+    enter(&mut harness, "");
+    assert!(convention(&harness).is_as_read());
+    assert!(harness.query_by_label_contains("is no convention").is_none());
 }
 
 #[test]

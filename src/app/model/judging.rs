@@ -210,6 +210,7 @@ pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
         ("trajectory shown", where_(&|old, new| !old.shown && new.shown)),
         ("alignment", where_(&|old, new| old.options.alignment != new.options.alignment)),
         ("clock", where_(&|old, new| old.options.time_offset_s != new.options.time_offset_s)),
+        ("convention", where_(&|old, new| old.options.convention != new.options.convention)),
         ("body", where_(&|old, new| old.options.body != new.options.body)),
         ("trajectory read again", where_(&|old, new| !Arc::ptr_eq(&old.estimate, &new.estimate))),
     ];
