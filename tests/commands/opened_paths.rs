@@ -32,7 +32,7 @@ fn trajectories_are_evaluated_against_the_one_that_is_the_truth() {
     let drive = sample_folder("warthog");
     let said = stdout(&[lio, drive.to_str().expect("UTF-8")]);
     assert!(
-        said.contains("ground truth by joint estimate") && said.contains("APE position"),
+        said.contains("ground truth by the joint estimate") && said.contains("APE position"),
         "{said}"
     );
 }

@@ -59,6 +59,8 @@ fn two_trajectories_open_as_ground_truth_and_estimate_and_can_be_exchanged() {
         let rmse_m = shown(&harness).judging.judged().next().expect("evaluated").1.position.rmse;
         assert!((0.005..0.03).contains(&rmse_m), "{rmse_m}");
         harness.get_by_label_contains("positions, by its name");
+        harness.get_by_label("Ground truth handheld_room00_prism");
+        assert!(harness.query_by_label("Show station 1").is_none(), "a trajectory has no stations");
         harness.get_by_label_contains("fastlio2: ");
         let layout = harness.state().layout();
         assert!([Pane::Scene, Pane::Channels, Pane::Evaluation].iter().all(|it| layout.holds(*it)));
@@ -93,7 +95,7 @@ fn the_convention_of_a_file_is_entered_in_words() {
     enter(&mut harness, "held, sideways");
     harness.get_by_label_contains("`sideways` is no convention");
     assert_eq!(convention(&harness).to_string(), "held");
-    enter(&mut harness, "");
+    enter(&mut harness, "xyzw");
     assert!(convention(&harness).is_as_read());
     assert!(harness.query_by_label_contains("is no convention").is_none());
 }

@@ -163,6 +163,8 @@ fn trajectories_are_drawn_in_the_scene_and_kept_by_sessions() {
 fn what_cannot_be_judged_says_why() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Light);
+    // The user opens the sample: it does not give way to trajectories of another time.
+    send(&mut harness, DeploymentCommand::OpenSample(Sample::Warthog));
     let elsewhere = folder.path().join("elsewhere.tum");
     let line = |i: u32| {
         format!(
@@ -468,7 +470,7 @@ fn one_of_the_dropped_trajectories_becomes_the_ground_truth() {
         .expect("judged");
     assert!((lio.fit.time_offset_s + 0.4).abs() < 0.002, "{:?}", lio.fit);
     harness.get_by_label_contains("lio is better in position");
-    harness.get_by_label_contains("Ground truth of");
+    harness.get_by_label_contains("poses, as chosen");
     // A session names the file of the ground truth.
     let place = shown(&harness).source.as_ref().map(|source| source.place.clone());
     assert!(matches!(place, Some(Place::GroundTruth(_))), "{place:?}");

@@ -85,10 +85,11 @@ fn verdict(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     let is_decided = judgement.comparisons.iter().any(PairComparison::is_significant);
     let verdict = if is_decided { Verdict::Good } else { Verdict::Weak };
     let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
-    let mut text = RichText::new(format!(" {sentence} ")).strong();
-    if judgement.judged.len() > 1 {
-        text = text.color(ink).background_color(ground);
-    }
+    let text = match judgement.judged.len() {
+        1 => RichText::new(sentence),
+        _ => RichText::new(format!(" {sentence} ")).color(ink).background_color(ground),
+    };
+    let text = text.strong();
     ui.add(egui::Label::new(text).wrap()).on_hover_text(VERDICTS_IN_WORDS);
     ui.add_space(4.0);
 }
@@ -129,6 +130,9 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     if judging.added.is_empty() {
         let followed = open.analysis.as_ref().map(|analysis| &analysis.offer.followed);
         let truth = match followed.map(Prism::count) {
+            _ if judging.truth_reason == Some(TruthReason::Alone) => {
+                "The ground truth is chosen by names, missing orientations or stated σ, and can be exchanged."
+            }
             _ if open.deployment.ground_truth.is_some() => "They are evaluated against this one.",
             Some(2) => {
                 "Two prisms have no orientation, so this deployment has no trajectory that could be the ground truth; `resect \
@@ -330,12 +334,22 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
             for (one, width) in judgement.judged.iter().zip(&widths) {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-                // A name wider than its numbers is broken, because any of its letters may distinguish it.
-                ui.scope(|ui| {
-                    ui.set_max_width((LETTER * *width as f32).max(WIDEST_HEADING));
-                    let name = RichText::new(&one.estimate.name).color(colour).strong();
-                    ui.add(egui::Label::new(name).wrap().halign(egui::Align::RIGHT));
-                });
+                // The heading is above the end of its numbers. A wider name is broken, because any of its letters may distinguish it.
+                let room = (LETTER * *width as f32).max(WIDEST_HEADING);
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                let name = &one.estimate.name;
+                let is_wide = short::in_the_middle(ui, name, &font, room) != *name;
+                let text = RichText::new(name).color(colour).strong();
+                if is_wide {
+                    ui.scope(|ui| {
+                        ui.set_max_width(room);
+                        ui.add(egui::Label::new(text).wrap());
+                    });
+                } else {
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        ui.label(text);
+                    });
+                }
             }
             ui.end_row();
             for row in &rows {

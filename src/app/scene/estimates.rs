@@ -19,10 +19,11 @@ const MOST_LINES: usize = 20_000;
 const WIDTH_POINTS: f32 = 5.0;
 const OUTLINE_POINTS: f32 = 8.0;
 
-/// Width of the ground truth's line, diameter of its isolated points, and its colour.
+/// Width of the ground truth's line, and diameter of its isolated points.
 const TRUTH_POINTS: f32 = 2.0;
 const TRUTH_DIAMETER_POINTS: f32 = 18.0;
-const TRUTH_COLOUR: palette::Rgb = [150, 150, 150];
+/// Colour of the ground truth.
+pub const TRUTH_COLOUR: palette::Rgb = [150, 150, 150];
 
 impl SceneContent {
     /// Draws a ground truth of another system as a line; nothing for a deployment with readings.

@@ -1,6 +1,7 @@
 //! The verdict on all estimates in one sentence.
 
 use super::rows::{Angles, millimetres};
+use super::verdicts::error_in_words;
 use resect_tools::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
 use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, RELATIVE_M};
 
@@ -24,37 +25,39 @@ pub fn verdict_sentence(judgement: &EstimatesJudgement, angles: Angles) -> Optio
     let mut most_sigmas: f64 = 0.0;
     for kind in ComparedError::all() {
         match outcome(judgement, kind) {
-            Some(Outcome::Best(index)) => better[index].push(kind),
-            Some(Outcome::Inconclusive(sigmas)) => {
+            Some(KindOutcome::Best(index)) => better[index].push(kind),
+            Some(KindOutcome::Inconclusive(sigmas)) => {
                 inconclusive.push(kind);
                 most_sigmas = most_sigmas.max(sigmas);
             }
-            Some(Outcome::Alike) => alike.push(kind),
+            Some(KindOutcome::Alike) => alike.push(kind),
             None => {}
         }
     }
     let word = if count > 2 { "best" } else { "better" };
     let named = better.iter().zip(&judgement.judged).filter(|(kinds, _)| !kinds.is_empty());
     let mut clauses: Vec<String> = named
-        .map(|(kinds, one)| format!("{} is {word} in {}", one.estimate.name, in_words(kinds)))
+        .map(|(kinds, one)| format!("{} is {word} {}", one.estimate.name, in_words(kinds)))
         .collect();
-    match inconclusive.len() {
-        0 => {}
-        1 => clauses
-            .push(format!("{} is inconclusive ({most_sigmas:.1} σ)", in_words(&inconclusive))),
-        _ => clauses.push(format!(
-            "{} are inconclusive (at most {most_sigmas:.1} σ)",
-            in_words(&inconclusive)
-        )),
+    match inconclusive[..] {
+        [] => {}
+        [only @ (ComparedError::Position | ComparedError::Rotation)] => {
+            clauses.push(format!("{} is inconclusive ({most_sigmas:.1} σ)", error_in_words(only)))
+        }
+        _ => {
+            let most = if inconclusive.len() > 1 { "at most " } else { "" };
+            let kinds = in_words(&inconclusive);
+            clauses.push(format!("inconclusive {kinds} ({most}{most_sigmas:.1} σ)"));
+        }
     }
     if !alike.is_empty() {
-        clauses.push(format!("no difference in {}", in_words(&alike)));
+        clauses.push(format!("no difference {}", in_words(&alike)));
     }
     (!clauses.is_empty()).then(|| clauses.join("; "))
 }
 
 /// Result of all comparisons by one kind of error.
-enum Outcome {
+enum KindOutcome {
     /// Index of the estimate that is significantly better than each other one.
     Best(usize),
     /// The difference between the best ones (σ).
@@ -63,7 +66,7 @@ enum Outcome {
 }
 
 /// Returns the outcome by a kind of error; `None` without enough common instants or paths.
-fn outcome(judgement: &EstimatesJudgement, kind: ComparedError) -> Option<Outcome> {
+fn outcome(judgement: &EstimatesJudgement, kind: ComparedError) -> Option<KindOutcome> {
     let of_kind: Vec<&PairComparison> =
         judgement.comparisons.iter().filter(|two| two.kind == kind).collect();
     let wins = |index: usize, is_win: &dyn Fn(&PairComparison) -> bool| {
@@ -72,17 +75,17 @@ fn outcome(judgement: &EstimatesJudgement, kind: ComparedError) -> Option<Outcom
     let count = judgement.judged.len();
     let best = (0..count).find(|index| wins(*index, &PairComparison::is_significant) + 1 == count);
     if let Some(best) = best {
-        return Some(Outcome::Best(best));
+        return Some(KindOutcome::Best(best));
     }
     let first = (0..count).max_by_key(|index| wins(*index, &|_| true))?;
     let of_first = || of_kind.iter().filter(|two| two.better == first || two.worse == first);
     let open = of_first().filter(|two| two.verdict == PairVerdict::NotSignificant);
     let sigmas = open.filter_map(|two| Some(two.sigmas()?.abs())).min_by(f64::total_cmp);
     let is_alike = of_first().any(|two| two.verdict == PairVerdict::Alike);
-    sigmas.map(Outcome::Inconclusive).or(is_alike.then_some(Outcome::Alike))
+    sigmas.map(KindOutcome::Inconclusive).or(is_alike.then_some(KindOutcome::Alike))
 }
 
-/// Names kinds of error: "position, rotation and over 1 to 20 m".
+/// Names kinds of error: "in position, rotation and over 1 to 20 m".
 fn in_words(kinds: &[ComparedError]) -> String {
     let mut words = Vec::new();
     for (kind, name) in
@@ -103,9 +106,10 @@ fn in_words(kinds: &[ComparedError]) -> String {
             words.extend(lengths(indices).map(|lengths| format!("{name} over {lengths}")));
         }
     }
+    let preposition = if words.iter().all(|word| word.starts_with("over")) { "" } else { "in " };
     match words.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        Some((last, [])) => format!("{preposition}{last}"),
+        Some((last, others)) => format!("{preposition}{} and {last}", others.join(", ")),
         None => String::new(),
     }
 }
@@ -149,14 +153,16 @@ mod tests {
         let [shortest, .., longest] = RELATIVE_M;
         assert_eq!(
             in_words(&all),
-            format!("position, rotation and over {shortest} to {longest} m")
+            format!("in position, rotation and over {shortest} to {longest} m")
         );
-        assert_eq!(in_words(&[Position]), "position");
+        assert_eq!(in_words(&[Position]), "in position");
         assert_eq!(
             in_words(&[Rotation, PositionOverPath(shortest)]),
-            format!("rotation and position over {shortest} m")
+            format!("in rotation and position over {shortest} m")
         );
         let ends = [RotationOverPath(shortest), RotationOverPath(longest)];
-        assert_eq!(in_words(&ends), format!("rotation over {shortest}, {longest} m"));
+        let both = [PositionOverPath(shortest), RotationOverPath(shortest)];
+        assert_eq!(in_words(&both), format!("over {shortest} m"));
+        assert_eq!(in_words(&ends), format!("in rotation over {shortest}, {longest} m"));
     }
 }
