@@ -26,6 +26,7 @@ fn a_page_has_the_verdict_the_table_and_the_errors_over_time() {
     let places = [
         "<title>truth: evaluation of trajectories</title>",
         "lio is better in position",
+        "Ground truth: truth",
         "APE position, rmse (mm)",
         "aria-label=\"position errors over time\"",
         "SHA-256",

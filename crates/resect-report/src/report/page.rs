@@ -227,9 +227,10 @@ fn summary_cells(Answer { calibration, evaluation, .. }: &Answer, stations: usiz
 fn section(chapter: &Chapter) -> Markup {
     if let Chapter::Evaluated(evaluation) = chapter {
         return html! {
+            (judged::verdict(&evaluation.judgement))
             p { "Ground truth: " (evaluation.truth) }
             (findings(&evaluation.findings))
-            (judged::markup(&evaluation.judgement, evaluation.start_s))
+            (judged::details(&evaluation.judgement, evaluation.start_s))
             (input::hashes(&evaluation.files))
         };
     }
