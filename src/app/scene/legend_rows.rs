@@ -56,7 +56,7 @@ pub fn groups(
     if let Some(truth) = &open.deployment.ground_truth {
         let mut rows = vec![LegendRow {
             swatch: Swatch::Colour(theme::rgb(TRUTH_COLOUR)),
-            text: format!("{}, ground truth", truth.name),
+            text: "ground truth".to_owned(),
             name: format!("Ground truth {}", truth.name),
             shown: true,
             click: None,

@@ -42,7 +42,7 @@ pub fn verdict_sentence(judgement: &EstimatesJudgement, angles: Angles) -> Optio
     match inconclusive[..] {
         [] => {}
         [only @ (ComparedError::Position | ComparedError::Rotation)] => {
-            clauses.push(format!("{} is inconclusive ({most_sigmas:.1} σ)", error_in_words(only)))
+            clauses.push(format!("{} is inconclusive ({most_sigmas:.1} σ)", error_in_words(only)));
         }
         _ => {
             let most = if inconclusive.len() > 1 { "at most " } else { "" };

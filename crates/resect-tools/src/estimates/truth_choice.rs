@@ -56,18 +56,23 @@ pub fn choose_truth(all: &[&EstimatedTrajectory]) -> Option<(usize, TruthReason)
     if last == 0 {
         return Some((0, TruthReason::Alone));
     }
-    let criteria: [(&dyn Fn(&EstimatedTrajectory) -> bool, TruthReason); 3] = [
-        (&is_named_truth, TruthReason::Name),
-        (&|one| !one.has_orientations(), TruthReason::PositionsOnly),
-        (&|one| !one.covariances.is_empty(), TruthReason::StatedSigma),
-    ];
-    for (applies, reason) in criteria {
-        let mut matching = (0..all.len()).filter(|index| applies(all[*index]));
+    for reason in [TruthReason::Name, TruthReason::PositionsOnly, TruthReason::StatedSigma] {
+        let mut matching = (0..all.len()).filter(|index| applies(reason, all[*index]));
         if let (Some(only), None) = (matching.next(), matching.next()) {
             return Some((only, reason));
         }
     }
     Some((last, TruthReason::Last))
+}
+
+/// Returns true if a trajectory has the evidence of this reason.
+fn applies(reason: TruthReason, trajectory: &EstimatedTrajectory) -> bool {
+    match reason {
+        TruthReason::Name => is_named_truth(trajectory),
+        TruthReason::PositionsOnly => !trajectory.has_orientations(),
+        TruthReason::StatedSigma => !trajectory.covariances.is_empty(),
+        TruthReason::Alone | TruthReason::Last | TruthReason::Chosen => false,
+    }
 }
 
 /// Returns true if the name of the file or topic has a word for a ground truth.
