@@ -32,7 +32,7 @@
 //! | time: cursor, selection, playback, plotted values | `state/time_state.rs`, `model/timeline.rs` | `TimeCommand`, `handle_time.rs` |
 //! | scene: camera, visibility, colouring, options | `state/scene_state.rs` | `SceneCommand`, `handle_scene.rs` |
 //! | results: runs, pins, studies, validation | `model/results.rs` | `ResultsCommand`, `results.rs` |
-//! | evaluation of trajectories | `model/judging.rs`, by deployment | `JudgingCommand`, `judging.rs` |
+//! | evaluation of trajectories | `model/judging.rs`, by deployment | `JudgingCommand`, `judging.rs`; without a deployment: `evaluation_files.rs` |
 //! | planning | `model/planning.rs` | `PlanCommand`, `planning.rs` |
 //! | live deployment | `model/live.rs` | `LiveCommand`, `live.rs` |
 //! | session | `state/session_state.rs` | `SessionCommand`, `sessions.rs` |

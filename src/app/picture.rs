@@ -1,7 +1,5 @@
 //! The window as an image, rendered off screen.
 
-use std::sync::Arc;
-
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup};
 use egui_kittest::wgpu::WgpuTestRenderer;
 
@@ -9,8 +7,6 @@ use super::model::{Pane, PictureFormat, PictureOrder};
 use super::pictures::pane_picture::{self, PanePicture};
 use super::window::{ResectWindow, Start};
 use resect_core::analysis::Settings;
-use resect_core::deployment::Deployment;
-use resect_io::source::Source;
 
 /// Choices for a picture of the window or of one of its panes.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +24,7 @@ pub struct ScreenshotOrder {
 
 /// Renders the window or one pane off screen.
 pub fn picture(
-    deployments: Vec<(Arc<Deployment>, Source)>,
+    start: &Start,
     settings: Settings,
     order: &ScreenshotOrder,
 ) -> anyhow::Result<PanePicture> {
@@ -42,7 +38,6 @@ pub fn picture(
     };
     let whole = order_of(order.pane.unwrap_or(Pane::Scene));
     pane_picture::check_size(&state, &whole).map_err(anyhow::Error::msg)?;
-    let start = Start::Deployments(deployments);
     let mut harness = egui_kittest::Harness::builder()
         .with_size(order.size_points.map(|side| side as f32))
         .with_pixels_per_point(order.scale as f32)
@@ -52,7 +47,7 @@ pub fn picture(
         .with_accessibility_check(false)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_eframe(|creation| {
-            let mut window = ResectWindow::new(creation, &start, settings);
+            let mut window = ResectWindow::new(creation, start, settings);
             window.settle();
             window
         });

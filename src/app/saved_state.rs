@@ -140,7 +140,7 @@ impl SavedState {
             in_the_sun: state.workspace.in_the_sun,
             units: state.workspace.units,
             // An unchanged default layout is not saved: a newer version may have a better one.
-            layout: Some(state.workspace.layout.describe())
+            layout: Some(state.workspace.lasting_layout().describe())
                 .filter(|it| *it != Layout::default().describe()),
             window_points: size.or(self.preferences.window_points),
             closes_unasked: !state.workspace.asks_before_closing,

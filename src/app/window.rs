@@ -26,8 +26,10 @@ use crate::app::model::{
 };
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
+use resect_io::evaluation_files::EvaluationFiles;
 use resect_io::sample::Sample;
 use resect_io::source::Source;
+use resect_tools::estimates::{EstimatedTrajectory, Options};
 
 /// Interval at which a live deployment is polled for new data.
 const LIVE_EVERY: std::time::Duration = std::time::Duration::from_millis(200);
@@ -37,10 +39,17 @@ const LIVE_EVERY: std::time::Duration = std::time::Duration::from_millis(200);
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
-    /// The files that could be opened, and for each other file the reason of the failure.
-    Partly(Vec<(Arc<Deployment>, Source)>, Vec<String>),
+    Partly {
+        deployments: Vec<(Arc<Deployment>, Source)>,
+        /// Trajectories of other systems, evaluated against the last deployment with these options.
+        estimates: Vec<(Arc<EstimatedTrajectory>, Options)>,
+        /// The reasons of other files that could not be opened.
+        why_not: Vec<String>,
+    },
     /// The session in this file.
     Session(PathBuf),
+    /// Trajectories without a deployment, and the reasons of other files that could not be opened.
+    Evaluation(Box<EvaluationFiles>, Vec<String>),
 }
 
 /// The state, and the scene on the GPU; the rest is redrawn every frame.
@@ -82,8 +91,13 @@ impl ResectWindow {
             Start::Sample(sample) => state.open_placeholder(*sample),
             Start::Session(path) => state.open_session(path.clone()),
             Start::Deployments(deployments) => add_each(&mut state, deployments),
-            Start::Partly(deployments, why_not) => {
+            Start::Partly { deployments, estimates, why_not } => {
                 add_each(&mut state, deployments);
+                state.evaluate_estimates(estimates.clone());
+                why_not.iter().for_each(|line| state.toasts.error(line));
+            }
+            Start::Evaluation(files, why_not) => {
+                state.evaluate_files(EvaluationFiles::clone(files));
                 why_not.iter().for_each(|line| state.toasts.error(line));
             }
         }

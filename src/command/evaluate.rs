@@ -11,10 +11,9 @@ use super::settings_args::AnswerArguments;
 use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use resect_core::analysis::Analyst;
-use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
 use resect_report::{estimates, svg};
-use resect_tools::estimates::{GroundTruth, judge, station_index};
+use resect_tools::estimates::judge;
 
 #[derive(Args)]
 pub struct EvaluateArguments {
@@ -50,21 +49,11 @@ pub struct EvaluateArguments {
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
-    let mut read_estimates = Vec::new();
-    let options = arguments.judging.options_of_each(arguments.trajectory.len())?;
-    for (path, options) in arguments.trajectory.iter().zip(options) {
-        read_estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
-    }
+    let read_estimates = arguments.judging.read_each(&arguments.trajectory)?;
     let settings = arguments.settings.settings()?;
     let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let number = arguments.truth.truth_station;
-    let station = number.map(|number| station_index(&deployment, number.into()));
-    let station = station.transpose()?;
-    let truth = GroundTruth::of(&deployment, &analysis, station);
-    if let GroundTruth::Deployment { .. } = truth {
-        analysis.answer.clone()?;
-    }
+    let truth = arguments.truth.ground_truth(&deployment, &analysis)?;
     let judgement = judge(&truth, read_estimates);
     if judgement.judged.is_empty() {
         let whys: Vec<String> = judgement

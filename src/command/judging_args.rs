@@ -1,12 +1,15 @@
 //! Options of the evaluation of trajectories of other systems: the flags that `resect evaluate` and `resect report --judge` share.
 
 use super::choice::{ESTIMATE_ALIGNMENTS, choice};
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::Failure;
 use super::settings_args::metres;
+use resect_io::estimate_file;
 use resect_tools::estimates::conventions::Convention;
-use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
+use resect_tools::estimates::{Body, EstimatedTrajectory, Options, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {
@@ -36,6 +39,18 @@ impl JudgingArguments {
     /// Returns true if the flags ask for anything but the defaults.
     pub fn are_given(&self) -> bool {
         self.options_of_each(1).ok() != Some(vec![Options::default()])
+    }
+
+    /// Reads the trajectories of files, each with its options.
+    pub fn read_each(
+        &self,
+        paths: &[PathBuf],
+    ) -> Result<Vec<(EstimatedTrajectory, Options)>, Failure> {
+        let mut estimates = Vec::new();
+        for (path, options) in paths.iter().zip(self.options_of_each(paths.len())?) {
+            estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
+        }
+        Ok(estimates)
     }
 
     /// Returns the options for each of `count` files.

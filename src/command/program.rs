@@ -35,7 +35,8 @@ struct Arguments {
     /// Print no progress and no notes; errors are still printed
     #[arg(long, global = true)]
     quiet: bool,
-    /// Folders or files to open in the window; the built-in sample if none.
+    /// Folders or files to open in the window; the built-in sample if none. Trajectories are evaluated against a deployment among them, or
+    /// against the one that is the ground truth.
     path: Vec<PathBuf>,
 }
 

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::judging_args::JudgingArguments;
 use super::output::{is_standard_output, spare, write};
 use super::progress_line::with_progress;
 use super::settings_args::AnswerArguments;
+use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use crate::app::{self, Pane, PictureFormat, PictureOrder, ScreenshotOrder};
+use resect_core::deployment::Deployment;
 use resect_io::file_mark::used_files;
 use resect_io::sample::Sample;
 use resect_io::source::Source;
@@ -22,8 +25,15 @@ enum ThemeArgument {
 
 #[derive(Args)]
 pub struct ScreenshotArguments {
-    /// Folder or file with the stations' tracks; the built-in sample if none
-    path: Option<PathBuf>,
+    /// Folder or file with the stations' tracks, the built-in sample if none; with --against, trajectories of other systems
+    path: Vec<PathBuf>,
+    /// Ground truth of the trajectories, as in `resect evaluate`: a deployment, or a trajectory
+    #[arg(long, value_name = "PATH")]
+    against: Vec<PathBuf>,
+    #[command(flatten)]
+    truth: TruthArguments,
+    #[command(flatten)]
+    judging: JudgingArguments,
     /// File to write: PNG, or SVG of a pane by the ending .svg; - for PNG on standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -44,13 +54,13 @@ pub struct ScreenshotArguments {
 
 pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    let source = match &arguments.path {
-        Some(path) => Source::at(path),
-        None => Source::sample(Sample::Warthog),
+    let (deployment, source) = arguments.open()?;
+    let estimates = match arguments.against[..] {
+        [] => Vec::new(),
+        _ => arguments.judging.read_each(&arguments.path)?,
     };
-    let source = source.with(arguments.settings.extras());
-    let deployment = with_progress("reading", |it| source.open(it))?;
-    spare(&arguments.out, used_files(&deployment))?;
+    let read = arguments.path.iter().chain(&arguments.against).map(PathBuf::as_path);
+    spare(&arguments.out, used_files(&deployment).chain(read))?;
     let is_svg = arguments.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
     if is_svg && !arguments.pane.is_some_and(PictureOrder::has_svg) {
         let what = if arguments.pane.is_some() { "the scene has" } else { "the window has" };
@@ -64,7 +74,12 @@ pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
         scale: arguments.scale,
         dark: arguments.theme == ThemeArgument::Dark,
     };
-    let picture = app::picture(vec![(Arc::new(deployment), source)], settings, &order)?;
+    let start = app::Start::Partly {
+        deployments: vec![(deployment, source)],
+        estimates: estimates.into_iter().map(|(one, options)| (Arc::new(one), options)).collect(),
+        why_not: Vec::new(),
+    };
+    let picture = app::picture(&start, settings, &order)?;
     write(&arguments.out, picture.encoded().map_err(anyhow::Error::msg)?)?;
     if is_standard_output(&arguments.out) {
         return Ok(());
@@ -72,6 +87,39 @@ pub fn run(arguments: &ScreenshotArguments) -> Result<(), Failure> {
     let [width, height] = arguments.size.map(|side| if is_svg { side } else { side * order.scale });
     print(&format!("{}: {width}×{height}\n", arguments.out.display()))?;
     Ok(())
+}
+
+impl ScreenshotArguments {
+    /// Opens the deployment, or the ground truth of trajectories.
+    fn open(&self) -> Result<(Arc<Deployment>, Source), Failure> {
+        let source = match (&self.path[..], &self.against[..]) {
+            (_, [_, _, ..]) | ([], [_]) => {
+                let line = "--against is given once, with trajectories to evaluate";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+            (_, [truth]) => {
+                let deployment = self.truth.open(&self.against, self.settings.extras())?;
+                let source = match deployment.ground_truth {
+                    Some(_) => Source::ground_truth(truth, None),
+                    None => Source::at(truth).with(self.settings.extras()),
+                };
+                return Ok((deployment, source));
+            }
+            _ if self.truth.are_given() || self.judging.are_given() => {
+                let line = "the flags of an evaluation need --against; give it too";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+            ([], []) => Source::sample(Sample::Warthog),
+            ([path], []) => Source::at(path),
+            (_, []) => {
+                let line = "several paths are trajectories; give their ground truth by --against";
+                return Err(Failure::Usage(line.to_owned()));
+            }
+        };
+        let source = source.with(self.settings.extras());
+        let deployment = with_progress("reading", |it| source.open(it))?;
+        Ok((Arc::new(deployment), source))
+    }
 }
 
 fn parse_pane(text: &str) -> Result<Pane, String> {

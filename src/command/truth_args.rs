@@ -11,6 +11,7 @@ use super::choice::{SOLUTIONS, choice};
 use super::judging_args::convention;
 use super::progress_line::with_progress;
 use super::settings_args::metres;
+use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, PoseCovariance};
 use resect_core::network::MOST_STATIONS;
 use resect_io::antenna_poses::read_antennas;
@@ -18,6 +19,7 @@ use resect_io::gnss_solution::SolutionChoice;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
 use resect_tools::estimates::conventions::Convention;
+use resect_tools::estimates::{GroundTruth, station_index};
 
 #[derive(Args)]
 pub struct TruthArguments {
@@ -40,10 +42,37 @@ pub struct TruthArguments {
     truth_convention: Convention,
     /// Only this station of a deployment is the ground truth: the positions of its prism in its own frame
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=MOST_STATIONS as i64))]
-    pub truth_station: Option<u8>,
+    truth_station: Option<u8>,
 }
 
 impl TruthArguments {
+    /// Returns true if the flags ask for anything but the defaults.
+    pub fn are_given(&self) -> bool {
+        self.truth_sigma.is_some()
+            || self.truth_topic.is_some()
+            || !self.antennas_m.is_empty()
+            || self.truth_solutions != SolutionChoice::default()
+            || !self.truth_convention.is_as_read()
+            || self.truth_station.is_some()
+    }
+
+    /// Returns the ground truth of an opened deployment, by the chosen station if there is one.
+    ///
+    /// # Errors
+    /// If the station is none of the deployment, or if a deployment that is the ground truth has no answer.
+    pub fn ground_truth<'a>(
+        &self,
+        deployment: &'a Deployment,
+        analysis: &'a Analysis,
+    ) -> Result<GroundTruth<'a>, Failure> {
+        let station = self.truth_station.map(|number| station_index(deployment, number.into()));
+        let truth = GroundTruth::of(deployment, analysis, station.transpose()?);
+        if let GroundTruth::Deployment { .. } = truth {
+            analysis.answer.clone()?;
+        }
+        Ok(truth)
+    }
+
     /// Opens a deployment, or a trajectory as the ground truth of one; several files are those of antennas.
     ///
     /// # Errors

@@ -8,13 +8,16 @@ use super::remedy_flags::finding_line;
 use super::{Failure, complain, load, note, print};
 use crate::app;
 use crate::app::persist::{hashes::HashCache, session_file};
-use resect_core::analysis::{Analyst, Settings};
+use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
+use resect_io::estimate_file;
+use resect_io::evaluation_files::EvaluationFiles;
 use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_io::what_is::{Dropped, what_is};
-use resect_report::text;
+use resect_report::{estimates, text};
+use resect_tools::estimates::{EstimatedTrajectory, GroundTruth, Options, TruthReason, judge};
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     #[cfg(windows)]
@@ -25,7 +28,7 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     {
         return match window(app::Start::Session(path.clone())) {
             Ok(()) => Ok(()),
-            Err(why) => in_terminal(&of_session(path)?, &why, ""),
+            Err(why) => in_terminal(&of_session(path)?, &[], &why, ""),
         };
     }
     if paths.is_empty() {
@@ -33,37 +36,100 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
             Ok(()) => Ok(()),
             Err(why) => {
                 let sample = (Arc::new(Sample::Warthog.open()?), Settings::default());
-                in_terminal(&[sample], &why, "; this is the built-in sample")
+                in_terminal(&[sample], &[], &why, "; this is the built-in sample")
             }
         };
     }
-    let (mut deployments, mut why_not) = (Vec::new(), Vec::new());
+    let is_alone = paths.len() == 1 && std::io::stderr().is_terminal();
+    let mut opened = OpenedPaths::default();
     for path in paths {
-        match opened(path) {
-            Ok(deployment) => deployments.push(deployment),
-            // A single path that does not open ends the program with an error on the terminal; of several, the window shows the others.
-            // Without a terminal, as from a menu, only the window can show the reason.
-            Err(error) => {
-                let is_alone = paths.len() == 1 && std::io::stderr().is_terminal();
-                if is_alone || !has_display() {
-                    return Err(error.into());
-                }
-                complain(&format!("{error:#}"));
-                why_not.push(format!("{error:#}"));
+        // A single path that does not open ends the program with an error on the terminal; of several, the window shows the others.
+        // Without a terminal, as from a menu, only the window can show the reason.
+        if let Err(error) = opened.open(path) {
+            if is_alone || !has_display() {
+                return Err(error.into());
             }
+            complain(&format!("{error:#}"));
+            opened.why_not.push(format!("{error:#}"));
         }
+    }
+    let OpenedPaths { deployments, trajectories, why_not } = opened;
+    if deployments.is_empty()
+        && let Some(files) = EvaluationFiles::of(trajectories.clone())?
+    {
+        return match window(app::Start::Evaluation(Box::new(files.clone()), why_not)) {
+            Ok(()) => Ok(()),
+            Err(why) => {
+                print(&format!("{why}\n\n{}", evaluation(files)))?;
+                print_next_steps()
+            }
+        };
     }
     let read =
         deployments.iter().map(|(deployment, _)| (Arc::clone(deployment), Settings::default()));
     let read: Vec<_> = read.collect();
-    match window(app::Start::Partly(deployments, why_not)) {
+    let estimates = trajectories.iter().cloned();
+    let estimates = estimates.map(|one| (Arc::new(one), Options::default())).collect();
+    match window(app::Start::Partly { deployments, estimates, why_not }) {
         Ok(()) => Ok(()),
-        Err(why) => in_terminal(&read, &why, ""),
+        Err(why) => in_terminal(&read, &trajectories, &why, ""),
     }
 }
 
-fn opened(path: &Path) -> anyhow::Result<(Arc<Deployment>, Source)> {
-    Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?)))
+/// Content of the paths of the command line.
+#[derive(Default)]
+struct OpenedPaths {
+    deployments: Vec<(Arc<Deployment>, Source)>,
+    trajectories: Vec<EstimatedTrajectory>,
+    /// Reasons of the paths that could not be opened.
+    why_not: Vec<String>,
+}
+
+impl OpenedPaths {
+    /// Reads a deployment, or trajectories of another system. A file of GNSS alone is a trajectory.
+    fn open(&mut self, path: &Path) -> anyhow::Result<()> {
+        if matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
+            self.trajectories.extend(estimate_file::read(path)?);
+            return Ok(());
+        }
+        match load(path, Extras::default()) {
+            Ok((deployment, _)) => {
+                self.deployments.push((deployment, Source::at(std::path::absolute(path)?)));
+            }
+            // A bag has tracks, or the poses of another system.
+            Err(error) => match estimate_file::read(path) {
+                Ok(trajectories) => self.trajectories.extend(trajectories),
+                Err(_) => return Err(error.into()),
+            },
+        }
+        Ok(())
+    }
+}
+
+/// Formats the evaluation of trajectories against the one that is the ground truth.
+fn evaluation(EvaluationFiles { truth, estimates, reason, .. }: EvaluationFiles) -> String {
+    let name = &truth.name;
+    if reason == TruthReason::Alone {
+        let trajectory = truth.ground_truth.as_deref();
+        let facts = trajectory.map(estimates::trajectory_in_words).unwrap_or_default();
+        return format!("{name} · {facts}\n{}\n", estimates::ADD_A_TRUTH);
+    }
+    let analysis = Analyst::new(Arc::clone(&truth)).run(&Settings::default());
+    format!(
+        "ground truth: {name} ({}); another one: resect evaluate … --against TRUTH\n\n{}",
+        reason.in_words(),
+        evaluated(&truth, &analysis, &estimates)
+    )
+}
+
+fn evaluated(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    estimates: &[EstimatedTrajectory],
+) -> String {
+    let truth = GroundTruth::of(deployment, analysis, None);
+    let estimates = estimates.iter().map(|one| (one.clone(), Options::default()));
+    estimates::text(&truth, &judge(&truth, estimates.collect()))
 }
 
 /// Runs the window until it closes; fails with the reason if it cannot open.
@@ -121,28 +187,35 @@ fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> 
     open.collect()
 }
 
-/// Prints the calibrations without a window, and names the alternatives.
+/// Prints the calibrations without a window, with the evaluation of trajectories against the last one, and names the alternatives.
 fn in_terminal(
     deployments: &[(Arc<Deployment>, Settings)],
+    trajectories: &[EstimatedTrajectory],
     why: &str,
     what: &str,
 ) -> Result<(), Failure> {
     print(&format!("{why}{what}\n\n"))?;
-    for (deployment, settings) in deployments {
+    for (index, (deployment, settings)) in deployments.iter().enumerate() {
         let analysis = Analyst::new(Arc::clone(deployment)).run(settings);
         let answer = analysis.answer.clone()?;
         print(&text::calibration(deployment, &analysis, &answer, finding_line))?;
         print(&text::durations(&analysis, &answer))?;
+        if index + 1 == deployments.len() && !trajectories.is_empty() {
+            print(&format!("\n{}", evaluated(deployment, &analysis, trajectories)))?;
+        }
     }
+    print_next_steps()
+}
+
+fn print_next_steps() -> Result<(), Failure> {
     let window = if cfg!(target_os = "linux") {
         "where there is a display (over ssh: ssh -X, or xvfb-run)"
     } else {
         "on a desktop with a graphics driver"
     };
-    print(&format!(
+    Ok(print(&format!(
         "\nwindow      run resect {window}\n\
          picture     resect screenshot [PATH] --out window.png\n\
          your data   resect calibrate PATH [--json]\n"
-    ))?;
-    Ok(())
+    ))?)
 }

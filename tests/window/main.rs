@@ -10,6 +10,7 @@ mod channels;
 mod clocks;
 mod corrections;
 mod drives;
+mod evaluation;
 mod guide;
 mod harness;
 mod live;

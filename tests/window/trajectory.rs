@@ -108,7 +108,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     // Reading, evaluation and drawing are sequential.
     settle(&mut harness);
     assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
-    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("lio is better in position");
     assert!(harness.query_all_by_label_contains("lio better, ").count() > 1);
     harness.get_by_label("position errors of lio over time");
     harness.get_by_label_contains("the estimate is wrong: the readings agree with the rig");
@@ -163,6 +163,8 @@ fn trajectories_are_drawn_in_the_scene_and_kept_by_sessions() {
 fn what_cannot_be_judged_says_why() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Light);
+    // The user opens the sample: it does not give way to trajectories of another time.
+    send(&mut harness, DeploymentCommand::OpenSample(Sample::Warthog));
     let elsewhere = folder.path().join("elsewhere.tum");
     let line = |i: u32| {
         format!(
@@ -397,7 +399,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
     send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
-    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("lio is better in position");
     harness.get_by_label("lever arm, z (mm)");
     assert!(harness.query_by_label_contains("APE rotation").is_none());
     for (_, one) in shown(&harness).judging.judged() {
@@ -425,7 +427,7 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     settle(&mut harness);
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
-    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("lio is better in position");
     assert!(harness.query_all_by_label_contains("lio better, ").count() > 1);
     let judging = &shown(&harness).judging;
     let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
@@ -447,16 +449,28 @@ fn one_of_the_dropped_trajectories_becomes_the_ground_truth() {
     write_tum(&vio.drive(&simulated), &files[2]);
     send(&mut harness, DeploymentCommand::OpenPaths(files.to_vec()));
     settle(&mut harness);
-    click(&mut harness, "Use truth as the ground truth");
-    settle(&mut harness);
-    settle(&mut harness);
-    let open = shown(&harness);
-    assert_eq!((&*open.deployment.name, open.judging.added.len()), ("truth", 2));
-    let (_, lio) =
-        open.judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
+    // Its name says that it is the ground truth. Another choice and back.
+    for (button, truth) in [
+        (None, "truth"),
+        (Some("Use vio as the ground truth"), "vio"),
+        (Some("Use truth as the ground truth"), "truth"),
+    ] {
+        if let Some(button) = button {
+            click(&mut harness, button);
+            settle(&mut harness);
+        }
+        let open = shown(&harness);
+        assert_eq!((&*open.deployment.name, open.judging.added.len()), (truth, 2));
+        assert_eq!(harness.state().state.deployments.open.len(), 1, "the sample gave way");
+    }
+    let (_, lio) = shown(&harness)
+        .judging
+        .judged()
+        .find(|(_, one)| one.estimate.name == "lio")
+        .expect("judged");
     assert!((lio.fit.time_offset_s + 0.4).abs() < 0.002, "{:?}", lio.fit);
-    harness.get_by_label(" lio is better in position ");
-    harness.get_by_label_contains("Ground truth of");
+    harness.get_by_label_contains("lio is better in position");
+    harness.get_by_label_contains("poses, as chosen");
     // A session names the file of the ground truth.
     let place = shown(&harness).source.as_ref().map(|source| source.place.clone());
     assert!(matches!(place, Some(Place::GroundTruth(_))), "{place:?}");
@@ -523,7 +537,7 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     settle(&mut harness);
     click(&mut harness, "Use the joint estimate");
     settle(&mut harness);
-    harness.get_by_label(" lio is better in position ");
+    harness.get_by_label_contains("lio is better in position");
 }
 
 /// Runs of one set-up are drawn in one frame, and so are runs that share control points; others give the reason.

@@ -26,6 +26,7 @@
 //! | [`growing`] | a deployment whose messages are still arriving | |
 //! | [`what_is`] | recognition of a dropped path | |
 //! | [`truth`] | opening of a ground truth: a deployment or a trajectory | |
+//! | [`evaluation_files`] | trajectories without a deployment: one is the ground truth of the others | |
 //! | [`override_changes`] | changed overrides in words | |
 //! | [`file_mark`] | hashes by which a session recognises its files | |
 //! | [`plan_file`], [`way_file`], [`settings_file`] | plans, driven paths, settings | |
@@ -35,6 +36,7 @@ pub mod antenna_poses;
 pub mod atomic;
 pub mod error;
 pub mod estimate_file;
+pub mod evaluation_files;
 mod extras;
 pub mod file_mark;
 pub mod findings;

@@ -84,7 +84,7 @@ fn camera(state: &State) -> Vec<Action> {
 }
 
 fn layouts() -> Vec<Action> {
-    let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+    let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
     let layout = |(preset, key): (LayoutPreset, Key)| {
         let name = format!("Layout: {}", preset.title());
         view("Layout", &name, WorkspaceCommand::UseLayout(preset)).hint(preset.hint()).ctrl(key)

@@ -156,7 +156,8 @@ pub enum JudgingCommand {
     AddDialog,
     /// Sets the trajectories of the active deployment, each with its options.
     Set(Vec<Added>),
-    /// Opens the trajectory of this colour as the ground truth, and moves the others of the active deployment to it.
+    /// Opens the trajectory of this colour as the ground truth, and moves the others of the active deployment to it. A ground truth that is a
+    /// trajectory itself becomes one of the others.
     UseAsGroundTruth(usize),
 }
 

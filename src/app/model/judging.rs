@@ -4,12 +4,22 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::background_value::BackgroundValue;
-use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, Judged, Options, names};
+use resect_core::deployment::Deployment;
+use resect_core::deployment::names::{told_apart, without_common_words};
+use resect_tools::estimates::{
+    EstimatedTrajectory, EstimatesJudgement, Judged, Options, TruthReason,
+};
+
+/// Longest name (letters) that keeps the words which all names share.
+const LONGEST_NAME: usize = 16;
 
 /// An added trajectory with its options.
 #[derive(Clone, Debug)]
 pub struct Added {
+    /// The trajectory under a short name that is unique among those added.
     pub estimate: Arc<EstimatedTrajectory>,
+    /// Name by its file.
+    pub full_name: String,
     /// Index of its colour, which does not change when another trajectory is removed.
     pub colour: usize,
     /// Alignment with the ground truth.
@@ -44,11 +54,21 @@ pub struct Judging {
     /// Trajectories of the session that could not be read; the session keeps them.
     pub missing: Vec<SavedEstimate>,
     pub judgement: BackgroundValue<EstimatesJudgement>,
+    /// Name of a trajectory that is the ground truth; `None` for a deployment with readings.
+    pub truth_name: Option<String>,
+    /// Evidence by which that trajectory is the ground truth; `None` if it was not chosen among several.
+    pub truth_reason: Option<TruthReason>,
     /// Number of changes of the trajectories to evaluate.
     pub version: u64,
 }
 
 impl Judging {
+    /// Returns no trajectories, to be evaluated against a deployment.
+    pub fn against(deployment: &Deployment) -> Self {
+        let truth_name = deployment.ground_truth.as_ref().map(|truth| truth.name.clone());
+        Self { truth_name, ..Self::default() }
+    }
+
     /// Returns the added trajectories together with these, which replace earlier readings of the same file.
     pub fn with(&self, estimates: Vec<Arc<EstimatedTrajectory>>) -> Vec<Added> {
         let mut added = self.added.clone();
@@ -59,6 +79,7 @@ impl Judging {
                     let is_free = |colour: &usize| added.iter().all(|one| one.colour != *colour);
                     let colour = (0..).find(is_free).unwrap_or_default();
                     added.push(Added {
+                        full_name: estimate.name.clone(),
                         estimate,
                         colour,
                         options: Options::default(),
@@ -67,13 +88,26 @@ impl Judging {
                 }
             }
         }
-        let names = names(added.iter().map(|one| &*one.estimate));
+        let names = self.short_names(&added);
         for (one, name) in added.iter_mut().zip(names) {
             if one.estimate.name != name {
                 Arc::make_mut(&mut one.estimate).name = name;
             }
         }
         added
+    }
+
+    /// Returns unique names without the words that all share, the ground truth's included.
+    fn short_names(&self, added: &[Added]) -> Vec<String> {
+        let places: Vec<PathBuf> =
+            added.iter().map(|one| one.estimate.path.with_extension("")).collect();
+        let named = added.iter().zip(&places);
+        let named = named.map(|(one, place)| (one.full_name.clone(), Some(place.as_path())));
+        let mut names = told_apart(&named.collect::<Vec<_>>());
+        names.extend(self.truth_name.clone());
+        let mut short = without_common_words(&names, LONGEST_NAME);
+        short.truncate(added.len());
+        short
     }
 
     /// Returns the added trajectories together with those read for a session, with the options in the session.
@@ -176,6 +210,7 @@ pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
         ("trajectory shown", where_(&|old, new| !old.shown && new.shown)),
         ("alignment", where_(&|old, new| old.options.alignment != new.options.alignment)),
         ("clock", where_(&|old, new| old.options.time_offset_s != new.options.time_offset_s)),
+        ("convention", where_(&|old, new| old.options.convention != new.options.convention)),
         ("body", where_(&|old, new| old.options.body != new.options.body)),
         ("trajectory read again", where_(&|old, new| !Arc::ptr_eq(&old.estimate, &new.estimate))),
     ];

@@ -20,10 +20,13 @@ pub enum LayoutPreset {
     Plan,
     /// Watching a live deployment.
     Live,
+    /// Evaluating trajectories of other systems.
+    Evaluate,
 }
 
 impl LayoutPreset {
-    pub const ALL: [Self; 5] = [Self::Inspect, Self::Tune, Self::Compare, Self::Plan, Self::Live];
+    pub const ALL: [Self; 6] =
+        [Self::Inspect, Self::Tune, Self::Compare, Self::Plan, Self::Live, Self::Evaluate];
 
     pub fn title(self) -> &'static str {
         match self {
@@ -32,6 +35,7 @@ impl LayoutPreset {
             Self::Compare => "Compare",
             Self::Plan => "Plan",
             Self::Live => "Live",
+            Self::Evaluate => "Evaluate",
         }
     }
 
@@ -43,6 +47,9 @@ impl LayoutPreset {
             Self::Compare => "Deployments, studies and runs beside each other",
             Self::Plan => "Stations and path from above, with the predicted accuracy",
             Self::Live => "Progress towards the target σ during the drive, with the growing tracks",
+            Self::Evaluate => {
+                "Trajectories beside their ground truth, their errors over time, and the verdict"
+            }
         }
     }
 
@@ -104,6 +111,10 @@ impl LayoutPreset {
                         (0.3, tabs(&[Residuals, Intervals, Clocks])),
                     ]),
                 ),
+            ]),
+            Self::Evaluate => row([
+                (0.56, column([(0.62, tabs(&[Scene])), (0.38, tabs(&[Channels]))])),
+                (0.44, tabs(&[Evaluation, Deployment, Findings])),
             ]),
         }
     }

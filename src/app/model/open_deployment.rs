@@ -76,6 +76,7 @@ impl OpenDeployment {
     ) -> Self {
         let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
+        let judging = Judging::against(&deployment);
         Self {
             id,
             deployment,
@@ -91,7 +92,7 @@ impl OpenDeployment {
             timeline,
             way: BackgroundValue::default(),
             beside: BackgroundValue::default(),
-            judging: Judging::default(),
+            judging,
             placeholder: false,
             told: BTreeSet::new(),
             answered: false,

@@ -21,11 +21,12 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let rect = ctx.content_rect();
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
     let active = state.active().and_then(|open| state.name_of(open.id));
+    let has_truth = state.active().is_some_and(|open| !open.placeholder);
     let hovering = &state.dialogs.hovering;
     let text = match &hovering.sorted {
         // Some systems report the paths only at the drop.
         _ if paths.is_empty() => GENERAL.to_owned(),
-        Some(sorted) if hovering.paths == paths => in_words(sorted, active.as_deref()),
+        Some(sorted) if hovering.paths == paths => in_words(sorted, active.as_deref(), has_truth),
         _ => format!("{}…", names(&paths)),
     };
     if !paths.is_empty() && hovering.paths != paths {
@@ -48,7 +49,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
 
 const GENERAL: &str = "Drop a deployment's folder, a bag or a polar CSV to open it;\n\
     control points, a rig, GNSS or settings to use them with the open deployment;\n\
-    trajectories of other systems (TUM, EuRoC, KITTI, CSV) to evaluate them against it;\n\
+    trajectories of other systems (TUM, EuRoC, KITTI, CSV) to evaluate them against it, or against their ground truth among them;\n\
     a session to continue it";
 
 fn name(path: impl AsRef<Path>) -> String {
@@ -60,8 +61,8 @@ fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// Lists the actions, one per line. `active`: name of the open deployment.
-fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
+/// Lists the actions, one per line. `active`: name of the open deployment; `has_truth` is false if that is only the sample.
+fn in_words(sorted: &Sorted, active: Option<&str>, has_truth: bool) -> String {
     let mut lines = Vec::new();
     for path in &sorted.deployments {
         lines.push(format!("Open {}", name(path)));
@@ -81,8 +82,11 @@ fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
     if !extras.gnss.is_empty() {
         lines.push(format!("Use the GNSS solutions {} for {whose}", names(&extras.gnss)));
     }
-    if !sorted.estimates.is_empty() {
-        lines.push(format!("Evaluate {} against {whose}", names(&sorted.estimates)));
+    let estimates = &sorted.estimates;
+    if sorted.deployments.is_empty() && !has_truth && estimates.len() > 1 {
+        lines.push(format!("Evaluate {} against their ground truth among them", names(estimates)));
+    } else if !estimates.is_empty() {
+        lines.push(format!("Evaluate {} against {whose}", names(estimates)));
     }
     for path in &sorted.settings {
         lines.push(format!("Use the settings of {}", name(path)));
@@ -110,15 +114,23 @@ mod tests {
         };
         let mut sorted = Sorted { extras, ..Sorted::default() };
         assert_eq!(
-            in_words(&sorted, Some("day 1")),
+            in_words(&sorted, Some("day 1"), true),
             "Add the control points a.txt, b.txt to day 1\nUse the rig rig.csv for day 1"
         );
         sorted.deployments.push("/d/day 2".into());
         sorted.unknown.push("notes.txt: not recognised".to_owned());
         assert_eq!(
-            in_words(&sorted, Some("day 1")),
+            in_words(&sorted, Some("day 1"), true),
             "Open day 2\nAdd the control points a.txt, b.txt to it\nUse the rig rig.csv for it\n\
              Not usable: notes.txt: not recognised"
         );
+        let estimates = vec!["/d/slam.tum".into(), "/d/truth.tum".into()];
+        let sorted = Sorted { estimates, ..Sorted::default() };
+        for (has_truth, expected) in [
+            (false, "Evaluate slam.tum, truth.tum against their ground truth among them"),
+            (true, "Evaluate slam.tum, truth.tum against day 1"),
+        ] {
+            assert_eq!(in_words(&sorted, Some("day 1"), has_truth), expected);
+        }
     }
 }

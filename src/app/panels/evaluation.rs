@@ -14,15 +14,17 @@ use crate::app::words;
 use resect_core::calibration::Verdict;
 use resect_core::network::Prism;
 use resect_report::estimates::{
-    Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows, verdicts,
+    ADD_A_TRUTH, Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows,
+    trajectory_in_words, verdict_sentence, verdicts,
 };
 use resect_tools::estimates::odd::{OddOne, OddSpan};
-use resect_tools::estimates::{EstimatesJudgement, GroundTruth, Judged, Unjudged};
+use resect_tools::estimates::ranking::PairComparison;
+use resect_tools::estimates::{EstimatesJudgement, GroundTruth, Judged, TruthReason, Unjudged};
 use resect_tools::palette;
 
-/// Width of a digit in the table, and least width of a column's heading (points).
+/// Width of a digit in the table, and greatest width of a heading that is wider than its numbers (points).
 const LETTER: f32 = 7.2;
-const LEAST_HEADING: f32 = 80.0;
+const WIDEST_HEADING: f32 = 120.0;
 /// Least and greatest width of a row's label (points).
 const LEAST_LABEL: f32 = 96.0;
 const WIDEST_LABEL: f32 = 260.0;
@@ -38,6 +40,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         // Sentences have a limited width; tables may be wider, and scroll sideways on their own.
         ui.scope(|ui| {
             ui.set_max_width(ui.available_width().min(SENTENCE));
+            verdict(ui, state, open);
+            truth(ui, open, commands);
             added(ui, open, commands);
             if open.judging.added.is_empty() {
                 return;
@@ -73,12 +77,63 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
+/// States the verdict on all trajectories in one sentence.
+fn verdict(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
+    let Some(judgement) = open.judging.judgement.newest.as_deref() else { return };
+    let angles = angles(state.workspace.units);
+    let Some(sentence) = verdict_sentence(judgement, angles) else { return };
+    let is_decided = judgement.comparisons.iter().any(PairComparison::is_significant);
+    let verdict = if is_decided { Verdict::Good } else { Verdict::Weak };
+    let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
+    let text = match judgement.judged.len() {
+        1 => RichText::new(sentence),
+        _ => RichText::new(format!(" {sentence} ")).color(ink).background_color(ground),
+    };
+    let text = text.strong();
+    ui.add(egui::Label::new(text).wrap()).on_hover_text(VERDICTS_IN_WORDS);
+    ui.add_space(4.0);
+}
+
+/// Names a ground truth that is a trajectory, with the reason of its choice, and offers to exchange it with the only other one.
+fn truth(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
+    let Some(truth) = &open.deployment.ground_truth else { return };
+    let judging = &open.judging;
+    if judging.truth_reason == Some(TruthReason::Alone) && judging.added.is_empty() {
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(&truth.name).on_hover_text(truth.path.display().to_string());
+            ui.label(trajectory_in_words(truth));
+        });
+        ui.label(ADD_A_TRUTH);
+        ui.add_space(4.0);
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("ground truth:");
+        ui.strong(&truth.name).on_hover_text(truth.path.display().to_string());
+        let kind = if truth.has_orientations() { "poses" } else { "positions" };
+        let reason = judging.truth_reason.map_or("", TruthReason::in_words);
+        let reason = if reason.is_empty() { String::new() } else { format!(", {reason}") };
+        ui.weak(format!("{} {kind}{reason}", truth.poses.len()));
+        if let [only] = &judging.added[..] {
+            let button = ui.small_button("exchange");
+            let hint = format!("Use {} as the ground truth, and evaluate this one", only.full_name);
+            if button.on_hover_text(hint).clicked() {
+                commands.push(JudgingCommand::UseAsGroundTruth(only.colour).into());
+            }
+        }
+    });
+}
+
 /// Lists the added trajectories, and offers to add more.
 fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let judging = &open.judging;
     if judging.added.is_empty() {
         let followed = open.analysis.as_ref().map(|analysis| &analysis.offer.followed);
         let truth = match followed.map(Prism::count) {
+            _ if judging.truth_reason == Some(TruthReason::Alone) => {
+                "The ground truth is chosen by names, missing orientations or stated σ, and can be exchanged."
+            }
+            _ if open.deployment.ground_truth.is_some() => "They are evaluated against this one.",
             Some(2) => {
                 "Two prisms have no orientation, so this deployment has no trajectory that could be the ground truth; `resect \
                  evaluate --truth-station` compares with the prism of one station."
@@ -102,13 +157,20 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             )
             .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
-            let name = format!("Use {} as the ground truth", estimate.name);
-            let hint =
-                format!("{name}: opens it beside this deployment, and compares the others with it");
-            let button = ui.small_button("ground truth").on_hover_text(hint);
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-            if button.clicked() {
-                commands.push(JudgingCommand::UseAsGroundTruth(one.colour).into());
+            // The only other trajectory has its button beside the ground truth.
+            if open.deployment.ground_truth.is_none() || judging.added.len() > 1 {
+                let name = format!("Use {} as the ground truth", estimate.name);
+                let hint = match open.deployment.ground_truth {
+                    Some(_) => format!("{name}, and evaluate the present one"),
+                    None => format!(
+                        "{name}: opens it beside this deployment, and compares the others with it"
+                    ),
+                };
+                let button = ui.small_button("ground truth").on_hover_text(hint);
+                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if button.clicked() {
+                    commands.push(JudgingCommand::UseAsGroundTruth(one.colour).into());
+                }
             }
             let name = format!("Remove {}", estimate.name);
             let button = ui.small_button("×").on_hover_text(&name);
@@ -166,21 +228,11 @@ fn ranking(
     }
 }
 
-/// Shows a badge for the position of a pair, and a row for each kind of error. Evidence is shown on hover.
+/// Shows a row for each kind of error of a pair. Evidence is shown on hover.
 fn pair(ui: &mut egui::Ui, judgement: &EstimatesJudgement, table: &PairTable) {
     let short_name = |ui: &egui::Ui, index: usize| {
         short::of_trajectory(ui, &judgement.judged[index].estimate.name)
     };
-    let Some(position) = table.rows.first() else { return };
-    let (word, verdict) = match position.better {
-        Some(better) => {
-            (format!(" {} is better in position ", short_name(ui, better)), Verdict::Good)
-        }
-        None => (" inconclusive in position ".to_owned(), Verdict::Weak),
-    };
-    let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
-    ui.label(RichText::new(word).color(ink).background_color(ground).strong())
-        .on_hover_text(&position.reason);
     let grid = egui::Grid::new(("verdicts", table.estimates)).striped(true).spacing([10.0, 3.0]);
     egui::ScrollArea::horizontal().id_salt(("verdicts", table.estimates)).show(ui, |ui| {
         grid.show(ui, |ui| {
@@ -282,14 +334,22 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
             for (one, width) in judgement.judged.iter().zip(&widths) {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-                // The heading is above the end of its numbers, and hardly wider than they are.
-                let room = (LETTER * *width as f32).max(LEAST_HEADING);
+                // The heading is above the end of its numbers. A wider name is broken, because any of its letters may distinguish it.
+                let room = (LETTER * *width as f32).max(WIDEST_HEADING);
                 let font = egui::TextStyle::Body.resolve(ui.style());
-                let name = short::in_the_middle(ui, &one.estimate.name, &font, room);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(RichText::new(name).color(colour).strong())
-                        .on_hover_text(&one.estimate.name);
-                });
+                let name = &one.estimate.name;
+                let is_wide = short::in_the_middle(ui, name, &font, room) != *name;
+                let text = RichText::new(name).color(colour).strong();
+                if is_wide {
+                    ui.scope(|ui| {
+                        ui.set_max_width(room);
+                        ui.add(egui::Label::new(text).wrap());
+                    });
+                } else {
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        ui.label(text);
+                    });
+                }
             }
             ui.end_row();
             for row in &rows {

@@ -6,6 +6,9 @@ use nalgebra::Vector3;
 use super::number;
 use crate::app::model::{Added, Commands, JudgingCommand};
 use crate::app::short;
+use crate::app::theme;
+use resect_core::deployment::Severity;
+use resect_tools::estimates::conventions::{Convention, WORDS};
 use resect_tools::estimates::{Body, Options, TrajectoryAlignment};
 
 /// Greatest lever arm (m), and greatest time offset (s), which allows clocks that start in 1970.
@@ -22,6 +25,7 @@ pub fn ui(ui: &mut egui::Ui, added: &[Added], commands: &mut Commands) {
     alignment(ui, &mut some);
     body(ui, &mut some);
     clock(ui, &mut some);
+    convention(ui, &mut some);
     if after != added {
         commands.push(JudgingCommand::Set(after).into());
     }
@@ -143,6 +147,39 @@ fn clock(ui: &mut egui::Ui, some: &mut [&mut Options]) {
         .on_hover_text("Added to the times");
         set_all(some, |one| one.time_offset_s = Some(offset_s));
     });
+}
+
+/// Edits the convention of the files, in the words of `evaluate --convention`. Text that is no convention stays, with the reason below.
+fn convention(ui: &mut egui::Ui, some: &mut [&mut Options]) {
+    let id = ui.scope_id().with("convention");
+    let common = common(some, |one| one.convention);
+    let edited: Option<String> = ui.data(|data| data.get_temp(id));
+    let is_edited = edited.is_some();
+    let as_is = common.map_or_else(String::new, |convention| convention.to_string());
+    let mut text = edited.unwrap_or(as_is);
+    let hint = if common.is_some() { "xyzw" } else { "different ones" };
+    let response = ui.horizontal_wrapped(|ui| {
+        let label = ui.label("file's convention is");
+        let field = egui::TextEdit::singleline(&mut text).desired_width(140.0).hint_text(hint);
+        ui.add(field).labelled_by(label.id).on_hover_text(WORDS)
+    });
+    let response = response.inner;
+    if response.changed() {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+    }
+    if !is_edited || response.has_focus() {
+        return;
+    }
+    match text.parse::<Convention>() {
+        Ok(convention) => {
+            ui.data_mut(|data| data.remove::<String>(id));
+            set_all(some, |one| one.convention = convention);
+        }
+        Err(why) => {
+            let (colour, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+            ui.colored_label(colour, why);
+        }
+    }
 }
 
 fn metres(ui: &mut egui::Ui, name: &str, value_m: &mut f64) -> egui::Response {

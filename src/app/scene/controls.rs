@@ -81,7 +81,15 @@ fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {
     }
 }
 
+/// Returns true if the active deployment has readings, which have stations and colours; a trajectory has none.
+fn has_readings(state: &State) -> bool {
+    state.active().is_none_or(|open| open.deployment.ground_truth.is_none())
+}
+
 fn stations(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if !has_readings(state) {
+        return;
+    }
     let dark = ui.visuals().dark_mode;
     for station in 0..state.stations() {
         let name = format!("From station {}", station + 1);
@@ -106,6 +114,9 @@ fn ruler(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Commands) {
+    if !has_readings(state) {
+        return;
+    }
     if labelled {
         ui.label(RichText::new("Colour by").small());
     }

@@ -3,6 +3,7 @@
 use egui::Color32;
 
 use super::SceneContent;
+use super::estimates::TRUTH_COLOUR;
 use crate::app::model::{
     Added, Colouring, Command, JudgingCommand, OpenDeployment, SceneCommand, Visibility,
 };
@@ -52,6 +53,17 @@ pub fn groups(
     faint: Color32,
 ) -> Vec<Group> {
     let visibility = &state.scene.visibility;
+    if let Some(truth) = &open.deployment.ground_truth {
+        let mut rows = vec![LegendRow {
+            swatch: Swatch::Colour(theme::rgb(TRUTH_COLOUR)),
+            text: "ground truth".to_owned(),
+            name: format!("Ground truth {}", truth.name),
+            shown: true,
+            click: None,
+        }];
+        rows.extend(of_estimates(open, visibility, content));
+        return vec![Group { title: "", chips: false, rows }];
+    }
     let by_station = matches!(state.scene.colouring, Colouring::Fate | Colouring::Station);
     let followed = &analysis.offer.followed;
     let stations = (0..followed.len()).map(|station| LegendRow {

@@ -48,7 +48,10 @@ pub fn texts(
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
     let frame = frame_in_words(&open.deployment, analysis);
-    let faint = grid.into_iter().chain([counts(analysis, content), frame]);
+    // A trajectory has no readings.
+    let has_readings = open.deployment.ground_truth.is_none();
+    let counts = has_readings.then(|| counts(analysis, content));
+    let faint = grid.into_iter().chain(counts).chain([frame]);
     let plain = plain.into_iter().map(|text| Text { text, faint: false });
     plain.chain(faint.into_iter().map(|text| Text { text, faint: true })).collect()
 }

@@ -11,8 +11,12 @@ impl State {
         let workspace = &mut self.workspace;
         match command {
             Command::ShowPane(pane) => workspace.layout.show(pane),
-            Command::UseLayout(preset) => workspace.layout = Layout::from(preset),
-            Command::ResetLayout => workspace.layout = Layout::default(),
+            Command::UseLayout(preset) => {
+                (workspace.layout, workspace.before_evaluation) = (preset.into(), None);
+            }
+            Command::ResetLayout => {
+                (workspace.layout, workspace.before_evaluation) = (Layout::default(), None);
+            }
             Command::SetUnits(units) => workspace.units = units,
             Command::UseTheme(theme) => {
                 ctx.set_theme(theme);

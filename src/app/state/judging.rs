@@ -12,12 +12,10 @@ use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
-use resect_core::deployment::Deployment;
-use resect_core::progress::Progress;
 use resect_io::estimate_file;
-use resect_io::findings::kinds;
-use resect_io::source::Source;
-use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, GroundTruth, judge};
+use resect_tools::estimates::{
+    EstimatedTrajectory, EstimatesJudgement, GroundTruth, TruthReason, judge,
+};
 
 impl State {
     pub(super) fn handle_judging(&mut self, command: JudgingCommand, moment: Moment) {
@@ -132,14 +130,12 @@ impl State {
         }
     }
 
-    /// Reads trajectories in the background and adds them to the active deployment.
+    /// Reads trajectories in the background and adds them to the active deployment. Without one they are evaluated against each other.
     pub(super) fn add_estimates(&mut self, paths: Vec<PathBuf>) {
-        let Some(id) = self.active().map(|open| open.id) else {
-            self.toasts
-                .error("no deployment is open to evaluate the trajectory; open its tracks first");
-            return;
-        };
-        self.read_estimates(id, paths);
+        match self.active().map(|open| open.id) {
+            Some(id) => self.read_estimates(id, paths),
+            None => self.read_evaluation(paths),
+        }
     }
 
     /// Reads trajectories and adds them to an open deployment as an undoable step.
@@ -147,6 +143,15 @@ impl State {
         self.start_reading(paths, move |state, read, _| {
             let Some(open) = state.deployments.get(id) else { return };
             if read.is_empty() {
+                return;
+            }
+            // The ground truth of a trajectory alone is chosen once there are others.
+            if open.judging.truth_reason == Some(TruthReason::Alone) {
+                state.choose_truth_again(id, read);
+                return;
+            }
+            if open.placeholder && !Self::are_of_sample(open, &read) {
+                state.choose_truth(read);
                 return;
             }
             let added = open.judging.with(read);
@@ -175,7 +180,7 @@ impl State {
     }
 
     /// Reads trajectories in the background. `take` receives them and the unreadable paths, which are also reported.
-    fn start_reading(
+    pub(super) fn start_reading(
         &mut self,
         paths: Vec<PathBuf>,
         take: impl FnOnce(&mut Self, Vec<Arc<EstimatedTrajectory>>, Vec<PathBuf>) + Send + 'static,
@@ -203,38 +208,6 @@ impl State {
         self.path_requests.push(number);
     }
 
-    /// Opens a trajectory of the active deployment as the ground truth, and moves the others there.
-    fn use_as_ground_truth(&mut self, colour: usize) {
-        let Some(open) = self.deployments.active_mut() else { return };
-        let (chosen, others): (Vec<Added>, Vec<Added>) =
-            open.judging.added.iter().cloned().partition(|one| one.colour == colour);
-        let Some(chosen) = chosen.into_iter().next() else { return };
-        open.judging.set(Vec::new());
-        let truth = chosen.estimate;
-        let source = Source::ground_truth(&truth.path, truth.topic.clone());
-        if !truth.findings.iter().any(|finding| finding.kind == kinds::GNSS_SOLUTIONS_MIXED) {
-            self.add_ground_truth(Deployment::of_ground_truth(truth), source, others);
-            return;
-        }
-        // An estimate has all solutions of a receiver, a ground truth the most accurate ones.
-        let reopened = source.clone();
-        self.jobs.start(
-            move || reopened.open(&Progress::default()),
-            move |state: &mut Self, _, opened| match opened {
-                Ok(deployment) => state.add_ground_truth(deployment, source, others),
-                Err(why) => state.toasts.error(&why.to_string()),
-            },
-        );
-    }
-
-    fn add_ground_truth(&mut self, deployment: Deployment, source: Source, others: Vec<Added>) {
-        self.add(Arc::new(deployment), Some(source));
-        if let Some(open) = self.deployments.active_mut() {
-            open.judging.set(others);
-        }
-        self.workspace.layout.show(Pane::Evaluation);
-    }
-
     /// Replaces the trajectories of the active deployment.
     pub(super) fn judge(&mut self, added: Vec<Added>, moment: Moment) {
         if let Some(id) = self.active().map(|open| open.id) {
@@ -242,7 +215,7 @@ impl State {
         }
     }
 
-    fn judge_by(&mut self, id: u64, added: Vec<Added>, moment: Moment) {
+    pub(super) fn judge_by(&mut self, id: u64, added: Vec<Added>, moment: Moment) {
         let Some(open) = self.deployments.get_mut(id) else { return };
         if open.judging.added == added {
             return;

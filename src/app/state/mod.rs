@@ -8,6 +8,7 @@ pub mod corrections;
 mod deployment_toml;
 mod deployments;
 mod dialogs;
+mod evaluation_files;
 mod handle_deployment;
 mod handle_dialog;
 mod handle_scene;

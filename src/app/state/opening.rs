@@ -165,6 +165,7 @@ impl State {
         self.toasts.settled(&source.place);
         match then {
             Then::Show(settings) => {
+                self.workspace.leave_evaluation();
                 self.add_with(deployment, Some(source), settings);
                 // The verdict is what the user opened it for.
                 self.workspace.layout.bring_forward(Pane::Result);
@@ -228,10 +229,19 @@ impl State {
     /// Opens dropped or chosen files: deployments with their extras, or else extras for the active one.
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.path_requests.retain(|looking| *looking != number);
-        let Sorted { deployments, extras, folders, sessions, settings, estimates, unknown } =
+        let Sorted { deployments, mut extras, folders, sessions, settings, mut estimates, unknown } =
             sorted;
         for line in unknown {
             self.toasts.error(&line);
+        }
+        // Without a deployment, a GNSS solution is the ground truth of the trajectories, or one of them.
+        let has_readings =
+            |open: &OpenDeployment| !open.placeholder && open.deployment.ground_truth.is_none();
+        let is_evaluation =
+            self.active().is_some_and(|open| open.deployment.ground_truth.is_some());
+        let is_for_readings = !deployments.is_empty() || self.active().is_some_and(has_readings);
+        if !is_for_readings && (is_evaluation || !estimates.is_empty()) {
+            estimates.append(&mut extras.gnss);
         }
         if !estimates.is_empty() {
             if deployments.is_empty() {

@@ -10,12 +10,13 @@ use resect_core::deployment::Deployment;
 use resect_core::evaluation::vehicle::{Instants, PoseLimits, prism_by, trajectory_by};
 use resect_core::network::Prism;
 use resect_io::atomic;
-use resect_io::file_mark::marks_of;
+use resect_io::file_mark::{FileMark, marks_of};
 use resect_report::copy::{CopiedTransforms, CopyFormat};
 use resect_report::of_run;
 use resect_report::report;
-use resect_report::report::Chapter;
+use resect_report::report::{Chapter, EvaluationChapter};
 use resect_report::trajectory::{FileKind, STATION1};
+use resect_tools::estimates::GroundTruth;
 
 /// A line for the user, or the error; `None` if the user cancelled.
 type Told = Option<Result<String, String>>;
@@ -95,9 +96,20 @@ impl State {
         });
         let title = "Save the report (HTML)";
         self.save_of_analysis(title, "html", move |path, deployment, analysis| {
-            let analysis = Box::new(Analysis::clone(&analysis));
-            let files = marks_of(&deployment);
-            let chapter = Chapter::Analysed { deployment, analysis, files, judgement };
+            let mut files = marks_of(&deployment);
+            let chapter = match (GroundTruth::of(&deployment, &analysis, None), judgement) {
+                (truth @ GroundTruth::Trajectory(..), Some(judgement)) => {
+                    let paths = judgement.judged.iter().map(|one| &one.estimate.path);
+                    files.extend(paths.filter_map(|path| FileMark::of(path).ok()));
+                    let evaluation = EvaluationChapter::of(&truth, judgement, files);
+                    Chapter::Evaluated(Box::new(evaluation))
+                }
+                (_, judgement) => {
+                    let (deployment, analysis) =
+                        (Arc::clone(&deployment), Box::new(Analysis::clone(&analysis)));
+                    Chapter::Analysed { deployment, analysis, files, judgement }
+                }
+            };
             let page = report::page(&[chapter], of_run::date());
             atomic::write(path, page).map_err(|error| error.to_string())
         });

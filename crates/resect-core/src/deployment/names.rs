@@ -25,6 +25,30 @@ pub fn told_apart(named: &[(String, Option<&Path>)]) -> Vec<String> {
     names
 }
 
+/// Names without the words with which all of them begin, if some name is longer than `longest` letters.
+///
+/// `room_fastlio2` and `room_prism` become `fastlio2` and `prism`. A name keeps at least two letters, and begins with one.
+pub fn without_common_words(names: &[String], longest: usize) -> Vec<String> {
+    let is_short = names.iter().all(|name| name.chars().count() <= longest);
+    let Some(first) = names.first().filter(|_| names.len() > 1 && !is_short) else {
+        return names.to_vec();
+    };
+    let ends = first.char_indices().filter(|(_, c)| "_-./ ".contains(*c));
+    let ends: Vec<usize> = ends.map(|(start, c)| start + c.len_utf8()).collect();
+    for end in ends.into_iter().rev() {
+        let rests: Option<Vec<&str>> =
+            names.iter().map(|name| name.strip_prefix(&first[..end])).collect();
+        let is_word = |rest: &&str| {
+            rest.starts_with(char::is_alphabetic)
+                && rest.chars().filter(|c| c.is_alphabetic()).count() > 1
+        };
+        if let Some(rests) = rests.filter(|rests| rests.iter().all(is_word)) {
+            return rests.into_iter().map(str::to_owned).collect();
+        }
+    }
+    names.to_vec()
+}
+
 /// Names of the components of a path, the last one first.
 fn parts(place: Option<&Path>) -> impl Iterator<Item = String> {
     place.into_iter().flat_map(|place| place.components().rev()).filter_map(|part| match part {
@@ -85,5 +109,28 @@ mod tests {
             ["line", "line (2)", "line (3)"]
         );
         assert_eq!(names(&[("line", ""), ("line", "/made/a")]), ["line", "line, a"]);
+    }
+
+    #[test]
+    fn long_names_lose_the_words_that_all_share() {
+        let short = |names: &[&str]| {
+            without_common_words(
+                &names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>(),
+                16,
+            )
+        };
+        assert_eq!(
+            short(&["handheld_room00_fastlio2", "handheld_room00_prism"]),
+            ["fastlio2", "prism"]
+        );
+        // No whole word in common, numbers, single letters, one name, short names.
+        for same in [
+            &["handheld_fastlio_2", "handmade_prism_003"][..],
+            &["a-long-name-of-run-1", "a-long-name-of-run-2"][..1],
+            &["slam_lidar", "slam_vio"],
+        ] {
+            assert_eq!(short(same), same);
+        }
+        assert_eq!(short(&["a-long-name-of-run-1", "a-long-name-of-run-2"]), ["run-1", "run-2"]);
     }
 }

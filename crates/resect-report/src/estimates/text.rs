@@ -1,6 +1,7 @@
 //! A judgement for the terminal: a column for each estimate, then the verdicts on pairs and the odd spans.
 
 use super::rows::{Angles, EMPTY, rows, why_empty};
+use super::verdict_sentence::verdict_sentence;
 use super::verdicts::{VERDICTS_IN_WORDS, verdicts};
 use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
@@ -37,8 +38,15 @@ pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
 /// Formats tables and lines.
 pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     let start_s = truth.start_s().unwrap_or_default();
-    let mut lines = vec![truth_in_words(truth), String::new()];
     let all = &judgement.judged;
+    let mut lines = Vec::new();
+    // The table of a single estimate has its errors.
+    if all.len() > 1
+        && let Some(verdict) = verdict_sentence(judgement, Angles::DEGREES)
+    {
+        lines.extend([verdict, String::new()]);
+    }
+    lines.extend([truth_in_words(truth), String::new()]);
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
     let names = all.iter().map(|one| one.estimate.name.clone()).collect();
     let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };

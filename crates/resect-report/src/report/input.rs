@@ -89,7 +89,7 @@ fn data(deployment: &Deployment) -> Markup {
 }
 
 /// Hashes of the files, by which anyone can verify the data.
-fn hashes(files: &[FileMark]) -> Markup {
+pub fn hashes(files: &[FileMark]) -> Markup {
     html! {
         @if !files.is_empty() {
             table.hashes {

@@ -5,15 +5,34 @@ use maud::{Markup, html};
 use super::charts::figure;
 use super::findings::findings;
 use crate::estimates::{
-    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdicts, why_empty,
+    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdict_sentence, verdicts,
+    why_empty,
 };
 use resect_core::deployment::Finding;
 use resect_tools::estimates::EstimatesJudgement;
 
 const WIDTH: f32 = 800.0;
 
-/// The ranking, the contradictions, all numbers, and the errors over time; `start_s` is the start of the drive (s).
+/// The verdict in one sentence.
+pub fn verdict(judgement: &EstimatesJudgement) -> Markup {
+    html! {
+        @if let Some(sentence) = verdict_sentence(judgement, Angles::DEGREES) {
+            p.recommendation { strong { (sentence) } }
+        }
+    }
+}
+
+/// A section of a calibration's page: the verdict, and all numbers; `start_s` is the start of the drive (s).
 pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
+    html! {
+        h3 { "Trajectories of other systems" }
+        (verdict(judgement))
+        (details(judgement, start_s))
+    }
+}
+
+/// The ranking, the contradictions, all numbers, and the errors over time; `start_s` is the start of the drive (s).
+pub fn details(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
     let judged = &judgement.judged;
     let notes: Vec<Finding> = judged
         .iter()
@@ -22,7 +41,6 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
         .collect();
     let rows = rows(judgement, Angles::DEGREES);
     html! {
-        h3 { "Trajectories of other systems" }
         (verdict_tables(judgement))
         @for both in &judgement.agreements { p { (agreed(judgement, both)) } }
         (findings(&notes))
@@ -42,6 +60,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                 }
             } }
             @for line in why_empty(&rows) { p { (line) } }
+            // A map of the estimates belongs here, above their errors over time.
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",

@@ -12,4 +12,4 @@ mod judged;
 mod page;
 mod reliability;
 
-pub use page::{Chapter, page};
+pub use page::{Chapter, EvaluationChapter, page};

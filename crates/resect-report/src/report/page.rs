@@ -8,12 +8,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::findings::{badge, findings};
 use super::{answer, input, judged};
+use crate::estimates::truth_in_words;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, recommend};
 use resect_core::deployment::{Deployment, Finding, MessageAngle};
 use resect_core::network::USUAL_STATIONS;
 use resect_io::file_mark::FileMark;
-use resect_tools::estimates::EstimatesJudgement;
+use resect_tools::estimates::{EstimatesJudgement, GroundTruth};
 use resect_tools::palette;
 
 const STYLE: &str = include_str!("style.css");
@@ -28,14 +29,54 @@ pub enum Chapter {
         /// Trajectories of other systems, compared with the deployment's.
         judgement: Option<Arc<EstimatesJudgement>>,
     },
+    /// Trajectories, compared with a ground truth that is no calibration.
+    Evaluated(Box<EvaluationChapter>),
     /// The path could not be opened; the error is one line.
     Unopened { path: String, error: String },
+}
+
+/// Trajectories compared with another trajectory.
+pub struct EvaluationChapter {
+    /// Name of the ground truth.
+    pub name: String,
+    /// Its quality in one line.
+    pub truth: String,
+    /// Findings about its file.
+    pub findings: Vec<Finding>,
+    pub judgement: Arc<EstimatesJudgement>,
+    /// Start of the drive (s).
+    pub start_s: f64,
+    /// Files of the ground truth and of the trajectories.
+    pub files: Vec<FileMark>,
+}
+
+impl EvaluationChapter {
+    /// Returns the evaluation of trajectories against a ground truth, with the files of both.
+    pub fn of(
+        truth: &GroundTruth<'_>,
+        judgement: Arc<EstimatesJudgement>,
+        files: Vec<FileMark>,
+    ) -> Self {
+        let findings = match truth {
+            GroundTruth::Trajectory(truth, _) => truth.findings.clone(),
+            GroundTruth::Deployment { .. } => Vec::new(),
+        };
+        Self {
+            name: truth.name().to_owned(),
+            truth: truth_in_words(truth),
+            findings,
+            judgement,
+            start_s: truth.start_s().unwrap_or_default(),
+            files,
+        }
+    }
 }
 
 impl Chapter {
     fn name(&self) -> &str {
         match self {
             Self::Analysed { deployment, .. } => &deployment.name,
+            Self::Evaluated(evaluation) => &evaluation.name,
             Self::Unopened { path, .. } => path,
         }
     }
@@ -44,6 +85,7 @@ impl Chapter {
     pub fn files(&self) -> &[FileMark] {
         match self {
             Self::Analysed { files, .. } => files,
+            Self::Evaluated(evaluation) => &evaluation.files,
             Self::Unopened { .. } => &[],
         }
     }
@@ -55,6 +97,7 @@ impl Chapter {
                 Ok(answer) => Ok(answer),
                 Err(error) => Err(error.to_string()),
             },
+            Self::Evaluated(_) => Err("an evaluation has no calibration".to_owned()),
             Self::Unopened { error, .. } => Err(error.clone()),
         }
     }
@@ -63,8 +106,18 @@ impl Chapter {
 /// Returns the page: a section for each chapter, after a table of all if there are several.
 pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
     let title = match chapters {
+        [Chapter::Evaluated(evaluation)] => {
+            format!("{}: evaluation of trajectories", evaluation.name)
+        }
         [chapter] => format!("{}: extrinsic calibration", chapter.name()),
         _ => "Extrinsic calibration".to_owned(),
+    };
+    let (heading, conventions) = match chapters {
+        [Chapter::Evaluated(_)] => ("Evaluation of trajectories", "± is one standard deviation"),
+        _ => (
+            "Extrinsic calibration of robotic total stations",
+            "transforms from the frames of the other stations to that of station 1; ± is one standard deviation",
+        ),
     };
     // Forbids scripts and requests, whatever the names of deployments and files contain.
     let policy = "default-src 'none'; style-src 'unsafe-inline'";
@@ -81,11 +134,11 @@ pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
             }
             body {
                 header {
-                    h1 { "Extrinsic calibration of robotic total stations" }
+                    h1 { (heading) }
                     p.weak {
                         "by resect " (env!("CARGO_PKG_VERSION")) ", "
                         (date.strftime("%Y-%m-%d %H:%M UTC"))
-                        "; transforms from the frames of the other stations to that of station 1; ± is one standard deviation"
+                        "; " (conventions)
                     }
                 }
                 @if chapters.len() > 1 { (summary(chapters)) }
@@ -172,6 +225,15 @@ fn summary_cells(Answer { calibration, evaluation, .. }: &Answer, stations: usiz
 
 /// Returns a section: the recommendation, the verdict, the results, then the input.
 fn section(chapter: &Chapter) -> Markup {
+    if let Chapter::Evaluated(evaluation) = chapter {
+        return html! {
+            (judged::verdict(&evaluation.judgement))
+            p { "Ground truth: " (evaluation.truth) }
+            (findings(&evaluation.findings))
+            (judged::details(&evaluation.judgement, evaluation.start_s))
+            (input::hashes(&evaluation.files))
+        };
+    }
     html! {
         h2 { (chapter.name()) }
         @match chapter.answer() {

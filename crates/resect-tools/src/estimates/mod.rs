@@ -31,6 +31,7 @@ pub mod ranking;
 pub mod simulated_odometry;
 mod station_trajectory;
 mod time_offset;
+mod truth_choice;
 pub mod unfit;
 mod unjudged;
 
@@ -46,4 +47,5 @@ pub use resect_core::deployment::{
 };
 pub use station_trajectory::{NoStation, station_index};
 pub use time_offset::offset_by_speeds_s;
+pub use truth_choice::{TruthReason, choose_truth};
 pub use unjudged::Unjudged;

@@ -61,6 +61,16 @@ impl Fit {
         [placed_m, true_m]
     }
 
+    /// Position of the compared point in the ground truth's frame at a pose without ground truth (m).
+    pub fn placed_position_m(&self, pose: &EstimatedPose) -> Vector3<f64> {
+        let placed_m = self.truth_from_estimate.apply(&(self.scale * pose.position_m));
+        // With both orientations the compared point is the body's origin.
+        match self.placed_orientation(pose).filter(|_| self.body_rotation.is_none()) {
+            Some(own) => placed_m + own * self.lever_arm_m.unwrap_or_default(),
+            None => placed_m,
+        }
+    }
+
     /// Body's orientation in the ground truth's frame by the estimate; `None` without orientations.
     pub fn placed_orientation(&self, pose: &EstimatedPose) -> Option<UnitQuaternion<f64>> {
         Some(UnitQuaternion::from(self.truth_from_estimate.rotation) * pose.orientation?)
