@@ -6,15 +6,17 @@ use clap::Args;
 
 use super::judging_args::JudgingArguments;
 use super::output::{advised, is_standard_output, spare, write};
+use super::picture_file::{picture, picture_file};
 use super::remedy_flags::unjudged_flag;
 use super::settings_args::AnswerArguments;
 use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use resect_core::analysis::Analyst;
+use resect_core::deployment::Deployment;
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
-use resect_report::{estimates, svg};
-use resect_tools::estimates::{GroundTruth, judge, station_index};
+use resect_report::estimates;
+use resect_tools::estimates::{EstimatesJudgement, GroundTruth, judge, station_index};
 
 #[derive(Args)]
 pub struct EvaluateArguments {
@@ -39,14 +41,17 @@ pub struct EvaluateArguments {
     /// Write the table of errors for LaTeX
     #[arg(long, value_name = "FILE")]
     latex: Option<PathBuf>,
-    /// Write a plot of the errors over time
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
+    /// Write a plot of the errors over time (.svg, .png)
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    plot: Option<PathBuf>,
+    /// Write a top view of the estimates over the ground truth, coloured by their errors (.svg, .png)
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    map: Option<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
 
-/// Width of the plot (points).
+/// Width of the pictures (points).
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
@@ -74,22 +79,8 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
             .collect();
         return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
     }
-    let start_s = truth.start_s().unwrap_or_default();
-    let picture = || svg::to_svg(&estimates::draw(&judgement, start_s, WIDTH), svg::Colours::Light);
-    let files: [(&Option<PathBuf>, &dyn Fn() -> String); 3] = [
-        (&arguments.csv, &|| estimates::csv(&judgement)),
-        (&arguments.latex, &|| estimates::latex(&judgement)),
-        (&arguments.svg, &picture),
-    ];
-    for (file, text) in files {
-        if let Some(file) = file {
-            let read = arguments.trajectory.iter().chain(&arguments.against);
-            spare(file, used_files(&deployment).chain(read.map(|path| &**path)))?;
-            write(file, text())?;
-        }
-    }
-    let outs = [&arguments.csv, &arguments.latex, &arguments.svg];
-    if outs.into_iter().flatten().any(|out| is_standard_output(out)) {
+    write_files(arguments, &truth, &judgement, &deployment)?;
+    if arguments.files().any(|(file, _)| is_standard_output(file)) {
         return Ok(());
     }
     Ok(print(&if arguments.json {
@@ -97,4 +88,49 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     } else {
         estimates::text(&truth, &judgement)
     })?)
+}
+
+/// A file that the command writes.
+#[derive(Clone, Copy)]
+enum Content {
+    Csv,
+    Latex,
+    Plot,
+    Map,
+}
+
+impl EvaluateArguments {
+    /// Returns the files to write, each with its content.
+    fn files(&self) -> impl Iterator<Item = (&PathBuf, Content)> {
+        let files = [
+            (&self.csv, Content::Csv),
+            (&self.latex, Content::Latex),
+            (&self.plot, Content::Plot),
+            (&self.map, Content::Map),
+        ];
+        files.into_iter().filter_map(|(file, content)| Some((file.as_ref()?, content)))
+    }
+}
+
+fn write_files(
+    arguments: &EvaluateArguments,
+    truth: &GroundTruth<'_>,
+    judgement: &EstimatesJudgement,
+    deployment: &Deployment,
+) -> Result<(), Failure> {
+    for (file, content) in arguments.files() {
+        let read = arguments.trajectory.iter().chain(&arguments.against);
+        spare(file, used_files(deployment).chain(read.map(|path| &**path)))?;
+        let bytes = match content {
+            Content::Csv => estimates::csv(judgement).into_bytes(),
+            Content::Latex => estimates::latex(judgement).into_bytes(),
+            Content::Plot => {
+                let start_s = truth.start_s().unwrap_or_default();
+                picture(file, &estimates::draw(judgement, start_s, WIDTH))?
+            }
+            Content::Map => picture(file, &estimates::draw_map(judgement, WIDTH))?,
+        };
+        write(file, bytes)?;
+    }
+    Ok(())
 }

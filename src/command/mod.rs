@@ -21,6 +21,7 @@ mod live;
 mod loading;
 mod number_flags;
 mod output;
+mod picture_file;
 mod plan;
 mod printing;
 mod program;

@@ -1,9 +1,10 @@
-//! Estimates compared with a ground truth, as plain text, JSON, CSV, LaTeX and a picture.
+//! Estimates compared with a ground truth, as plain text, JSON, CSV, LaTeX and pictures.
 
 mod chart;
 mod csv;
 mod json;
 mod latex;
+mod map;
 mod rows;
 mod text;
 mod verdicts;
@@ -12,6 +13,7 @@ pub use chart::draw;
 pub use csv::csv;
 pub use json::json;
 pub use latex::latex;
+pub use map::draw_map;
 pub use rows::{Angles, EMPTY, rows, why_empty};
 pub use text::{agreed, contradiction, text, truth_in_words};
 pub use verdicts::{PairTable, VERDICTS_IN_WORDS, VerdictRow, compared, error_in_words, verdicts};
