@@ -16,7 +16,9 @@ use resect_core::deployment::Deployment;
 use resect_io::estimate_file;
 use resect_io::file_mark::used_files;
 use resect_report::estimates;
-use resect_tools::estimates::{EstimatesJudgement, GroundTruth, judge, station_index};
+use resect_tools::estimates::{
+    Delta, EstimatesJudgement, GroundTruth, RelativeOptions, judge_motions, station_index,
+};
 
 #[derive(Args)]
 pub struct EvaluateArguments {
@@ -32,6 +34,13 @@ pub struct EvaluateArguments {
     truth: TruthArguments,
     #[command(flatten)]
     judging: JudgingArguments,
+    /// Size of the motions of the RPE: m of the path along the estimate, s, f (poses) or deg (of rotation); several times for several sizes.
+    /// Without it: 1, 5, 20 and 100 m
+    #[arg(long, value_name = "N[m|s|f|deg]")]
+    delta: Vec<Delta>,
+    /// RPE of the motions from each pose, up to 10 % off the size; otherwise motions follow each other without overlap
+    #[arg(long)]
+    all_pairs: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -70,7 +79,7 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     if let GroundTruth::Deployment { .. } = truth {
         analysis.answer.clone()?;
     }
-    let judgement = judge(&truth, read_estimates);
+    let judgement = judge_motions(&truth, read_estimates, arguments.motions());
     if judgement.judged.is_empty() {
         let whys: Vec<String> = judgement
             .unjudged
@@ -100,6 +109,12 @@ enum Content {
 }
 
 impl EvaluateArguments {
+    fn motions(&self) -> RelativeOptions {
+        let usual = RelativeOptions::default();
+        let deltas = if self.delta.is_empty() { usual.deltas } else { self.delta.clone() };
+        RelativeOptions { deltas, all_pairs: self.all_pairs }
+    }
+
     /// Returns the files to write, each with its content.
     fn files(&self) -> impl Iterator<Item = (&PathBuf, Content)> {
         let files = [

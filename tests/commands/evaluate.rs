@@ -142,7 +142,7 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
             assert!(one.rotation.is_none() && fit.body_rotation.is_none(), "{fit:?}");
             assert!(
                 fit.body_rotation_sigma_rad.is_none()
-                    && one.relative.iter().all(|path| path.rotation.is_none())
+                    && one.relative.iter().flatten().all(|motions| motions.rotation.is_none())
             );
             assert!(one.errors.iter().all(|e| e.rotation_rad.is_none()));
             // The prism's position in the body.
@@ -737,7 +737,7 @@ fn the_command_agrees_with_its_peer_evo() {
     ] {
         let own = evaluate(&["--align", align]);
         let own = &own["estimates"][0];
-        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 5.0);
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["delta"] == 5.0);
         let rpe = rpe.expect("over 5 m");
         for (program, relation, values) in [
             ("evo_ape", "trans_part", &own["ape_position_m"]),

@@ -438,7 +438,7 @@ fn errors_against_trajectories_agree_with_the_peer_evo() {
         let path = |name: &str| of_field(&format!("others/{name}"));
         let found = evaluated(&[&path(estimate)], &path(truth), &["--as-evo", "--align", align]);
         let own = &found["estimates"][0];
-        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 1.0);
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["delta"] == 1.0);
         let rpe = rpe.expect("over 1 m");
         let aligned: &[&str] =
             if *align == "rigid" { &["--align"] } else { &["--align", "--correct_scale"] };
@@ -463,4 +463,98 @@ fn errors_against_trajectories_agree_with_the_peer_evo() {
             }
         }
     }
+}
+
+/// Motions as evo names them: `--delta` here, `--delta` and `--delta_unit` there.
+const MOTIONS: [(&str, &str, &str); 4] =
+    [("2.5m", "2.5", "m"), ("0.3m", "0.3", "m"), ("20f", "20", "f"), ("12deg", "12", "d")];
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn relative_errors_of_any_motion_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    if field_data("others").is_none() {
+        return;
+    }
+    let deltas: Vec<&str> = MOTIONS.iter().flat_map(|(delta, ..)| ["--delta", *delta]).collect();
+    for (estimate, truth, _) in &PAIRS[..3] {
+        let path = |name: &str| of_field(&format!("others/{name}"));
+        for all_pairs in [&[][..], &["--all-pairs"]] {
+            let flags = [&["--as-evo"], &deltas[..], all_pairs].concat();
+            let found = evaluated(&[&path(estimate)], &path(truth), &flags);
+            let rpe = found["estimates"][0]["rpe"].as_array().expect("motions").clone();
+            for ((_, delta, unit), rpe) in MOTIONS.iter().zip(&rpe) {
+                for (relation, values) in
+                    [("trans_part", &rpe["position_m"]), ("angle_rad", &rpe["rotation_rad"])]
+                {
+                    let mut command = Command::new("evo_rpe");
+                    command.arg("tum").arg(path(truth)).arg(path(estimate)).args(["--align"]);
+                    command.args(["-r", relation, "--delta", delta, "--delta_unit", unit]);
+                    if !all_pairs.is_empty() {
+                        command.arg("--all_pairs");
+                    }
+                    for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+                        let Some(ours) = values[&key].as_f64() else { continue };
+                        let what =
+                            format!("{estimate} {delta} {unit} {all_pairs:?} {relation} {key}");
+                        assert!((ours - theirs).abs() < 1e-6, "{what}: {ours} {theirs}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Each motion has its row, and each empty cell the reason of this estimate.
+#[test]
+fn motions_of_any_size_have_rows_and_missing_ones_their_reason() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(50.0), true));
+    let slam = folder.at("slam.tum");
+    write_tum(&Slam { lever_m: Vector3::zeros(), ..SLAM }.drive(&simulated), &slam);
+    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let (slam, truth) = (path(&slam), path(&truth));
+    let deltas = [
+        "--delta", "2", "--delta", "10s", "--delta", "50f", "--delta", "90deg", "--delta", "9000m",
+    ];
+    let text = said(&[&["evaluate", &slam, "--against", &truth], &deltas[..]].concat());
+    for label in [
+        "RPE over 2 m, rmse (mm)",
+        "RPE over 10 s, rmse (°)",
+        "RPE over 50 frames, rmse (mm)",
+        "RPE over 90°, rmse (°)",
+    ] {
+        let row =
+            text.lines().find(|line| line.starts_with(label)).unwrap_or_else(|| panic!("{text}"));
+        let value: f64 = row.rsplit(' ').next().expect("a cell").parse().expect("a number");
+        assert!(value > 0.0, "{row}");
+    }
+    let why =
+        "– in RPE over 9000 m, rmse (mm) to RPE over 9000 m, rmse (°): the compared drive of ";
+    assert!(text.contains(why) && text.contains(" m is shorter than 9000 m"), "{text}");
+    // Without orientations the angle of a motion is unknown, and the rows of rotations remain.
+    let points: String = std::fs::read_to_string(&truth)
+        .expect("read")
+        .lines()
+        .map(|line| line.split(' ').take(4).collect::<Vec<_>>().join(" ") + "\n")
+        .collect();
+    let points = path(&folder.write("points.txt", &points));
+    let text = said(&[&["evaluate", &slam, "--against", &points], &deltas[..]].concat());
+    for part in [
+        "RPE over 2 m, distance (mm)",
+        "APE rotation, rmse (°)                                         –",
+        "– in APE aligned at the first pose, rmse (mm); APE rotation, rmse (°) to RPE over 2 m, rmse (°); ",
+        "RPE over 9000 m, rmse (°): the estimate or the ground truth has no orientations",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let all = evaluated(&[Path::new(&slam)], Path::new(&truth), &["--all-pairs", "--delta", "20f"]);
+    let count = number(&all["estimates"][0]["rpe"][0]["position_m"]["count"]);
+    let poses = number(&all["estimates"][0]["poses_with_ground_truth"]);
+    assert!(all["rpe_all_pairs"] == true && count == poses - 20.0, "{count} {poses}");
+    assert_eq!(
+        run(&["evaluate", &slam, "--against", &truth, "--delta", "5km"]).status.code(),
+        Some(2)
+    );
 }

@@ -2,13 +2,14 @@
 
 use nalgebra::Vector3;
 
+use super::chart::odd_rgb;
 use crate::axis::Axis;
 use crate::drawing::{Anchor, Drawing, Ink, Mark, shortened, text_width};
 use crate::frame::{Frame, NUMBER};
 use crate::plan_view::{about_middle, length, range, thinned};
 use resect_core::statistics::{median, quantiles};
 use resect_tools::estimates::errors::EpochError;
-use resect_tools::estimates::odd::OddSpan;
+use resect_tools::estimates::odd::OddOne;
 use resect_tools::estimates::{EstimatesJudgement, Judged};
 use resect_tools::palette::{self, Rgb};
 
@@ -134,7 +135,7 @@ fn draw_panel(
             .filter(|error| (span.span_s[0]..=span.span_s[1]).contains(&error.time_s))
             .collect();
         let points = thinned(in_span.iter().map(|error| place(estimated_m(error))));
-        marks.push(Mark::Line { points, ink: odd_ink(span), width: 14.0, dashed: false });
+        marks.push(Mark::Line { points, ink: odd_ink(span.odd_one), width: 14.0, dashed: false });
     }
     let runs = runs_without_gaps(errors);
     for run in &runs {
@@ -158,8 +159,8 @@ fn size_mm(error: &EpochError) -> f64 {
     1e3 * error.position_m.norm()
 }
 
-fn odd_ink(span: &OddSpan) -> Ink {
-    Ink::Rgb(tinted(palette::METRICS[usize::from(!span.odd_one.is_of_truth())]))
+fn odd_ink(odd_one: OddOne) -> Ink {
+    Ink::Rgb(tinted(odd_rgb(odd_one)))
 }
 
 /// Returns a light tint of a colour.
@@ -227,13 +228,13 @@ fn draw_bar(most_mm: f64, [left, top]: [f32; 2], height: f32, marks: &mut Vec<Ma
 
 /// Explains lines, marks and tints below the panels.
 fn draw_key(width: f32, height: f32, marks: &mut Vec<Mark>) {
-    let [truth, estimate] = palette::METRICS.map(tinted);
     let y = height - 16.0;
-    let entries: [(&str, Ink, f32); 4] = [
+    let entries: [(&str, Ink, f32); 5] = [
         ("ground truth", Ink::Text, 0.7),
         ("start", Ink::Text, 5.0),
-        ("estimate wrong", Ink::Rgb(estimate), 12.0),
-        ("ground truth wrong", Ink::Rgb(truth), 12.0),
+        ("estimate wrong", odd_ink(OddOne::Estimate), 12.0),
+        ("ground truth wrong", odd_ink(OddOne::Readings), 12.0),
+        ("undecided", odd_ink(OddOne::Undecided), 12.0),
     ];
     let colours = "colour: position error";
     let wide = |text: &str| text_width(text, LABEL) + 18.0;

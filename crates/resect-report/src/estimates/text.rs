@@ -40,9 +40,10 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     let mut lines = vec![truth_in_words(truth), String::new()];
     let all = &judgement.judged;
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
-    let names = all.iter().map(|one| one.estimate.name.clone()).collect();
+    let names: Vec<String> = all.iter().map(|one| one.estimate.name.clone()).collect();
     let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };
-    let empty = why_empty(&table);
+    let each: Vec<&str> = names.iter().map(|name| &**name).collect();
+    let empty = why_empty(&table, &each);
     let body = table.into_iter().map(|row| (row.label, row.cells));
     for (label, cells) in std::iter::once((String::new(), names)).chain(body) {
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));

@@ -21,6 +21,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
         .chain(judgement.unjudged.iter().map(|(_, why)| why.finding()))
         .collect();
     let rows = rows(judgement, Angles::DEGREES);
+    let names: Vec<&str> = judged.iter().map(|one| &*one.estimate.name).collect();
     html! {
         h3 { "Trajectories of other systems" }
         (verdict_tables(judgement))
@@ -41,7 +42,7 @@ pub fn markup(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                     }
                 }
             } }
-            @for line in why_empty(&rows) { p { (line) } }
+            @for line in why_empty(&rows, &names) { p { (line) } }
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",

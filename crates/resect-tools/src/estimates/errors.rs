@@ -111,10 +111,9 @@ pub fn errors(matched: &[MatchedPose], fit: &Fit) -> Vec<EpochError> {
     let error = |MatchedPose { pose, truth, .. }: &MatchedPose| {
         let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);
         let rotation = truth.rotation.as_ref();
-        let rotation_rad = rotation.and_then(|rotation| {
-            let own = fit.placed_orientation(pose)?;
-            Some((own * (rotation.orientation * fit.body_rotation?).inverse()).scaled_axis())
-        });
+        let rotation_rad = fit
+            .both_orientations(pose, truth)
+            .map(|[estimated, actual]| (estimated * actual.inverse()).scaled_axis());
         // A rotation of the vehicle moves the body by its lever arm: δ(p + R l) = δp − [R l]× θ.
         let by_lever_arm = rotation.zip(fit.lever_arm_m).and_then(|(rotation, lever_m)| {
             let by_turn = -(rotation.orientation * lever_m).cross_matrix();

@@ -1,8 +1,10 @@
 //! An estimate compared with the ground truth.
 
+use super::delta::Delta;
 use super::errors::{AgainstSigma, EpochError};
 use super::fit::Fit;
 use super::metrics::{Ape, RelativeErrors};
+use super::motion_pairs::NoMotions;
 use super::odd::OddSpan;
 use super::options::TrajectoryAlignment;
 use resect_core::deployment::EstimatedTrajectory;
@@ -21,8 +23,8 @@ pub struct Judged {
     pub unaligned: UnalignedErrors,
     /// Angles between orientations (rad); `None` without orientations.
     pub rotation: Option<Ape>,
-    /// Relative errors over paths of these lengths, the shortest first.
-    pub relative: Vec<RelativeErrors>,
+    /// Relative errors over motions of each size in the order of the options, or the reason why there are none.
+    pub relative: Vec<Result<RelativeErrors, (Delta, NoMotions)>>,
     /// `None` if the ground truth states no uncertainty.
     pub against_sigma: Option<AgainstSigma>,
     /// Spans in which the estimate and the ground truth contradict each other, in order of time.

@@ -16,6 +16,7 @@ mod association;
 mod common_errors;
 mod convention_checks;
 pub mod conventions;
+mod delta;
 pub mod errors;
 pub mod fit;
 mod ground_truth;
@@ -23,6 +24,7 @@ mod judge;
 mod judged;
 mod matched_pose;
 pub mod metrics;
+mod motion_pairs;
 pub mod odd;
 mod options;
 mod pose_interpolation;
@@ -33,10 +35,11 @@ pub mod unfit;
 mod unjudged;
 
 pub use agreement::AgreeingPair;
+pub use delta::{Delta, RELATIVE_M, RelativeOptions};
 pub use ground_truth::GroundTruth;
-pub use judge::{EstimatesJudgement, judge};
+pub use judge::{EstimatesJudgement, judge, judge_motions};
 pub use judged::{Coverage, Judged, UnalignedErrors};
-pub use metrics::RELATIVE_M;
+pub use motion_pairs::NoMotions;
 pub use options::{Association, Body, Options, TrajectoryAlignment};
 pub use resect_core::deployment::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories as names,

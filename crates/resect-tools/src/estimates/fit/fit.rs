@@ -56,6 +56,16 @@ impl Fit {
         [placed_m, true_m]
     }
 
+    /// Orientations of the body in the ground truth's frame, by the estimate and by the ground truth; `None` without orientations.
+    pub fn both_orientations(
+        &self,
+        pose: &EstimatedPose,
+        truth: &TruePose,
+    ) -> Option<[UnitQuaternion<f64>; 2]> {
+        let true_orientation = truth.rotation.as_ref()?.orientation * self.body_rotation?;
+        Some([self.placed_orientation(pose)?, true_orientation])
+    }
+
     /// Body's orientation in the ground truth's frame by the estimate; `None` without orientations.
     pub fn placed_orientation(&self, pose: &EstimatedPose) -> Option<UnitQuaternion<f64>> {
         Some(UnitQuaternion::from(self.truth_from_estimate.rotation) * pose.orientation?)
