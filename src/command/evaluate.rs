@@ -41,6 +41,12 @@ pub struct EvaluateArguments {
     /// RPE of the motions from each pose, up to 10 % off the size; otherwise motions follow each other without overlap
     #[arg(long)]
     all_pairs: bool,
+    /// Compare from this time on: seconds since the start of the ground truth, or a stamp (from 1000000 on)
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = time)]
+    from: Option<f64>,
+    /// Compare up to this time
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = time)]
+    to: Option<f64>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -70,6 +76,11 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
         read_estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
     }
     let settings = arguments.settings.settings()?;
+    if let (Some(from_s), Some(to_s)) = (arguments.from, arguments.to)
+        && from_s >= to_s
+    {
+        return Err(Failure::Usage("--from must be before --to".to_owned()));
+    }
     let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let number = arguments.truth.truth_station;
@@ -78,6 +89,11 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let truth = GroundTruth::of(&deployment, &analysis, station);
     if let GroundTruth::Deployment { .. } = truth {
         analysis.answer.clone()?;
+    }
+    let start_s = truth.start_s().unwrap_or_default();
+    for (_, options) in &mut read_estimates {
+        options.from_s = arguments.from.map(|time_s| stamp_s(time_s, start_s));
+        options.to_s = arguments.to.map(|time_s| stamp_s(time_s, start_s));
     }
     let judgement = judge_motions(&truth, read_estimates, arguments.motions());
     if judgement.judged.is_empty() {
@@ -97,6 +113,19 @@ pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     } else {
         estimates::text(&truth, &judgement)
     })?)
+}
+
+/// Smallest number that is a stamp (s); smaller ones are seconds since the start. No drive lasts so long.
+const SMALLEST_STAMP_S: f64 = 1e6;
+
+/// Returns the stamp of a time that may be seconds since the start.
+fn stamp_s(time_s: f64, start_s: f64) -> f64 {
+    if time_s >= SMALLEST_STAMP_S { time_s } else { start_s + time_s }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let time_s = text.trim().parse().ok().filter(|time_s: &f64| time_s.is_finite());
+    time_s.ok_or_else(|| "give a number of seconds".to_owned())
 }
 
 /// A file that the command writes.

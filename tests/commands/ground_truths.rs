@@ -558,3 +558,108 @@ fn motions_of_any_size_have_rows_and_missing_ones_their_reason() {
         Some(2)
     );
 }
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn spans_planes_and_first_poses_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    if field_data("others").is_none() {
+        return;
+    }
+    let (estimate, truth, _) = PAIRS[0];
+    let path = |name: &str| of_field(&format!("others/{name}"));
+    for (ours, theirs) in [
+        (["--plane", "xy"].as_slice(), ["--project_to_plane", "xy"].as_slice()),
+        (&["--plane", "xz"], &["--project_to_plane", "xz"]),
+        (&["--plane", "yz"], &["--project_to_plane", "yz"]),
+        (&["--align-first", "150"], &["--n_to_align", "150"]),
+        (
+            &["--from", "1305031103.0", "--to", "1305031115.5"],
+            &["--t_start", "1305031103.0", "--t_end", "1305031115.5"],
+        ),
+    ] {
+        let flags = [&["--as-evo", "--delta", "0.5m"], ours].concat();
+        let found = evaluated(&[&path(estimate)], &path(truth), &flags);
+        let judged = &found["estimates"][0];
+        for (program, relation, values) in [
+            ("evo_ape", "trans_part", &judged["ape_position_m"]),
+            ("evo_ape", "angle_rad", &judged["ape_rotation_rad"]),
+            ("evo_rpe", "trans_part", &judged["rpe"][0]["position_m"]),
+            ("evo_rpe", "angle_rad", &judged["rpe"][0]["rotation_rad"]),
+        ] {
+            let mut command = Command::new(program);
+            command
+                .arg("tum")
+                .arg(path(truth))
+                .arg(path(estimate))
+                .args(["--align", "-r", relation]);
+            command.args(theirs);
+            if program == "evo_rpe" {
+                command.args(["--delta", "0.5", "--delta_unit", "m"]);
+            }
+            for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+                let Some(value) = values[&key].as_f64() else { continue };
+                let what = format!("{program} {relation} {ours:?} {key}");
+                assert!((value - theirs).abs() < 1e-6, "{what}: {value} {theirs}");
+            }
+        }
+    }
+}
+
+/// The estimate is shifted by 2 m up from the 60th second on.
+#[test]
+fn a_comparison_is_restricted_to_a_span_to_first_poses_or_to_a_plane() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(20.0), true));
+    let shifted: String = std::fs::read_to_string(&truth)
+        .expect("read")
+        .lines()
+        .map(|line| {
+            let mut fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            fields[3] += if fields[0] - EPOCH_S >= 65.0 { 2.0 } else { 0.0 };
+            fields.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n"
+        })
+        .collect();
+    let slam = folder.write("slam.tum", &shifted);
+    let same = ["--time-offset", "0", "--body", "same"];
+    let evaluate = |flags: &[&str]| evaluated(&[&slam], &truth, &[&same, flags].concat());
+    let rmse_m = |found: &Value| number(&found["estimates"][0]["ape_position_m"]["rmse"]);
+    assert!(rmse_m(&evaluate(&[])) > 0.5);
+    let before = evaluate(&["--from", "10", "--to", "59"]);
+    assert!(rmse_m(&before) < 1e-3, "{before:#}");
+    let judged = &before["estimates"][0];
+    // 49 s at 20 Hz, both ends included; poses outside are not counted as poses without ground truth.
+    assert_eq!(
+        (&judged["poses_with_ground_truth"], &judged["poses_without_ground_truth"]),
+        (&981.into(), &0.into())
+    );
+    assert_eq!(judged["span_s"][0], EPOCH_S + 15.0);
+    let stamps = [EPOCH_S + 15.0, EPOCH_S + 64.0].map(|time_s| format!("{time_s}"));
+    let by_stamps = evaluate(&["--from", &stamps[0], "--to", &stamps[1]]);
+    assert_eq!(by_stamps["estimates"][0]["poses_with_ground_truth"], 981);
+    // By the first poses the frame is right, and the shift remains as it is.
+    let first = &evaluate(&["--align-first", "800"])["estimates"][0];
+    assert!((number(&first["ape_position_m"]["max"]) - 2.0).abs() < 0.05, "{first:#}");
+    assert!(
+        number(&first["ape_position_m"]["min"]) < 1e-3 && first["alignment"]["first_poses"] == 800
+    );
+    // Nothing of it is in the plane, if the frames are one.
+    let plane = evaluate(&["--plane", "xy", "--align", "none"]);
+    assert!(rmse_m(&plane) < 1e-3 && plane["estimates"][0]["plane"] == "xy", "{plane:#}");
+    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let (slam, truth) = (path(&slam), path(&truth));
+    let all = [&["evaluate", &slam, "--against", &truth], &same[..]].concat();
+    let text = said(&[&all, &["--from", "10", "--to", "59", "--plane", "yz"][..]].concat());
+    assert!(text.contains("compared from 10.0 s to 59.0 s, projected to the yz plane"), "{text}");
+    for (flags, code, why) in [
+        (["--from", "59", "--to", "10"].as_slice(), 2, "--from must be before --to"),
+        (&["--from", "500"], 1, "only 0 of its poses with ground truth are in the span"),
+        (&["--align-first", "3"], 2, "3 is not in 4.."),
+    ] {
+        let output = run(&[&all, flags].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(code) && said.contains(why), "{said}");
+    }
+}

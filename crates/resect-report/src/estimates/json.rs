@@ -10,7 +10,7 @@ use resect_tools::estimates::metrics::Ape;
 use resect_tools::estimates::metrics::RelativeErrors;
 use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::{
-    Coverage, Delta, EstimatesJudgement, GroundTruth, Judged, NoMotions,
+    Coverage, Delta, EstimatesJudgement, GroundTruth, Judged, NoMotions, Plane,
 };
 
 /// Returns everything as one object; lengths in metres, angles in radians, times in seconds.
@@ -99,7 +99,10 @@ fn estimate(judged: &Judged) -> Value {
             "translation_m": fit.truth_from_estimate.translation_m.as_slice(),
             "quaternion_xyzw": quaternion(turn),
             "scale": fit.scale,
+            "first_poses": judged.options.align_first,
         },
+        "span_s": [judged.options.from_s, judged.options.to_s],
+        "plane": judged.options.plane.map(Plane::name),
         "time_offset_s": fit.time_offset_s,
         "time_offset_sigma_s": fit.time_offset_sigma_s,
         "time_offset_determined": fit.determines_time_offset,

@@ -135,13 +135,21 @@ fn judge_one(
     options: Options,
     motions: &RelativeOptions,
 ) -> Result<FittedEstimate, Unjudged> {
-    let ConventionalFit { fit, matched, has_other_convention } =
+    let ConventionalFit { mut fit, matched, has_other_convention } =
         fit_with_convention(truth, &mut estimate, &options)?;
+    fit.plane = options.plane;
+    let is_denser = match truth {
+        GroundTruth::Trajectory(truth, _) => is_denser(&truth.poses, &estimate.poses),
+        GroundTruth::Deployment { .. } => true,
+    };
+    leave_out_other_times(&mut estimate, fit.time_offset_s, &options);
     let coverage = match truth {
-        GroundTruth::Trajectory(truth, _) if !is_denser(&truth.poses, &estimate.poses) => {
-            Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
+        GroundTruth::Trajectory(truth, _) if !is_denser => {
+            let in_span = truth.poses.iter().filter(|pose| options.has_time(pose.time_s)).count();
+            Coverage::TruthsWithoutPose(in_span.saturating_sub(matched.len()))
         }
-        _ => Coverage::PosesWithoutTruth(estimate.poses.len() - matched.len()),
+        // Nearest stamps may lie on both sides of the span's ends.
+        _ => Coverage::PosesWithoutTruth(estimate.poses.len().saturating_sub(matched.len())),
     };
     let errors = errors::errors(&matched, &fit);
     let position = ape_of(&errors);
@@ -161,6 +169,7 @@ fn judge_one(
         unaligned: unaligned(&matched, &fit),
         estimate,
         alignment: options.alignment,
+        options,
         fit,
         errors,
         coverage,
@@ -170,6 +179,16 @@ fn judge_one(
     };
     let truths = matched.into_iter().map(|pair| pair.truth).collect();
     Ok(FittedEstimate { judged, truths, by_sound, has_other_convention })
+}
+
+/// Leaves out the poses outside the compared span.
+fn leave_out_other_times(estimate: &mut EstimatedTrajectory, offset_s: f64, options: &Options) {
+    let is_compared: Vec<bool> =
+        estimate.poses.iter().map(|pose| options.has_time(pose.time_s + offset_s)).collect();
+    let mut is_pose_compared = is_compared.iter();
+    estimate.poses.retain(|_| is_pose_compared.next() == Some(&true));
+    let mut has_compared_pose = is_compared.iter();
+    estimate.covariances.retain(|_| has_compared_pose.next() == Some(&true));
 }
 
 /// A fit of an estimate with the stated convention.

@@ -6,7 +6,7 @@ use super::fit::Fit;
 use super::metrics::{Ape, RelativeErrors};
 use super::motion_pairs::NoMotions;
 use super::odd::OddSpan;
-use super::options::TrajectoryAlignment;
+use super::options::{Options, TrajectoryAlignment};
 use resect_core::deployment::EstimatedTrajectory;
 
 /// An estimate compared with the ground truth.
@@ -14,6 +14,7 @@ use resect_core::deployment::EstimatedTrajectory;
 pub struct Judged {
     pub estimate: EstimatedTrajectory,
     pub alignment: TrajectoryAlignment,
+    pub options: Options,
     pub fit: Fit,
     /// Errors at the times at which both are known, in order of time.
     pub errors: Vec<EpochError>,

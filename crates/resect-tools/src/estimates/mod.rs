@@ -27,6 +27,7 @@ pub mod metrics;
 mod motion_pairs;
 pub mod odd;
 mod options;
+mod plane;
 mod pose_interpolation;
 pub mod ranking;
 mod station_trajectory;
@@ -41,6 +42,7 @@ pub use judge::{EstimatesJudgement, judge, judge_motions};
 pub use judged::{Coverage, Judged, UnalignedErrors};
 pub use motion_pairs::NoMotions;
 pub use options::{Association, Body, Options, TrajectoryAlignment};
+pub use plane::Plane;
 pub use resect_core::deployment::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories as names,
 };

@@ -4,6 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::clock_change::ClockChange;
 use crate::estimates::matched_pose::TruePose;
+use crate::estimates::plane::Plane;
 use resect_core::deployment::EstimatedPose;
 use resect_core::deployment::Finding;
 use resect_core::geometry::RigidTransform;
@@ -34,6 +35,8 @@ pub struct Fit {
     /// `vehicle_from_body`, with σ about the vehicle's axes if it was estimated (rad); `None` if one of the two has no orientation.
     pub body_rotation: Option<UnitQuaternion<f64>>,
     pub body_rotation_sigma_rad: Option<Vector3<f64>>,
+    /// Plane to which both trajectories are projected.
+    pub plane: Option<Plane>,
     pub findings: Vec<Finding>,
 }
 
@@ -53,7 +56,8 @@ impl Fit {
             (None, Some(own)) => placed_m += own * lever_m,
             (None, None) => {}
         }
-        [placed_m, true_m]
+        let project = |position_m| self.plane.map_or(position_m, |plane| plane.project(position_m));
+        [placed_m, true_m].map(project)
     }
 
     /// Orientations of the body in the ground truth's frame, by the estimate and by the ground truth; `None` without orientations.
@@ -63,7 +67,11 @@ impl Fit {
         truth: &TruePose,
     ) -> Option<[UnitQuaternion<f64>; 2]> {
         let true_orientation = truth.rotation.as_ref()?.orientation * self.body_rotation?;
-        Some([self.placed_orientation(pose)?, true_orientation])
+        let both = [self.placed_orientation(pose)?, true_orientation];
+        Some(match self.plane {
+            Some(plane) => both.map(|orientation| plane.project_orientation(&orientation)),
+            None => both,
+        })
     }
 
     /// Body's orientation in the ground truth's frame by the estimate; `None` without orientations.
