@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::frame_times::{frame_times, rate};
 use super::judging_args::JudgingArguments;
 use super::output::{advised, is_standard_output, spare, write};
 use super::picture_file::{picture, picture_file};
@@ -13,16 +14,17 @@ use super::truth_args::TruthArguments;
 use super::{Failure, print};
 use resect_core::analysis::Analyst;
 use resect_core::deployment::Deployment;
-use resect_io::estimate_file;
+use resect_io::estimate_file::{self, NumberedTimes, poses_without_times, read_frames};
 use resect_io::file_mark::used_files;
 use resect_report::estimates;
 use resect_tools::estimates::{
-    Delta, EstimatesJudgement, GroundTruth, RelativeOptions, judge_motions, station_index,
+    Association, Delta, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options,
+    RelativeOptions, judge_motions, station_index,
 };
 
 #[derive(Args)]
 pub struct EvaluateArguments {
-    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, bags with Odometry, PoseStamped or NavSatFix, RTKLIB
+    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it, or by number), CSV with a header, bags with Odometry, PoseStamped or NavSatFix, RTKLIB
     /// (.pos), NMEA
     #[arg(required = true, value_name = "ESTIMATE")]
     trajectory: Vec<PathBuf>,
@@ -41,6 +43,9 @@ pub struct EvaluateArguments {
     /// RPE of the motions from each pose, up to 10 % off the size; otherwise motions follow each other without overlap
     #[arg(long)]
     all_pairs: bool,
+    /// Rate of KITTI poses without times (Hz). Without it they are compared by their numbers, if all files have as many
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<f64>,
     /// Compare from this time on: seconds since the start of the ground truth, or a stamp (from 1000000 on)
     #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = time)]
     from: Option<f64>,
@@ -70,18 +75,16 @@ pub struct EvaluateArguments {
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
-    let mut read_estimates = Vec::new();
-    let options = arguments.judging.options_of_each(arguments.trajectory.len())?;
-    for (path, options) in arguments.trajectory.iter().zip(options) {
-        read_estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
-    }
+    let frames = frame_times(&arguments.trajectory, &arguments.against, arguments.rate)?;
+    let mut read_estimates = arguments.read_estimates(frames)?;
     let settings = arguments.settings.settings()?;
     if let (Some(from_s), Some(to_s)) = (arguments.from, arguments.to)
         && from_s >= to_s
     {
         return Err(Failure::Usage("--from must be before --to".to_owned()));
     }
-    let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
+    let deployment =
+        arguments.truth.open(&arguments.against, arguments.settings.extras(), frames)?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let number = arguments.truth.truth_station;
     let station = number.map(|number| station_index(&deployment, number.into()));
@@ -138,6 +141,31 @@ enum Content {
 }
 
 impl EvaluateArguments {
+    /// Reads the estimates, each with its options. Poses that are compared by their numbers have equal clocks.
+    fn read_estimates(
+        &self,
+        frames: Option<NumberedTimes>,
+    ) -> Result<Vec<(EstimatedTrajectory, Options)>, Failure> {
+        let mut read_estimates = Vec::new();
+        let options = self.judging.options_of_each(self.trajectory.len())?;
+        for (path, mut options) in self.trajectory.iter().zip(options) {
+            match frames.filter(|_| poses_without_times(path).is_some()) {
+                Some(frames) => {
+                    if !frames.is_given {
+                        options.time_offset_s = options.time_offset_s.or(Some(0.0));
+                        options.association = Association::Nearest;
+                    }
+                    read_estimates.push((read_frames(path, frames)?, options));
+                }
+                None => {
+                    let read = estimate_file::read(path)?;
+                    read_estimates.extend(read.into_iter().map(|estimate| (estimate, options)));
+                }
+            }
+        }
+        Ok(read_estimates)
+    }
+
     fn motions(&self) -> RelativeOptions {
         let usual = RelativeOptions::default();
         let deltas = if self.delta.is_empty() { usual.deltas } else { self.delta.clone() };

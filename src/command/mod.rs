@@ -15,6 +15,7 @@ mod evaluate;
 mod explain;
 mod export;
 mod failure;
+mod frame_times;
 mod judging_args;
 mod licences;
 mod live;

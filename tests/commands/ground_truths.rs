@@ -663,3 +663,99 @@ fn a_comparison_is_restricted_to_a_span_to_first_poses_or_to_a_plane() {
         assert!(output.status.code() == Some(code) && said.contains(why), "{said}");
     }
 }
+
+/// Returns lines of TUM as those of KITTI, without times.
+fn as_kitti(tum: &str) -> String {
+    tum.lines()
+        .map(|line| {
+            let fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            let [_, x, y, z, qx, qy, qz, qw] = fields[..] else { panic!("{line}") };
+            let turn = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(qw, qx, qy, qz));
+            let m = turn.to_rotation_matrix();
+            let row = |index: usize, last: f64| {
+                format!("{:.9} {:.9} {:.9} {last:.9}", m[(index, 0)], m[(index, 1)], m[(index, 2)])
+            };
+            format!("{} {} {}\n", row(0, x), row(1, y), row(2, z))
+        })
+        .collect()
+}
+
+/// Writes an estimate and its ground truth as KITTI without times, with the same number of poses; returns both paths and the
+/// lines of the estimate.
+fn write_kitti(folder: &Folder) -> (PathBuf, PathBuf, Vec<String>) {
+    let (simulated, _) = driven(5);
+    let truth = truth_tum(&simulated, times_s(10.0), true);
+    write_tum(&SLAM.drive(&simulated), &folder.at("slam.tum"));
+    let slam = std::fs::read_to_string(folder.at("slam.tum")).expect("read");
+    // The ground truth begins 5 s later.
+    let slam: Vec<&str> = slam.lines().skip(50).collect();
+    let count = truth.lines().count().min(slam.len());
+    let truth: Vec<&str> = truth.lines().take(count).collect();
+    let (estimate, reference) = (folder.at("00.txt"), folder.at("gt.txt"));
+    let slam = as_kitti(&slam[..count].join("\n"));
+    std::fs::write(&estimate, &slam).expect("written");
+    std::fs::write(&reference, as_kitti(&truth.join("\n"))).expect("written");
+    (estimate, reference, slam.lines().map(|line| format!("{line}\n")).collect())
+}
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn poses_of_kitti_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    let (estimate, reference, _) = write_kitti(&folder);
+    let found = evaluated(&[&estimate], &reference, &["--as-evo"]);
+    let mut command = Command::new("evo_ape");
+    command.arg("kitti").arg(&reference).arg(&estimate).arg("--align");
+    for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+        let Some(ours) = found["estimates"][0]["ape_position_m"][&key].as_f64() else { continue };
+        assert!((ours - theirs).abs() < 1e-6, "{key}: {ours} {theirs}");
+    }
+}
+
+/// Without times, poses of two files of equal length are compared by their numbers; otherwise a rate or times are needed.
+#[test]
+fn poses_of_kitti_without_times_are_compared_by_their_numbers() {
+    let folder = Folder::new();
+    let (estimate, reference, slam) = write_kitti(&folder);
+    let found = evaluated(&[&estimate], &reference, &[]);
+    let judged = &found["estimates"][0];
+    assert_eq!(
+        (&judged["poses_with_ground_truth"], &judged["time_offset_s"]),
+        (&slam.len().into(), &0.0.into())
+    );
+    assert!(number(&judged["ape_position_m"]["rmse"]) < 0.05, "{judged:#}");
+    let text = said(&[
+        "evaluate",
+        estimate.to_str().expect("UTF-8"),
+        "--against",
+        reference.to_str().expect("UTF-8"),
+    ]);
+    assert_eq!(text.matches("without times are compared by their numbers").count(), 2, "{text}");
+    // With one pose less, numbers do not associate them.
+    std::fs::write(&estimate, slam[1..].concat()).expect("written");
+    let arguments = [
+        "evaluate",
+        estimate.to_str().expect("UTF-8"),
+        "--against",
+        reference.to_str().expect("UTF-8"),
+    ];
+    let output = run(&arguments);
+    let why = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        !output.status.success()
+            && why.contains("KITTI poses have no times")
+            && why.contains("--rate"),
+        "{why}"
+    );
+    // A rate gives them times; the clock is estimated as that of any file.
+    let found = evaluated(&[&estimate], &reference, &["--rate", "10"]);
+    // The estimate lacks its first pose, so its times are 0.1 s early.
+    let offset_s = number(&found["estimates"][0]["time_offset_s"]);
+    assert!((offset_s - 0.1).abs() < 0.01, "{found:#}");
+    let tum = folder.at("slam.tum");
+    let tum = tum.to_str().expect("UTF-8");
+    let output = run(&["evaluate", tum, "--against", tum, "--rate", "10"]);
+    let why = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && why.contains("all files have times"), "{why}");
+}
