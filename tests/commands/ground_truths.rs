@@ -664,6 +664,57 @@ fn a_comparison_is_restricted_to_a_span_to_first_poses_or_to_a_plane() {
     }
 }
 
+/// The trajectory has a gap of 3 s and a jump of 1.5 m, and two files are checked at once.
+#[test]
+fn a_trajectory_is_checked_without_a_ground_truth() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let whole = truth_tum(&simulated, times_s(10.0), true);
+    let broken: String = whole
+        .lines()
+        .enumerate()
+        .filter(|(index, _)| !(300..330).contains(index))
+        .map(|(index, line)| {
+            let mut fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            fields[1] += if index >= 800 { 1.5 } else { 0.0 };
+            fields.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n"
+        })
+        .collect();
+    let path = |path: PathBuf| path.to_str().expect("UTF-8").to_owned();
+    let (whole, broken) =
+        (path(folder.write("whole.tum", &whole)), path(folder.write("broken.tum", &broken)));
+    let text = said(&["check", &whole, &broken]);
+    let (of_whole, of_broken) = text.split_once("\nbroken\n").expect("two trajectories");
+    for part in [
+        "whole\n",
+        "1500 over 149.9 s, 10.00 Hz",
+        "none, longest interval 0.10 s",
+        "unit quaternions",
+    ] {
+        assert!(of_whole.contains(part), "{text}");
+    }
+    for part in [
+        "1470 over 149.9 s",
+        "1 beyond 5 times the median: 3.10 s at 29.9 s",
+        "in 0.100 s) at 79.9 s",
+    ] {
+        assert!(of_broken.contains(part), "{text}");
+    }
+    let found: Value = serde_json::from_str(&said(&["check", &broken, "--json"])).expect("JSON");
+    let jump = &found["trajectories"][0]["fastest_steps"][0];
+    assert!((number(&jump["length_m"]) - 1.5).abs() < 0.3, "{jump}");
+    // Positions with a σ, without orientations.
+    let points = path(folder.write(
+        "p.csv",
+        "timestamp,x,y,z,sigma_x,sigma_y,sigma_z\n1,0,0,0,0.01,0.01,0.01\n2,3,4,0,0.01,0.01,0.01\n",
+    ));
+    let text = said(&["check", &points]);
+    for part in ["2 over 1.0 s, 1.00 Hz", "5.0 m", "orientations  none", "median σ 10.0 mm"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
 /// Returns lines of TUM as those of KITTI, without times.
 fn as_kitti(tum: &str) -> String {
     tum.lines()

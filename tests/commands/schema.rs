@@ -145,6 +145,7 @@ fn evaluations(runs: &mut Runs<'_>) {
     changed("bent.tum", &|pose| pose[2] += 1e-3 * pose[1] * pose[1]);
     changed("late.tum", &|pose| pose[0] += 1e6);
     runs.keep("evaluate @true.tum @own.tum --against @warthog");
+    runs.keep("check @true.tum @own.tum");
     runs.keep("evaluate @true.tum @late.tum --against @warthog --time-offset 0");
     runs.keep("evaluate @true.tum @own.tum --against @bent.tum");
     runs.keep("evaluate @true.tum --against @warthog --truth-station 2");

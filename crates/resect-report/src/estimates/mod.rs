@@ -7,6 +7,7 @@ mod latex;
 mod map;
 mod rows;
 mod text;
+mod trajectory_check;
 mod verdicts;
 
 pub use chart::draw;
@@ -16,4 +17,5 @@ pub use latex::latex;
 pub use map::draw_map;
 pub use rows::{Angles, EMPTY, rows, why_empty};
 pub use text::{agreed, contradiction, text, truth_in_words};
+pub use trajectory_check::{trajectories_json, trajectory_text};
 pub use verdicts::{PairTable, VERDICTS_IN_WORDS, VerdictRow, compared, error_in_words, verdicts};

@@ -32,6 +32,7 @@ mod pose_interpolation;
 pub mod ranking;
 mod station_trajectory;
 mod time_offset;
+pub mod trajectory_summary;
 pub mod unfit;
 mod unjudged;
 
