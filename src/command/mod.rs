@@ -5,12 +5,14 @@ mod calibrate;
 mod check;
 mod choice;
 mod compare;
+mod comparison_args;
 mod completions;
 #[cfg(windows)]
 mod console;
 mod desktop;
 #[cfg(target_os = "linux")]
 mod desktop_entry;
+mod drives;
 mod evaluate;
 mod explain;
 mod export;

@@ -810,3 +810,70 @@ fn poses_of_kitti_without_times_are_compared_by_their_numbers() {
     let why = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && why.contains("all files have times"), "{why}");
 }
+
+/// Rows are never dropped: an unreadable estimate and a drive without a ground truth have theirs, with the true reason.
+#[test]
+fn several_drives_are_one_table_with_a_row_for_each_estimate() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    folder.write("truth.tum", &truth_tum(&simulated, times_s(20.0), true));
+    let points: String = truth_tum(&simulated, times_s(20.0), true)
+        .lines()
+        .map(|line| line.split(' ').take(4).collect::<Vec<_>>().join(" ") + "\n")
+        .collect();
+    folder.write("points.txt", &points);
+    write_tum(&SLAM.drive(&simulated), &folder.at("lio.tum"));
+    write_tum(&Slam { noise_m: 0.04, seed: 2, ..SLAM }.drive(&simulated), &folder.at("vio.tum"));
+    folder.write("broken.tum", "1 2 3\n");
+    let file = folder.write(
+        "drives.toml",
+        "delta = [\"2m\", \"9000m\"]\n\n\
+         [[drive]]\nname = \"yard\"\ntruth = \"truth.tum\"\nestimates = { lio = \"lio.tum\", vio = \"vio.tum\" }\n\n\
+         [[drive]]\nname = \"street\"\ntruth = \"points.txt\"\nestimates = { lio = \"lio.tum\", vio = \"broken.tum\" }\n\n\
+         [[drive]]\nname = \"tunnel\"\ntruth = \"missing.tum\"\nestimates = { lio = \"lio.tum\" }\n",
+    );
+    let (file, boxes) = (file.to_str().expect("UTF-8").to_owned(), folder.at("boxes.svg"));
+    let boxes_path = boxes.to_str().expect("UTF-8").to_owned();
+    let text = said(&["evaluate", "--drives", &file, "--plot", &boxes_path]);
+    let row = |drive: &str, estimate: &str| -> Vec<String> {
+        let is_row = |line: &&str| {
+            let mut words = line.split_whitespace();
+            words.next() == Some(drive) && words.next() == Some(estimate)
+        };
+        let row = text.lines().find(is_row).unwrap_or_else(|| panic!("{text}"));
+        row.split_whitespace().skip(2).map(str::to_owned).collect()
+    };
+    assert!(row("yard", "lio")[0].parse::<f64>().expect("a number") < 20.0, "{text}");
+    assert!(row("yard", "vio")[0].parse::<f64>().expect("a number") > 20.0, "{text}");
+    assert!(row("street", "lio")[0].parse::<f64>().is_ok(), "{text}");
+    for (drive, estimate) in [("street", "vio"), ("tunnel", "lio")] {
+        assert!(row(drive, estimate).iter().all(|cell| cell == "–"), "{text}");
+    }
+    for reason in [
+        "– of street, vio: ",
+        "3 fields without a header do not form a pose",
+        "– of tunnel, lio: ",
+        "missing.tum",
+        "– of yard, lio; yard, vio in RPE 9000 m (mm) to RPE 9000 m (°): the compared drive of ",
+        "– of street, lio in APE rmse (°)",
+    ] {
+        assert!(text.contains(reason), "{reason} in {text}");
+    }
+    let svg = std::fs::read_to_string(&boxes).expect("written");
+    for name in ["yard", "street", "tunnel", "lio", "vio", "position error (mm)"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    // A wrong option is an error before the first drive, and options beside the file are refused.
+    folder.write(
+        "drives.toml",
+        "[[drive]]\ntruth = \"truth.tum\"\nestimates = [\"lio.tum\"]\nalgin = \"none\"\n",
+    );
+    for (flags, why) in [
+        (["--drives", &file].as_slice(), "drive truth: unexpected argument '--algin'"),
+        (&["--drives", &file, "--as-evo"], "cannot be used with"),
+    ] {
+        let output = run(&[&["evaluate"], flags].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(why), "{said}");
+    }
+}

@@ -146,6 +146,9 @@ fn evaluations(runs: &mut Runs<'_>) {
     changed("late.tum", &|pose| pose[0] += 1e6);
     runs.keep("evaluate @true.tum @own.tum --against @warthog");
     runs.keep("check @true.tum @own.tum");
+    let drives = "[[drive]]\ntruth = \"bent.tum\"\nestimates = [\"true.tum\", \"missing.tum\"]\n";
+    std::fs::write(runs.path("drives.toml"), drives).expect("written");
+    runs.keep("evaluate --drives @drives.toml");
     runs.keep("evaluate @true.tum @late.tum --against @warthog --time-offset 0");
     runs.keep("evaluate @true.tum @own.tum --against @bent.tum");
     runs.keep("evaluate @true.tum --against @warthog --truth-station 2");

@@ -2,6 +2,7 @@
 
 mod chart;
 mod csv;
+mod drives;
 mod json;
 mod latex;
 mod map;
@@ -12,6 +13,7 @@ mod verdicts;
 
 pub use chart::draw;
 pub use csv::csv;
+pub use drives::{DriveErrors, drives_json, drives_study, drives_text};
 pub use json::json;
 pub use latex::latex;
 pub use map::draw_map;
