@@ -854,8 +854,8 @@ fn several_drives_are_one_table_with_a_row_for_each_estimate() {
         "3 fields without a header do not form a pose",
         "– of tunnel, lio: ",
         "missing.tum",
-        "– of yard, lio; yard, vio in RPE 9000 m (mm) to RPE 9000 m (°): the compared drive of ",
-        "– of street, lio in APE rmse (°)",
+        "– of yard, lio in RPE 9000 m (mm), RPE 9000 m (°): the compared drive of ",
+        "– of street, lio in APE rmse (°), RPE 2 m (°), RPE 9000 m (°): the estimate or",
     ] {
         assert!(text.contains(reason), "{reason} in {text}");
     }

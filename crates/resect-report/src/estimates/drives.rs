@@ -95,6 +95,7 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
             columns.push(label);
         }
     }
+    let columns = in_order(&columns);
     let mut lines: Vec<Vec<String>> = [0, 1]
         .map(|line| {
             let heads = [["drive", "estimate"], ["", ""]][line].map(str::to_owned).into_iter();
@@ -131,8 +132,7 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
         for (why, labels) in empty {
             let place = match &labels[..] {
                 [] => String::new(),
-                [only] => format!(" in {only}"),
-                [first, .., last] => format!(" in {first} to {last}"),
+                labels => format!(" in {}", labels.join(", ")),
             };
             let name = format!("{}, {}", drive.name, row.estimate);
             let key = format!("{place}: {why}");
@@ -147,6 +147,16 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
         _ = writeln!(text, "{EMPTY} of {}{key}", names.join("; "));
     }
     text
+}
+
+/// Returns columns of one error side by side, also if the first drive does not have all of them: mm, °, distance.
+fn in_order<'a>(columns: &[&'a String]) -> Vec<&'a String> {
+    let error = |label: &str| label.split(['\n', ',']).next().unwrap_or_default().to_owned();
+    let first = |label: &str| columns.iter().position(|column| error(column) == error(label));
+    let rank = |label: &str| (label.contains("distance"), label.ends_with('°'));
+    let mut ordered = columns.to_vec();
+    ordered.sort_by_key(|label| (first(label), rank(label)));
+    ordered
 }
 
 /// Formats a table: the first two columns begin at their left ends, the others end at their right ends.
@@ -190,7 +200,7 @@ pub fn drives_study(drives: &[DriveErrors]) -> Study {
     Study {
         name: "drives".to_owned(),
         title: "Position errors of the estimates".to_owned(),
-        subtitle: "box: quartiles, whiskers: 5 % and 95 %".to_owned(),
+        subtitle: "each against the ground truth of its drive".to_owned(),
         value_label: "position error (mm)".to_owned(),
         group_label: String::new(),
         series: series.collect(),

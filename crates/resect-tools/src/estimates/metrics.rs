@@ -66,7 +66,8 @@ impl RelativeErrors {
             return Some(format!("the compared poses are too sparse for {delta}"));
         }
         (count < FEWEST).then(|| {
-            format!("only {count} motions of {delta} in this drive; a value needs {FEWEST}")
+            let plural = if count == 1 { "" } else { "s" };
+            format!("only {count} motion{plural} of {delta} in this drive; a value needs {FEWEST}")
         })
     }
 }
