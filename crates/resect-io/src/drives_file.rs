@@ -1,9 +1,7 @@
 //! The file of several drives (`resect evaluate --drives`): for each the ground truth, the estimates and options.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::error::OpenError;
@@ -21,36 +19,6 @@ pub struct Drive {
     pub flags: Vec<String>,
 }
 
-#[derive(Deserialize)]
-struct DrivesTable {
-    drive: Vec<DriveTable>,
-    #[serde(flatten)]
-    options: Table,
-}
-
-#[derive(Deserialize)]
-struct DriveTable {
-    name: Option<String>,
-    truth: TruthPaths,
-    estimates: EstimatePaths,
-    #[serde(flatten)]
-    options: Table,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum TruthPaths {
-    Single(PathBuf),
-    Antennas(Vec<PathBuf>),
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum EstimatePaths {
-    Unnamed(Vec<PathBuf>),
-    Named(BTreeMap<String, PathBuf>),
-}
-
 /// Reads the drives of a file. Its paths are relative to its folder.
 ///
 /// # Errors
@@ -64,50 +32,73 @@ pub fn read(path: &Path) -> Result<Vec<Drive>, OpenError> {
 fn parse(path: &Path, text: &str) -> Result<Vec<Drive>, OpenError> {
     let file = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let table: DrivesTable = parse_toml(&file, text)?;
+    let mut options: Table = parse_toml(&file, text)?;
+    let wrong = |(what, remedy): (String, &str)| OpenError::file(&file, what, remedy);
+    let Some(Value::Array(entries)) = options
+        .remove("drive")
+        .filter(|drives| drives.as_array().is_some_and(|drives| !drives.is_empty()))
+    else {
+        return Err(wrong(("no drives".to_owned(), "list each drive as [[drive]]")));
+    };
     let mut drives: Vec<Drive> = Vec::new();
-    for entry in table.drive {
-        let drive = drive(&file, folder, &table.options, entry)?;
+    for entry in entries {
+        let Value::Table(entry) = entry else {
+            return Err(wrong(("a drive is no table".to_owned(), "list each drive as [[drive]]")));
+        };
+        let drive = drive(folder, &options, entry).map_err(wrong)?;
         if drives.iter().any(|known| known.name == drive.name) {
             let what = format!("two drives are named {}", drive.name);
-            return Err(OpenError::file(&file, what, "give each drive its own name"));
+            return Err(wrong((what, "give each drive its own name")));
         }
         drives.push(drive);
-    }
-    if drives.is_empty() {
-        return Err(OpenError::file(&file, "no drives", "list each drive as [[drive]]"));
     }
     Ok(drives)
 }
 
+/// Returns the drive of a table, or the mistake and its remedy.
 fn drive(
-    file: &str,
     folder: &Path,
     options: &Table,
-    entry: DriveTable,
-) -> Result<Drive, OpenError> {
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let truths = match entry.truth {
-        TruthPaths::Single(path) => vec![path],
-        TruthPaths::Antennas(paths) => paths,
+    mut entry: Table,
+) -> Result<Drive, (String, &'static str)> {
+    let stem =
+        |path: &str| Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let truths = entry.remove("truth").map_or(Vec::new(), texts);
+    let (names, estimates): (Vec<String>, Vec<String>) = match entry.remove("estimates") {
+        Some(Value::Table(named)) => {
+            let named = named.into_iter().map(|(name, path)| (name, texts(path)));
+            named
+                .flat_map(|(name, paths)| paths.into_iter().map(move |path| (name.clone(), path)))
+                .unzip()
+        }
+        listed => {
+            let paths = listed.map_or(Vec::new(), texts);
+            paths.into_iter().map(|path| (stem(&path), path)).unzip()
+        }
     };
-    let (names, estimates): (Vec<String>, Vec<PathBuf>) = match entry.estimates {
-        EstimatePaths::Unnamed(paths) => paths.into_iter().map(|path| (stem(&path), path)).unzip(),
-        EstimatePaths::Named(paths) => paths.into_iter().unzip(),
-    };
-    let name = entry.name.or_else(|| truths.first().map(|path| stem(path))).unwrap_or_default();
+    let name = entry.remove("name").map_or(Vec::new(), texts).pop();
+    let name = name.or_else(|| truths.first().map(|path| stem(path))).unwrap_or_default();
     if truths.is_empty() || estimates.is_empty() {
         let what = format!("drive {name} has no truth or no estimates");
-        return Err(OpenError::file(file, what, "give at least one file for each"));
+        return Err((what, "give the paths of both as texts"));
     }
     let mut options = options.clone();
-    options.extend(entry.options);
+    options.extend(entry);
     let flags = flags(&options).map_err(|key| {
         let what = format!("drive {name}: `{key}` is neither a text, a number, true or false");
-        OpenError::file(file, what, "name options as the flags of resect evaluate, without dashes")
+        (what, "name options as the flags of resect evaluate, without dashes")
     })?;
-    let below = |paths: Vec<PathBuf>| paths.iter().map(|path| folder.join(path)).collect();
+    let below = |paths: Vec<String>| paths.iter().map(|path| folder.join(path)).collect();
     Ok(Drive { name, truths: below(truths), estimates: below(estimates), names, flags })
+}
+
+/// Returns a text, or those of a list. Another kind of value is the name of a file that cannot be read, so that its row remains.
+fn texts(value: Value) -> Vec<String> {
+    match value {
+        Value::String(text) => vec![text],
+        Value::Array(values) => values.into_iter().flat_map(texts).collect(),
+        other => vec![other.to_string()],
+    }
 }
 
 /// Returns options as flags; a list repeats its flag. The error is the key of another kind of value.
@@ -159,9 +150,9 @@ mod tests {
     fn an_incomplete_file_is_an_error_with_its_reason() {
         let one = "[[drive]]\ntruth = \"t.tum\"\nestimates = [\"a.tum\"]\n";
         for (text, why) in [
-            ("align = \"rigid\"\n", "missing field `drive`"),
+            ("align = \"rigid\"\n", "no drives"),
             ("drive = []\n", "no drives"),
-            ("[[drive]]\nestimates = [\"a.tum\"]\n", "missing field `truth`"),
+            ("[[drive]]\nestimates = [\"a.tum\"]\n", "has no truth or no estimates"),
             ("[[drive]]\ntruth = \"t.tum\"\nestimates = []\n", "has no truth or no estimates"),
             (&format!("{one}{one}"), "two drives are named t"),
             (&format!("{one}body = {{ x = 1 }}\n"), "`body` is neither a text"),
