@@ -1,8 +1,9 @@
-//! `resect check`: content and faults of a folder or file.
+//! `resect check`: content and faults of deployments and trajectories.
 
 use resect_core::network::{Number, Pair};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -12,27 +13,83 @@ use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::{CalibrationError, Method};
 use resect_core::deployment::{Deployment, Finding, Severity, Track};
 use resect_core::statistics::median;
+use resect_io::estimate_file;
 use resect_io::source::Extras;
+use resect_io::what_is::{Dropped, what_is};
+use resect_report::estimates::{trajectories_json, trajectory_text};
 use resect_report::of_run;
+use resect_tools::estimates::EstimatedTrajectory;
 
 #[derive(Args)]
 pub struct CheckArguments {
-    /// Folder or file
-    path: PathBuf,
+    /// Folders or files of deployments, or trajectories in any format of `resect evaluate`
+    #[arg(required = true)]
+    path: Vec<PathBuf>,
     /// Folder or file with the rig, if it is not beside the tracks
     #[arg(long, value_name = "PATH")]
     rig: Option<PathBuf>,
+    /// Print one JSON object, for trajectories
+    #[arg(long)]
+    json: bool,
+}
+
+/// CheckedContent of a path.
+enum CheckedContent {
+    Trajectories(Vec<EstimatedTrajectory>),
+    /// A deployment, and the duration of opening it (ms).
+    Deployment(Arc<Deployment>, f64),
 }
 
 pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
-    let extras = Extras { rig: arguments.rig.clone(), ..Extras::default() };
-    let (deployment, load_ms) = load(&arguments.path, extras)?;
-    let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
-    print(&report(&deployment, &analysis))?;
-    if of_run::tells_durations() {
-        print(&format!("opened in {load_ms:.1} ms\n"))?;
+    let contents: Vec<CheckedContent> =
+        arguments.path.iter().map(|path| content(path, arguments)).collect::<Result<_, _>>()?;
+    if arguments.json {
+        let mut trajectories = Vec::new();
+        for (content, path) in contents.into_iter().zip(&arguments.path) {
+            let CheckedContent::Trajectories(read) = content else {
+                return Err(Failure::Usage(format!(
+                    "--json is for trajectories, and {} is a deployment; `resect calibrate --json` describes it",
+                    path.display()
+                )));
+            };
+            trajectories.extend(read);
+        }
+        return Ok(print(&format!("{:#}\n", trajectories_json(&trajectories)))?);
+    }
+    for (index, content) in contents.iter().enumerate() {
+        if index > 0 {
+            print("\n")?;
+        }
+        match content {
+            CheckedContent::Trajectories(trajectories) => {
+                let texts: Vec<String> = trajectories.iter().map(trajectory_text).collect();
+                print(&texts.join("\n"))?;
+            }
+            CheckedContent::Deployment(deployment, load_ms) => {
+                let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
+                print(&report(deployment, &analysis))?;
+                if of_run::tells_durations() {
+                    print(&format!("opened in {load_ms:.1} ms\n"))?;
+                }
+            }
+        }
     }
     Ok(())
+}
+
+/// Reads a trajectory, or opens a deployment. A file that is no deployment may be a trajectory of positions.
+fn content(path: &Path, arguments: &CheckArguments) -> Result<CheckedContent, Failure> {
+    if matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
+        return Ok(CheckedContent::Trajectories(estimate_file::read(path)?));
+    }
+    let extras = Extras { rig: arguments.rig.clone(), ..Extras::default() };
+    match load(path, extras) {
+        Ok((deployment, load_ms)) => Ok(CheckedContent::Deployment(deployment, load_ms)),
+        Err(error) => match estimate_file::read(path) {
+            Ok(trajectories) => Ok(CheckedContent::Trajectories(trajectories)),
+            Err(_) => Err(error.into()),
+        },
+    }
 }
 
 fn report(deployment: &Deployment, analysis: &Analysis) -> String {

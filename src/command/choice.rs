@@ -5,7 +5,7 @@ use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;
 use resect_io::gnss_solution::SolutionChoice;
 use resect_report::named_transform::TransformFormat;
-use resect_tools::estimates::TrajectoryAlignment;
+use resect_tools::estimates::{Plane, TrajectoryAlignment};
 use resect_tools::experiment::Parameter;
 use resect_tools::simulation::Preset;
 
@@ -81,6 +81,9 @@ pub const ESTIMATE_ALIGNMENTS: Choices<TrajectoryAlignment> = &[
         "A scale too, for one camera alone (evo's `--align --correct_scale`)",
     ),
 ];
+
+pub const PLANES: Choices<Plane> =
+    &[(Plane::Xy, "xy", ""), (Plane::Xz, "xz", ""), (Plane::Yz, "yz", "")];
 
 pub const SOLUTIONS: Choices<SolutionChoice> = &[
     (SolutionChoice::Best, "best", "The most accurate kind in the file: fixed, if there is any"),

@@ -1,34 +1,30 @@
-//! `resect evaluate`: errors of trajectories of other systems against a deployment or another trajectory.
+//! `resect evaluate`: errors of trajectories of other systems against a deployment or another trajectory, of one drive or of several.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::judging_args::JudgingArguments;
+use super::comparison_args::ComparisonArguments;
+use super::drives::{DRIVES_HELP, write_drives};
 use super::output::{advised, is_standard_output, spare, write};
+use super::picture_file::{picture, picture_file};
 use super::remedy_flags::unjudged_flag;
-use super::settings_args::AnswerArguments;
-use super::truth_args::TruthArguments;
 use super::{Failure, print};
-use resect_core::analysis::Analyst;
+use resect_core::deployment::Deployment;
 use resect_io::file_mark::used_files;
-use resect_report::{estimates, svg};
-use resect_tools::estimates::judge;
+use resect_report::estimates;
+use resect_tools::estimates::{EstimatesJudgement, GroundTruth};
 
 #[derive(Args)]
 pub struct EvaluateArguments {
-    /// Trajectories to evaluate: TUM, EuRoC, KITTI (with times.txt beside it), CSV with a header, bags with Odometry, PoseStamped or NavSatFix, RTKLIB
-    /// (.pos), NMEA
-    #[arg(required = true, value_name = "ESTIMATE")]
-    trajectory: Vec<PathBuf>,
-    /// Ground truth: a folder or file with the stations' tracks, or a trajectory in any format of the estimates. It may have
-    /// orientations or positions only, and be dense or a few surveyed points. Given three times or more: GNSS solutions of antennas of one body
-    #[arg(long, required = true, value_name = "PATH")]
-    against: Vec<PathBuf>,
     #[command(flatten)]
-    truth: TruthArguments,
-    #[command(flatten)]
-    judging: JudgingArguments,
+    comparison: ComparisonArguments,
+    /// Evaluate several drives, which this TOML file lists with their options: name, truth, estimates
+    #[arg(
+        long, value_name = "FILE", long_help = DRIVES_HELP,
+        conflicts_with_all = ["ComparisonArguments", "JudgingArguments", "TruthArguments", "AnswerArguments", "csv", "latex", "map"]
+    )]
+    drives: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -38,52 +34,84 @@ pub struct EvaluateArguments {
     /// Write the table of errors for LaTeX
     #[arg(long, value_name = "FILE")]
     latex: Option<PathBuf>,
-    /// Write a plot of the errors over time
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    #[command(flatten)]
-    settings: AnswerArguments,
+    /// Write a plot of the errors over time, of several drives a box plot (.svg, .png)
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    plot: Option<PathBuf>,
+    /// Write a top view of the estimates over the ground truth, coloured by their errors (.svg, .png)
+    #[arg(long, value_name = "FILE", value_parser = picture_file)]
+    map: Option<PathBuf>,
 }
 
-/// Width of the plot (points).
+/// Width of the pictures (points).
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
-    let read_estimates = arguments.judging.read_each(&arguments.trajectory)?;
-    let settings = arguments.settings.settings()?;
-    let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
-    let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let truth = arguments.truth.ground_truth(&deployment, &analysis)?;
-    let judgement = judge(&truth, read_estimates);
-    if judgement.judged.is_empty() {
-        let whys: Vec<String> = judgement
-            .unjudged
-            .iter()
-            .map(|(_, why)| advised(why, unjudged_flag(why)).to_string())
-            .collect();
-        return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
+    if let Some(file) = &arguments.drives {
+        return write_drives(file, arguments.plot.as_deref(), arguments.json);
     }
-    let start_s = truth.start_s().unwrap_or_default();
-    let picture = || svg::to_svg(&estimates::draw(&judgement, start_s, WIDTH), svg::Colours::Light);
-    let files: [(&Option<PathBuf>, &dyn Fn() -> String); 3] = [
-        (&arguments.csv, &|| estimates::csv(&judgement)),
-        (&arguments.latex, &|| estimates::latex(&judgement)),
-        (&arguments.svg, &picture),
-    ];
-    for (file, text) in files {
-        if let Some(file) = file {
-            let read = arguments.trajectory.iter().chain(&arguments.against);
-            spare(file, used_files(&deployment).chain(read.map(|path| &**path)))?;
-            write(file, text())?;
+    arguments.comparison.judge(None, &mut |truth, judgement, deployment| {
+        if judgement.judged.is_empty() {
+            let whys: Vec<String> = judgement
+                .unjudged
+                .iter()
+                .map(|(_, why)| advised(why, unjudged_flag(why)).to_string())
+                .collect();
+            return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
         }
+        write_files(arguments, truth, &judgement, deployment)?;
+        if arguments.files().any(|(file, _)| is_standard_output(file)) {
+            return Ok(());
+        }
+        Ok(print(&if arguments.json {
+            format!("{:#}\n", estimates::json(truth, &judgement))
+        } else {
+            estimates::text(truth, &judgement)
+        })?)
+    })
+}
+
+/// A file that the command writes.
+#[derive(Clone, Copy)]
+enum Content {
+    Csv,
+    Latex,
+    Plot,
+    Map,
+}
+
+impl EvaluateArguments {
+    /// Returns the files to write, each with its content.
+    fn files(&self) -> impl Iterator<Item = (&PathBuf, Content)> {
+        let files = [
+            (&self.csv, Content::Csv),
+            (&self.latex, Content::Latex),
+            (&self.plot, Content::Plot),
+            (&self.map, Content::Map),
+        ];
+        files.into_iter().filter_map(|(file, content)| Some((file.as_ref()?, content)))
     }
-    let outs = [&arguments.csv, &arguments.latex, &arguments.svg];
-    if outs.into_iter().flatten().any(|out| is_standard_output(out)) {
-        return Ok(());
+}
+
+fn write_files(
+    arguments: &EvaluateArguments,
+    truth: &GroundTruth<'_>,
+    judgement: &EstimatesJudgement,
+    deployment: &Deployment,
+) -> Result<(), Failure> {
+    for (file, content) in arguments.files() {
+        let ComparisonArguments { trajectory, against, .. } = &arguments.comparison;
+        let read = trajectory.iter().chain(against);
+        spare(file, used_files(deployment).chain(read.map(|path| &**path)))?;
+        let bytes = match content {
+            Content::Csv => estimates::csv(judgement).into_bytes(),
+            Content::Latex => estimates::latex(judgement).into_bytes(),
+            Content::Plot => {
+                let start_s = truth.start_s().unwrap_or_default();
+                picture(file, &estimates::draw(judgement, start_s, WIDTH))?
+            }
+            Content::Map => picture(file, &estimates::draw_map(judgement, WIDTH))?,
+        };
+        write(file, bytes)?;
     }
-    Ok(print(&if arguments.json {
-        format!("{:#}\n", estimates::json(&truth, &judgement))
-    } else {
-        estimates::text(&truth, &judgement)
-    })?)
+    Ok(())
 }

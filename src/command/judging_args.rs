@@ -1,6 +1,6 @@
 //! Options of the evaluation of trajectories of other systems: the flags that `resect evaluate` and `resect report --judge` share.
 
-use super::choice::{ESTIMATE_ALIGNMENTS, choice};
+use super::choice::{ESTIMATE_ALIGNMENTS, PLANES, choice};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,7 +9,7 @@ use super::Failure;
 use super::settings_args::metres;
 use resect_io::estimate_file;
 use resect_tools::estimates::conventions::Convention;
-use resect_tools::estimates::{Body, EstimatedTrajectory, Options, TrajectoryAlignment};
+use resect_tools::estimates::{Body, EstimatedTrajectory, Options, Plane, TrajectoryAlignment};
 
 #[derive(Args)]
 pub struct JudgingArguments {
@@ -30,6 +30,12 @@ pub struct JudgingArguments {
     /// ned, nwu, optical, or letters such as yx-z
     #[arg(long, value_name = "WORDS", default_value = "xyzw", value_parser = convention)]
     convention: Vec<Convention>,
+    /// Align each estimate by its first poses only (evo's `--n_to_align`)
+    #[arg(long, value_name = "POSES", value_parser = clap::value_parser!(u32).range(4..))]
+    align_first: Option<u32>,
+    /// Project both trajectories to a plane of the ground truth's frame after the alignment (evo's `--project_to_plane`)
+    #[arg(long, value_name = "PLANE", value_parser = choice(PLANES))]
+    plane: Option<Plane>,
     /// Assume what evo assumes: equal clocks, one body frame, nearest stamps. The errors are then those of evo_ape and evo_rpe
     #[arg(long)]
     as_evo: bool,
@@ -65,6 +71,8 @@ impl JudgingArguments {
             time_offset_s,
             body,
             convention,
+            align_first: self.align_first.map(|count| count as usize),
+            plane: self.plane,
             ..Options::default()
         });
         let as_asked = |options: Options| if self.as_evo { options.as_evo() } else { options };

@@ -5,23 +5,27 @@ mod calibrate;
 mod check;
 mod choice;
 mod compare;
+mod comparison_args;
 mod completions;
 #[cfg(windows)]
 mod console;
 mod desktop;
 #[cfg(target_os = "linux")]
 mod desktop_entry;
+mod drives;
 mod evaluate;
 mod explain;
 mod export;
 mod extrinsics;
 mod failure;
+mod frame_times;
 mod judging_args;
 mod licences;
 mod live;
 mod loading;
 mod number_flags;
 mod output;
+mod picture_file;
 mod plan;
 mod printing;
 mod program;

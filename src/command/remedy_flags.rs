@@ -82,6 +82,8 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
             Unfit::Undetermined => Some("--body same"),
             Unfit::OtherScale(_) => Some("--align similarity"),
             Unfit::NoOrientation => Some("--body found"),
+            Unfit::FirstOnALine(_) => Some("--align-first"),
+            Unfit::EmptySpan(_) => Some("--from, --to"),
             Unfit::FewEpochs | Unfit::FewPoses(_) | Unfit::Mirrored(_) | Unfit::Inverse(_) => None,
         },
     }

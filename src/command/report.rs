@@ -93,7 +93,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
 /// Writes the evaluation of trajectories against one ground truth.
 fn evaluation(arguments: &ReportArguments, settings: &Settings) -> Result<(), Failure> {
     let estimates = arguments.judging.read_each(&arguments.path)?;
-    let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras())?;
+    let deployment = arguments.truth.open(&arguments.against, arguments.settings.extras(), None)?;
     let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
     let truth = arguments.truth.ground_truth(&deployment, &analysis)?;
     let judgement = Arc::new(judge(&truth, estimates));

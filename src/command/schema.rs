@@ -8,8 +8,9 @@ use super::{Failure, print};
 /// The schema of all outputs, `assets/schema.json` as packed by `build.rs`; each command is one of its definitions.
 const SCHEMA: &str = include_str!(concat!(env!("OUT_DIR"), "/schema.json"));
 /// Commands with JSON outputs.
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "calibrate",
+    "check",
     "compare",
     "validate",
     "ablate",

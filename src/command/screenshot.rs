@@ -98,7 +98,7 @@ impl ScreenshotArguments {
                 return Err(Failure::Usage(line.to_owned()));
             }
             (_, [truth]) => {
-                let deployment = self.truth.open(&self.against, self.settings.extras())?;
+                let deployment = self.truth.open(&self.against, self.settings.extras(), None)?;
                 let source = match deployment.ground_truth {
                     Some(_) => Source::ground_truth(truth, None),
                     None => Source::at(truth).with(self.settings.extras()),

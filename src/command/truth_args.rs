@@ -15,6 +15,7 @@ use resect_core::analysis::Analysis;
 use resect_core::deployment::{Deployment, PoseCovariance};
 use resect_core::network::MOST_STATIONS;
 use resect_io::antenna_poses::read_antennas;
+use resect_io::estimate_file::{NumberedTimes, poses_without_times, read_frames};
 use resect_io::gnss_solution::SolutionChoice;
 use resect_io::source::Extras;
 use resect_io::truth::open_truth;
@@ -73,14 +74,24 @@ impl TruthArguments {
         Ok(truth)
     }
 
-    /// Opens a deployment, or a trajectory as the ground truth of one; several files are those of antennas.
+    /// Opens a deployment, or a trajectory as the ground truth of one; several files are those of antennas. `frames` are the times of
+    /// KITTI poses without any.
     ///
     /// # Errors
     /// If the paths are neither, or if an option does not apply to them.
-    pub fn open(&self, paths: &[PathBuf], extras: Extras) -> Result<Arc<Deployment>, Failure> {
+    pub fn open(
+        &self,
+        paths: &[PathBuf],
+        extras: Extras,
+        frames: Option<NumberedTimes>,
+    ) -> Result<Arc<Deployment>, Failure> {
         let topic = self.truth_topic.as_deref();
-        let opened = match paths {
-            [path] if self.antennas_m.is_empty() => {
+        let without_times = frames.filter(|_| poses_without_times(&paths[0]).is_some());
+        let opened = match (paths, without_times) {
+            ([path], Some(frames)) => {
+                read_frames(path, frames).map(|truth| Deployment::of_ground_truth(Arc::new(truth)))
+            }
+            ([path], None) if self.antennas_m.is_empty() => {
                 with_progress(&format!("reading {}", path.display()), |progress| {
                     open_truth(path, (topic, self.truth_solutions), extras, progress)
                 })
@@ -89,7 +100,7 @@ impl TruthArguments {
                 let line = "--truth-topic is for one bag, and several files are antennas";
                 return Err(Failure::Usage(line.to_owned()));
             }
-            paths => read_antennas(paths, &self.antennas_m, self.truth_solutions)
+            (paths, _) => read_antennas(paths, &self.antennas_m, self.truth_solutions)
                 .map(|truth| Deployment::of_ground_truth(Arc::new(truth))),
         };
         let mut deployment = Arc::new(opened?);

@@ -1,5 +1,6 @@
 //! Trajectories of other systems compared with the deployment's own: simulated ones with known errors, and the real evo.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use resect_core::calibration::Method;
 use resect_core::deployment::{Deployment, Remedy, kinds};
 use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_io::estimate_file;
+use resect_report::drawing::text_width;
 use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::ranking::{ComparedError, PairComparison};
 use resect_tools::estimates::unfit::Unfit;
@@ -23,6 +25,7 @@ use resect_tools::estimates::{
 use resect_tools::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
 };
+use resvg::usvg::roxmltree::{Document, Node};
 
 fn judged(
     deployment: &Deployment,
@@ -139,7 +142,7 @@ fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
             assert!(one.rotation.is_none() && fit.body_rotation.is_none(), "{fit:?}");
             assert!(
                 fit.body_rotation_sigma_rad.is_none()
-                    && one.relative.iter().all(|path| path.rotation.is_none())
+                    && one.relative.iter().flatten().all(|motions| motions.rotation.is_none())
             );
             assert!(one.errors.iter().all(|e| e.rotation_rad.is_none()));
             // The prism's position in the body.
@@ -484,6 +487,52 @@ fn said(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
+/// Checks a map of two estimates: a panel and a colour bar each, many colours along the drive, equal scales, and texts within the picture.
+fn check_map(svg: &str) {
+    let document = Document::parse(svg).expect("XML");
+    let elements = |name: &'static str| {
+        document.descendants().filter(move |node| node.has_tag_name(name)).collect::<Vec<_>>()
+    };
+    let text = |node: &Node| node.text().unwrap_or_default().to_owned();
+    let texts: Vec<String> = elements("text").iter().map(text).collect();
+    let with = |wanted: &str| texts.iter().filter(|text| text.contains(wanted)).count();
+    assert!(
+        with("mm rmse") == 2 && with("mm") == 4 && with("ground truth wrong") == 1,
+        "{texts:?}"
+    );
+    let lines = elements("polyline");
+    let coloured = lines.iter().filter(|line| line.attribute("stroke-width") == Some("3.00"));
+    let colours: HashSet<&str> = coloured.filter_map(|line| line.attribute("stroke")).collect();
+    assert!(colours.len() > 10, "{colours:?}");
+    // The numbers along both axes of the first panel have equal distances for equal lengths.
+    let numbers = |anchor: &str| -> Vec<(f64, f64, f64)> {
+        let are = elements("text").into_iter().filter(|node| {
+            node.attribute("text-anchor") == Some(anchor)
+                && node.attribute("font-size") == Some("10.00")
+        });
+        are.filter_map(|node| {
+            let place = node.attribute("transform")?.strip_prefix("translate(")?.split_once(')')?.0;
+            let (x, y) = place.split_once(' ')?;
+            let value = text(&node).replace('−', "-").parse().ok()?;
+            Some((value, x.parse().ok()?, y.parse().ok()?))
+        })
+        .collect()
+    };
+    let (across, up) = (numbers("middle"), numbers("end"));
+    let across = (across[1].1 - across[0].1) / (across[1].0 - across[0].0);
+    let up = (up[0].2 - up[1].2) / (up[1].0 - up[0].0);
+    assert!((across / up - 1.0).abs() < 0.01, "{across} {up}");
+    let size: f64 =
+        document.root_element().attribute("width").expect("there").parse().expect("size");
+    for node in
+        elements("text").iter().filter(|node| node.attribute("text-anchor") == Some("start"))
+    {
+        let place = node.attribute("transform").expect("placed").trim_start_matches("translate(");
+        let x: f64 = place.split(' ').next().expect("x").parse().expect("a number");
+        assert!(x + f64::from(text_width(&text(node), 11.0)) < size, "{}", text(node));
+    }
+}
+
 #[test]
 fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -500,8 +549,10 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     };
     let csv = at("errors.csv");
     let svg = at("errors.svg");
-    let files = ["--csv", csv.to_str().expect("UTF-8"), "--svg", svg.to_str().expect("UTF-8")];
-    let text = said(&mut evaluate(&["lio.tum", "vio.tum"], &files));
+    let map = at("map.svg");
+    let files = [("--csv", &csv), ("--plot", &svg), ("--map", &map)]
+        .map(|(flag, file)| [flag, file.to_str().expect("UTF-8")]);
+    let text = said(&mut evaluate(&["lio.tum", "vio.tum"], &files.concat()));
     for part in ["lio better, ", "APE position, rmse (mm)", "ground truth's σ (mm)"] {
         assert!(text.contains(part), "{text}");
     }
@@ -509,6 +560,14 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let errors = csv.lines().filter(|line| line.starts_with("\"lio\",")).count();
     assert!(errors > 1000 && csv.lines().all(|line| line.split(',').count() == 15), "{errors}");
     assert!(std::fs::read_to_string(svg).expect("written").contains("vio: "));
+    check_map(&std::fs::read_to_string(&map).expect("written"));
+    // The ending chooses the format.
+    let png = at("map.PNG");
+    said(&mut evaluate(&["lio.tum"], &["--map", png.to_str().expect("UTF-8")]));
+    assert!(std::fs::read(&png).expect("written").starts_with(b"\x89PNG\r\n"));
+    let output = evaluate(&["lio.tum"], &["--plot", "errors.jpg"]).output().expect("runs");
+    let why = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && why.contains("ends in .svg or .png"), "{why}");
     // The drive's own files, and the evaluated trajectories, are not overwritten.
     let own = at("lio.tum");
     let kept = std::fs::read(&own).expect("there");
@@ -678,7 +737,7 @@ fn the_command_agrees_with_its_peer_evo() {
     ] {
         let own = evaluate(&["--align", align]);
         let own = &own["estimates"][0];
-        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 5.0);
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["delta"] == 5.0);
         let rpe = rpe.expect("over 5 m");
         for (program, relation, values) in [
             ("evo_ape", "trans_part", &own["ape_position_m"]),

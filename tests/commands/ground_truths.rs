@@ -438,7 +438,7 @@ fn errors_against_trajectories_agree_with_the_peer_evo() {
         let path = |name: &str| of_field(&format!("others/{name}"));
         let found = evaluated(&[&path(estimate)], &path(truth), &["--as-evo", "--align", align]);
         let own = &found["estimates"][0];
-        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 1.0);
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["delta"] == 1.0);
         let rpe = rpe.expect("over 1 m");
         let aligned: &[&str] =
             if *align == "rigid" { &["--align"] } else { &["--align", "--correct_scale"] };
@@ -462,5 +462,418 @@ fn errors_against_trajectories_agree_with_the_peer_evo() {
                 assert!((ours - theirs).abs() < 1e-6, "{what}");
             }
         }
+    }
+}
+
+/// Motions as evo names them: `--delta` here, `--delta` and `--delta_unit` there.
+const MOTIONS: [(&str, &str, &str); 4] =
+    [("2.5m", "2.5", "m"), ("0.3m", "0.3", "m"), ("20f", "20", "f"), ("12deg", "12", "d")];
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn relative_errors_of_any_motion_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    if field_data("others").is_none() {
+        return;
+    }
+    let deltas: Vec<&str> = MOTIONS.iter().flat_map(|(delta, ..)| ["--delta", *delta]).collect();
+    for (estimate, truth, _) in &PAIRS[..3] {
+        let path = |name: &str| of_field(&format!("others/{name}"));
+        for all_pairs in [&[][..], &["--all-pairs"]] {
+            let flags = [&["--as-evo"], &deltas[..], all_pairs].concat();
+            let found = evaluated(&[&path(estimate)], &path(truth), &flags);
+            let rpe = found["estimates"][0]["rpe"].as_array().expect("motions").clone();
+            for ((_, delta, unit), rpe) in MOTIONS.iter().zip(&rpe) {
+                for (relation, values) in
+                    [("trans_part", &rpe["position_m"]), ("angle_rad", &rpe["rotation_rad"])]
+                {
+                    let mut command = Command::new("evo_rpe");
+                    command.arg("tum").arg(path(truth)).arg(path(estimate)).args(["--align"]);
+                    command.args(["-r", relation, "--delta", delta, "--delta_unit", unit]);
+                    if !all_pairs.is_empty() {
+                        command.arg("--all_pairs");
+                    }
+                    for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+                        let Some(ours) = values[&key].as_f64() else { continue };
+                        let what =
+                            format!("{estimate} {delta} {unit} {all_pairs:?} {relation} {key}");
+                        assert!((ours - theirs).abs() < 1e-6, "{what}: {ours} {theirs}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Each motion has its row, and each empty cell the reason of this estimate.
+#[test]
+fn motions_of_any_size_have_rows_and_missing_ones_their_reason() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(50.0), true));
+    let slam = folder.at("slam.tum");
+    write_tum(&Slam { lever_m: Vector3::zeros(), ..SLAM }.drive(&simulated), &slam);
+    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let (slam, truth) = (path(&slam), path(&truth));
+    let deltas = [
+        "--delta", "2", "--delta", "10s", "--delta", "50f", "--delta", "90deg", "--delta", "9000m",
+    ];
+    let text = said(&[&["evaluate", &slam, "--against", &truth], &deltas[..]].concat());
+    for label in [
+        "RPE over 2 m, rmse (mm)",
+        "RPE over 10 s, rmse (°)",
+        "RPE over 50 frames, rmse (mm)",
+        "RPE over 90°, rmse (°)",
+    ] {
+        let row =
+            text.lines().find(|line| line.starts_with(label)).unwrap_or_else(|| panic!("{text}"));
+        let value: f64 = row.rsplit(' ').next().expect("a cell").parse().expect("a number");
+        assert!(value > 0.0, "{row}");
+    }
+    let why =
+        "– in RPE over 9000 m, rmse (mm) to RPE over 9000 m, rmse (°): the compared drive of ";
+    assert!(text.contains(why) && text.contains(" m is shorter than 9000 m"), "{text}");
+    // Without orientations the angle of a motion is unknown, and the rows of rotations remain.
+    let points: String = std::fs::read_to_string(&truth)
+        .expect("read")
+        .lines()
+        .map(|line| line.split(' ').take(4).collect::<Vec<_>>().join(" ") + "\n")
+        .collect();
+    let points = path(&folder.write("points.txt", &points));
+    let text = said(&[&["evaluate", &slam, "--against", &points], &deltas[..]].concat());
+    for part in [
+        "RPE over 2 m, distance (mm)",
+        "APE rotation, rmse (°)                                         –",
+        "– in APE aligned at the first pose, rmse (mm); APE rotation, rmse (°) to RPE over 2 m, rmse (°); ",
+        "RPE over 9000 m, rmse (°): the estimate or the ground truth has no orientations",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let all = evaluated(&[Path::new(&slam)], Path::new(&truth), &["--all-pairs", "--delta", "20f"]);
+    let count = number(&all["estimates"][0]["rpe"][0]["position_m"]["count"]);
+    let poses = number(&all["estimates"][0]["poses_with_ground_truth"]);
+    assert!(all["rpe_all_pairs"] == true && count == poses - 20.0, "{count} {poses}");
+    assert_eq!(
+        run(&["evaluate", &slam, "--against", &truth, "--delta", "5km"]).status.code(),
+        Some(2)
+    );
+}
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn spans_planes_and_first_poses_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    if field_data("others").is_none() {
+        return;
+    }
+    let (estimate, truth, _) = PAIRS[0];
+    let path = |name: &str| of_field(&format!("others/{name}"));
+    for (ours, theirs) in [
+        (["--plane", "xy"].as_slice(), ["--project_to_plane", "xy"].as_slice()),
+        (&["--plane", "xz"], &["--project_to_plane", "xz"]),
+        (&["--plane", "yz"], &["--project_to_plane", "yz"]),
+        (&["--align-first", "150"], &["--n_to_align", "150"]),
+        (
+            &["--from", "1305031103.0", "--to", "1305031115.5"],
+            &["--t_start", "1305031103.0", "--t_end", "1305031115.5"],
+        ),
+    ] {
+        let flags = [&["--as-evo", "--delta", "0.5m"], ours].concat();
+        let found = evaluated(&[&path(estimate)], &path(truth), &flags);
+        let judged = &found["estimates"][0];
+        for (program, relation, values) in [
+            ("evo_ape", "trans_part", &judged["ape_position_m"]),
+            ("evo_ape", "angle_rad", &judged["ape_rotation_rad"]),
+            ("evo_rpe", "trans_part", &judged["rpe"][0]["position_m"]),
+            ("evo_rpe", "angle_rad", &judged["rpe"][0]["rotation_rad"]),
+        ] {
+            let mut command = Command::new(program);
+            command
+                .arg("tum")
+                .arg(path(truth))
+                .arg(path(estimate))
+                .args(["--align", "-r", relation]);
+            command.args(theirs);
+            if program == "evo_rpe" {
+                command.args(["--delta", "0.5", "--delta_unit", "m"]);
+            }
+            for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+                let Some(value) = values[&key].as_f64() else { continue };
+                let what = format!("{program} {relation} {ours:?} {key}");
+                assert!((value - theirs).abs() < 1e-6, "{what}: {value} {theirs}");
+            }
+        }
+    }
+}
+
+/// The estimate is shifted by 2 m up from the 60th second on.
+#[test]
+fn a_comparison_is_restricted_to_a_span_to_first_poses_or_to_a_plane() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let truth = folder.write("truth.tum", &truth_tum(&simulated, times_s(20.0), true));
+    let shifted: String = std::fs::read_to_string(&truth)
+        .expect("read")
+        .lines()
+        .map(|line| {
+            let mut fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            fields[3] += if fields[0] - EPOCH_S >= 65.0 { 2.0 } else { 0.0 };
+            fields.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n"
+        })
+        .collect();
+    let slam = folder.write("slam.tum", &shifted);
+    let same = ["--time-offset", "0", "--body", "same"];
+    let evaluate = |flags: &[&str]| evaluated(&[&slam], &truth, &[&same, flags].concat());
+    let rmse_m = |found: &Value| number(&found["estimates"][0]["ape_position_m"]["rmse"]);
+    assert!(rmse_m(&evaluate(&[])) > 0.5);
+    let before = evaluate(&["--from", "10", "--to", "59"]);
+    assert!(rmse_m(&before) < 1e-3, "{before:#}");
+    let judged = &before["estimates"][0];
+    // 49 s at 20 Hz, both ends included; poses outside are not counted as poses without ground truth.
+    assert_eq!(
+        (&judged["poses_with_ground_truth"], &judged["poses_without_ground_truth"]),
+        (&981.into(), &0.into())
+    );
+    assert_eq!(judged["span_s"][0], EPOCH_S + 15.0);
+    let stamps = [EPOCH_S + 15.0, EPOCH_S + 64.0].map(|time_s| format!("{time_s}"));
+    let by_stamps = evaluate(&["--from", &stamps[0], "--to", &stamps[1]]);
+    assert_eq!(by_stamps["estimates"][0]["poses_with_ground_truth"], 981);
+    // By the first poses the frame is right, and the shift remains as it is.
+    let first = &evaluate(&["--align-first", "800"])["estimates"][0];
+    assert!((number(&first["ape_position_m"]["max"]) - 2.0).abs() < 0.05, "{first:#}");
+    assert!(
+        number(&first["ape_position_m"]["min"]) < 1e-3 && first["alignment"]["first_poses"] == 800
+    );
+    // Nothing of it is in the plane, if the frames are one.
+    let plane = evaluate(&["--plane", "xy", "--align", "none"]);
+    assert!(rmse_m(&plane) < 1e-3 && plane["estimates"][0]["plane"] == "xy", "{plane:#}");
+    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let (slam, truth) = (path(&slam), path(&truth));
+    let all = [&["evaluate", &slam, "--against", &truth], &same[..]].concat();
+    let text = said(&[&all, &["--from", "10", "--to", "59", "--plane", "yz"][..]].concat());
+    assert!(text.contains("compared from 10.0 s to 59.0 s, projected to the yz plane"), "{text}");
+    for (flags, code, why) in [
+        (["--from", "59", "--to", "10"].as_slice(), 2, "--from must be before --to"),
+        (&["--from", "500"], 1, "only 0 of its poses with ground truth are in the span"),
+        (&["--align-first", "3"], 2, "3 is not in 4.."),
+    ] {
+        let output = run(&[&all, flags].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(code) && said.contains(why), "{said}");
+    }
+}
+
+/// The trajectory has a gap of 3 s and a jump of 1.5 m, and two files are checked at once.
+#[test]
+fn a_trajectory_is_checked_without_a_ground_truth() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    let whole = truth_tum(&simulated, times_s(10.0), true);
+    let broken: String = whole
+        .lines()
+        .enumerate()
+        .filter(|(index, _)| !(300..330).contains(index))
+        .map(|(index, line)| {
+            let mut fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            fields[1] += if index >= 800 { 1.5 } else { 0.0 };
+            fields.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n"
+        })
+        .collect();
+    let path = |path: PathBuf| path.to_str().expect("UTF-8").to_owned();
+    let (whole, broken) =
+        (path(folder.write("whole.tum", &whole)), path(folder.write("broken.tum", &broken)));
+    let text = said(&["check", &whole, &broken]);
+    let (of_whole, of_broken) = text.split_once("\nbroken\n").expect("two trajectories");
+    for part in [
+        "whole\n",
+        "1500 over 149.9 s, 10.00 Hz",
+        "none, longest interval 0.10 s",
+        "unit quaternions",
+    ] {
+        assert!(of_whole.contains(part), "{text}");
+    }
+    for part in [
+        "1470 over 149.9 s",
+        "1 beyond 5 times the median: 3.10 s at 29.9 s",
+        "in 0.100 s) at 79.9 s",
+    ] {
+        assert!(of_broken.contains(part), "{text}");
+    }
+    let found: Value = serde_json::from_str(&said(&["check", &broken, "--json"])).expect("JSON");
+    let jump = &found["trajectories"][0]["fastest_steps"][0];
+    assert!((number(&jump["length_m"]) - 1.5).abs() < 0.3, "{jump}");
+    // Positions with a σ, without orientations.
+    let points = path(folder.write(
+        "p.csv",
+        "timestamp,x,y,z,sigma_x,sigma_y,sigma_z\n1,0,0,0,0.01,0.01,0.01\n2,3,4,0,0.01,0.01,0.01\n",
+    ));
+    let text = said(&["check", &points]);
+    for part in ["2 over 1.0 s, 1.00 Hz", "5.0 m", "orientations  none", "median σ 10.0 mm"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+/// Returns lines of TUM as those of KITTI, without times.
+fn as_kitti(tum: &str) -> String {
+    tum.lines()
+        .map(|line| {
+            let fields: Vec<f64> =
+                line.split(' ').map(|field| field.parse().expect("a number")).collect();
+            let [_, x, y, z, qx, qy, qz, qw] = fields[..] else { panic!("{line}") };
+            let turn = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(qw, qx, qy, qz));
+            let m = turn.to_rotation_matrix();
+            let row = |index: usize, last: f64| {
+                format!("{:.9} {:.9} {:.9} {last:.9}", m[(index, 0)], m[(index, 1)], m[(index, 2)])
+            };
+            format!("{} {} {}\n", row(0, x), row(1, y), row(2, z))
+        })
+        .collect()
+}
+
+/// Writes an estimate and its ground truth as KITTI without times, with the same number of poses; returns both paths and the
+/// lines of the estimate.
+fn write_kitti(folder: &Folder) -> (PathBuf, PathBuf, Vec<String>) {
+    let (simulated, _) = driven(5);
+    let truth = truth_tum(&simulated, times_s(10.0), true);
+    write_tum(&SLAM.drive(&simulated), &folder.at("slam.tum"));
+    let slam = std::fs::read_to_string(folder.at("slam.tum")).expect("read");
+    // The ground truth begins 5 s later.
+    let slam: Vec<&str> = slam.lines().skip(50).collect();
+    let count = truth.lines().count().min(slam.len());
+    let truth: Vec<&str> = truth.lines().take(count).collect();
+    let (estimate, reference) = (folder.at("00.txt"), folder.at("gt.txt"));
+    let slam = as_kitti(&slam[..count].join("\n"));
+    std::fs::write(&estimate, &slam).expect("written");
+    std::fs::write(&reference, as_kitti(&truth.join("\n"))).expect("written");
+    (estimate, reference, slam.lines().map(|line| format!("{line}\n")).collect())
+}
+
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn poses_of_kitti_agree_with_the_peer_evo() {
+    let folder = Folder::new();
+    let (estimate, reference, _) = write_kitti(&folder);
+    let found = evaluated(&[&estimate], &reference, &["--as-evo"]);
+    let mut command = Command::new("evo_ape");
+    command.arg("kitti").arg(&reference).arg(&estimate).arg("--align");
+    for (key, theirs) in evo_statistics(&mut command, folder.0.path()) {
+        let Some(ours) = found["estimates"][0]["ape_position_m"][&key].as_f64() else { continue };
+        assert!((ours - theirs).abs() < 1e-6, "{key}: {ours} {theirs}");
+    }
+}
+
+/// Without times, poses of two files of equal length are compared by their numbers; otherwise a rate or times are needed.
+#[test]
+fn poses_of_kitti_without_times_are_compared_by_their_numbers() {
+    let folder = Folder::new();
+    let (estimate, reference, slam) = write_kitti(&folder);
+    let found = evaluated(&[&estimate], &reference, &[]);
+    let judged = &found["estimates"][0];
+    assert_eq!(
+        (&judged["poses_with_ground_truth"], &judged["time_offset_s"]),
+        (&slam.len().into(), &0.0.into())
+    );
+    assert!(number(&judged["ape_position_m"]["rmse"]) < 0.05, "{judged:#}");
+    let text = said(&[
+        "evaluate",
+        estimate.to_str().expect("UTF-8"),
+        "--against",
+        reference.to_str().expect("UTF-8"),
+    ]);
+    assert_eq!(text.matches("without times are compared by their numbers").count(), 2, "{text}");
+    // With one pose less, numbers do not associate them.
+    std::fs::write(&estimate, slam[1..].concat()).expect("written");
+    let arguments = [
+        "evaluate",
+        estimate.to_str().expect("UTF-8"),
+        "--against",
+        reference.to_str().expect("UTF-8"),
+    ];
+    let output = run(&arguments);
+    let why = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        !output.status.success()
+            && why.contains("KITTI poses have no times")
+            && why.contains("--rate"),
+        "{why}"
+    );
+    // A rate gives them times; the clock is estimated as that of any file.
+    let found = evaluated(&[&estimate], &reference, &["--rate", "10"]);
+    // The estimate lacks its first pose, so its times are 0.1 s early.
+    let offset_s = number(&found["estimates"][0]["time_offset_s"]);
+    assert!((offset_s - 0.1).abs() < 0.01, "{found:#}");
+    let tum = folder.at("slam.tum");
+    let tum = tum.to_str().expect("UTF-8");
+    let output = run(&["evaluate", tum, "--against", tum, "--rate", "10"]);
+    let why = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && why.contains("all files have times"), "{why}");
+}
+
+/// Rows are never dropped: an unreadable estimate and a drive without a ground truth have theirs, with the true reason.
+#[test]
+fn several_drives_are_one_table_with_a_row_for_each_estimate() {
+    let folder = Folder::new();
+    let (simulated, _) = driven(5);
+    folder.write("truth.tum", &truth_tum(&simulated, times_s(20.0), true));
+    let points: String = truth_tum(&simulated, times_s(20.0), true)
+        .lines()
+        .map(|line| line.split(' ').take(4).collect::<Vec<_>>().join(" ") + "\n")
+        .collect();
+    folder.write("points.txt", &points);
+    write_tum(&SLAM.drive(&simulated), &folder.at("lio.tum"));
+    write_tum(&Slam { noise_m: 0.04, seed: 2, ..SLAM }.drive(&simulated), &folder.at("vio.tum"));
+    folder.write("broken.tum", "1 2 3\n");
+    let file = folder.write(
+        "drives.toml",
+        "delta = [\"2m\", \"9000m\"]\n\n\
+         [[drive]]\nname = \"yard\"\ntruth = \"truth.tum\"\nestimates = { lio = \"lio.tum\", vio = \"vio.tum\" }\n\n\
+         [[drive]]\nname = \"street\"\ntruth = \"points.txt\"\nestimates = { lio = \"lio.tum\", vio = \"broken.tum\" }\n\n\
+         [[drive]]\nname = \"tunnel\"\ntruth = \"missing.tum\"\nestimates = { lio = \"lio.tum\" }\n",
+    );
+    let (file, boxes) = (file.to_str().expect("UTF-8").to_owned(), folder.at("boxes.svg"));
+    let boxes_path = boxes.to_str().expect("UTF-8").to_owned();
+    let text = said(&["evaluate", "--drives", &file, "--plot", &boxes_path]);
+    let row = |drive: &str, estimate: &str| -> Vec<String> {
+        let is_row = |line: &&str| {
+            let mut words = line.split_whitespace();
+            words.next() == Some(drive) && words.next() == Some(estimate)
+        };
+        let row = text.lines().find(is_row).unwrap_or_else(|| panic!("{text}"));
+        row.split_whitespace().skip(2).map(str::to_owned).collect()
+    };
+    assert!(row("yard", "lio")[0].parse::<f64>().expect("a number") < 40.0, "{text}");
+    assert!(row("yard", "vio")[0].parse::<f64>().expect("a number") > 40.0, "{text}");
+    assert!(row("street", "lio")[0].parse::<f64>().is_ok(), "{text}");
+    for (drive, estimate) in [("street", "vio"), ("tunnel", "lio")] {
+        assert!(row(drive, estimate).iter().all(|cell| cell == "–"), "{text}");
+    }
+    for reason in [
+        "– of street, vio: ",
+        "3 fields without a header do not form a pose",
+        "– of tunnel, lio: ",
+        "missing.tum",
+        "– of yard, lio in RPE 9000 m (mm), RPE 9000 m (°): the compared drive of ",
+        "– of street, lio in APE rmse (°), RPE 2 m (°), RPE 9000 m (°): the estimate or",
+    ] {
+        assert!(text.contains(reason), "{reason} in {text}");
+    }
+    let svg = std::fs::read_to_string(&boxes).expect("written");
+    for name in ["yard", "street", "tunnel", "lio", "vio", "position error (mm)"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    // A wrong option is an error before the first drive, and options beside the file are refused.
+    folder.write(
+        "drives.toml",
+        "[[drive]]\ntruth = \"truth.tum\"\nestimates = [\"lio.tum\"]\nalgin = \"none\"\n",
+    );
+    for (flags, why) in [
+        (["--drives", &file].as_slice(), "drive truth: unexpected argument '--algin'"),
+        (&["--drives", &file, "--as-evo"], "cannot be used with"),
+    ] {
+        let output = run(&[&["evaluate"], flags].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(why), "{said}");
     }
 }

@@ -145,6 +145,10 @@ fn evaluations(runs: &mut Runs<'_>) {
     changed("bent.tum", &|pose| pose[2] += 1e-3 * pose[1] * pose[1]);
     changed("late.tum", &|pose| pose[0] += 1e6);
     runs.keep("evaluate @true.tum @own.tum --against @warthog");
+    runs.keep("check @true.tum @own.tum");
+    let drives = "[[drive]]\ntruth = \"bent.tum\"\nestimates = [\"true.tum\", \"missing.tum\"]\n";
+    std::fs::write(runs.path("drives.toml"), drives).expect("written");
+    runs.keep("evaluate --drives @drives.toml");
     runs.keep("evaluate @true.tum @late.tum --against @warthog --time-offset 0");
     runs.keep("evaluate @true.tum @own.tum --against @bent.tum");
     runs.keep("evaluate @true.tum --against @warthog --truth-station 2");
@@ -226,7 +230,7 @@ fn the_schema_of_a_command_refers_to_its_definition() {
         assert_eq!(own["$ref"], reference);
         assert_eq!((&own["anyOf"], &own["$defs"]), (&Value::Null, &schema["$defs"]));
     }
-    assert_eq!(alternatives.len(), 8);
+    assert_eq!(alternatives.len(), 9);
     assert_eq!(resect(&["schema", "export"]).status.code(), Some(2));
 }
 

@@ -8,23 +8,23 @@ use crate::findings::trajectories::{
     estimate_columns_named, estimate_columns_unread, estimate_covariances_missing,
     estimate_orientations_constant, estimate_orientations_missing, estimate_out_of_order,
     estimate_poses_skipped, estimate_positions_rounded, estimate_quaternions_normalised,
-    estimate_stamps_joined, estimate_times_repeated,
+    estimate_stamps_joined, estimate_times_by_number, estimate_times_repeated,
 };
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::error::OpenError;
 use crate::findings::tracks::rows_skipped;
 use crate::format::Format;
 use crate::format::bag;
 use crate::format::bag::{Piece, PoseTopic, RecordedPoses, natural_key};
-use crate::format::estimate::{KITTI_FIELDS, is_kitti};
+use crate::format::estimate::is_kitti;
+use crate::format::kitti;
 use crate::format::motion_capture::{self, CapturedBody};
 use crate::format::pose_covariance::{file_beside, of_message, read_beside};
 use crate::format::pose_table::{self, FORMATS, LARGEST_M};
-use crate::format::table::CORRECT;
 use crate::format::text_encoding::decode_text;
 use crate::format::{geodetic_table, nav_sat_fix, nmea, rtklib_pos};
 use crate::gnss_solution::{GnssTrack, SolutionChoice};
@@ -65,6 +65,35 @@ struct Wanted {
 /// Reads a file of any supported format: one trajectory, or from a bag one for each topic of poses.
 pub fn read(path: &Path) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     read_wanted(path, Wanted { topics: WantedTopics::PosesElsePoints, solutions: None })
+}
+
+/// Times of KITTI poses without a file of times: their numbers at a rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberedTimes {
+    pub rate_hz: f64,
+    /// True if the user gave the rate; otherwise poses are compared by their numbers.
+    pub is_given: bool,
+}
+
+/// Returns the number of poses of a KITTI file without times; `None` for other files.
+pub fn poses_without_times(path: &Path) -> Option<usize> {
+    if !path.is_file() || kitti::times_beside(path).is_some() {
+        return None;
+    }
+    let text = read_text(path).ok().filter(|text| is_kitti(text))?;
+    Some(kitti::rows(&path.display().to_string(), &text).ok()?.len())
+}
+
+/// Reads a KITTI file without times, with a finding about its times.
+pub fn read_frames(path: &Path, times: NumberedTimes) -> Result<EstimatedTrajectory, OpenError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let file = path.display().to_string();
+    let rows = kitti::rows(&file, &read_text(path)?)?;
+    let pose = |(number, row): (usize, &_)| kitti::pose(number as f64 / times.rate_hz, row);
+    let poses = rows.iter().enumerate().map(pose).map(|pose| (pose, None)).collect();
+    let poses = with_covariances_beside(path, poses)?;
+    let finding = estimate_times_by_number(&file, rows.len(), times.rate_hz, times.is_given);
+    put_in_order((name, None), path, poses, vec![finding])
 }
 
 /// Reads the one trajectory of a file that is the ground truth; `topic` chooses among those of a bag, `solutions` among those of a
@@ -388,7 +417,16 @@ fn poses(
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<StatedPose>, OpenError> {
     if is_kitti(text) {
-        let poses = of_kitti(file, path, &rows_of_kitti(file, text)?)?;
+        let rows = kitti::rows(file, text)?;
+        let times_file = kitti::times_beside(path).ok_or_else(|| kitti::no_times(file, path))?;
+        let name = times_file.display().to_string();
+        let times_s = kitti::times_s(&name, &read_text(&times_file)?)?;
+        if times_s.len() != rows.len() {
+            let what = format!("{} times for {} poses of {file}", times_s.len(), rows.len());
+            return Err(OpenError::file(&name, what, "each pose needs one"));
+        }
+        let poses: Vec<EstimatedPose> =
+            times_s.into_iter().zip(&rows).map(|(time_s, row)| kitti::pose(time_s, row)).collect();
         return with_covariances_beside(path, poses.into_iter().map(|pose| (pose, None)).collect());
     }
     let table = pose_table::read(file, text)?;
@@ -420,78 +458,6 @@ fn with_covariances_beside(
     let poses: Vec<EstimatedPose> = poses.into_iter().map(|(pose, _)| pose).collect();
     let covariances = read_beside(&beside.display().to_string(), &text, &poses)?;
     Ok(poses.into_iter().zip(covariances).collect())
-}
-
-fn rows_of_kitti(file: &str, text: &str) -> Result<Vec<[f64; KITTI_FIELDS]>, OpenError> {
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
-    let rows = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with(['#', '%']));
-    let row = |(number, line): (usize, &str)| {
-        let values: Option<Vec<f64>> =
-            line.split_whitespace().map(|field| field.parse().ok()).collect();
-        let row = values.and_then(|values| <[f64; KITTI_FIELDS]>::try_from(values).ok());
-        row.filter(|row| row.iter().all(|value| value.is_finite()))
-            .ok_or_else(|| OpenError::line(file, number, "not twelve numbers", CORRECT))
-    };
-    rows.map(row).collect()
-}
-
-fn names_of_times(path: &Path) -> [String; 2] {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    [format!("{stem}_times.txt"), "times.txt".to_owned()]
-}
-
-/// Returns the file of times beside KITTI poses, if there is one.
-pub fn times_beside(path: &Path) -> Option<PathBuf> {
-    names_of_times(path).iter().map(|name| path.with_file_name(name)).find(|path| path.is_file())
-}
-
-/// Poses of KITTI, whose times are in a separate file in the same folder.
-fn of_kitti(
-    file: &str,
-    path: &Path,
-    rows: &[[f64; KITTI_FIELDS]],
-) -> Result<Vec<EstimatedPose>, OpenError> {
-    let times_file = times_beside(path).ok_or_else(|| {
-        let [own, common] = names_of_times(path);
-        OpenError::file(
-            file,
-            "KITTI poses have no times",
-            format!("put {own} or {common} beside it"),
-        )
-    })?;
-    let name = times_file.display().to_string();
-    let mut times_s = Vec::new();
-    for (index, line) in read_text(&times_file)?.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        match line.parse::<f64>() {
-            Ok(time_s) if time_s.is_finite() => times_s.push(time_s),
-            _ => {
-                return Err(OpenError::line(
-                    &name,
-                    index + 1,
-                    format!("`{line}` is not a time"),
-                    CORRECT,
-                ));
-            }
-        }
-    }
-    if times_s.len() != rows.len() {
-        let what = format!("{} times for {} poses of {file}", times_s.len(), rows.len());
-        return Err(OpenError::file(&name, what, "each pose needs one"));
-    }
-    let pose = |(time_s, row): (f64, &[f64; KITTI_FIELDS])| {
-        let matrix = Matrix3::from_fn(|r, c| row[4 * r + c]);
-        EstimatedPose {
-            time_s,
-            position_m: Vector3::new(row[3], row[7], row[11]),
-            // Rows rounded to a few digits are not exactly a rotation.
-            orientation: Some(UnitQuaternion::from(Rotation3::from_matrix(&matrix))),
-        }
-    };
-    Ok(times_s.into_iter().zip(rows).map(pose).collect())
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 use super::*;
+use nalgebra::Matrix3;
 
 /// Writes a file with this text; the folder is removed when dropped.
 fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {

@@ -29,11 +29,12 @@
 //! | [`evaluation_files`] | trajectories without a deployment: one is the ground truth of the others | |
 //! | [`override_changes`] | changed overrides in words | |
 //! | [`file_mark`] | hashes by which a session recognises its files | |
-//! | [`plan_file`], [`way_file`], [`settings_file`] | plans, driven paths, settings | |
+//! | [`plan_file`], [`way_file`], [`settings_file`], [`drives_file`] | plans, driven paths, settings, drives to evaluate | |
 //! | [`simulation_files`] | a simulated deployment as the files of a real one | |
 
 pub mod antenna_poses;
 pub mod atomic;
+pub mod drives_file;
 pub mod error;
 pub mod estimate_file;
 pub mod evaluation_files;

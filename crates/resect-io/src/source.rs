@@ -106,7 +106,7 @@ impl Source {
                 return Ok(Deployment::of_ground_truth(Arc::new(truth)));
             }
             Place::Path(path) => open::find(path, progress)?,
-            Place::Sample(sample) => open::in_memory(sample.title(), sample.files()),
+            Place::Sample(sample) => open::in_memory(sample.title(), &sample.files()),
         };
         found.add(&self.extras)?;
         let mut deployment = open::combine(&found, progress)?;

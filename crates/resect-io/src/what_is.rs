@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::estimate_file::times_beside;
 use crate::extras::Extras;
+use crate::format::kitti::times_beside;
 use crate::format::pose_covariance::file_beside as covariances_beside;
 use crate::format::{Format, SESSION_KEY, deployment_toml::parse_toml};
 use crate::open::{FoundFile, list_folder};

@@ -125,7 +125,7 @@ fn control_points_m(
         .collect()
 }
 
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))
     });
@@ -134,18 +134,18 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [low - free, high + free]
 }
 
-fn length([low, high]: [f64; 2]) -> f64 {
+pub fn length([low, high]: [f64; 2]) -> f64 {
     high - low
 }
 
 /// Returns a range of this length with the same middle.
-fn about_middle([low, high]: [f64; 2], length: f64) -> [f64; 2] {
+pub fn about_middle([low, high]: [f64; 2], length: f64) -> [f64; 2] {
     let middle = 0.5 * (low + high);
     [middle - 0.5 * length, middle + 0.5 * length]
 }
 
 /// Drops points that are closer than [`STEP`] to the last one; keeps both ends.
-fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
+pub fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
     let mut kept: Vec<[f32; 2]> = Vec::new();
     let mut skipped = None;
     for point in points {

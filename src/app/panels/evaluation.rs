@@ -359,12 +359,12 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
                     ui.add(egui::Label::new(label).wrap())
                 });
                 words::explain_text(label.inner, &row.label);
-                for (cell, width) in row.cells.iter().zip(&widths) {
+                for ((cell, why), width) in row.cells.iter().zip(&row.why_empty).zip(&widths) {
                     // Numbers are aligned at their ends.
                     let text = RichText::new(format!("{cell:>width$}"));
                     let label = ui.label(text.small().family(egui::FontFamily::Monospace));
                     if cell == EMPTY {
-                        label.on_hover_text(row.why_empty);
+                        label.on_hover_text(why);
                     }
                 }
                 ui.end_row();

@@ -3,6 +3,9 @@
 /// Half width of the central 95 % of a normal distribution, in σ: Φ⁻¹(0.975).
 pub const NORMAL_95: f64 = 1.96;
 
+/// 95 % quantile of χ² with two degrees of freedom.
+pub const CHI_SQUARE_95_OF_2: f64 = 5.991;
+
 /// 95 % quantile of χ² with three degrees of freedom.
 pub const CHI_SQUARE_95_OF_3: f64 = 7.815;
 

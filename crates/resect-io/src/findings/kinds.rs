@@ -194,6 +194,8 @@ resect_core::finding_kinds! {
     ESTIMATE_COLUMNS_UNREAD = "estimate-columns-unread", Warning;
     /// Several poses of a trajectory have the same time; the first of each was kept.
     ESTIMATE_TIMES_REPEATED = "estimate-times-repeated", Warning;
+    /// Poses of KITTI have no times; their numbers replace them.
+    ESTIMATE_TIMES_BY_NUMBER = "estimate-times-by-number", Note;
     /// Some poses of a trajectory have no orientation, so none is used.
     ESTIMATE_ORIENTATIONS_MISSING = "estimate-orientations-missing", Warning;
     /// All poses of a trajectory have the same orientation.

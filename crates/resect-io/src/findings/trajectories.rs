@@ -19,6 +19,20 @@ pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
         .count("poses", count)
 }
 
+/// `count` poses have no times; `is_given` is true if the user gave their rate.
+pub fn estimate_times_by_number(file: &str, count: usize, rate_hz: f64, is_given: bool) -> Finding {
+    let message = match is_given {
+        true => format!("{file}: {count} poses without times have the given rate of {rate_hz} Hz"),
+        false => format!(
+            "{file}: {count} poses without times are compared by their numbers, because all files have as many; seconds are those of \
+             {rate_hz} Hz (--rate gives another rate)"
+        ),
+    };
+    Finding::new(kinds::ESTIMATE_TIMES_BY_NUMBER, message)
+        .about(Subject::File(file.to_owned()))
+        .count("poses", count)
+}
+
 /// `without` of `all` poses have no orientation.
 pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> Finding {
     let message =
@@ -131,6 +145,7 @@ pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_out_of_order("slam.tum"),
         estimate_times_repeated("slam.tum", 3),
+        estimate_times_by_number("00.txt", 1101, 10.0, false),
         estimate_orientations_missing("slam.tum", 3, 90),
         estimate_orientations_constant("gt.txt"),
         estimate_covariances_missing("gt.csv", 3, 90),

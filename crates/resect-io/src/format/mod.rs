@@ -17,6 +17,7 @@ pub mod gps_time;
 pub mod gsi;
 pub mod jobxml;
 pub mod joined_stamps;
+pub mod kitti;
 pub mod mapped_csv;
 pub mod motion_capture;
 pub mod nav_sat_fix;

@@ -6,7 +6,8 @@ use crate::residual_chart::draw_strokes;
 use resect_core::statistics::quantiles;
 use resect_core::statistics::tables::NORMAL_95;
 use resect_tools::estimates::EstimatesJudgement;
-use resect_tools::palette;
+use resect_tools::estimates::odd::OddOne;
+use resect_tools::palette::{self, Rgb};
 
 const LABEL: f32 = 11.0;
 const LEFT: f32 = 62.0;
@@ -16,6 +17,15 @@ const ROW: f32 = 120.0;
 const ROW_GAP: f32 = 24.0;
 /// Share of the errors within the range.
 const SHOWN: f64 = 0.995;
+
+/// Colour of a span by its odd one: vermilion for the estimate, blue for the ground truth, grey if it is undecided.
+pub fn odd_rgb(odd_one: OddOne) -> Rgb {
+    match odd_one {
+        OddOne::Estimate => palette::METRICS[1],
+        OddOne::Undecided | OddOne::EstimateOrClock | OddOne::Convention => palette::NO_VALUE,
+        OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => palette::METRICS[0],
+    }
+}
 
 /// Draws the absolute position errors (mm) over the time since `start_s` (s); odd spans are shaded.
 pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing {
@@ -37,7 +47,7 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
         marks.push(Mark::text([LEFT, top - 10.0], name, LABEL, Ink::Text, Anchor::Left));
         for span in &one.odd {
             let [start, end] = span.span_s.map(|time_s| plot.place(time_s - start_s, 0.0)[0]);
-            let ink = Ink::Rgb(palette::METRICS[usize::from(!span.odd_one.is_of_truth())]);
+            let ink = Ink::Rgb(odd_rgb(span.odd_one));
             let (min, max) = ([start, top], [end.max(start + 1.0), bottom]);
             marks.push(Mark::Rect { min, max, ink, opacity: 0.25, outline: None });
         }
@@ -70,7 +80,7 @@ pub fn draw(judgement: &EstimatesJudgement, start_s: f64, width: f32) -> Drawing
     for (text, above, ink) in [
         ("time since the first measurement (s)", 28.0, Ink::Text),
         (
-            "grey: 1.96 σ of the ground truth; shaded: estimate wrong (red), ground truth wrong (blue)",
+            "grey: 1.96 σ of the ground truth; shaded: estimate wrong (red), ground truth wrong (blue), undecided (grey)",
             10.0,
             Ink::Weak,
         ),

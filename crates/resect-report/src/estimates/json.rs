@@ -9,7 +9,9 @@ use resect_core::calibration::Calibration;
 use resect_tools::estimates::metrics::Ape;
 use resect_tools::estimates::metrics::RelativeErrors;
 use resect_tools::estimates::odd::{OddOne, OddSpan};
-use resect_tools::estimates::{Coverage, EstimatesJudgement, GroundTruth, Judged};
+use resect_tools::estimates::{
+    Coverage, Delta, EstimatesJudgement, GroundTruth, Judged, NoMotions, Plane,
+};
 
 /// Returns everything as one object; lengths in metres, angles in radians, times in seconds.
 pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
@@ -26,6 +28,7 @@ pub fn json(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> Value {
         "deployment": calibration.map(|_| truth.name()),
         "method": calibration.map(Calibration::answered_by),
         "verdict": calibration.map(|calibration| calibration.verdict.name()),
+        "rpe_all_pairs": judgement.motions.all_pairs,
         "estimates": judgement.judged.iter().map(estimate).collect::<Vec<_>>(),
         "comparisons": judgement.comparisons.iter().map(|two| json!({
             "by": error_in_words(two.kind),
@@ -96,7 +99,10 @@ fn estimate(judged: &Judged) -> Value {
             "translation_m": fit.truth_from_estimate.translation_m.as_slice(),
             "quaternion_xyzw": quaternion(turn),
             "scale": fit.scale,
+            "first_poses": judged.options.align_first,
         },
+        "span_s": [judged.options.from_s, judged.options.to_s],
+        "plane": judged.options.plane.map(Plane::name),
         "time_offset_s": fit.time_offset_s,
         "time_offset_sigma_s": fit.time_offset_sigma_s,
         "time_offset_determined": fit.determines_time_offset,
@@ -108,7 +114,7 @@ fn estimate(judged: &Judged) -> Value {
         "ape_position_at_first_pose_m": judged.unaligned.at_first_pose.as_ref().map(ape),
         "ape_position_not_aligned_m": ape(&judged.unaligned.in_own_frame),
         "ape_rotation_rad": judged.rotation.as_ref().map(ape),
-        "rpe": judged.relative.iter().map(relative).collect::<Vec<_>>(),
+        "rpe": judged.relative.iter().map(|errors| relative(errors, judged.rotation.is_some())).collect::<Vec<_>>(),
         "ground_truth_sigma_m": against_sigma.map(|it| it.sigma_m),
         "ground_truth_sigma_rad": against_sigma.and_then(|it| it.sigma_rad),
         "undecided_share": against_sigma.map(|it| it.undecided),
@@ -119,14 +125,22 @@ fn estimate(judged: &Judged) -> Value {
     })
 }
 
-/// Without orientations, only the distances between the ends of the paths are compared.
-fn relative(errors: &RelativeErrors) -> Value {
+/// Without orientations, only the distances between the ends of the motions are compared.
+fn relative(errors: &Result<RelativeErrors, (Delta, NoMotions)>, has_poses: bool) -> Value {
+    let (delta, why) = match errors {
+        Ok(errors) => (errors.delta, None),
+        Err((delta, why)) => (*delta, Some(why.to_string())),
+    };
+    let errors = errors.as_ref().ok();
+    let rotation = errors.and_then(|errors| errors.rotation.as_ref());
     json!({
-        "path_m": errors.path_m,
-        "length_m": errors.length_m,
-        "of": if errors.rotation.is_some() { "pose" } else { "distance" },
-        "position_m": ape(&errors.position),
-        "rotation_rad": errors.rotation.as_ref().map(ape),
+        "delta": delta.value(),
+        "unit": delta.unit(),
+        "median": errors.map(|errors| errors.size),
+        "of": if has_poses { "pose" } else { "distance" },
+        "position_m": errors.map(|errors| ape(&errors.position)),
+        "rotation_rad": rotation.map(ape),
+        "why_none": why,
     })
 }
 

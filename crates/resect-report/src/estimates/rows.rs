@@ -1,7 +1,11 @@
 //! The table of errors: a row for each number, a column for each estimate.
 
-use resect_tools::estimates::metrics::RelativeErrors;
-use resect_tools::estimates::{Coverage, EstimatesJudgement, Judged, RELATIVE_M};
+use std::borrow::Cow;
+
+use resect_tools::estimates::metrics::{Ape, RelativeErrors};
+use resect_tools::estimates::{
+    Coverage, Delta, EstimatesJudgement, Judged, NoMotions, RelativeOptions,
+};
 
 /// Larger lengths are given in metres (m): frames that differ by map coordinates.
 const LARGEST_IN_MM_M: f64 = 1e3;
@@ -11,8 +15,10 @@ const SPARSER: &str = "the poses of the other trajectory are counted, because it
 const LEVER_NOT_ESTIMATED: &str = "the body is given, or orientations are missing";
 const SCALE_NOT_ESTIMATED: &str = "the alignment estimates no scale";
 pub const NO_ORIENTATION: &str = "the estimate or the ground truth has no orientations";
-const FEW_PAIRS: &str = "too few pairs of poses with orientation are so far apart";
+const ONLY_DISTANCE: &str =
+    "the estimate or the ground truth has no orientations; the error of the distance replaces it";
 const WITH_ORIENTATION: &str = "with orientations, the errors in mm and of rotation replace it";
+const NO_SIGMA_OF_ROTATION: &str = "the ground truth states no σ of rotations at its poses";
 const NO_SIGMA: &str = "the ground truth states no σ at its poses";
 
 /// Unit of rotations: its number in a radian, and its name.
@@ -38,12 +44,15 @@ pub struct ErrorRow {
     pub label: String,
     /// A cell for each estimate; [`EMPTY`] if it has no value.
     pub cells: Vec<String>,
-    /// The reason why a cell is empty.
-    pub why_empty: &'static str,
+    /// The reason of each empty cell; nothing for the others.
+    pub why_empty: Vec<String>,
 }
 
 /// Text of a cell without a value.
 pub const EMPTY: &str = "–";
+
+/// A value, or the reason why there is none.
+type Cell = Result<String, Cow<'static, str>>;
 
 /// Rows so far.
 struct ErrorRows<'a> {
@@ -52,22 +61,31 @@ struct ErrorRows<'a> {
 }
 
 impl ErrorRows<'_> {
-    /// Adds a row, unless all its cells are empty.
-    fn add(
+    /// Adds a row.
+    fn add(&mut self, label: &str, cell: &dyn Fn(&Judged) -> Cell) {
+        let cells: Vec<Cell> = self.judgement.judged.iter().map(cell).collect();
+        let why = |cell: &Cell| cell.as_ref().err().map(|why| why.to_string()).unwrap_or_default();
+        self.rows.push(ErrorRow {
+            label: label.to_owned(),
+            why_empty: cells.iter().map(why).collect(),
+            cells: cells.into_iter().map(|cell| cell.unwrap_or(EMPTY.into())).collect(),
+        });
+    }
+
+    /// Adds a row that not every comparison has, unless all its cells are empty.
+    fn add_if_any(
         &mut self,
         label: &str,
         why_empty: &'static str,
         cell: &dyn Fn(&Judged) -> Option<String>,
     ) {
-        let cells: Vec<Option<String>> = self.judgement.judged.iter().map(cell).collect();
-        if cells.iter().any(Option::is_some) {
-            let cells = cells.into_iter().map(|cell| cell.unwrap_or(EMPTY.into())).collect();
-            self.rows.push(ErrorRow { label: label.to_owned(), cells, why_empty });
+        if self.judgement.judged.iter().any(|judged| cell(judged).is_some()) {
+            self.add(label, &|judged| cell(judged).ok_or(why_empty.into()));
         }
     }
 }
 
-/// Returns the rows. Those without any value are left out.
+/// Returns the rows. Only those are left out that other options would have, such as the scale of a rigid alignment.
 pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<ErrorRow> {
     let mut rows = ErrorRows { judgement, rows: Vec::new() };
     add_coverage(&mut rows);
@@ -78,21 +96,44 @@ pub fn rows(judgement: &EstimatesJudgement, angles: Angles) -> Vec<ErrorRow> {
     rows.rows
 }
 
-/// Returns a line for each reason of an empty cell: "– in APE rotation, rmse (°): …".
-pub fn why_empty(rows: &[ErrorRow]) -> Vec<String> {
-    let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
-    for row in rows.iter().filter(|row| row.cells.iter().any(|cell| cell == EMPTY)) {
-        match by_reason.iter_mut().find(|(reason, _)| *reason == row.why_empty) {
-            Some((_, labels)) => labels.push(&row.label),
-            None => by_reason.push((row.why_empty, vec![&row.label])),
+/// Returns a line for each reason of empty cells: "– of vio in APE rotation, rmse (°): …", without names if it is that of all.
+pub fn why_empty(rows: &[ErrorRow], names: &[&str]) -> Vec<String> {
+    let mut by_reason: Vec<(String, &str, Vec<usize>)> = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        let mut reasons: Vec<&str> =
+            row.why_empty.iter().map(|why| &**why).filter(|why| !why.is_empty()).collect();
+        reasons.sort_unstable();
+        reasons.dedup();
+        for reason in reasons {
+            let of_reason = names.iter().zip(&row.why_empty).filter(|(_, why)| *why == reason);
+            let of_reason: Vec<&str> = of_reason.map(|(name, _)| *name).collect();
+            let estimates = match of_reason.len() == names.len() {
+                true => String::new(),
+                false => format!(" of {}", of_reason.join(", ")),
+            };
+            let known =
+                by_reason.iter_mut().find(|(of, why, _)| *of == estimates && *why == reason);
+            match known {
+                Some((.., indices)) => indices.push(index),
+                None => by_reason.push((estimates, reason, vec![index])),
+            }
         }
     }
-    let line = |(reason, labels): (&str, Vec<&str>)| match labels[..] {
-        [only] => format!("{EMPTY} in {only}: {reason}"),
-        [first, .., last] => format!("{EMPTY} in {first} to {last}: {reason}"),
-        [] => String::new(),
+    let line = |(estimates, reason, indices): (String, &str, Vec<usize>)| {
+        let runs: Vec<String> =
+            indices.chunk_by(|a, b| a + 1 == *b).map(|run| in_words(rows, run)).collect();
+        format!("{EMPTY}{estimates} in {}: {reason}", runs.join("; "))
     };
     by_reason.into_iter().map(line).collect()
+}
+
+/// Names consecutive rows.
+fn in_words(rows: &[ErrorRow], run: &[usize]) -> String {
+    match run {
+        [first, .., last] => format!("{} to {}", rows[*first].label, rows[*last].label),
+        [only] => rows[*only].label.clone(),
+        [] => String::new(),
+    }
 }
 
 /// Returns the number of a length (m) in millimetres, or the length in metres with its unit if it is large.
@@ -115,48 +156,50 @@ fn add_coverage(rows: &mut ErrorRows<'_>) {
             (is_of_poses == poses).then(|| shown.to_string())
         }
     };
-    rows.add("poses with ground truth", SPARSER, &counted(true, false));
-    rows.add("poses without", SPARSER, &counted(true, true));
-    rows.add("ground-truth points with a pose", SPARSER, &counted(false, false));
-    rows.add("ground-truth points without", SPARSER, &counted(false, true));
+    rows.add_if_any("poses with ground truth", SPARSER, &counted(true, false));
+    rows.add_if_any("poses without", SPARSER, &counted(true, true));
+    rows.add_if_any("ground-truth points with a pose", SPARSER, &counted(false, false));
+    rows.add_if_any("ground-truth points without", SPARSER, &counted(false, true));
 }
 
 fn add_fit(rows: &mut ErrorRows<'_>) {
     // This row is only needed if the alignments differ.
     let judged = &rows.judgement.judged;
     let is_one_way = judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
-    rows.add("aligned by", "", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
+    rows.add_if_any("aligned by", "", &|one| {
+        (!is_one_way).then(|| one.alignment.in_words().to_owned())
+    });
     let with_sigma = |value: f64, sigma: Option<f64>| {
         // Never ± 0.0.
         let digits = if sigma.is_some_and(|sigma| 1e3 * sigma < 0.95) { 2 } else { 1 };
         let sigma = sigma.map(|sigma| format!(" ± {:.digits$}", 1e3 * sigma));
         format!("{:+.digits$}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
     };
-    rows.add("time offset (ms)", "", &|one| {
-        Some(match one.fit.determines_time_offset {
+    rows.add("time offset (ms)", &|one| {
+        Ok(match one.fit.determines_time_offset {
             true => with_sigma(one.fit.time_offset_s, one.fit.time_offset_sigma_s),
             false => "not determined".to_owned(),
         })
     });
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        rows.add(&format!("lever arm, {name} (mm)"), LEVER_NOT_ESTIMATED, &|one| {
-            let lever_m = one.fit.lever_arm_m?;
+        rows.add(&format!("lever arm, {name} (mm)"), &|one| {
+            let lever_m = one.fit.lever_arm_m.ok_or(LEVER_NOT_ESTIMATED)?;
             if !one.fit.determines_lever_arm(axis) {
-                return Some("not determined".to_owned());
+                return Ok("not determined".to_owned());
             }
-            Some(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
+            Ok(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
         });
     }
-    rows.add("scale", SCALE_NOT_ESTIMATED, &|one| {
+    rows.add_if_any("scale", SCALE_NOT_ESTIMATED, &|one| {
         (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale))
     });
 }
 
 fn add_absolute_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
     for name in ["rmse", "mean", "median", "std", "min", "max"] {
-        rows.add(&format!("APE position, {name} (mm)"), "", &|one| {
-            let ape = &one.position;
-            Some(millimetres(match name {
+        rows.add(&format!("APE position, {name} (mm)"), &|judged| {
+            let ape = &judged.position;
+            Ok(millimetres(match name {
                 "rmse" => ape.rmse,
                 "mean" => ape.mean,
                 "median" => ape.median,
@@ -166,52 +209,69 @@ fn add_absolute_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
             }))
         });
     }
-    rows.add("APE aligned at the first pose, rmse (mm)", NO_ORIENTATION, &|one| {
-        Some(millimetres(one.unaligned.at_first_pose?.rmse))
+    rows.add("APE aligned at the first pose, rmse (mm)", &|judged| {
+        Ok(millimetres(judged.unaligned.at_first_pose.ok_or(NO_ORIENTATION)?.rmse))
     });
-    rows.add("APE not aligned, rmse (mm)", "", &|one| {
-        Some(millimetres(one.unaligned.in_own_frame.rmse))
+    rows.add("APE not aligned, rmse (mm)", &|judged| {
+        Ok(millimetres(judged.unaligned.in_own_frame.rmse))
     });
-    rows.add(&format!("APE rotation, rmse ({})", angles.unit), NO_ORIENTATION, &|one| {
-        Some(angles.format(one.rotation?.rmse))
+    rows.add(&format!("APE rotation, rmse ({})", angles.unit), &|judged| {
+        Ok(angles.format(judged.rotation.ok_or(NO_ORIENTATION)?.rmse))
     });
 }
 
-/// Adds the conclusive relative errors; the JSON has the others too, with their count.
+/// Adds the relative errors of each motion. Of the usual ones only those are shown that are conclusive; the JSON has the others
+/// too, with their count.
 fn add_relative_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
-    for path_m in RELATIVE_M {
-        let of = |one: &Judged, poses: bool| -> Option<[f64; 2]> {
-            let is_wanted = |relative: &&RelativeErrors| {
-                relative.path_m == path_m
-                    && relative.are_conclusive()
-                    && relative.rotation.is_some() == poses
-            };
-            let relative = one.relative.iter().find(is_wanted)?;
-            Some([relative.position.rmse, relative.rotation.map_or(0.0, |angle| angle.rmse)])
+    let RelativeOptions { deltas, all_pairs } = &rows.judgement.motions;
+    let are_usual = *deltas == RelativeOptions::default().deltas;
+    let pairs = if *all_pairs { ", all pairs" } else { "" };
+    for (index, delta) in deltas.iter().enumerate() {
+        let errors = |judged: &Judged| -> Result<RelativeErrors, Cow<'static, str>> {
+            let errors = judged.relative[index].clone();
+            let errors = errors.map_err(|(_, why): (Delta, NoMotions)| why.to_string())?;
+            match errors.why_inconclusive().filter(|_| are_usual) {
+                Some(why) => Err(why.into()),
+                None => Ok(errors),
+            }
         };
-        rows.add(&format!("RPE over {path_m} m, rmse (mm)"), FEW_PAIRS, &|one| {
-            Some(millimetres(of(one, true)?[0]))
+        let has_pose = |judged: &Judged| judged.rotation.is_some();
+        let has_poses = rows.judgement.judged.iter().any(has_pose);
+        let label = format!("RPE over {delta}{pairs}");
+        let rotation = |judged: &Judged| -> Result<Ape, Cow<'static, str>> {
+            judged.rotation.ok_or(NO_ORIENTATION)?;
+            Ok(errors(judged)?.rotation.ok_or(NO_ORIENTATION)?)
+        };
+        if has_poses {
+            rows.add(&format!("{label}, rmse (mm)"), &|judged| {
+                judged.rotation.ok_or(ONLY_DISTANCE)?;
+                Ok(millimetres(errors(judged)?.position.rmse))
+            });
+        }
+        rows.add(&format!("{label}, rmse ({})", angles.unit), &|judged| {
+            Ok(angles.format(rotation(judged)?.rmse))
         });
-        rows.add(&format!("RPE over {path_m} m, rmse ({})", angles.unit), FEW_PAIRS, &|one| {
-            Some(angles.format(of(one, true)?[1]))
-        });
-        rows.add(&format!("RPE over {path_m} m, distance (mm)"), WITH_ORIENTATION, &|one| {
-            Some(millimetres(of(one, false)?[0]))
-        });
+        if !rows.judgement.judged.iter().all(has_pose) {
+            rows.add(&format!("{label}, distance (mm)"), &|judged| match has_pose(judged) {
+                true => Err(WITH_ORIENTATION.into()),
+                false => Ok(millimetres(errors(judged)?.position.rmse)),
+            });
+        }
     }
 }
 
 fn add_significance(rows: &mut ErrorRows<'_>, angles: Angles) {
-    rows.add("ground truth's σ (mm)", NO_SIGMA, &|one| {
-        Some(millimetres(one.against_sigma?.sigma_m))
+    rows.add("ground truth's σ (mm)", &|judged| {
+        Ok(millimetres(judged.against_sigma.ok_or(NO_SIGMA)?.sigma_m))
     });
-    rows.add(&format!("ground truth's σ ({})", angles.unit), NO_SIGMA, &|one| {
-        Some(angles.format(one.against_sigma?.sigma_rad?))
+    rows.add(&format!("ground truth's σ ({})", angles.unit), &|judged| {
+        let sigma_rad = judged.against_sigma.ok_or(NO_SIGMA)?.sigma_rad;
+        Ok(angles.format(sigma_rad.ok_or(NO_SIGMA_OF_ROTATION)?))
     });
-    rows.add("error not significant", NO_SIGMA, &|one| {
-        Some(format!("{:.0} % of poses", 100.0 * one.against_sigma?.undecided))
+    rows.add("error not significant", &|judged| {
+        Ok(format!("{:.0} % of poses", 100.0 * judged.against_sigma.ok_or(NO_SIGMA)?.undecided))
     });
-    rows.add("ground truth's share of error²", NO_SIGMA, &|one| {
-        Some(format!("up to {:.0} %", 100.0 * one.against_sigma?.of_truth))
+    rows.add("ground truth's share of error²", &|judged| {
+        Ok(format!("up to {:.0} %", 100.0 * judged.against_sigma.ok_or(NO_SIGMA)?.of_truth))
     });
 }

@@ -4,7 +4,7 @@ use super::rows::{Angles, EMPTY, rows, why_empty};
 use super::verdict_sentence::verdict_sentence;
 use super::verdicts::{VERDICTS_IN_WORDS, verdicts};
 use resect_tools::estimates::odd::{OddOne, OddSpan};
-use resect_tools::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth};
+use resect_tools::estimates::{AgreeingPair, EstimatesJudgement, GroundTruth, Options};
 
 const LABEL: usize = 40;
 const VERDICT_LABEL: usize = 28;
@@ -35,6 +35,23 @@ pub fn truth_in_words(truth: &GroundTruth<'_>) -> String {
     }
 }
 
+/// States the span, the poses of the alignment and the plane, if the comparison is restricted to any.
+fn restrictions_in_words(options: &Options, start_s: f64) -> Option<String> {
+    let time = |time_s: f64| format!("{:.1} s", time_s - start_s);
+    let words = [
+        match (options.from_s.map(time), options.to_s.map(time)) {
+            (Some(from), Some(to)) => Some(format!("compared from {from} to {to}")),
+            (Some(from), None) => Some(format!("compared from {from} on")),
+            (None, Some(to)) => Some(format!("compared up to {to}")),
+            (None, None) => None,
+        },
+        options.align_first.map(|count| format!("aligned by the first {count} poses")),
+        options.plane.map(|plane| format!("projected to the {} plane", plane.name())),
+    ];
+    let words: Vec<String> = words.into_iter().flatten().collect();
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
 /// Formats tables and lines.
 pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     let start_s = truth.start_s().unwrap_or_default();
@@ -46,11 +63,14 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     {
         lines.extend([verdict, String::new()]);
     }
-    lines.extend([truth_in_words(truth), String::new()]);
+    lines.push(truth_in_words(truth));
+    lines.extend(all.first().and_then(|judged| restrictions_in_words(&judged.options, start_s)));
+    lines.push(String::new());
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
-    let names = all.iter().map(|one| one.estimate.name.clone()).collect();
+    let names: Vec<String> = all.iter().map(|one| one.estimate.name.clone()).collect();
     let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };
-    let empty = why_empty(&table);
+    let each: Vec<&str> = names.iter().map(|name| &**name).collect();
+    let empty = why_empty(&table, &each);
     let body = table.into_iter().map(|row| (row.label, row.cells));
     for (label, cells) in std::iter::once((String::new(), names)).chain(body) {
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));

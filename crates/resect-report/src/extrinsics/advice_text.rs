@@ -27,10 +27,13 @@ pub fn advice_in_words(advised: &AdvisedMotion, body: &str) -> String {
                 false => "Turn more",
             };
             format!(
-                "{how}: rotations about axes across {along} were {:.1}° (rms); {:.0}° would determine it to {:.0} mm",
+                "{how}: rotations about axes across {along} were {:.1}° (rms){}",
                 now_rad.to_degrees(),
-                by_rad.to_degrees(),
-                (1e3 * sigma_m).max(1.0)
+                sigma_m.map_or(String::new(), |sigma_m| format!(
+                    "; {:.0}° would determine it to {:.0} mm",
+                    by_rad.to_degrees(),
+                    (1e3 * sigma_m).max(1.0)
+                ))
             )
         }
         AdvisedMotion::Longer { times } => {

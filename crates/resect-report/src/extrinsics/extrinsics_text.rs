@@ -2,10 +2,10 @@
 
 use super::advice_text::{advice_in_words, direction_in_words};
 use resect_core::calibration::Verdict;
-use resect_tools::extrinsics::{Extrinsics, HalvesDifference, HalvesOutcome};
+use resect_tools::extrinsics::{Extrinsics, HalvesDifference, HalvesOutcome, Weakness, weakness};
 
-const LABEL: usize = 36;
-const VALUE: usize = 34;
+const LABEL: usize = 22;
+const VALUE: usize = 28;
 
 /// A number of the calibration with its σ.
 pub struct QuantityRow {
@@ -18,7 +18,6 @@ pub struct QuantityRow {
 /// Returns the numbers of the calibration.
 pub fn quantities(extrinsics: &Extrinsics) -> Vec<QuantityRow> {
     let solution = &extrinsics.solution;
-    let [a, b] = &extrinsics.names;
     let row = |label: String, value: String, half: &str| QuantityRow {
         label,
         value,
@@ -32,26 +31,26 @@ pub fn quantities(extrinsics: &Extrinsics) -> Vec<QuantityRow> {
             sigma_m => millis(value_m, sigma_m.map(|sigma_m| sigma_m[axis])),
         };
         let half = format!("lever arm, {letter}");
-        rows.push(row(format!("{b} in {a}, {letter} (mm)"), value, &half));
+        rows.push(row(format!("lever arm, {letter} (mm)"), value, &half));
     }
     if let Some(sigma_rad) = solution.rotation_sigma_rad {
         let (roll, pitch, yaw) = solution.a_from_b.rotation.euler_angles();
         let angles = [roll, pitch, yaw].map(|angle| format!("{:+.3}", angle.to_degrees()));
-        rows.push(row("roll, pitch, yaw of it (°)".to_owned(), angles.join("  "), ""));
+        rows.push(row("roll, pitch, yaw (°)".to_owned(), angles.join("  "), ""));
         for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
             let value = format!("± {:.3}", sigma_rad[axis].to_degrees());
             rows.push(row(
-                format!("σ about {letter} of {a} (°)"),
+                format!("σ about {letter} (°)"),
                 value,
                 &format!("rotation about {letter}"),
             ));
         }
     }
     let clock = millis(solution.time_offset_s, solution.time_offset_sigma_s);
-    rows.push(row(format!("add to the times of {b} (ms)"), clock, "time offset"));
+    rows.push(row("time offset (ms)".to_owned(), clock, "time offset"));
     if let Some(scale) = solution.scale {
         let value = format!("{:.5} ± {:.5}", scale.value, scale.sigma.max(1e-5));
-        rows.push(row(format!("lengths of {a} over those of {b}"), value, ""));
+        rows.push(row("scale".to_owned(), value, ""));
     }
     rows
 }
@@ -70,12 +69,12 @@ pub fn extrinsics_text(extrinsics: &Extrinsics) -> String {
     let kind = if extrinsics.solution.rotation_sigma_rad.is_some() { "poses" } else { "positions" };
     let mut lines = vec![
         format!(
-            "{b} ({} {kind}) in {a} ({} poses): {:.0} s, {:.0} m, {} pairs",
+            "pose of {b} ({} {kind}) in {a} ({} poses), by {} pairs during {:.0} s and {:.0} m",
             extrinsics.poses[1],
             extrinsics.poses[0],
+            extrinsics.pairs,
             motion.duration_s,
             motion.path_m,
-            extrinsics.pairs
         ),
         String::new(),
         format!("{:LABEL$}{:>VALUE$}  halves differ by", "", "").trim_end().to_owned(),
@@ -112,7 +111,6 @@ pub fn extrinsics_text(extrinsics: &Extrinsics) -> String {
 /// Returns the reason of the verdict.
 pub fn conclusion(extrinsics: &Extrinsics) -> String {
     let body = &extrinsics.names[0];
-    let weakest = extrinsics.directions.first();
     let undetermined: Vec<String> = extrinsics
         .directions
         .iter()
@@ -126,22 +124,32 @@ pub fn conclusion(extrinsics: &Extrinsics) -> String {
         }
         (Verdict::Ambiguous, _) => match halves.contradiction() {
             Some(half) => format!(
-                "the halves of the drive contradict each other in {} by {:.1} σ; use it after a check of the clocks and of both \
-                 trajectories",
+                "the halves of the drive contradict each other in {} by {:.1} σ, so σ is too small; check the clocks and both \
+                 trajectories{}",
                 half.name,
-                half.sigmas()
+                half.sigmas(),
+                match &undetermined[..] {
+                    [] => String::new(),
+                    all => format!("; the lever arm along {} is not determined", all.join(", ")),
+                }
             ),
             None => "the halves of the drive contradict each other".to_owned(),
         },
         (Verdict::Weak, HalvesOutcome::NoAnswer(why)) => {
             format!("half of the drive alone gives no answer that checks the whole: {why}")
         }
-        (Verdict::Weak, _) => match weakest {
-            Some(weakest) => format!(
-                "the largest σ is {:.0} mm along {}",
+        (Verdict::Weak, _) => match weakness(&extrinsics.solution, &extrinsics.directions) {
+            Some(Weakness::Lever(weakest)) => format!(
+                "σ of the lever arm is {:.0} mm along {}",
                 1e3 * weakest.sigma_m,
                 direction_in_words(&weakest.direction, body)
             ),
+            Some(Weakness::Rotation(sigma_rad)) => {
+                format!("σ of the rotation is {:.2}°", sigma_rad.to_degrees())
+            }
+            Some(Weakness::TimeOffset(sigma_s)) => {
+                format!("σ of the time offset is {:.1} ms", 1e3 * sigma_s)
+            }
             None => "σ are large".to_owned(),
         },
         (Verdict::Good, _) => match halves.largest() {

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::charts::figure;
 use super::findings::findings;
 use crate::estimates::{
-    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, rows, verdict_sentence, verdicts,
-    why_empty,
+    Angles, VERDICTS_IN_WORDS, agreed, contradiction, draw, draw_map, rows, verdict_sentence,
+    verdicts, why_empty,
 };
 use resect_core::deployment::Finding;
 use resect_tools::estimates::EstimatesJudgement;
@@ -40,6 +40,7 @@ pub fn details(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
         .chain(judgement.unjudged.iter().map(|(_, why)| why.finding()))
         .collect();
     let rows = rows(judgement, Angles::DEGREES);
+    let names: Vec<&str> = judged.iter().map(|one| &*one.estimate.name).collect();
     html! {
         (verdict_tables(judgement))
         @for both in &judgement.agreements { p { (agreed(judgement, both)) } }
@@ -59,8 +60,12 @@ pub fn details(judgement: &EstimatesJudgement, start_s: f64) -> Markup {
                     }
                 }
             } }
-            @for line in why_empty(&rows) { p { (line) } }
-            // A map of the estimates belongs here, above their errors over time.
+            @for line in why_empty(&rows, &names) { p { (line) } }
+            (figure(
+                &draw_map(judgement, WIDTH),
+                "estimates over the ground truth",
+                &html! { "View from above, coloured by the position error." },
+            ))
             (figure(
                 &draw(judgement, start_s, WIDTH),
                 "position errors over time",

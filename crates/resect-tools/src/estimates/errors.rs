@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::fit::Fit;
 use super::matched_pose::MatchedPose;
-use resect_core::statistics::tables::CHI_SQUARE_95_OF_3;
+use resect_core::statistics::tables::{CHI_SQUARE_95_OF_2, CHI_SQUARE_95_OF_3, NORMAL_95};
 
 /// Error of an estimate at one instant, in the ground truth's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,9 +24,9 @@ pub struct EpochError {
 }
 
 impl EpochError {
-    /// Root of the ground truth's mean variance of the three axes (m); `None` if it states none.
+    /// Root of the ground truth's mean variance of the axes that are compared (m); `None` if it states none.
     pub fn sigma_m(&self) -> Option<f64> {
-        Some((self.covariance_m2?.trace() / 3.0).max(0.0).sqrt())
+        Some(mean_variance(&self.covariance_m2?).max(0.0).sqrt())
     }
 
     /// Returns true if the position error is not significant: it is within the ground truth's own 95 % confidence region.
@@ -79,16 +79,41 @@ pub fn against_sigma(errors: &[EpochError]) -> Option<AgainstSigma> {
     let open = mean(&|position| position.covariance.trace());
     let square = mean(&|position| position.error.norm_squared());
     Some(AgainstSigma {
-        sigma_m: (open / 3.0).sqrt(),
-        sigma_rad: turned(&|turn| turn.covariance.trace() / 3.0).map(f64::sqrt),
+        sigma_m: mean(&|position| mean_variance(&position.covariance)).sqrt(),
+        sigma_rad: turned(&|turn| mean_variance(&turn.covariance)).map(f64::sqrt),
         undecided: mean(&|position| f64::from(is_within(&position.error, &position.covariance))),
         undecided_rotation: turned(&|turn| f64::from(is_within(&turn.error, &turn.covariance))),
         of_truth: if square > 0.0 { (open / square).min(1.0) } else { 1.0 },
     })
 }
 
+/// Returns true for the axes that a projection to a plane leaves out.
+fn left_out_axes(covariance: &Matrix3<f64>) -> [bool; 3] {
+    [0, 1, 2].map(|axis| covariance.row(axis).iter().all(|element| *element == 0.0))
+}
+
+/// Mean variance of the axes that are compared.
+fn mean_variance(covariance: &Matrix3<f64>) -> f64 {
+    let compared = left_out_axes(covariance).iter().filter(|is_left_out| !**is_left_out).count();
+    covariance.trace() / compared.max(1) as f64
+}
+
+/// Returns true if an error is within the 95 % confidence region. A projected error has two components or one.
 fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
-    covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI_SQUARE_95_OF_3)
+    let left_out = left_out_axes(covariance);
+    let mut covariance = *covariance;
+    for axis in (0..3).filter(|axis| left_out[*axis]) {
+        if error[axis] != 0.0 {
+            return false;
+        }
+        covariance[(axis, axis)] = 1.0;
+    }
+    let limit = match left_out.iter().filter(|is_left_out| **is_left_out).count() {
+        0 => CHI_SQUARE_95_OF_3,
+        1 => CHI_SQUARE_95_OF_2,
+        _ => NORMAL_95 * NORMAL_95,
+    };
+    covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= limit)
 }
 
 /// Distance driven by the body up to each of the errors (m), along straight lines between them.
@@ -111,10 +136,9 @@ pub fn errors(matched: &[MatchedPose], fit: &Fit) -> Vec<EpochError> {
     let error = |MatchedPose { pose, truth, .. }: &MatchedPose| {
         let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);
         let rotation = truth.rotation.as_ref();
-        let rotation_rad = rotation.and_then(|rotation| {
-            let own = fit.placed_orientation(pose)?;
-            Some((own * (rotation.orientation * fit.body_rotation?).inverse()).scaled_axis())
-        });
+        let rotation_rad = fit
+            .both_orientations(pose, truth)
+            .map(|[estimated, actual]| (estimated * actual.inverse()).scaled_axis());
         // A rotation of the vehicle moves the body by its lever arm: δ(p + R l) = δp − [R l]× θ.
         let by_lever_arm = rotation.zip(fit.lever_arm_m).and_then(|(rotation, lever_m)| {
             let by_turn = -(rotation.orientation * lever_m).cross_matrix();
@@ -122,14 +146,21 @@ pub fn errors(matched: &[MatchedPose], fit: &Fit) -> Vec<EpochError> {
             let turning = by_turn * rotation.covariance_rad2? * by_turn.transpose();
             Some(turning + common + common.transpose())
         });
-        let covariance_m2 = truth.covariance_m2.map(|own| own + by_lever_arm.unwrap_or_default());
+        let covariance_m2 =
+            truth.covariance_m2.map(|position| position + by_lever_arm.unwrap_or_default());
+        let covariance_rad2 = rotation.and_then(|rotation| rotation.covariance_rad2);
+        let project =
+            |covariance| fit.plane.map_or(covariance, |plane| plane.project_covariance(covariance));
+        let project_rotation = |covariance| {
+            fit.plane.map_or(covariance, |plane| plane.project_rotation_covariance(&covariance))
+        };
         EpochError {
             time_s: truth.time_s,
             true_position_m,
             position_m: placed_m - true_position_m,
             rotation_rad,
-            covariance_m2,
-            covariance_rad2: rotation.and_then(|rotation| rotation.covariance_rad2),
+            covariance_m2: covariance_m2.map(project),
+            covariance_rad2: covariance_rad2.map(project_rotation),
             contradiction_m: truth.contradiction_m,
         }
     };
@@ -139,6 +170,23 @@ pub fn errors(matched: &[MatchedPose], fit: &Fit) -> Vec<EpochError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_projected_error_has_the_confidence_region_of_its_components() {
+        let plane = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
+        let line = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 1.0));
+        for (error, covariance, is_inside) in [
+            (Vector3::new(2.4, 0.0, 0.0), plane, true),
+            (Vector3::new(2.5, 0.0, 0.0), plane, false),
+            (Vector3::new(0.0, 0.0, 1.9), line, true),
+            (Vector3::new(0.0, 0.0, 2.0), line, false),
+            (Vector3::new(2.7, 0.0, 0.0), Matrix3::identity(), true),
+            (Vector3::new(0.0, 0.1, 0.0), line, false),
+        ] {
+            assert_eq!(is_within(&error, &covariance), is_inside, "{error} {covariance}");
+        }
+        assert_eq!([mean_variance(&plane), mean_variance(&line)], [1.0, 1.0]);
+    }
 
     #[test]
     fn the_driven_way_is_that_of_the_truth_from_one_error_to_the_next() {

@@ -5,12 +5,13 @@ use nalgebra::{Rotation3, Vector3};
 use super::agreement::{AgreeingPair, agreements};
 use super::association::is_denser;
 use super::convention_checks::{self, ComparedEstimate, CopiedEstimate};
+use super::delta::RelativeOptions;
 use super::errors::{self, EpochError};
 use super::fit::{self, Fit};
 use super::ground_truth::GroundTruth;
 use super::judged::{Coverage, Judged, UnalignedErrors};
 use super::matched_pose::{MatchedPose, TruePose, consistent};
-use super::metrics::{self, Ape, RELATIVE_M};
+use super::metrics::{self, Ape};
 use super::odd::{self, OddOne, OddSpan};
 use super::options::{Body, Options};
 use super::ranking::{self, PairComparison};
@@ -29,19 +30,30 @@ pub struct EstimatesJudgement {
     pub agreements: Vec<AgreeingPair>,
     /// Names of the estimates that could not be judged, with the reason.
     pub unjudged: Vec<(String, Unjudged)>,
+    /// Motions of the relative errors.
+    pub motions: RelativeOptions,
 }
 
-/// Compares estimates with the ground truth, each with its options.
+/// Compares estimates with the ground truth, each with its options, over the usual motions.
 pub fn judge(
     truth: &GroundTruth<'_>,
     estimates: Vec<(EstimatedTrajectory, Options)>,
+) -> EstimatesJudgement {
+    judge_motions(truth, estimates, RelativeOptions::default())
+}
+
+/// Compares estimates with the ground truth, each with its options. Relative errors are those of the given motions.
+pub fn judge_motions(
+    truth: &GroundTruth<'_>,
+    estimates: Vec<(EstimatedTrajectory, Options)>,
+    motions: RelativeOptions,
 ) -> EstimatesJudgement {
     let mut compared: Vec<FittedEstimate> = Vec::new();
     let mut unjudged = Vec::new();
     let names = names_of_trajectories(estimates.iter().map(|(estimate, _)| estimate));
     for ((mut estimate, options), name) in estimates.into_iter().zip(names) {
         estimate.name.clone_from(&name);
-        match judge_one(truth, estimate, options) {
+        match judge_one(truth, estimate, options, &motions) {
             Ok(one) => compared.push(one),
             Err(why) => unjudged.push((name, why)),
         }
@@ -63,7 +75,8 @@ pub fn judge(
     }
     let judged: Vec<Judged> =
         compared.into_iter().zip(odd).map(|(one, odd)| Judged { odd, ..one.judged }).collect();
-    EstimatesJudgement { comparisons: ranking::compare(&judged), agreements, judged, unjudged }
+    let comparisons = ranking::compare(&judged);
+    EstimatesJudgement { comparisons, agreements, judged, unjudged, motions }
 }
 
 /// Returns the estimates that are copies of others, and adds a finding to each.
@@ -120,21 +133,30 @@ fn judge_one(
     truth: &GroundTruth<'_>,
     mut estimate: EstimatedTrajectory,
     options: Options,
+    motions: &RelativeOptions,
 ) -> Result<FittedEstimate, Unjudged> {
-    let ConventionalFit { fit, matched, has_other_convention } =
+    let ConventionalFit { mut fit, matched, has_other_convention } =
         fit_with_convention(truth, &mut estimate, &options)?;
+    fit.plane = options.plane;
+    let is_denser = match truth {
+        GroundTruth::Trajectory(truth, _) => is_denser(&truth.poses, &estimate.poses),
+        GroundTruth::Deployment { .. } => true,
+    };
+    leave_out_other_times(&mut estimate, fit.time_offset_s, &options);
     let coverage = match truth {
-        GroundTruth::Trajectory(truth, _) if !is_denser(&truth.poses, &estimate.poses) => {
-            Coverage::TruthsWithoutPose(truth.poses.len() - matched.len())
+        GroundTruth::Trajectory(truth, _) if !is_denser => {
+            let in_span = truth.poses.iter().filter(|pose| options.has_time(pose.time_s)).count();
+            Coverage::TruthsWithoutPose(in_span.saturating_sub(matched.len()))
         }
-        _ => Coverage::PosesWithoutTruth(estimate.poses.len() - matched.len()),
+        // Nearest stamps may lie on both sides of the span's ends.
+        _ => Coverage::PosesWithoutTruth(estimate.poses.len().saturating_sub(matched.len())),
     };
     let errors = errors::errors(&matched, &fit);
     let position = ape_of(&errors);
     let rotation = fit
         .body_rotation
         .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
-    let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
+    let relative = metrics::relative(&matched, &fit, motions);
     let mut by_sound = fit.clone();
     // With too few self-consistent epochs, the alignment on all epochs is used.
     if fit::align(&mut by_sound, &consistent(&matched), options.alignment).is_err() {
@@ -147,6 +169,7 @@ fn judge_one(
         unaligned: unaligned(&matched, &fit),
         estimate,
         alignment: options.alignment,
+        options,
         fit,
         errors,
         coverage,
@@ -156,6 +179,16 @@ fn judge_one(
     };
     let truths = matched.into_iter().map(|pair| pair.truth).collect();
     Ok(FittedEstimate { judged, truths, by_sound, has_other_convention })
+}
+
+/// Leaves out the poses outside the compared span.
+fn leave_out_other_times(estimate: &mut EstimatedTrajectory, offset_s: f64, options: &Options) {
+    let is_compared: Vec<bool> =
+        estimate.poses.iter().map(|pose| options.has_time(pose.time_s + offset_s)).collect();
+    let mut is_pose_compared = is_compared.iter();
+    estimate.poses.retain(|_| is_pose_compared.next() == Some(&true));
+    let mut has_compared_pose = is_compared.iter();
+    estimate.covariances.retain(|_| has_compared_pose.next() == Some(&true));
 }
 
 /// A fit of an estimate with the stated convention.

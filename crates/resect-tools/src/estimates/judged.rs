@@ -1,10 +1,12 @@
 //! An estimate compared with the ground truth.
 
+use super::delta::Delta;
 use super::errors::{AgainstSigma, EpochError};
 use super::fit::Fit;
 use super::metrics::{Ape, RelativeErrors};
+use super::motion_pairs::NoMotions;
 use super::odd::OddSpan;
-use super::options::TrajectoryAlignment;
+use super::options::{Options, TrajectoryAlignment};
 use resect_core::deployment::EstimatedTrajectory;
 
 /// An estimate compared with the ground truth.
@@ -12,6 +14,7 @@ use resect_core::deployment::EstimatedTrajectory;
 pub struct Judged {
     pub estimate: EstimatedTrajectory,
     pub alignment: TrajectoryAlignment,
+    pub options: Options,
     pub fit: Fit,
     /// Errors at the times at which both are known, in order of time.
     pub errors: Vec<EpochError>,
@@ -21,8 +24,8 @@ pub struct Judged {
     pub unaligned: UnalignedErrors,
     /// Angles between orientations (rad); `None` without orientations.
     pub rotation: Option<Ape>,
-    /// Relative errors over paths of these lengths, the shortest first.
-    pub relative: Vec<RelativeErrors>,
+    /// Relative errors over motions of each size in the order of the options, or the reason why there are none.
+    pub relative: Vec<Result<RelativeErrors, (Delta, NoMotions)>>,
     /// `None` if the ground truth states no uncertainty.
     pub against_sigma: Option<AgainstSigma>,
     /// Spans in which the estimate and the ground truth contradict each other, in order of time.

@@ -1,14 +1,13 @@
 //! Absolute and relative errors as evo defines them (Grupp 2017, "evo: Python package for the evaluation of odometry and
 //! SLAM"; after Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems").
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3};
 
+use super::delta::{Delta, RelativeOptions};
 use super::fit::Fit;
 use super::matched_pose::MatchedPose;
+use super::motion_pairs::{BothPoses, MotionPair, NoMotions, motion_pairs};
 use resect_core::statistics::median;
-
-/// Lengths of the paths of relative errors (m).
-pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
 
 /// Summary of error sizes as printed by `evo_ape` and `evo_rpe`, in the errors' own unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,127 +43,90 @@ impl Ape {
     }
 }
 
-/// Errors of the relative motion over paths of one length.
+/// Errors of the relative motion over motions of one size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeErrors {
-    pub path_m: f64,
-    /// Median length of the paths (m): they end at the first pose behind `path_m`.
-    pub length_m: f64,
+    pub delta: Delta,
+    /// Median size of the motions, in the unit of `delta`: they end at the first pose that is far enough.
+    pub size: f64,
     /// Errors in metres: of the relative position, or, without orientations, of the distance between both ends.
     pub position: Ape,
     /// Errors in radians; `None` without orientations.
     pub rotation: Option<Ape>,
-    /// Each path, in order of time.
-    pub paths: Vec<RelativeError>,
-}
-
-/// Error of the relative motion over one path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelativeError {
-    /// Time of its end (s, in the ground truth's time).
-    pub time_s: f64,
-    /// In the body's frame at the start of the path. Without orientations, the first component is the error of the distance.
-    pub position_m: Vector3<f64>,
-    pub rotation_rad: Option<Vector3<f64>>,
-    /// Length of the path along the estimate (m).
-    pub length_m: f64,
 }
 
 impl RelativeErrors {
-    /// Returns true if there are enough paths of about this length for a comparison. Errors of few paths are mostly chance, and
-    /// sparse points are further apart than short paths.
-    pub fn are_conclusive(&self) -> bool {
+    /// Returns the reason why the errors say little: errors of few motions are mostly chance, and sparse points are further apart
+    /// than short motions.
+    pub fn why_inconclusive(&self) -> Option<String> {
         const FEWEST: usize = 10;
         const LONGER: f64 = 1.5;
-        self.position.count >= FEWEST && self.length_m < LONGER * self.path_m
+        let (count, delta) = (self.position.count, self.delta);
+        if self.size >= LONGER * delta.value() {
+            return Some(format!("the compared poses are too sparse for {delta}"));
+        }
+        (count < FEWEST).then(|| {
+            let plural = if count == 1 { "" } else { "s" };
+            format!("only {count} motion{plural} of {delta} in this drive; a value needs {FEWEST}")
+        })
     }
 }
 
-/// Poses of the body at one instant, in the ground truth's frame.
-struct BothPoses {
-    time_s: f64,
-    estimate_m: Vector3<f64>,
-    truth_m: Vector3<f64>,
-    /// Orientations by the estimate and by the ground truth; `None` if one of the two has no orientation.
-    orientations: Option<[UnitQuaternion<f64>; 2]>,
-}
-
-/// Relative errors over consecutive paths of each length (m) along the estimate: `evo_rpe --delta LENGTH --delta_unit m`, and
-/// without orientations with `--pose_relation point_distance`. Lengths without a complete path are left out.
-pub fn relative(matched: &[MatchedPose], fit: &Fit, lengths_m: &[f64]) -> Vec<RelativeErrors> {
+/// Relative errors over motions of a size along the estimate: `evo_rpe --delta NUMBER --delta_unit m`, and without orientations
+/// with `--pose_relation point_distance`.
+pub fn relative(
+    matched: &[MatchedPose],
+    fit: &Fit,
+    options: &RelativeOptions,
+) -> Vec<Result<RelativeErrors, (Delta, NoMotions)>> {
     let poses: Vec<BothPoses> = matched.iter().map(|pair| both(pair, fit)).collect();
-    let each = lengths_m.iter().filter_map(|&path_m| {
-        let (ends, lengths_m) = ends_of_paths(&poses, path_m);
-        let paths: Vec<RelativeError> = ends
-            .windows(2)
-            .zip(lengths_m)
-            .map(|(ends, length_m)| relative_error(&poses[ends[0]], &poses[ends[1]], length_m))
-            .collect();
-        let rotations: Option<Vec<f64>> =
-            paths.iter().map(|path| Some(path.rotation_rad?.norm())).collect();
-        (!paths.is_empty()).then(|| RelativeErrors {
-            path_m,
-            length_m: median(paths.iter().map(|path| path.length_m)).unwrap_or_default(),
-            position: Ape::of(paths.iter().map(|path| path.position_m.norm())),
+    let of_delta = |delta: &Delta| {
+        let pairs = motion_pairs(&poses, *delta, options.all_pairs).map_err(|why| (*delta, why))?;
+        let errors: Vec<RelativeError> =
+            pairs.iter().map(|pair| relative_error(&poses, pair)).collect();
+        let rotations: Option<Vec<f64>> = errors.iter().map(|error| error.rotation_rad).collect();
+        Ok(RelativeErrors {
+            delta: *delta,
+            size: median(pairs.iter().map(|pair| pair.size)).unwrap_or_default(),
+            position: Ape::of(errors.iter().map(|error| error.position_m)),
             rotation: rotations.map(|sizes| Ape::of(sizes.into_iter())),
-            paths,
         })
-    });
-    each.collect()
+    };
+    options.deltas.iter().map(of_delta).collect()
 }
 
-fn relative_error(start: &BothPoses, end: &BothPoses, length_m: f64) -> RelativeError {
-    let isometry = |at: &BothPoses, which: usize| {
-        let position_m = [at.estimate_m, at.truth_m][which];
-        Some(Isometry3::from_parts(Translation3::from(position_m), at.orientations?[which]))
+/// Size of the error of the relative motion between two poses.
+struct RelativeError {
+    /// Without orientations, the error of the distance.
+    position_m: f64,
+    rotation_rad: Option<f64>,
+}
+
+fn relative_error(poses: &[BothPoses], pair: &MotionPair) -> RelativeError {
+    let [start, end] = pair.ends.map(|index| &poses[index]);
+    let isometry = |pose: &BothPoses, which: usize| {
+        let position_m = [pose.estimate_m, pose.truth_m][which];
+        Some(Isometry3::from_parts(Translation3::from(position_m), pose.orientations?[which]))
     };
     let motion = |which: usize| Some(isometry(start, which)?.inverse() * isometry(end, which)?);
     match motion(0).zip(motion(1)) {
         Some((estimated, true_motion)) => {
             let error = true_motion.inverse() * estimated;
             RelativeError {
-                time_s: end.time_s,
-                position_m: error.translation.vector,
-                rotation_rad: Some(error.rotation.scaled_axis()),
-                length_m,
+                position_m: error.translation.vector.norm(),
+                rotation_rad: Some(error.rotation.angle()),
             }
         }
         None => {
             let estimated_m = (end.estimate_m - start.estimate_m).norm();
             let true_m = (end.truth_m - start.truth_m).norm();
-            RelativeError {
-                time_s: end.time_s,
-                position_m: Vector3::x() * (estimated_m - true_m),
-                rotation_rad: None,
-                length_m,
-            }
+            RelativeError { position_m: (estimated_m - true_m).abs(), rotation_rad: None }
         }
     }
 }
 
 fn both(MatchedPose { pose, truth, .. }: &MatchedPose, fit: &Fit) -> BothPoses {
     let [estimate_m, truth_m] = fit.both_positions_m(pose, truth);
-    let true_orientation = truth.rotation.as_ref().zip(fit.body_rotation);
-    let true_orientation = true_orientation.map(|(rotation, body)| rotation.orientation * body);
-    BothPoses {
-        time_s: truth.time_s,
-        estimate_m,
-        truth_m,
-        orientations: fit.placed_orientation(pose).zip(true_orientation).map(|(a, b)| [a, b]),
-    }
-}
-
-/// Indices of the ends of consecutive paths, and the length of each path (m).
-fn ends_of_paths(poses: &[BothPoses], path_m: f64) -> (Vec<usize>, Vec<f64>) {
-    let (mut ends, mut lengths_m) = (vec![0], Vec::new());
-    let mut along_m = 0.0;
-    for (before, step) in poses.windows(2).enumerate() {
-        along_m += (step[1].estimate_m - step[0].estimate_m).norm();
-        if along_m >= path_m {
-            ends.push(before + 1);
-            lengths_m.push(along_m);
-            along_m = 0.0;
-        }
-    }
-    (ends, lengths_m)
+    let orientations = fit.both_orientations(pose, truth);
+    BothPoses { time_s: truth.time_s, estimate_m, truth_m, orientations }
 }

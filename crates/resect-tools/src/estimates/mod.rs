@@ -16,6 +16,7 @@ mod association;
 mod common_errors;
 mod convention_checks;
 pub mod conventions;
+mod delta;
 pub mod errors;
 pub mod fit;
 mod ground_truth;
@@ -23,25 +24,30 @@ mod judge;
 mod judged;
 mod matched_pose;
 pub mod metrics;
+mod motion_pairs;
 pub mod odd;
 mod options;
+mod plane;
 mod pose_interpolation;
 pub mod ranking;
 #[cfg(test)]
 pub mod simulated_odometry;
 mod station_trajectory;
 mod time_offset;
+pub mod trajectory_summary;
 mod truth_choice;
 pub mod unfit;
 mod unjudged;
 
 pub use agreement::AgreeingPair;
+pub use delta::{Delta, RELATIVE_M, RelativeOptions};
 pub use ground_truth::GroundTruth;
-pub use judge::{ConventionalFit, EstimatesJudgement, fit_with_convention, judge};
+pub use judge::{ConventionalFit, EstimatesJudgement, fit_with_convention, judge, judge_motions};
 pub use judged::{Coverage, Judged, UnalignedErrors};
 pub use matched_pose::MatchedPose;
-pub use metrics::RELATIVE_M;
+pub use motion_pairs::NoMotions;
 pub use options::{Association, Body, Options, TrajectoryAlignment};
+pub use plane::Plane;
 pub use resect_core::deployment::{
     EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories as names,
 };

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::conventions::Convention;
+use super::plane::Plane;
 
 /// Options of the alignment of an estimate with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,9 +18,26 @@ pub struct Options {
     /// Convention of the estimate's file, which is applied before the comparison.
     #[serde(default, skip_serializing_if = "Convention::is_as_read")]
     pub convention: Convention,
+    /// First and last time of the compared poses (s, in the ground truth's time); the whole drive if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
+    /// Number of compared poses, from the first on, by which the frame is aligned; all if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub align_first: Option<usize>,
+    /// Plane to which both trajectories are projected after the alignment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<Plane>,
 }
 
 impl Options {
+    /// Returns true if a time in the ground truth's time (s) is compared.
+    pub fn has_time(&self, time_s: f64) -> bool {
+        self.from_s.is_none_or(|from_s| time_s >= from_s)
+            && self.to_s.is_none_or(|to_s| time_s <= to_s)
+    }
+
     /// Returns what evo assumes: equal clocks, one body frame, and the nearest stamps. Results then equal those of `evo_ape`.
     pub fn as_evo(self) -> Self {
         Self {
@@ -39,6 +57,10 @@ impl Default for Options {
             body: Body::Found,
             association: Association::Interpolated,
             convention: Convention::AS_READ,
+            from_s: None,
+            to_s: None,
+            align_first: None,
+            plane: None,
         }
     }
 }

@@ -12,9 +12,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::common_errors::{self, CommonError};
+use super::delta::RELATIVE_M;
 use super::errors::EpochError;
 use super::judged::Judged;
-use super::metrics::RELATIVE_M;
 use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS};
 use resect_core::statistics::median;
 use resect_core::statistics::tables::{NORMAL_95, normal_probability, student_sigmas};

@@ -29,6 +29,15 @@ pub enum Unfit {
     )]
     OnALine,
     #[error(
+        "its first {0} poses lie on a line or at one point, so the alignment by them is not determined; align it by more poses"
+    )]
+    FirstOnALine(usize),
+    #[error(
+        "only {0} of its poses with ground truth are in the span, and four are needed; check the span, in seconds since the start of \
+         the ground truth"
+    )]
+    EmptySpan(usize),
+    #[error(
         "this drive does not determine time offset, lever arm and frame, or the estimate is not in the ground truth's frame; \
          take both bodies as one, or align it by rotation and translation"
     )]

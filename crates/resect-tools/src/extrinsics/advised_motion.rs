@@ -11,8 +11,14 @@ use crate::estimates::fit::LEVER_SIGMA_M;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AdvisedMotion {
     /// Rotations by an angle (rad, root mean square) about axes across a direction of a; `now_rad` is their size during the drive. With them,
-    /// σ along the direction would be about `sigma_m`. `is_main_axis`: only rotations about other axes than the main one help.
-    Turn { direction: Vector3<f64>, now_rad: f64, by_rad: f64, sigma_m: f64, is_main_axis: bool },
+    /// σ along the direction would be about `sigma_m`, if the drive shows how large errors are. `is_main_axis`: only rotations about other axes than the main one help.
+    Turn {
+        direction: Vector3<f64>,
+        now_rad: f64,
+        by_rad: f64,
+        sigma_m: Option<f64>,
+        is_main_axis: bool,
+    },
     /// The same motion for this many times as long.
     Longer { times: f64 },
     /// Changes of speed and direction; the present ones (m/s²), if known.
@@ -25,6 +31,9 @@ pub enum AdvisedMotion {
 const TURNS_RAD: [f64; 4] = [0.1, 0.2, 0.5, 1.0];
 /// A direction is the main axis of rotation if the cosine between both is larger.
 const ALONG: f64 = 0.9;
+
+/// Smallest information of the data, relative to that of the prior, from which σ of another drive is predicted.
+const LEAST_INFORMATION: f64 = 0.1;
 
 /// Returns the motions that would make a good calibration of a weak one.
 pub fn advised_motions(
@@ -56,11 +65,13 @@ pub fn advised_motions(
 /// σ along a direction falls as the rotations across it grow, until they reach a radian.
 fn of_direction(direction: &LeverDirection, motion: &BodyMotion) -> AdvisedMotion {
     // Without the prior, which an undetermined direction has instead of data.
-    let information = direction.sigma_m.powi(-2) - LEVER_SIGMA_M.powi(-2);
-    let sigma_m = information.max(1e-6).sqrt().recip();
-    let predicted_m = |by_rad: f64| sigma_m * direction.turned / by_rad.sin();
+    let prior = LEVER_SIGMA_M.powi(-2);
+    let information = (direction.sigma_m.powi(-2) - prior).max(0.0);
+    let sigma_m = (information > LEAST_INFORMATION * prior).then(|| information.sqrt().recip());
+    let predicted_m = |by_rad: f64| Some(sigma_m? * direction.turned / by_rad.sin());
     let larger = TURNS_RAD.into_iter().filter(|by_rad| by_rad.sin() > direction.turned);
-    let enough = larger.clone().find(|by_rad| predicted_m(*by_rad) < GOOD_LEVER_M);
+    let is_good = |by_rad: &f64| predicted_m(*by_rad).is_some_and(|it| it < GOOD_LEVER_M);
+    let enough = larger.clone().find(is_good);
     match enough.or(larger.last()) {
         Some(by_rad) => AdvisedMotion::Turn {
             direction: direction.direction,
@@ -69,6 +80,6 @@ fn of_direction(direction: &LeverDirection, motion: &BodyMotion) -> AdvisedMotio
             sigma_m: predicted_m(by_rad),
             is_main_axis: direction.direction.dot(&motion.main_axis).abs() > ALONG,
         },
-        None => AdvisedMotion::Longer { times: (sigma_m / GOOD_LEVER_M).powi(2) },
+        None => AdvisedMotion::Longer { times: (direction.sigma_m / GOOD_LEVER_M).powi(2) },
     }
 }

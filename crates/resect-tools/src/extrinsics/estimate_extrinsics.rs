@@ -154,16 +154,37 @@ fn compare_halves(
     }
 }
 
+/// A contradiction comes first: it makes each σ doubtful, that of an undetermined direction too.
 fn verdict(solution: &Solution, directions: &[LeverDirection], halves: &HalvesOutcome) -> Verdict {
-    if directions.iter().any(|direction| !direction.is_determined()) {
-        return Verdict::Degenerate;
-    }
     if halves.contradiction().is_some() {
         return Verdict::Ambiguous;
     }
-    let is_weak = directions.iter().any(|direction| direction.sigma_m > GOOD_LEVER_M)
-        || solution.rotation_sigma_rad.is_some_and(|sigma| sigma.max() > GOOD_ROTATION_RAD)
-        || solution.time_offset_sigma_s.is_some_and(|sigma_s| sigma_s > GOOD_TIME_S)
-        || matches!(halves, HalvesOutcome::NoAnswer(_));
-    if is_weak { Verdict::Weak } else { Verdict::Good }
+    if directions.iter().any(|direction| !direction.is_determined()) {
+        return Verdict::Degenerate;
+    }
+    match weakness(solution, directions).is_some() || matches!(halves, HalvesOutcome::NoAnswer(_)) {
+        true => Verdict::Weak,
+        false => Verdict::Good,
+    }
+}
+
+/// Number whose σ is larger than that of a good calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weakness {
+    Lever(LeverDirection),
+    /// σ (rad).
+    Rotation(f64),
+    /// σ (s).
+    TimeOffset(f64),
+}
+
+/// Returns the first number that is weak: lever arm, rotation, time offset.
+pub fn weakness(solution: &Solution, directions: &[LeverDirection]) -> Option<Weakness> {
+    let lever = directions.first().filter(|direction| direction.sigma_m > GOOD_LEVER_M);
+    let rotation = solution.rotation_sigma_rad.map(|sigma| sigma.max());
+    let clock = solution.time_offset_sigma_s;
+    lever
+        .map(|direction| Weakness::Lever(*direction))
+        .or(rotation.filter(|sigma| *sigma > GOOD_ROTATION_RAD).map(Weakness::Rotation))
+        .or(clock.filter(|sigma_s| *sigma_s > GOOD_TIME_S).map(Weakness::TimeOffset))
 }

@@ -17,7 +17,7 @@ mod tests;
 pub use advised_motion::AdvisedMotion;
 pub use body_motion::BodyMotion;
 pub use errors::NoExtrinsics;
-pub use estimate_extrinsics::{Extrinsics, estimate_extrinsics};
+pub use estimate_extrinsics::{Extrinsics, Weakness, estimate_extrinsics, weakness};
 pub use halves::{HalvesDifference, HalvesOutcome};
 pub use lever_direction::LeverDirection;
 pub use solution::Solution;

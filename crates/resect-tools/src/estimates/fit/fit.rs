@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::clock_change::ClockChange;
 use crate::estimates::matched_pose::TruePose;
+use crate::estimates::plane::Plane;
 use resect_core::calibration::Estimate;
 use resect_core::deployment::EstimatedPose;
 use resect_core::deployment::Finding;
@@ -39,6 +40,8 @@ pub struct Fit {
     pub body_rotation_sigma_rad: Option<Vector3<f64>>,
     /// Factor of the estimate's lengths beside the lever arm, if it was estimated. It has a prior unless the alignment has a scale.
     pub estimated_scale: Option<Estimate>,
+    /// Plane to which both trajectories are projected.
+    pub plane: Option<Plane>,
     pub findings: Vec<Finding>,
 }
 
@@ -58,7 +61,22 @@ impl Fit {
             (None, Some(own)) => placed_m += own * lever_m,
             (None, None) => {}
         }
-        [placed_m, true_m]
+        let project = |position_m| self.plane.map_or(position_m, |plane| plane.project(position_m));
+        [placed_m, true_m].map(project)
+    }
+
+    /// Orientations of the body in the ground truth's frame, by the estimate and by the ground truth; `None` without orientations.
+    pub fn both_orientations(
+        &self,
+        pose: &EstimatedPose,
+        truth: &TruePose,
+    ) -> Option<[UnitQuaternion<f64>; 2]> {
+        let true_orientation = truth.rotation.as_ref()?.orientation * self.body_rotation?;
+        let both = [self.placed_orientation(pose)?, true_orientation];
+        Some(match self.plane {
+            Some(plane) => both.map(|orientation| plane.project_orientation(&orientation)),
+            None => both,
+        })
     }
 
     /// Position of the compared point in the ground truth's frame at a pose without ground truth (m).

@@ -83,8 +83,17 @@ pub fn fit(
         let start_s = truth.start_s().unwrap_or_default();
         fit.findings.push(clock_finding(&estimate.name, change, start_s));
     }
-    let pairs = truth.matched(poses, fit.time_offset_s, (options.association, usize::MAX))?;
-    align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
+    let mut pairs = truth.matched(poses, fit.time_offset_s, (options.association, usize::MAX))?;
+    let whole = pairs.len();
+    pairs.retain(|pair| options.has_time(pair.truth.time_s));
+    if pairs.len() < FEWEST_POINTS && whole >= FEWEST_POINTS {
+        return Err(unfit(Unfit::EmptySpan(pairs.len())));
+    }
+    let first = &pairs[..options.align_first.unwrap_or(usize::MAX).min(pairs.len())];
+    align(&mut fit, first, options.alignment).map_err(|why| match why {
+        Unfit::OnALine if first.len() < pairs.len() => unfit(Unfit::FirstOnALine(first.len())),
+        why => unfit(why),
+    })?;
     if let Some(longer) =
         times_longer(&pairs).filter(|_| options.alignment == TrajectoryAlignment::Rigid)
     {
@@ -257,6 +266,7 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
         body_rotation: None,
         body_rotation_sigma_rad: None,
         estimated_scale: None,
+        plane: None,
         findings: Vec::new(),
     }
 }
