@@ -230,7 +230,7 @@ fn the_schema_of_a_command_refers_to_its_definition() {
         assert_eq!(own["$ref"], reference);
         assert_eq!((&own["anyOf"], &own["$defs"]), (&Value::Null, &schema["$defs"]));
     }
-    assert_eq!(alternatives.len(), 9);
+    assert_eq!(alternatives.len(), 10);
     assert_eq!(resect(&["schema", "export"]).status.code(), Some(2));
 }
 

@@ -12,6 +12,9 @@ pub struct Options {
     pub alignment: TrajectoryAlignment,
     /// Added to the estimate's times (s); estimated if `None`.
     pub time_offset_s: Option<f64>,
+    /// Time offset near which it is estimated (s), for a span of a drive whose offset is known roughly; sought by speeds if `None`.
+    #[serde(skip)]
+    pub near_offset_s: Option<f64>,
     pub body: Body,
     #[serde(default)]
     pub association: Association,
@@ -54,6 +57,7 @@ impl Default for Options {
         Self {
             alignment: TrajectoryAlignment::Rigid,
             time_offset_s: None,
+            near_offset_s: None,
             body: Body::Found,
             association: Association::Interpolated,
             convention: Convention::AS_READ,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::body_motion::BodyMotion;
+use super::driven_motion::DrivenMotion;
 use super::lever_direction::LeverDirection;
 use super::solution::{GOOD_LEVER_M, GOOD_ROTATION_RAD, GOOD_TIME_S, Solution};
 use crate::estimates::fit::LEVER_SIGMA_M;
@@ -39,7 +39,7 @@ const LEAST_INFORMATION: f64 = 0.1;
 pub fn advised_motions(
     solution: &Solution,
     directions: &[LeverDirection],
-    motion: &BodyMotion,
+    motion: &DrivenMotion,
 ) -> Vec<AdvisedMotion> {
     let mut all: Vec<AdvisedMotion> = Vec::new();
     let weak = directions.iter().filter(|direction| direction.sigma_m > GOOD_LEVER_M);
@@ -63,7 +63,7 @@ pub fn advised_motions(
 }
 
 /// σ along a direction falls as the rotations across it grow, until they reach a radian.
-fn of_direction(direction: &LeverDirection, motion: &BodyMotion) -> AdvisedMotion {
+fn of_direction(direction: &LeverDirection, motion: &DrivenMotion) -> AdvisedMotion {
     // Without the prior, which an undetermined direction has instead of data.
     let prior = LEVER_SIGMA_M.powi(-2);
     let information = (direction.sigma_m.powi(-2) - prior).max(0.0);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Rotation3, UnitQuaternion};
 
 use super::advised_motion::{AdvisedMotion, advised_motions};
-use super::body_motion::{BodyMotion, body_motion};
+use super::driven_motion::{DrivenMotion, driven_motion};
 use super::errors::NoExtrinsics;
 use super::halves::{HalvesOutcome, differences};
 use super::lever_direction::{LeverDirection, lever_directions};
@@ -30,7 +30,7 @@ pub struct Extrinsics {
     pub solution: Solution,
     /// Directions of the lever arm in a, the least determined first; empty if it was given.
     pub directions: Vec<LeverDirection>,
-    pub motion: BodyMotion,
+    pub motion: DrivenMotion,
     pub halves: HalvesOutcome,
     pub verdict: Verdict,
     /// Motions that would determine more.
@@ -66,7 +66,7 @@ pub fn estimate_extrinsics(
         .map(|covariance_m2| lever_directions(&covariance_m2, &orientations).to_vec())
         .unwrap_or_default();
     let halves = compare_halves([&a, &b], &options, solution.time_offset_s);
-    let motion = body_motion(&a.poses);
+    let motion = driven_motion(&a.poses);
     Ok(Extrinsics {
         poses: [a.poses.len(), b.poses.len()],
         pairs,
@@ -90,8 +90,13 @@ fn fitted(
     let has_orientations = b.has_orientations();
     let (truth, estimate) = if has_orientations { (a, b) } else { (b, a) };
     let truth = GroundTruth::Trajectory(Arc::new(truth.clone()), None);
-    let time_offset_s = options.time_offset_s.map(|s| if has_orientations { s } else { -s });
-    let options = Options { time_offset_s, ..*options };
+    // Offsets are added to b's times here, and to the estimate's there.
+    let of_estimate = |offset_s: f64| if has_orientations { offset_s } else { -offset_s };
+    let options = Options {
+        time_offset_s: options.time_offset_s.map(of_estimate),
+        near_offset_s: options.near_offset_s.map(of_estimate),
+        ..*options
+    };
     let ConventionalFit { fit, matched, .. } =
         fit_with_convention(&truth, &mut estimate.clone(), &options)?;
     Ok((fit, matched.len()))
@@ -142,8 +147,9 @@ fn compare_halves(
         }
         half
     };
+    let options = Options { near_offset_s: Some(time_offset_s), ..*options };
     let solved = |is_first: bool| {
-        let (fit, _) = fitted(&half_of_a(is_first), b, options)?;
+        let (fit, _) = fitted(&half_of_a(is_first), b, &options)?;
         Ok(solution_of(&fit, b.has_orientations()))
     };
     let both: Result<Vec<Solution>, NoExtrinsics> = [true, false].into_iter().map(solved).collect();

@@ -5,7 +5,7 @@
 //! too: if they contradict each other, no σ of the whole is right. [`AdvisedMotion`] is the advice for a direction that the motion determines weakly.
 
 mod advised_motion;
-mod body_motion;
+mod driven_motion;
 mod errors;
 mod estimate_extrinsics;
 mod halves;
@@ -15,7 +15,7 @@ mod solution;
 mod tests;
 
 pub use advised_motion::AdvisedMotion;
-pub use body_motion::BodyMotion;
+pub use driven_motion::DrivenMotion;
 pub use errors::NoExtrinsics;
 pub use estimate_extrinsics::{Extrinsics, Weakness, estimate_extrinsics, weakness};
 pub use halves::{HalvesDifference, HalvesOutcome};

@@ -70,9 +70,10 @@ pub fn epoch_rows(
     }
     position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
     position.by_unknowns.set_column(CLOCK, &velocity);
-    // By the ground truth: the noise of an estimate's own positions would count as motion, and make it seem too long.
+    // Between the positions of both, by the noise of each: noise would count as motion, and make the other seem too short.
     let own_m = fit.truth_from_estimate.rotate(&(fit.scale * (pose.position_m - state.pivot_m)));
-    position.by_unknowns.set_column(SCALE, &-(own_m + position.residual));
+    let from_pivot_m = own_m + state.share_of_estimate * position.residual;
+    position.by_unknowns.set_column(SCALE, &-from_pivot_m);
     let turned = truth.rotation.as_ref().zip(fit.body_rotation).zip(orientation.zip(rate));
     let rotation = turned.map(|((rotation, body), (orientation, rate))| {
         let later = UnitQuaternion::from_scaled_axis(rate * later_s) * rotation.orientation;

@@ -48,10 +48,11 @@ pub fn fit(
     if matches!(options.body, Body::Lever(_)) && !turning {
         return Err(unfit(Unfit::NoOrientation));
     }
-    let CoarseOffset { offset_s, sigma_s, rivals_s } = match options.time_offset_s {
-        Some(offset_s) => CoarseOffset { offset_s, sigma_s: None, rivals_s: Vec::new() },
-        None => time_offset::coarse(poses, truth)?.ok_or_else(|| unfit(Unfit::NoOverlap))?,
-    };
+    let CoarseOffset { offset_s, sigma_s, rivals_s } =
+        match options.time_offset_s.or(options.near_offset_s) {
+            Some(offset_s) => CoarseOffset { offset_s, sigma_s: None, rivals_s: Vec::new() },
+            None => time_offset::coarse(poses, truth)?.ok_or_else(|| unfit(Unfit::NoOverlap))?,
+        };
     let offset_s = best_by_positions(offset_s, &rivals_s, truth, (estimate, options))?;
     let has_orientation = truth.has_orientation();
     let mut sought = Sought {
@@ -67,6 +68,7 @@ pub fn fit(
         later_s: 0.0,
         offset_prior: sigma_s.map(|sigma_s| Estimate { value: offset_s, sigma: sigma_s }),
         is_scaled: options.alignment == TrajectoryAlignment::Similarity,
+        share_of_estimate: 1.0,
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,
     };

@@ -178,6 +178,7 @@ pub fn refine(
         } else if settled && !is_last {
             searches += 1;
             sizes = search(usual, sizes, &samples(&pairs), state, &open);
+            state.share_of_estimate = share_of_estimate(&pairs, &sizes);
             steps = StepSizes::default();
         } else if settled {
             return take_sigmas(state, truth, &pairs, &sizes, &open)
@@ -185,6 +186,14 @@ pub fn refine(
         }
     }
     Err(unfit(Unfit::Undetermined))
+}
+
+/// Returns the share of the estimate in the variance of the noise; 1 without σ of the ground truth.
+fn share_of_estimate(pairs: &[MatchedPose], sizes: &DriftSizes) -> f64 {
+    let stated = pairs.iter().filter_map(|pair| Some(pair.truth.covariance_m2?.trace() / 3.0));
+    let of_truth_m2 = stated.sum::<f64>() / pairs.len().max(1) as f64;
+    let noise_m2 = sizes.position_m.powi(2) + sizes.lasting_m.powi(2);
+    (1.0 - of_truth_m2 / noise_m2).clamp(0.0, 1.0)
 }
 
 /// Returns samples of the epochs for the search of the sizes: all of few; otherwise evenly spread ones, which show slow changes, and groups of

@@ -32,6 +32,8 @@ pub struct FitState {
     pub offset_prior: Option<Estimate>,
     /// True if the scale is aligned, and so has no prior.
     pub is_scaled: bool,
+    /// Share of the estimate in the variance of the residuals; the rest is noise that the ground truth states.
+    pub share_of_estimate: f64,
     /// Centre of scale (m, in the estimate's frame). Map coordinates are millions of metres from their origin.
     pub pivot_m: Vector3<f64>,
 }

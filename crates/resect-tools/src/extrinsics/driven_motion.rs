@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::estimates::EstimatedPose;
 
-/// BodyMotion of body a during the drive.
+/// DrivenMotion of body a during the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyMotion {
+pub struct DrivenMotion {
     pub duration_s: f64,
     pub path_m: f64,
     /// Axis of a about which it turned most, as a unit vector in a.
@@ -16,7 +16,7 @@ pub struct BodyMotion {
 }
 
 /// Returns path, duration, accelerations and the main axis of rotation of poses in order of time.
-pub fn body_motion(poses: &[EstimatedPose]) -> BodyMotion {
+pub fn driven_motion(poses: &[EstimatedPose]) -> DrivenMotion {
     let duration_s = match poses {
         [first, .., last] => last.time_s - first.time_s,
         _ => 0.0,
@@ -46,7 +46,7 @@ pub fn body_motion(poses: &[EstimatedPose]) -> BodyMotion {
         .collect();
     let acceleration_m_per_s2 =
         (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt());
-    BodyMotion {
+    DrivenMotion {
         duration_s,
         path_m,
         main_axis: axis * axis[axis.iamax()].signum(),
