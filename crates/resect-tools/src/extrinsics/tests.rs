@@ -78,7 +78,7 @@ fn a_direction_that_the_motion_does_not_determine_is_named_with_the_motion_that_
     drive.body = UnitQuaternion::identity();
     let antenna = antenna(&drive, &Vector3::new(0.4, -0.1, 0.9), 2);
     let extrinsics = estimated(trajectory("a", drive.truth.clone()), antenna);
-    assert_eq!(extrinsics.verdict, Verdict::Degenerate);
+    assert_eq!(extrinsics.verdict, Verdict::Degenerate, "{extrinsics:?}");
     let open = extrinsics.directions[0];
     assert!(open.direction.z > 0.99 && !open.is_determined(), "{open:?}");
     assert!(extrinsics.directions[1].sigma_m < 0.02, "{:?}", extrinsics.directions);

@@ -92,10 +92,21 @@ impl DriftSizes {
             turn_rad_per_root_s: 1e-3,
             clock_s: 1e-3,
             clock_time_s: 3.0,
-            slow_clock_s: 1e-3,
+            slow_clock_s: 2e-4,
             is_aligned,
             is_of_points: false,
         }
+    }
+
+    /// Returns the sizes with which a search begins: far below the errors, a size has no effect, so a slow wander would not be found from there.
+    pub fn with_slow_clock(self) -> Self {
+        const FIRST_S: f64 = 0.02;
+        Self { slow_clock_s: if self.is_of_points { self.slow_clock_s } else { FIRST_S }, ..self }
+    }
+
+    /// Returns the sizes without slow wander of the clock.
+    pub fn without_slow_clock(self) -> Self {
+        Self { slow_clock_s: SIZE_LIMITS[10][0], ..self }
     }
 
     /// Number of sizes that the errors show: against few points only that of the noise.
@@ -108,7 +119,7 @@ impl DriftSizes {
         const NEVER_S: f64 = 1e5;
         let walk = |size_s: f64, within_s: f64| size_s * (NEVER_S / within_s).sqrt();
         let clock_s = walk(self.clock_s, self.clock_time_s).max(walk(self.slow_clock_s, SLOW_S));
-        Self { clock_s, clock_time_s: NEVER_S, slow_clock_s: SIZE_LIMITS[10][0], ..self }
+        Self { clock_s, clock_time_s: NEVER_S, ..self.without_slow_clock() }
     }
 
     fn all(&mut self) -> [&mut f64; 11] {

@@ -14,6 +14,8 @@ const FACTORS: [f64; 3] = [4.0, 2.0, 1.4];
 const MOST_ROUNDS: usize = 3;
 /// Least decrease of the cost for which the search goes on. Textbook: 1 is half a standard deviation.
 const LEAST_DECREASE: f64 = 0.5;
+/// Least cost of a clock without slow wander by which it is assumed. Textbook: a further size has to gain 2 (Akaike's criterion).
+const LEAST_GAIN_OF_WANDER: f64 = 2.0;
 /// Standard deviation of the logarithm of a size a priori.
 /// Effect: sizes that the errors do not show stay usual. Field: systems differ by a factor of ten.
 const LN_SIGMA: f64 = 2.3;
@@ -52,7 +54,9 @@ pub fn search(
             }
         }
     }
-    sizes
+    // A drive has few independent values of a slow wander: one that gains nothing would only widen σ.
+    let constant = sizes.without_slow_clock();
+    if cost(&constant) - least < LEAST_GAIN_OF_WANDER { constant } else { sizes }
 }
 
 /// Returns the cost with the unknowns integrated (restricted likelihood: Harville 1977).

@@ -177,7 +177,8 @@ pub fn refine(
             pairs = matched(state.fit.time_offset_s)?;
         } else if settled && !is_last {
             searches += 1;
-            sizes = search(usual, sizes, &samples(&pairs), state, &open);
+            let first = sizes.with_slow_clock();
+            sizes = search(usual, first, &samples(&pairs), state, &open);
             state.share_of_estimate = share_of_estimate(&pairs, &sizes);
             steps = StepSizes::default();
         } else if settled {
