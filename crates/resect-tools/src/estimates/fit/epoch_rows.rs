@@ -42,10 +42,14 @@ pub fn epoch_rows(
     let mut lever_axes = Matrix3::zeros();
     let orientation = fit.placed_orientation(pose);
     if let Some(rotation) = &truth.rotation {
-        lever_axes = rotation.orientation.to_rotation_matrix().into_inner();
+        // By the estimate: the noise of the ground truth's orientation is in the residual too, and would shorten the lever arm.
+        let by_estimate = orientation.zip(fit.body_rotation);
+        let vehicle =
+            by_estimate.map_or(rotation.orientation, |(body, turn)| body * turn.inverse());
+        lever_axes = vehicle.to_rotation_matrix().into_inner();
         velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
-    } else if let Some(orientation) = orientation {
-        lever_axes = -orientation.to_rotation_matrix().into_inner();
+    } else if let Some(orientation) = pose.orientation {
+        lever_axes = -(state.aligned * orientation.to_rotation_matrix()).into_inner();
     }
     if let Some(twist) = pose_twist {
         // The estimate is interpolated: a later ground truth is an earlier estimate.

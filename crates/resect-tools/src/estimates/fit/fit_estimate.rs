@@ -68,6 +68,7 @@ pub fn fit(
         later_s: 0.0,
         offset_prior: sigma_s.map(|sigma_s| Estimate { value: offset_s, sigma: sigma_s }),
         is_scaled: options.alignment == TrajectoryAlignment::Similarity,
+        aligned: Rotation3::identity(),
         share_of_estimate: 1.0,
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,

@@ -14,8 +14,10 @@ const FACTORS: [f64; 3] = [4.0, 2.0, 1.4];
 const MOST_ROUNDS: usize = 3;
 /// Least decrease of the cost for which the search goes on. Textbook: 1 is half a standard deviation.
 const LEAST_DECREASE: f64 = 0.5;
-/// Least cost of a clock without slow wander by which it is assumed. Textbook: a further size has to gain 2 (Akaike's criterion).
+/// A slow wander of the clock is assumed if a clock without it costs more than this, and if it is larger than the second (s).
+/// Effect: a smaller wander is the same as errors that last along the motion. Textbook: a further size has to gain 2 (Akaike's criterion).
 const LEAST_GAIN_OF_WANDER: f64 = 2.0;
+const LEAST_WANDER_S: f64 = 5e-3;
 /// Standard deviation of the logarithm of a size a priori.
 /// Effect: sizes that the errors do not show stay usual. Field: systems differ by a factor of ten.
 const LN_SIGMA: f64 = 2.3;
@@ -56,7 +58,9 @@ pub fn search(
     }
     // A drive has few independent values of a slow wander: one that gains nothing would only widen σ.
     let constant = sizes.without_slow_clock();
-    if cost(&constant) - least < LEAST_GAIN_OF_WANDER { constant } else { sizes }
+    let is_wandering =
+        sizes.slow_clock_s > LEAST_WANDER_S && cost(&constant) - least > LEAST_GAIN_OF_WANDER;
+    if is_wandering { sizes } else { constant }
 }
 
 /// Returns the cost with the unknowns integrated (restricted likelihood: Harville 1977).

@@ -150,6 +150,7 @@ pub fn refine(
             return Err(unfit(Unfit::FewEpochs));
         }
         align_rigidly(&mut state.fit, &pairs, sought.frame).map_err(unfit)?;
+        state.aligned = state.fit.truth_from_estimate.rotation;
         if step == 0 && sought.body {
             state.fit.body_rotation = mean_turn(&state.fit, &pairs);
         }

@@ -1,6 +1,6 @@
 //! Unknowns of the fit: their steps, priors and standard deviations.
 
-use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 
 use super::fit::{Fit, LEAST_GAIN, LEVER_SIGMA_M};
 use resect_core::calibration::Estimate;
@@ -32,6 +32,8 @@ pub struct FitState {
     pub offset_prior: Option<Estimate>,
     /// True if the scale is aligned, and so has no prior.
     pub is_scaled: bool,
+    /// Rotation of the frame by all epochs together. A frame that the filter follows tilts by noise, which would count as a tilt of the body.
+    pub aligned: Rotation3<f64>,
     /// Share of the estimate in the variance of the residuals; the rest is noise that the ground truth states.
     pub share_of_estimate: f64,
     /// Centre of scale (m, in the estimate's frame). Map coordinates are millions of metres from their origin.

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
+use super::fit::LEVER_SIGMA_M;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, UNKNOWNS,
     WANDERING,
@@ -30,7 +31,8 @@ const SHORTEST_BLOCK_S: f64 = 2.0;
 /// Bend of Huber's loss, in σ of an innovation. Textbook: 2 to 3 leaves normal errors their weight.
 const BEND: f64 = 2.5;
 /// Standard deviations of the frame at the epoch where a filter begins: rotation (rad), after a filter that ran back and before it, and
-/// translation relative to the misfit of the alignment. They decide nothing as long as they are larger than the errors of that frame.
+/// translation relative to the misfit of the alignment and to the lever arm, from which a translation does not differ without rotations. They
+/// decide nothing as long as they are larger than the errors of that frame.
 /// Effect: with a large one, the first epochs turn the frame by their noise, and the derivatives there are wrong. Simulated: on flat ground the
 /// lever arm was wrong by up to 6 σ with 0.3 rad.
 const FIRST_RAD: f64 = 0.005;
@@ -158,7 +160,7 @@ impl Filter {
                     (true_m - placed_m).norm_squared()
                 })
                 .sum();
-            let first_m = FIRST_MISFITS * (squares / pairs.len() as f64).sqrt() + 0.1;
+            let first_m = FIRST_MISFITS * ((squares / pairs.len() as f64).sqrt() + LEVER_SIGMA_M);
             for axis in 0..3 {
                 covariance[(axis, axis)] = first_rad.powi(2);
                 let translation = BY_TRANSLATION + axis;
