@@ -71,13 +71,13 @@ impl State {
     }
 
     /// Adds trajectories to one that was alone, and chooses the ground truth among all.
-    pub(super) fn choose_truth_again(&mut self, id: u64, read: Vec<Arc<EstimatedTrajectory>>) {
+    pub(super) fn choose_truth_again(&mut self, id: u64, read: &[Arc<EstimatedTrajectory>]) {
         let Some(open) = self.deployments.get(id) else { return };
         let alone = open.deployment.ground_truth.iter().filter(|alone| {
             // A file that is read again replaces its earlier reading.
             !read.iter().any(|one| one.is_same(alone))
         });
-        let all = alone.chain(&read).map(|one| EstimatedTrajectory::clone(one)).collect();
+        let all = alone.chain(read).map(|one| EstimatedTrajectory::clone(one)).collect();
         self.replace_evaluation(id, Vec::new(), move || EvaluationFiles::of(all));
     }
 

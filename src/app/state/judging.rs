@@ -147,7 +147,7 @@ impl State {
             }
             // The ground truth of a trajectory alone is chosen once there are others.
             if open.judging.truth_reason == Some(TruthReason::Alone) {
-                state.choose_truth_again(id, read);
+                state.choose_truth_again(id, &read);
                 return;
             }
             if open.placeholder && !Self::are_of_sample(open, &read) {

@@ -19,11 +19,14 @@ pub struct DriveErrors {
     evaluation: Option<Value>,
 }
 
+/// Label of a number, and the number or the reason why there is none.
+type LabelledCell = (String, Result<String, String>);
+
 /// Errors of one estimate in one drive.
 struct DriveRow {
     estimate: String,
     /// The cell of each column, or the reason why it is empty; the reason why there are no errors.
-    cells: Result<Vec<(String, Result<String, String>)>, String>,
+    cells: Result<Vec<LabelledCell>, String>,
     /// Position errors (mm); `None` without any.
     errors_mm: Option<Quantiles>,
 }

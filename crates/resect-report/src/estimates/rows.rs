@@ -64,7 +64,7 @@ impl ErrorRows<'_> {
     /// Adds a row.
     fn add(&mut self, label: &str, cell: &dyn Fn(&Judged) -> Cell) {
         let cells: Vec<Cell> = self.judgement.judged.iter().map(cell).collect();
-        let why = |cell: &Cell| cell.as_ref().err().map(|why| why.to_string()).unwrap_or_default();
+        let why = |cell: &Cell| cell.as_ref().err().map(ToString::to_string).unwrap_or_default();
         self.rows.push(ErrorRow {
             label: label.to_owned(),
             why_empty: cells.iter().map(why).collect(),

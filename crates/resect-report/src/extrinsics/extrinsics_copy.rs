@@ -33,7 +33,7 @@ pub fn extrinsics_copy(
         maps: format!("{b} into {a}"),
         parent,
         child,
-        parent_from_child: extrinsics.solution.a_from_b.clone(),
+        parent_from_child: extrinsics.solution.a_from_b,
     };
     transforms_text(format, &comments, &[transform])
 }

@@ -69,10 +69,10 @@ fn of_direction(direction: &LeverDirection, motion: &DrivenMotion) -> AdvisedMot
     let information = (direction.sigma_m.powi(-2) - prior).max(0.0);
     let sigma_m = (information > LEAST_INFORMATION * prior).then(|| information.sqrt().recip());
     let predicted_m = |by_rad: f64| Some(sigma_m? * direction.turned / by_rad.sin());
-    let larger = TURNS_RAD.into_iter().filter(|by_rad| by_rad.sin() > direction.turned);
+    let mut larger = TURNS_RAD.into_iter().filter(|by_rad| by_rad.sin() > direction.turned);
     let is_good = |by_rad: &f64| predicted_m(*by_rad).is_some_and(|it| it < GOOD_LEVER_M);
     let enough = larger.clone().find(is_good);
-    match enough.or(larger.last()) {
+    match enough.or_else(|| larger.next_back()) {
         Some(by_rad) => AdvisedMotion::Turn {
             direction: direction.direction,
             now_rad: direction.turned.asin(),
