@@ -191,7 +191,12 @@ pub fn of_estimate(why: &Unjudged) -> Failure {
             Unfit::Undetermined => Some("body=\"same\""),
             Unfit::OtherScale(_) => Some("align=\"similarity\""),
             Unfit::NoOrientation => Some("body=\"found\""),
-            Unfit::FewEpochs | Unfit::FewPoses(_) | Unfit::Mirrored(_) | Unfit::Inverse(_) => None,
+            Unfit::FewEpochs
+            | Unfit::FewPoses(_)
+            | Unfit::FirstOnALine(_)
+            | Unfit::EmptySpan(_)
+            | Unfit::Mirrored(_)
+            | Unfit::Inverse(_) => None,
         },
     };
     advised(why, keyword)
