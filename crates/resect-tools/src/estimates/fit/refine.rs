@@ -1,6 +1,6 @@
 //! The Gauss–Newton iteration of clock, lever arm, body rotation and scale.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{DVector, UnitQuaternion, Vector3};
 
 use super::alignment::align_rigidly;
 use super::clock_change::clock_change;
@@ -32,6 +32,8 @@ const SETTLED_SIGMAS: f64 = 0.02;
 const NEAR_SIGMAS: f64 = 0.3;
 /// Steps that shrink less than this ratio oscillate, such as where the estimate stands still, and are damped.
 const OSCILLATES: f64 = 0.98;
+/// Largest step (σ) of an iteration that never ends and is taken nevertheless.
+const UNSETTLED_SIGMAS: f64 = 1.0;
 /// Change of the time offset (s) above which the ground truth is recomputed, and not moved along its velocity: during the
 /// iteration, and before its end.
 const LINEAR_S: f64 = 0.01;
@@ -145,6 +147,7 @@ pub fn refine(
     };
     let mut sizes = usual;
     let (mut steps, mut searches) = (StepSizes::default(), 0);
+    let mut last_step = None;
     for step in 0..MOST_STEPS {
         if pairs.len() < FEWEST_EPOCHS {
             return Err(unfit(Unfit::FewEpochs));
@@ -164,6 +167,7 @@ pub fn refine(
         // In units of σ by the model.
         let change = equations.gradient.dot(&solved).max(0.0).sqrt();
         let damping = steps.damping(change);
+        last_step = (searches == SEARCHES && change < UNSETTLED_SIGMAS).then(|| solved.clone());
         state.step(&open, &(damping * solved));
         let is_last = searches == SEARCHES;
         let settled = damping * change < if is_last { SETTLED_SIGMAS } else { NEAR_SIGMAS };
@@ -183,11 +187,14 @@ pub fn refine(
             state.share_of_estimate = share_of_estimate(&pairs, &sizes);
             steps = StepSizes::default();
         } else if settled {
-            return take_sigmas(state, truth, &pairs, &sizes, &open)
+            return take_sigmas(state, truth, &pairs, &sizes, (&open, None))
                 .ok_or_else(|| unfit(Unfit::Undetermined));
         }
     }
-    Err(unfit(Unfit::Undetermined))
+    // It goes to and fro within its σ: the last step is a further error.
+    last_step
+        .and_then(|step| take_sigmas(state, truth, &pairs, &sizes, (&open, Some(&step))))
+        .ok_or_else(|| unfit(Unfit::Undetermined))
 }
 
 /// Returns the share of the estimate in the variance of the noise; 1 without σ of the ground truth.
@@ -209,13 +216,13 @@ fn samples(pairs: &[MatchedPose]) -> Vec<Vec<MatchedPose>> {
     vec![thinned(pairs, MOST_SEARCHED).cloned().collect(), groups.cloned().collect()]
 }
 
-/// Stores σ by blocks of time, with the errors that the ground truth shares.
+/// Stores σ by blocks of time, with the errors that the ground truth shares; `last_step` is that of an iteration that did not settle.
 fn take_sigmas(
     state: &mut FitState,
     truth: &GroundTruth<'_>,
     pairs: &[MatchedPose],
     sizes: &DriftSizes,
-    open: &[usize],
+    (open, last_step): (&[usize], Option<&DVector<f64>>),
 ) -> Option<()> {
     let times_s: Vec<f64> = pairs.iter().map(|pair| pair.truth.time_s).collect();
     let common = truth.common_errors(&times_s);
@@ -245,6 +252,9 @@ fn take_sigmas(
     if let Some(common) = common {
         let moved = root.solve(&filtered.by_common.select_rows(open));
         covariance += &moved * &common.covariance * moved.transpose();
+    }
+    if let Some(step) = last_step {
+        covariance += step * step.transpose();
     }
     let clock = open.iter().position(|unknown| *unknown == CLOCK);
     if let Some(clock) = clock {
