@@ -51,10 +51,15 @@ pub fn write_drives(file: &Path, plot: Option<&Path>, json: bool) -> Result<(), 
             return Ok(());
         }
     }
-    Ok(print(&match json {
+    print(&match json {
         true => format!("{:#}\n", drives_json(&evaluated)),
         false => drives_text(&evaluated),
-    })?)
+    })?;
+    if !evaluated.iter().any(DriveErrors::has_errors) {
+        let line = format!("{}: no drive could be evaluated; see the reasons", file.display());
+        return Err(Failure::Input(anyhow::Error::msg(line)));
+    }
+    Ok(())
 }
 
 fn command(drive: &Drive) -> Result<DriveCommand, clap::Error> {

@@ -121,7 +121,7 @@ pub fn read_truth(
                 None => format!("{} topics with poses", topics.len()),
             };
             let remedy = format!(
-                "name the topic of the ground truth (--truth-topic): {}",
+                "name one (--truth-topic, or --topic of extrinsics): {}",
                 topics.join(", ")
             );
             Err(OpenError::file(&path.display().to_string(), what, remedy))

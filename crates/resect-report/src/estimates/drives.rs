@@ -68,6 +68,11 @@ impl DriveErrors {
         self.evaluation = Some(judgement_json(truth, judgement));
     }
 
+    /// Returns true if any of the estimates has errors.
+    pub fn has_errors(&self) -> bool {
+        self.rows.iter().any(|row| row.cells.is_ok())
+    }
+
     /// Adds estimates without errors.
     pub fn fail(&mut self, estimates: &[String], why: &str) {
         self.rows.extend(estimates.iter().map(|estimate| DriveRow {
@@ -102,8 +107,8 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
     let mut lines: Vec<Vec<String>> = [0, 1]
         .map(|line| {
             let heads = [["drive", "estimate"], ["", ""]][line].map(str::to_owned).into_iter();
-            let part = |label: &&String| label.split('\n').nth(line).unwrap_or("").to_owned();
-            heads.chain(columns.iter().map(part)).collect()
+            let heading = |label: &&String| label.split('\n').nth(line).unwrap_or("").to_owned();
+            heads.chain(columns.iter().map(heading)).collect()
         })
         .to_vec();
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
@@ -133,12 +138,12 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
         }
         lines.push(line);
         for (why, labels) in empty {
-            let place = match &labels[..] {
+            let cells = match &labels[..] {
                 [] => String::new(),
                 labels => format!(" in {}", labels.join(", ")),
             };
             let name = format!("{}, {}", drive.name, row.estimate);
-            let key = format!("{place}: {why}");
+            let key = format!("{cells}: {why}");
             match reasons.iter_mut().find(|(known, _)| *known == key) {
                 Some((_, names)) => names.push(name),
                 None => reasons.push((key, vec![name])),

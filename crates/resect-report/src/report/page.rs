@@ -39,7 +39,7 @@ pub enum Chapter {
 pub struct EvaluationChapter {
     /// Name of the ground truth.
     pub name: String,
-    /// Its quality in one line.
+    /// Quality of the ground truth in one line.
     pub truth: String,
     /// Findings about its file.
     pub findings: Vec<Finding>,

@@ -24,11 +24,11 @@ const TRUTH_WORDS: [&str; 13] = [
 pub enum TruthReason {
     /// There is no other trajectory.
     Alone,
-    /// Its name alone has a word for a ground truth.
+    /// The only name with a word for a ground truth.
     Name,
     /// It alone has positions only.
     PositionsOnly,
-    /// Its file alone states covariances.
+    /// The only file that states covariances.
     StatedSigma,
     /// Nothing distinguishes it; it was given last.
     Last,

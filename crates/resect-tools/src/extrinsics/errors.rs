@@ -11,6 +11,8 @@ pub enum NoExtrinsics {
         "neither {a} nor {b} has orientations; the pose of one in the other needs the orientations of one"
     )]
     NoOrientations { a: String, b: String },
+    #[error("{0} and {1} are the same trajectory; give those of two bodies")]
+    Same(String, String),
     #[error(transparent)]
     Unfit(#[from] Unjudged),
 }

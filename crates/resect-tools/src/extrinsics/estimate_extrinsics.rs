@@ -41,7 +41,7 @@ pub struct Extrinsics {
 /// Estimates the pose of b in a. `options` are those of the comparison of b with a; `convention_of_a` is that of a's file.
 ///
 /// # Errors
-/// If a has no orientations, or if the trajectories do not fit each other.
+/// If a has no orientations, if both are the same trajectory, or if the trajectories do not fit each other.
 pub fn estimate_extrinsics(
     [mut a, mut b]: [EstimatedTrajectory; 2],
     options: &Options,
@@ -49,6 +49,9 @@ pub fn estimate_extrinsics(
 ) -> Result<Extrinsics, NoExtrinsics> {
     let names = [a.name.clone(), b.name.clone()];
     let [of_a, of_b] = names.clone();
+    if a.is_same(&b) || a.poses == b.poses {
+        return Err(NoExtrinsics::Same(of_a, of_b));
+    }
     match [a.has_orientations(), b.has_orientations()] {
         [false, true] => return Err(NoExtrinsics::Exchanged { a: of_a, b: of_b }),
         [false, false] => return Err(NoExtrinsics::NoOrientations { a: of_a, b: of_b }),

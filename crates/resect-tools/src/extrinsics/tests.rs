@@ -104,7 +104,7 @@ fn halves_that_contradict_each_other_are_no_good_calibration() {
 }
 
 #[test]
-fn trajectories_without_orientations_are_refused_with_the_remedy() {
+fn trajectories_without_orientations_and_copies_are_refused_with_the_remedy() {
     let mut drive = drive(15);
     let antenna = antenna(&drive, &Vector3::x(), 3);
     let refused = |a: EstimatedTrajectory, b: EstimatedTrajectory| {
@@ -112,6 +112,10 @@ fn trajectories_without_orientations_are_refused_with_the_remedy() {
     };
     let why = refused(antenna.clone(), drive.odometry());
     assert!(matches!(why, NoExtrinsics::Exchanged { .. }), "{why}");
-    let why = refused(antenna.clone(), antenna);
+    let other = super::tests::antenna(&drive, &Vector3::y(), 4);
+    let why = refused(antenna, EstimatedTrajectory { path: "other".into(), ..other });
     assert!(matches!(why, NoExtrinsics::NoOrientations { .. }), "{why}");
+    let odometry = drive.odometry();
+    let copied = EstimatedTrajectory { path: "copy".into(), ..odometry.clone() };
+    assert!(matches!(refused(odometry, copied), NoExtrinsics::Same(..)));
 }
