@@ -54,7 +54,8 @@ impl JudgingArguments {
     ) -> Result<Vec<(EstimatedTrajectory, Options)>, Failure> {
         let mut estimates = Vec::new();
         for (path, options) in paths.iter().zip(self.options_of_each(paths.len())?) {
-            estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
+            estimates
+                .extend(estimate_file::read(path)?.into_iter().map(|estimate| (estimate, options)));
         }
         Ok(estimates)
     }

@@ -75,9 +75,10 @@ impl State {
         let Some(open) = self.deployments.get(id) else { return };
         let alone = open.deployment.ground_truth.iter().filter(|alone| {
             // A file that is read again replaces its earlier reading.
-            !read.iter().any(|one| one.is_same(alone))
+            !read.iter().any(|other| other.is_same(alone))
         });
-        let all = alone.chain(read).map(|one| EstimatedTrajectory::clone(one)).collect();
+        let all =
+            alone.chain(read).map(|trajectory| EstimatedTrajectory::clone(trajectory)).collect();
         self.replace_evaluation(id, Vec::new(), move || EvaluationFiles::of(all));
     }
 
@@ -85,7 +86,7 @@ impl State {
     /// trajectory becomes one of them; a deployment with readings stays open.
     pub(super) fn use_as_ground_truth(&mut self, colour: usize) {
         let Some(open) = self.active() else { return };
-        let Some(index) = open.judging.added.iter().position(|one| one.colour == colour) else {
+        let Some(index) = open.judging.added.iter().position(|added| added.colour == colour) else {
             return;
         };
         let added = open.judging.added.clone();
@@ -129,7 +130,7 @@ impl State {
     /// Returns true if trajectories are to be evaluated against the built-in sample that is shown until the user opens something: they are of its
     /// time, and none of them is a ground truth.
     pub(super) fn are_of_sample(open: &OpenDeployment, read: &[Arc<EstimatedTrajectory>]) -> bool {
-        let all: Vec<&EstimatedTrajectory> = read.iter().map(|one| &**one).collect();
+        let all: Vec<&EstimatedTrajectory> = read.iter().map(|trajectory| &**trajectory).collect();
         let is_undecided = choose_truth(&all)
             .is_none_or(|(_, reason)| matches!(reason, TruthReason::Alone | TruthReason::Last));
         let [from_s, to_s] = open.timeline.whole_s;

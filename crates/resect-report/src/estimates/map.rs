@@ -118,7 +118,7 @@ fn draw_panel(
 ) {
     let errors = &estimate.errors[..];
     let frame = extent.frame([left, top]);
-    let place = |position_m: Vector3<f64>| {
+    let to_picture = |position_m: Vector3<f64>| {
         frame.place(position_m.x - extent.origin_m[0], position_m.y - extent.origin_m[1])
     };
     let rmse = format!(": {:.1} mm rmse", 1e3 * estimate.position.rmse);
@@ -134,23 +134,23 @@ fn draw_panel(
             .iter()
             .filter(|error| (span.span_s[0]..=span.span_s[1]).contains(&error.time_s))
             .collect();
-        let points = thinned(in_span.iter().map(|error| place(estimated_m(error))));
+        let points = thinned(in_span.iter().map(|error| to_picture(estimated_m(error))));
         marks.push(Mark::Line { points, ink: odd_ink(span.odd_one), width: 14.0, dashed: false });
     }
     let runs = runs_without_gaps(errors);
     for run in &runs {
-        let points = thinned(run.iter().map(|error| place(estimated_m(error))));
+        let points = thinned(run.iter().map(|error| to_picture(estimated_m(error))));
         marks.push(Mark::Line { points, ink: Ink::Weak, width: 4.2, dashed: false });
     }
     for run in &runs {
-        draw_coloured(run, most_mm, &|error| place(estimated_m(error)), marks);
+        draw_coloured(run, most_mm, &|error| to_picture(estimated_m(error)), marks);
     }
     for run in &runs {
-        let points = thinned(run.iter().map(|error| place(error.true_position_m)));
+        let points = thinned(run.iter().map(|error| to_picture(error.true_position_m)));
         marks.push(Mark::Line { points, ink: Ink::Text, width: 0.7, dashed: false });
     }
     if let Some(first) = errors.first() {
-        draw_start(place(estimated_m(first)), marks);
+        draw_start(to_picture(estimated_m(first)), marks);
     }
     draw_bar(most_mm, [left + extent.size[0] + BAR_GAP, top], extent.size[1], marks);
 }
@@ -179,7 +179,7 @@ fn runs_without_gaps(errors: &[EpochError]) -> Vec<&[EpochError]> {
 fn draw_coloured(
     errors: &[EpochError],
     most_mm: f64,
-    place: &dyn Fn(&EpochError) -> [f32; 2],
+    to_picture: &dyn Fn(&EpochError) -> [f32; 2],
     marks: &mut Vec<Mark>,
 ) {
     let colour = |index: usize| {
@@ -189,7 +189,7 @@ fn draw_coloured(
     let steps: Vec<usize> = (0..errors.len().saturating_sub(1)).collect();
     for run in steps.chunk_by(|a, b| colour(*a) == colour(*b)) {
         let ends = run[0]..=run[run.len() - 1] + 1;
-        let points = thinned(errors[ends].iter().map(place));
+        let points = thinned(errors[ends].iter().map(to_picture));
         let ink = colour_ink(colour(run[0]));
         marks.push(Mark::Line { points, ink, width: 3.0, dashed: false });
     }

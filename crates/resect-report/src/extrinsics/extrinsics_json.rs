@@ -52,11 +52,11 @@ pub fn extrinsics_json(extrinsics: &Extrinsics) -> Value {
         "directions": extrinsics
             .directions
             .iter()
-            .map(|one| {
+            .map(|axis| {
                 json!({
-                    "direction": vector(one.direction),
-                    "sigma_m": one.sigma_m,
-                    "determined": one.is_determined(),
+                    "direction": vector(axis.direction),
+                    "sigma_m": axis.sigma_m,
+                    "determined": axis.is_determined(),
                 })
             })
             .collect::<Vec<_>>(),

@@ -5,7 +5,7 @@ use super::solution::Solution;
 /// Largest difference of two halves that is no contradiction, in σ. Textbook: of eight numbers, 3.5 σ are exceeded once in 270 drives.
 pub const MOST_SIGMAS: f64 = 3.5;
 
-/// Difference of one number between the halves of the drive.
+/// Difference of a number between the halves of the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HalvesDifference {
     /// Name of the number: "time offset", "lever arm, x".
@@ -61,20 +61,20 @@ pub fn differences([first, second]: &[Solution; 2]) -> Vec<HalvesDifference> {
         let Some([(a, sigma_a), (b, sigma_b)]) = both else { return };
         all.push(HalvesDifference { name, difference: b - a, sigma: sigma_a.hypot(sigma_b), unit });
     };
-    let clock = |one: &Solution| Some((one.time_offset_s, one.time_offset_sigma_s?));
+    let clock = |half: &Solution| Some((half.time_offset_s, half.time_offset_sigma_s?));
     let pair = clock(first).zip(clock(second)).map(|(a, b)| [a, b]);
     add("time offset".to_owned(), HalvesUnit::Second, pair);
     for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
-        let lever = |one: &Solution| {
-            let sigma_m = one.lever_sigma_m?[axis];
-            one.determines_lever[axis].then_some((one.a_from_b.translation_m[axis], sigma_m))
+        let lever = |half: &Solution| {
+            let sigma_m = half.lever_sigma_m?[axis];
+            half.determines_lever[axis].then_some((half.a_from_b.translation_m[axis], sigma_m))
         };
         let pair = lever(first).zip(lever(second)).map(|(a, b)| [a, b]);
         add(format!("lever arm, {letter}"), HalvesUnit::Metre, pair);
     }
     let turn = (second.a_from_b.rotation * first.a_from_b.rotation.inverse()).scaled_axis();
     for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
-        let sigma = |one: &Solution| Some(one.rotation_sigma_rad?[axis]);
+        let sigma = |half: &Solution| Some(half.rotation_sigma_rad?[axis]);
         let pair = sigma(first).zip(sigma(second)).map(|(a, b)| [(0.0, a), (turn[axis], b)]);
         add(format!("rotation about {letter}"), HalvesUnit::Radian, pair);
     }
