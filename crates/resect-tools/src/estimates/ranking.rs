@@ -33,6 +33,8 @@ const LONGER: f64 = 1.5;
 const LEAST_SHARE: f64 = 1e-3;
 /// Errors whose logarithms differ less are equal for all purposes.
 const ALIKE: f64 = 1e-3;
+/// Errors below this size (m, rad) are those of numbers that are rounded in files.
+const ROUNDED: f64 = 1e-6;
 
 /// A kind of error by which estimates are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,7 +220,8 @@ fn compare_errors(
         Estimate { value: sign * one.value, ..one }
     });
     let comparison = PairComparison { ln_factor, ..comparison };
-    let is_alike = comparison.rmse[1] - comparison.rmse[0] <= ALIKE * comparison.rmse[1];
+    let [_, larger] = comparison.rmse;
+    let is_alike = larger - comparison.rmse[0] <= ALIKE * larger || larger < ROUNDED;
     let verdict = match comparison.sigmas() {
         _ if is_alike => PairVerdict::Alike,
         Some(sigmas) if sigmas >= SUPPORTED_SIGMAS => PairVerdict::Better,
@@ -316,6 +319,15 @@ mod tests {
             epoch.rotation_rad = epoch.rotation_rad.map(|turn| turn - mean_rad / count);
         }
         epochs
+    }
+
+    /// Errors of a nanometre are those of rounding, and say nothing about two estimates.
+    #[test]
+    fn errors_of_rounding_are_alike() {
+        let [a, b] = [(1, 1e-9), (2, 1e-8)].map(|(seed, drift_m)| drifting(seed, drift_m));
+        let comparisons = compare_pair([0, 1], [&a, &b]);
+        assert!(comparisons.iter().any(|two| two.verdict == PairVerdict::Alike));
+        assert!(comparisons.iter().all(|two| !two.is_significant()), "{comparisons:?}");
     }
 
     /// Each kind of error is inconclusive for 200 pairs with equal drift: relative errors for at least 98 %, absolute ones for 95 %.
