@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::names::{SOURCES, files_of};
 
 /// Most lines of code of each crate, in the order of [`SOURCES`].
-const MOST_LINES: [usize; SOURCES.len()] = [26304, 12050, 13785, 2402, 8206, 33176];
+const MOST_LINES: [usize; SOURCES.len()] = [26304, 12057, 13785, 2402, 8209, 33183];
 
 fn is_test(path: &Path) -> bool {
     let mut names = path.iter().filter_map(|name| name.to_str());
