@@ -21,7 +21,7 @@ pub fn code(text: &str) -> egui::RichText {
 pub fn set_fonts(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
     let mut fonts = egui::FontDefinitions::default();
-    let inter = egui::FontData::from_static(resect_report::font::INTER);
+    let inter = egui::FontData::from_static(*resect_report::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
     // Tables are in Inter, with figures of one width. Commands and files keep egui's own monospaced font.

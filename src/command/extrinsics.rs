@@ -7,7 +7,7 @@ use clap::Args;
 use super::choice::{TRANSFORM_FORMATS, choice};
 use super::judging_args::{convention, one_or_each};
 use super::{Failure, print};
-use resect_io::estimate_file::read_truth;
+use resect_io::estimate_file::{read_truth, refuse_topic_of_file};
 use resect_io::gnss_solution::SolutionChoice;
 use resect_report::extrinsics::{extrinsics_copy, extrinsics_json, extrinsics_text};
 use resect_report::named_transform::TransformFormat;
@@ -59,6 +59,15 @@ pub fn run(arguments: &ExtrinsicsArguments) -> Result<(), Failure> {
     let conventions = one_or_each("--convention", &arguments.convention, 2)?;
     let read = |path: &PathBuf, topic| read_truth(path, topic, SolutionChoice::Best);
     let both = [read(&arguments.body, topics[0])?, read(&arguments.other, topics[1])?];
+    let paths = [&arguments.body, &arguments.other];
+    let unused = topics.iter().zip(paths).zip(&both).find_map(|((topic, path), read)| {
+        topic.filter(|_| read.topic.is_none()).map(|topic| (path, topic))
+    });
+    // One topic is that of all bags.
+    let is_used = arguments.topic.len() < 2 && both.iter().any(|read| read.topic.is_some());
+    if let Some((path, topic)) = unused.filter(|_| !is_used) {
+        return Err(refuse_topic_of_file(path, topic).into());
+    }
     let options = Options {
         alignment: match arguments.free_scale {
             true => TrajectoryAlignment::Similarity,

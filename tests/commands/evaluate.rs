@@ -19,8 +19,8 @@ use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::ranking::{ComparedError, PairComparison};
 use resect_tools::estimates::unfit::Unfit;
 use resect_tools::estimates::{
-    Body, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, TrajectoryAlignment,
-    Unjudged, judge,
+    Body, EstimatedTrajectory, EstimatesJudgement, GroundTruth, Options, RelativeOptions,
+    TrajectoryAlignment, Unjudged, judge,
 };
 use resect_tools::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
@@ -353,7 +353,7 @@ fn equal_drift_is_inconclusive_and_twice_the_drift_is_found_over_paths() {
     };
     let all: Vec<Vec<PairComparison>> = (0..SEEDS).into_par_iter().map(compared).collect();
     let mut failures = Vec::new();
-    for kind in ComparedError::all() {
+    for kind in ComparedError::all(&RelativeOptions::default()) {
         let of = |pair: [usize; 2]| {
             all.iter().flatten().filter(move |two| {
                 two.kind == kind && pair.contains(&two.better) && pair.contains(&two.worse)

@@ -129,6 +129,11 @@ pub fn read_truth(
     }
 }
 
+/// Returns an error for a topic of a file that has no topics.
+pub fn refuse_topic_of_file(path: &Path, topic: &str) -> OpenError {
+    OpenError::file(&path.display().to_string(), "it has no topics", format!("leave out {topic}"))
+}
+
 fn read_wanted(path: &Path, wanted: Wanted) -> Result<Vec<EstimatedTrajectory>, OpenError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let pieces = pieces_of_bag(path)?;

@@ -103,6 +103,9 @@ impl Source {
         let mut found = match &self.place {
             Place::GroundTruth(TrajectoryFile { path, topic, solutions }) => {
                 let truth = estimate_file::read_truth(path, topic.as_deref(), *solutions)?;
+                if let (Some(topic), None) = (topic, &truth.topic) {
+                    return Err(estimate_file::refuse_topic_of_file(path, topic));
+                }
                 return Ok(Deployment::of_ground_truth(Arc::new(truth)));
             }
             Place::Path(path) => open::find(path, progress)?,

@@ -131,7 +131,7 @@ pub fn escaped(text: &str) -> String {
 /// Renders an SVG as PNG, with `scale` pixels for each unit. Texts are in Inter, whatever fonts the machine has.
 pub fn to_png(svg: &str, scale: f32) -> Result<Vec<u8>, PictureError> {
     let mut options = usvg::Options { font_family: "Inter".into(), ..Default::default() };
-    let font = usvg::fontdb::Source::Binary(Arc::new(INTER));
+    let font = usvg::fontdb::Source::Binary(Arc::new(*INTER));
     options.fontdb_mut().load_font_source(font);
     let tree = usvg::Tree::from_str(svg, &options)?;
     let [width, height] = [tree.size().width(), tree.size().height()].map(|side| side * scale);

@@ -4,6 +4,7 @@
 egui asks no font for its features. In front of Inter in one family, these figures keep the columns of tables straight. Needs
 fonttools:
 
+    zstd -d Inter-Regular.otf.zst
     python3 figures.py Inter-Regular.otf Figures-Regular.otf
 """
 

@@ -51,7 +51,7 @@ impl DriveErrors {
         for (index, judged) in judgement.judged.iter().enumerate() {
             let cell = |row: &super::rows::ErrorRow| {
                 let cell = match row.why_empty[index].is_empty() {
-                    true => Ok(row.cells[index].clone()),
+                    true => Ok(row.values[index].clone()),
                     false => Err(row.why_empty[index].clone()),
                 };
                 (column(&row.label), cell)

@@ -148,6 +148,7 @@ fn ape(sizes: &Ape) -> Value {
     json!({
         "count": sizes.count,
         "rmse": sizes.rmse,
+        "rmse_sigma": sizes.rmse_sigma,
         "mean": sizes.mean,
         "median": sizes.median,
         "std": sizes.std,

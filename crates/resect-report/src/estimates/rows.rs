@@ -44,6 +44,8 @@ pub struct ErrorRow {
     pub label: String,
     /// A cell for each estimate; [`EMPTY`] if it has no value.
     pub cells: Vec<String>,
+    /// The same without σ of errors.
+    pub values: Vec<String>,
     /// The reason of each empty cell; nothing for the others.
     pub why_empty: Vec<String>,
 }
@@ -53,6 +55,9 @@ pub const EMPTY: &str = "–";
 
 /// A value, or the reason why there is none.
 type Cell = Result<String, Cow<'static, str>>;
+
+/// Size of errors, or the reason why there is none.
+type ErrorCell = Result<Ape, Cow<'static, str>>;
 
 /// Rows so far.
 struct ErrorRows<'a> {
@@ -65,11 +70,36 @@ impl ErrorRows<'_> {
     fn add(&mut self, label: &str, cell: &dyn Fn(&Judged) -> Cell) {
         let cells: Vec<Cell> = self.judgement.judged.iter().map(cell).collect();
         let why = |cell: &Cell| cell.as_ref().err().map(ToString::to_string).unwrap_or_default();
+        let why_empty = cells.iter().map(why).collect();
+        let cells: Vec<String> =
+            cells.into_iter().map(|cell| cell.unwrap_or(EMPTY.into())).collect();
         self.rows.push(ErrorRow {
             label: label.to_owned(),
-            why_empty: cells.iter().map(why).collect(),
-            cells: cells.into_iter().map(|cell| cell.unwrap_or(EMPTY.into())).collect(),
+            why_empty,
+            values: cells.clone(),
+            cells,
         });
+    }
+
+    /// Adds a row of root mean square errors with the σ that clock, lever arm and body give them.
+    fn add_rmse(
+        &mut self,
+        label: &str,
+        formatted: &dyn Fn(f64) -> String,
+        error: &dyn Fn(&Judged) -> ErrorCell,
+    ) {
+        self.add(label, &|judged| Ok(formatted(error(judged)?.rmse)));
+        let Some(row) = self.rows.last_mut() else { return };
+        for (cell, judged) in row.cells.iter_mut().zip(&self.judgement.judged) {
+            if let Some(sigma) = error(judged).ok().and_then(|ape| ape.rmse_sigma) {
+                // Rounded up, because nothing is known exactly.
+                let digits = formatted(sigma);
+                let is_zero = digits.chars().all(|digit| matches!(digit, '0' | '.'));
+                let digits =
+                    if is_zero { digits[..digits.len() - 1].to_owned() + "1" } else { digits };
+                *cell += &format!(" ± {digits}");
+            }
+        }
     }
 
     /// Adds a row that not every comparison has, unless all its cells are empty.
@@ -190,17 +220,30 @@ fn add_fit(rows: &mut ErrorRows<'_>) {
             Ok(with_sigma(lever_m[axis], one.fit.lever_arm_sigma_m.map(|sigma| sigma[axis])))
         });
     }
+    for (axis, name) in ["roll", "pitch", "yaw"].iter().enumerate() {
+        rows.add_if_any(&format!("body, {name} (°)"), NO_ORIENTATION, &|one| {
+            let [value, sigma] = one
+                .fit
+                .body_angles_rad()
+                .map(|angles| [angles[axis].value, angles[axis].sigma].map(f64::to_degrees))?;
+            let sigma = match sigma > 0.0 {
+                true => format!(" ± {sigma:.3}"),
+                false => " given".to_owned(),
+            };
+            Some(format!("{value:+.3}{sigma}"))
+        });
+    }
     rows.add_if_any("scale", SCALE_NOT_ESTIMATED, &|one| {
         (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale))
     });
 }
 
 fn add_absolute_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
-    for name in ["rmse", "mean", "median", "std", "min", "max"] {
+    rows.add_rmse("APE position, rmse (mm)", &millimetres, &|judged| Ok(judged.position));
+    for name in ["mean", "median", "std", "min", "max"] {
         rows.add(&format!("APE position, {name} (mm)"), &|judged| {
             let ape = &judged.position;
             Ok(millimetres(match name {
-                "rmse" => ape.rmse,
                 "mean" => ape.mean,
                 "median" => ape.median,
                 "std" => ape.std,
@@ -215,8 +258,9 @@ fn add_absolute_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
     rows.add("APE not aligned, rmse (mm)", &|judged| {
         Ok(millimetres(judged.unaligned.in_own_frame.rmse))
     });
-    rows.add(&format!("APE rotation, rmse ({})", angles.unit), &|judged| {
-        Ok(angles.format(judged.rotation.ok_or(NO_ORIENTATION)?.rmse))
+    let formatted = |angle_rad| angles.format(angle_rad);
+    rows.add_rmse(&format!("APE rotation, rmse ({})", angles.unit), &formatted, &|judged| {
+        Ok(judged.rotation.ok_or(NO_ORIENTATION)?)
     });
 }
 
@@ -238,23 +282,22 @@ fn add_relative_errors(rows: &mut ErrorRows<'_>, angles: Angles) {
         let has_pose = |judged: &Judged| judged.rotation.is_some();
         let has_poses = rows.judgement.judged.iter().any(has_pose);
         let label = format!("RPE over {delta}{pairs}");
-        let rotation = |judged: &Judged| -> Result<Ape, Cow<'static, str>> {
-            judged.rotation.ok_or(NO_ORIENTATION)?;
-            Ok(errors(judged)?.rotation.ok_or(NO_ORIENTATION)?)
-        };
         if has_poses {
-            rows.add(&format!("{label}, rmse (mm)"), &|judged| {
+            rows.add_rmse(&format!("{label}, rmse (mm)"), &millimetres, &|judged| {
                 judged.rotation.ok_or(ONLY_DISTANCE)?;
-                Ok(millimetres(errors(judged)?.position.rmse))
+                Ok(errors(judged)?.position)
             });
         }
-        rows.add(&format!("{label}, rmse ({})", angles.unit), &|judged| {
-            Ok(angles.format(rotation(judged)?.rmse))
+        let formatted = |angle_rad| angles.format(angle_rad);
+        rows.add_rmse(&format!("{label}, rmse ({})", angles.unit), &formatted, &|judged| {
+            judged.rotation.ok_or(NO_ORIENTATION)?;
+            Ok(errors(judged)?.rotation.ok_or(NO_ORIENTATION)?)
         });
         if !rows.judgement.judged.iter().all(has_pose) {
-            rows.add(&format!("{label}, distance (mm)"), &|judged| match has_pose(judged) {
+            let label = format!("{label}, distance (mm)");
+            rows.add_rmse(&label, &millimetres, &|judged| match has_pose(judged) {
                 true => Err(WITH_ORIENTATION.into()),
-                false => Ok(millimetres(errors(judged)?.position.rmse)),
+                false => Ok(errors(judged)?.position),
             });
         }
     }

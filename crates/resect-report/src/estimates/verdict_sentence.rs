@@ -3,7 +3,7 @@
 use super::rows::{Angles, millimetres};
 use super::verdicts::error_in_words;
 use resect_tools::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
-use resect_tools::estimates::{EstimatedTrajectory, EstimatesJudgement, RELATIVE_M};
+use resect_tools::estimates::{Delta, EstimatedTrajectory, EstimatesJudgement};
 
 /// Advice for a trajectory that is alone.
 pub const ADD_A_TRUTH: &str = "One trajectory alone cannot be evaluated: add its ground truth, a deployment or another trajectory.";
@@ -20,10 +20,11 @@ pub fn verdict_sentence(judgement: &EstimatesJudgement, angles: Angles) -> Optio
         return Some(format!("{}: {position}{rotation}, rmse", only.estimate.name));
     }
     let count = judgement.judged.len();
+    let deltas = &judgement.motions.deltas;
     let mut better = vec![Vec::new(); count];
     let (mut inconclusive, mut alike) = (Vec::new(), Vec::new());
     let mut most_sigmas: f64 = 0.0;
-    for kind in ComparedError::all() {
+    for kind in ComparedError::all(&judgement.motions) {
         match outcome(judgement, kind) {
             Some(KindOutcome::Best(index)) => better[index].push(kind),
             Some(KindOutcome::Inconclusive(sigmas)) => {
@@ -37,7 +38,7 @@ pub fn verdict_sentence(judgement: &EstimatesJudgement, angles: Angles) -> Optio
     let word = if count > 2 { "best" } else { "better" };
     let named = better.iter().zip(&judgement.judged).filter(|(kinds, _)| !kinds.is_empty());
     let mut clauses: Vec<String> = named
-        .map(|(kinds, one)| format!("{} is {word} {}", one.estimate.name, in_words(kinds)))
+        .map(|(kinds, one)| format!("{} is {word} {}", one.estimate.name, in_words(kinds, deltas)))
         .collect();
     match inconclusive[..] {
         [] => {}
@@ -46,12 +47,12 @@ pub fn verdict_sentence(judgement: &EstimatesJudgement, angles: Angles) -> Optio
         }
         _ => {
             let most = if inconclusive.len() > 1 { "at most " } else { "" };
-            let kinds = in_words(&inconclusive);
+            let kinds = in_words(&inconclusive, deltas);
             clauses.push(format!("inconclusive {kinds} ({most}{most_sigmas:.1} σ)"));
         }
     }
     if !alike.is_empty() {
-        clauses.push(format!("no difference {}", in_words(&alike)));
+        clauses.push(format!("no difference {}", in_words(&alike, deltas)));
     }
     (!clauses.is_empty()).then(|| clauses.join("; "))
 }
@@ -85,8 +86,8 @@ fn outcome(judgement: &EstimatesJudgement, kind: ComparedError) -> Option<KindOu
     sigmas.map(KindOutcome::Inconclusive).or(is_alike.then_some(KindOutcome::Alike))
 }
 
-/// Names kinds of error: "in position, rotation and over 1 to 20 m".
-fn in_words(kinds: &[ComparedError]) -> String {
+/// Names kinds of error: "in position, rotation and over 1 to 20 m"; `deltas` are all sizes of motions that were compared.
+fn in_words(kinds: &[ComparedError], deltas: &[Delta]) -> String {
     let mut words = Vec::new();
     for (kind, name) in
         [(ComparedError::Position, "position"), (ComparedError::Rotation, "rotation")]
@@ -95,15 +96,15 @@ fn in_words(kinds: &[ComparedError]) -> String {
             words.push(name.to_owned());
         }
     }
-    let over = |kind: fn(f64) -> ComparedError| -> Vec<usize> {
-        (0..RELATIVE_M.len()).filter(|index| kinds.contains(&kind(RELATIVE_M[*index]))).collect()
+    let over = |kind: fn(Delta) -> ComparedError| -> Vec<usize> {
+        (0..deltas.len()).filter(|index| kinds.contains(&kind(deltas[*index]))).collect()
     };
-    let of_both = [over(ComparedError::PositionOverPath), over(ComparedError::RotationOverPath)];
+    let of_both = [over(ComparedError::PositionOver), over(ComparedError::RotationOver)];
     if of_both[0] == of_both[1] {
-        words.extend(lengths(&of_both[0]).map(|lengths| format!("over {lengths}")));
+        words.extend(sizes(&of_both[0], deltas).map(|sizes| format!("over {sizes}")));
     } else {
         for (indices, name) in of_both.iter().zip(["position", "rotation"]) {
-            words.extend(lengths(indices).map(|lengths| format!("{name} over {lengths}")));
+            words.extend(sizes(indices, deltas).map(|sizes| format!("{name} over {sizes}")));
         }
     }
     let preposition = if words.iter().all(|word| word.starts_with("over")) { "" } else { "in " };
@@ -114,13 +115,21 @@ fn in_words(kinds: &[ComparedError]) -> String {
     }
 }
 
-/// Names lengths of paths by their indices: "1 to 20 m", or "1, 10 m" if some between them are missing.
-fn lengths(indices: &[usize]) -> Option<String> {
+/// Names sizes of motions by their indices: "1 to 20 m", or "1, 10 m" if some between them are missing.
+fn sizes(indices: &[usize], deltas: &[Delta]) -> Option<String> {
     let (first, last) = (*indices.first()?, *indices.last()?);
-    let each: Vec<String> = indices.iter().map(|index| RELATIVE_M[*index].to_string()).collect();
-    Some(match last - first + 1 == indices.len() && indices.len() > 1 {
-        true => format!("{} to {} m", RELATIVE_M[first], RELATIVE_M[last]),
-        false => format!("{} m", each.join(", ")),
+    let units = |index: &usize| deltas[*index].unit();
+    if indices.iter().any(|index| units(index) != units(&first)) {
+        let each: Vec<String> = indices.iter().map(|index| deltas[*index].to_string()).collect();
+        return Some(each.join(", "));
+    }
+    let values: Vec<String> =
+        indices.iter().map(|index| deltas[*index].value().to_string()).collect();
+    let (others, largest) = (&values[..values.len() - 1], deltas[last]);
+    Some(match (last - first + 1 == indices.len(), others) {
+        (_, []) => largest.to_string(),
+        (true, [smallest, ..]) => format!("{smallest} to {largest}"),
+        (false, others) => format!("{}, {largest}", others.join(", ")),
     })
 }
 
@@ -145,24 +154,24 @@ pub fn trajectory_in_words(trajectory: &EstimatedTrajectory) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_tools::estimates::RelativeOptions;
 
     #[test]
-    fn kinds_of_error_are_grouped_by_the_length_of_their_paths() {
-        use ComparedError::{Position, PositionOverPath, Rotation, RotationOverPath};
-        let all = ComparedError::all();
-        let [shortest, .., longest] = RELATIVE_M;
-        assert_eq!(
-            in_words(&all),
-            format!("in position, rotation and over {shortest} to {longest} m")
-        );
-        assert_eq!(in_words(&[Position]), "in position");
-        assert_eq!(
-            in_words(&[Rotation, PositionOverPath(shortest)]),
-            format!("in rotation and position over {shortest} m")
-        );
-        let ends = [RotationOverPath(shortest), RotationOverPath(longest)];
-        let both = [PositionOverPath(shortest), RotationOverPath(shortest)];
-        assert_eq!(in_words(&both), format!("over {shortest} m"));
-        assert_eq!(in_words(&ends), format!("in rotation over {shortest}, {longest} m"));
+    fn kinds_of_error_are_grouped_by_the_size_of_their_motions() {
+        use ComparedError::{Position, PositionOver, Rotation, RotationOver};
+        let usual = RelativeOptions::default();
+        let words = |kinds: &[ComparedError]| in_words(kinds, &usual.deltas);
+        let [shortest, .., longest] = usual.deltas[..] else { panic!("several sizes") };
+        let all = ComparedError::all(&usual);
+        assert_eq!(words(&all), "in position, rotation and over 1 to 100 m");
+        assert_eq!(words(&[Position]), "in position");
+        assert_eq!(words(&[Rotation, PositionOver(shortest)]), "in rotation and position over 1 m");
+        let both = [PositionOver(shortest), RotationOver(shortest)];
+        assert_eq!(words(&both), "over 1 m");
+        let ends = [RotationOver(shortest), RotationOver(longest)];
+        assert_eq!(words(&ends), "in rotation over 1, 100 m");
+        let mixed = [Delta::PathM(5.0), Delta::TimeS(10.0)];
+        let both = mixed.map(PositionOver);
+        assert_eq!(in_words(&both, &mixed), "in position over 5 m, 10 s");
     }
 }

@@ -1,8 +1,8 @@
 //! The table of verdicts: for each pair of estimates, a row for each kind of error.
 
 use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS, decimals_of};
-use resect_tools::estimates::EstimatesJudgement;
 use resect_tools::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
+use resect_tools::estimates::{Delta, EstimatesJudgement};
 
 use super::rows::{Angles, EMPTY, NO_ORIENTATION, millimetres};
 
@@ -39,7 +39,7 @@ pub fn verdicts(judgement: &EstimatesJudgement, angles: Angles) -> Vec<PairTable
     let table = |estimates: [usize; 2]| PairTable {
         estimates,
         names: estimates.map(|index| judgement.judged[index].estimate.name.clone()),
-        rows: ComparedError::all()
+        rows: ComparedError::all(&judgement.motions)
             .into_iter()
             .filter(|kind| !kind.is_rotation() || has_rotation(judgement, estimates))
             .map(|kind| row(judgement, estimates, kind, angles))
@@ -93,11 +93,14 @@ fn absent(
     let have_rotation =
         estimates.into_iter().all(|index| judgement.judged[index].rotation.is_some());
     match kind {
-        ComparedError::Rotation | ComparedError::RotationOverPath(_) if !have_rotation => {
+        ComparedError::Rotation | ComparedError::RotationOver(_) if !have_rotation => {
             NO_ORIENTATION
         }
         ComparedError::Position | ComparedError::Rotation => "the two have no instants in common",
-        _ => "no common path is so long",
+        ComparedError::PositionOver(delta) | ComparedError::RotationOver(delta) => match delta {
+            Delta::RotationDegrees(_) => "the two have no common motions by angle",
+            _ => "no common motion is so long",
+        },
     }
 }
 
@@ -106,11 +109,11 @@ fn label(kind: ComparedError, is_of_distances: bool, angles: Angles) -> String {
     match kind {
         ComparedError::Position => "APE position (mm)".to_owned(),
         ComparedError::Rotation => format!("APE rotation ({unit})"),
-        ComparedError::PositionOverPath(path_m) if is_of_distances => {
-            format!("RPE over {path_m} m, distance (mm)")
+        ComparedError::PositionOver(delta) if is_of_distances => {
+            format!("RPE over {delta}, distance (mm)")
         }
-        ComparedError::PositionOverPath(path_m) => format!("RPE over {path_m} m (mm)"),
-        ComparedError::RotationOverPath(path_m) => format!("RPE over {path_m} m ({unit})"),
+        ComparedError::PositionOver(delta) => format!("RPE over {delta} (mm)"),
+        ComparedError::RotationOver(delta) => format!("RPE over {delta} ({unit})"),
     }
 }
 
@@ -119,8 +122,8 @@ pub fn error_in_words(kind: ComparedError) -> String {
     match kind {
         ComparedError::Position => "position".to_owned(),
         ComparedError::Rotation => "rotation".to_owned(),
-        ComparedError::PositionOverPath(path_m) => format!("position over {path_m} m"),
-        ComparedError::RotationOverPath(path_m) => format!("rotation over {path_m} m"),
+        ComparedError::PositionOver(delta) => format!("position over {delta}"),
+        ComparedError::RotationOver(delta) => format!("rotation over {delta}"),
     }
 }
 

@@ -101,7 +101,9 @@ pub fn extrinsics_text(extrinsics: &Extrinsics) -> String {
     let findings = findings.map(|finding| format!("{} {finding}", finding.severity.mark()));
     let findings: Vec<String> = findings.collect();
     if !findings.is_empty() {
-        lines.push(String::new());
+        let truth =
+            &extrinsics.names[usize::from(extrinsics.solution.rotation_sigma_rad.is_none())];
+        lines.extend([String::new(), format!("Findings, with {truth} as the ground truth:")]);
         lines.extend(findings);
     }
     lines.push(String::new());

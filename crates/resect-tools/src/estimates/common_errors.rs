@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::delta::Delta;
 use super::errors::EpochError;
 use resect_core::statistics::median;
 
@@ -22,8 +23,8 @@ pub struct CommonError {
     pub errors: [Vector3<f64>; 2],
     /// Covariance of the ground truth's own error, which both contain; zero if it states none.
     pub covariance: Matrix3<f64>,
-    /// Length of the path along the ground truth (m); zero at an instant.
-    pub length_m: f64,
+    /// Size of the motion, in the unit of its delta; zero at an instant.
+    pub size: f64,
 }
 
 /// Pairs the epochs of two estimates that are nearest in time, each used once.
@@ -60,7 +61,7 @@ pub fn positions(pairs: &[[&EpochError; 2]]) -> Vec<CommonError> {
         time_s: pair[0].time_s,
         errors: pair.map(|epoch| epoch.position_m),
         covariance: mean(pair.map(|epoch| epoch.covariance_m2)),
-        length_m: 0.0,
+        size: 0.0,
     };
     pairs.iter().map(one).collect()
 }
@@ -72,7 +73,7 @@ pub fn rotations(pairs: &[[&EpochError; 2]]) -> Vec<CommonError> {
             time_s: pair[0].time_s,
             errors: [pair[0].rotation_rad?, pair[1].rotation_rad?],
             covariance: mean(pair.map(|epoch| epoch.covariance_rad2)),
-            length_m: 0.0,
+            size: 0.0,
         })
     };
     pairs.iter().filter_map(one).collect()
@@ -84,38 +85,46 @@ fn mean(both: [Option<Matrix3<f64>>; 2]) -> Matrix3<f64> {
     first.zip(second).map_or(Matrix3::zeros(), |(first, second)| (first + second) / 2.0)
 }
 
-/// Relative errors over one path: of the position (m) and of the orientation (rad).
-pub struct PathErrors {
+/// Relative errors over one motion: of the position (m) and of the orientation (rad).
+pub struct MotionErrors {
     pub position: CommonError,
     /// `None` if an estimate has no orientations. The position's error is then that of the distance between both ends.
     pub rotation: Option<CommonError>,
 }
 
-/// Relative errors over consecutive paths of a length (m).
-pub fn over_paths(pairs: &[[&EpochError; 2]], path_m: f64) -> Vec<PathErrors> {
-    let (mut start, mut along_m) = (0, 0.0);
-    let mut paths = Vec::new();
+/// Relative errors over consecutive motions of a size. `None` for angles of rotation, which the two do not have in common.
+pub fn over_motions(pairs: &[[&EpochError; 2]], delta: Delta) -> Option<Vec<MotionErrors>> {
+    let step = |index: usize| {
+        let [before, after] = [&pairs[index - 1], &pairs[index]];
+        let step_m =
+            |which: usize| (after[which].true_position_m - before[which].true_position_m).norm();
+        match delta {
+            Delta::PathM(_) => Some((step_m(0) + step_m(1)) / 2.0),
+            Delta::TimeS(_) => Some(after[0].time_s - before[0].time_s),
+            Delta::Frames(_) => Some(1.0),
+            Delta::RotationDegrees(_) => None,
+        }
+    };
+    let (mut start, mut size) = (0, 0.0);
+    let mut motions = Vec::new();
     for index in 1..pairs.len() {
-        let step_m = |which: usize| {
-            let [before, after] = [index - 1, index].map(|at| pairs[at][which].true_position_m);
-            (after - before).norm()
-        };
-        along_m += (step_m(0) + step_m(1)) / 2.0;
-        if along_m >= path_m {
-            paths.push(path_errors(pairs[start], pairs[index], along_m));
-            (start, along_m) = (index, 0.0);
+        size += step(index)?;
+        // Sums of stamps miss whole numbers by rounding.
+        if size >= delta.value() * (1.0 - 1e-9) {
+            motions.push(motion_errors(pairs[start], pairs[index], size));
+            (start, size) = (index, 0.0);
         }
     }
-    paths
+    Some(motions)
 }
 
-fn path_errors(start: [&EpochError; 2], end: [&EpochError; 2], length_m: f64) -> PathErrors {
+fn motion_errors(start: [&EpochError; 2], end: [&EpochError; 2], size: f64) -> MotionErrors {
     let common = |errors: [Vector3<f64>; 2]| CommonError {
         time_s: end[0].time_s,
         errors,
-        // Errors of the ground truth differ from path to path, so the scatter of the blocks contains them.
+        // Errors of the ground truth differ from motion to motion, so the scatter of the blocks contains them.
         covariance: Matrix3::zeros(),
-        length_m,
+        size,
     };
     let turned = |which: usize| {
         let [before, after] = [start[which].rotation_rad?, end[which].rotation_rad?];
@@ -130,10 +139,10 @@ fn path_errors(start: [&EpochError; 2], end: [&EpochError; 2], length_m: f64) ->
         let off_m = |[estimated_m, true_m]: [Vector3<f64>; 2]| {
             Vector3::x() * (estimated_m.norm() - true_m.norm())
         };
-        return PathErrors { position: common([first_m, second_m].map(off_m)), rotation: None };
+        return MotionErrors { position: common([first_m, second_m].map(off_m)), rotation: None };
     };
     let each = [(first_m, turns.0), (second_m, turns.1)];
-    PathErrors {
+    MotionErrors {
         // The error of the relative pose up to the true orientations, which leave sizes unchanged.
         position: common(
             each.map(|([estimated_m, true_m], [before, _])| {
@@ -185,10 +194,10 @@ mod tests {
     fn a_path_has_the_error_of_its_relative_pose() {
         let all = epochs((0..100).map(|k| f64::from(k) * 0.25));
         let pairs = common_instants(&all, &all);
-        let paths = over_paths(&pairs, 5.0);
+        let paths = over_motions(&pairs, Delta::PathM(5.0)).expect("paths");
         assert_eq!(paths.len(), 4);
         for (index, path) in paths.iter().enumerate() {
-            assert_eq!(path.position.length_m, 5.0);
+            assert_eq!(path.position.size, 5.0);
             let rotation = path.rotation.as_ref().expect("orientations");
             assert!((rotation.errors[0].norm() - 0.05).abs() < 1e-12);
             // The start is turned, so 5 m ahead end up aside as well.
@@ -198,7 +207,8 @@ mod tests {
         }
         let mut positions_only = all.clone();
         positions_only.iter_mut().for_each(|epoch| epoch.rotation_rad = None);
-        let paths = over_paths(&common_instants(&all, &positions_only), 5.0);
+        let paths = over_motions(&common_instants(&all, &positions_only), Delta::PathM(5.0))
+            .expect("paths");
         assert!(paths.iter().all(|path| path.rotation.is_none()));
         let off_m = paths[0].position.errors[0].norm();
         assert!((off_m - (25.25_f64.sqrt() - 5.0)).abs() < 1e-12, "{off_m}");

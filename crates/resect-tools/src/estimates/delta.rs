@@ -29,12 +29,9 @@ pub struct RelativeOptions {
 
 impl Default for RelativeOptions {
     fn default() -> Self {
-        Self { deltas: RELATIVE_M.map(Delta::PathM).to_vec(), all_pairs: false }
+        Self { deltas: [1.0, 5.0, 20.0, 100.0].map(Delta::PathM).to_vec(), all_pairs: false }
     }
 }
-
-/// Lengths of the paths of relative errors (m).
-pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
 
 impl Delta {
     /// Returns the number in its unit.

@@ -5,17 +5,19 @@ use nalgebra::{Rotation3, Vector3};
 use super::agreement::{AgreeingPair, agreements};
 use super::association::is_denser;
 use super::convention_checks::{self, ComparedEstimate, CopiedEstimate};
-use super::delta::RelativeOptions;
+use super::delta::{Delta, RelativeOptions};
 use super::errors::{self, EpochError};
 use super::fit::{self, Fit};
 use super::ground_truth::GroundTruth;
 use super::judged::{Coverage, Judged, UnalignedErrors};
 use super::matched_pose::{MatchedPose, TruePose, consistent};
-use super::metrics::{self, Ape};
+use super::metrics::{self, Ape, RelativeErrors};
+use super::motion_pairs::NoMotions;
 use super::odd::{self, OddOne, OddSpan};
 use super::options::{Body, Options};
 use super::ranking::{self, PairComparison};
 use super::unjudged::Unjudged;
+use super::varied_errors::{self, ErrorChange};
 use crate::findings::conventions::estimate_copy;
 use resect_core::deployment::{EstimatedTrajectory, Finding, Severity, names_of_trajectories};
 use resect_core::geometry::RigidTransform;
@@ -75,7 +77,7 @@ pub fn judge_motions(
     }
     let judged: Vec<Judged> =
         compared.into_iter().zip(odd).map(|(one, odd)| Judged { odd, ..one.judged }).collect();
-    let comparisons = ranking::compare(&judged);
+    let comparisons = ranking::compare(&judged, &motions);
     EstimatesJudgement { comparisons, agreements, judged, unjudged, motions }
 }
 
@@ -151,12 +153,8 @@ fn judge_one(
         // Nearest stamps may lie on both sides of the span's ends.
         _ => Coverage::PosesWithoutTruth(estimate.poses.len().saturating_sub(matched.len())),
     };
-    let errors = errors::errors(&matched, &fit);
-    let position = ape_of(&errors);
-    let rotation = fit
-        .body_rotation
-        .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
-    let relative = metrics::relative(&matched, &fit, motions);
+    let SizedErrors { errors, changes, position, rotation, relative } =
+        sized_errors(&matched, &fit, &options, motions);
     let mut by_sound = fit.clone();
     // With too few self-consistent epochs, the alignment on all epochs is used.
     if fit::align(&mut by_sound, &consistent(&matched), options.alignment).is_err() {
@@ -172,6 +170,7 @@ fn judge_one(
         options,
         fit,
         errors,
+        changes,
         coverage,
         position,
         rotation,
@@ -179,6 +178,51 @@ fn judge_one(
     };
     let truths = matched.into_iter().map(|pair| pair.truth).collect();
     Ok(FittedEstimate { judged, truths, by_sound, has_other_convention })
+}
+
+/// Errors and their sizes, with the σ that clock, lever arm and body give to these.
+struct SizedErrors {
+    errors: Vec<EpochError>,
+    changes: Vec<Vec<ErrorChange>>,
+    position: Ape,
+    rotation: Option<Ape>,
+    relative: Vec<Result<RelativeErrors, (Delta, NoMotions)>>,
+}
+
+fn sized_errors(
+    matched: &[MatchedPose],
+    fit: &Fit,
+    options: &Options,
+    motions: &RelativeOptions,
+) -> SizedErrors {
+    let errors = errors::errors(matched, fit);
+    let has_rotation = fit.body_rotation.is_some();
+    let mut position = ape_of(&errors);
+    let mut rotation = has_rotation.then(|| rotation_of(&errors));
+    let motions = metrics::motions(matched, fit, motions);
+    let mut relative = metrics::relative(matched, fit, &motions);
+    let mut changes = Vec::new();
+    for varied in varied_errors::varied_estimates(matched, fit, options) {
+        let of_errors = varied_errors::changes(&varied, &errors);
+        let changed = varied_errors::changed(&errors, &of_errors);
+        changes.push(of_errors);
+        position.add_change(&ape_of(&changed));
+        if let Some(rotation) = &mut rotation {
+            rotation.add_change(&rotation_of(&changed));
+        }
+        let of_motions = metrics::relative(&varied.matched, &varied.fit, &motions);
+        for (errors, changed) in relative.iter_mut().flatten().zip(of_motions.iter().flatten()) {
+            errors.position.add_change(&changed.position);
+            if let (Some(rotation), Some(changed)) = (&mut errors.rotation, &changed.rotation) {
+                rotation.add_change(changed);
+            }
+        }
+    }
+    SizedErrors { errors, changes, position, rotation, relative }
+}
+
+fn rotation_of(errors: &[EpochError]) -> Ape {
+    Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm())))
 }
 
 /// Leaves out the poses outside the compared span.

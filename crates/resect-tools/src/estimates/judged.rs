@@ -7,6 +7,7 @@ use super::metrics::{Ape, RelativeErrors};
 use super::motion_pairs::NoMotions;
 use super::odd::OddSpan;
 use super::options::{Options, TrajectoryAlignment};
+use super::varied_errors::ErrorChange;
 use resect_core::deployment::EstimatedTrajectory;
 
 /// An estimate compared with the ground truth.
@@ -18,6 +19,8 @@ pub struct Judged {
     pub fit: Fit,
     /// Errors at the times at which both are known, in order of time.
     pub errors: Vec<EpochError>,
+    /// Changes of the errors by one σ of each independent combination of clock, lever arm and body.
+    pub changes: Vec<Vec<ErrorChange>>,
     pub coverage: Coverage,
     pub position: Ape,
     /// The same errors under other alignments.

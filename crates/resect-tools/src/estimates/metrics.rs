@@ -14,6 +14,8 @@ use resect_core::statistics::median;
 pub struct Ape {
     pub count: usize,
     pub rmse: f64,
+    /// σ of the root mean square by those of clock, lever arm and body; `None` if none of these was estimated.
+    pub rmse_sigma: Option<f64>,
     pub mean: f64,
     pub median: f64,
     /// Standard deviation about the mean, normalised by the count.
@@ -34,12 +36,19 @@ impl Ape {
         Self {
             count: sizes.len(),
             rmse: mean_of(&|size| size * size).sqrt(),
+            rmse_sigma: None,
             mean,
             median: median(sizes.iter().copied()).unwrap_or_default(),
             std: mean_of(&|size| (size - mean).powi(2)).sqrt(),
             min: sizes.iter().copied().fold(f64::INFINITY, f64::min),
             max: sizes.iter().copied().fold(0.0, f64::max),
         }
+    }
+
+    /// Adds the variance of an independent change, with which the errors are others.
+    pub fn add_change(&mut self, changed: &Self) {
+        let sigma = self.rmse_sigma.unwrap_or_default();
+        self.rmse_sigma = Some(sigma.hypot(changed.rmse - self.rmse));
     }
 }
 
@@ -72,16 +81,28 @@ impl RelativeErrors {
     }
 }
 
-/// Relative errors over motions of a size along the estimate: `evo_rpe --delta NUMBER --delta_unit m`, and without orientations
-/// with `--pose_relation point_distance`.
+/// Motions of one size, or the reason why there are none.
+pub type Motions = Result<(Delta, Vec<MotionPair>), (Delta, NoMotions)>;
+
+/// Returns the motions of each size along the estimate.
+pub fn motions(matched: &[MatchedPose], fit: &Fit, options: &RelativeOptions) -> Vec<Motions> {
+    let poses: Vec<BothPoses> = matched.iter().map(|pair| both(pair, fit)).collect();
+    let of_delta = |delta: &Delta| match motion_pairs(&poses, *delta, options.all_pairs) {
+        Ok(pairs) => Ok((*delta, pairs)),
+        Err(why) => Err((*delta, why)),
+    };
+    options.deltas.iter().map(of_delta).collect()
+}
+
+/// Relative errors over motions: `evo_rpe --delta NUMBER --delta_unit m`, and without orientations with `--pose_relation point_distance`.
 pub fn relative(
     matched: &[MatchedPose],
     fit: &Fit,
-    options: &RelativeOptions,
+    motions: &[Motions],
 ) -> Vec<Result<RelativeErrors, (Delta, NoMotions)>> {
     let poses: Vec<BothPoses> = matched.iter().map(|pair| both(pair, fit)).collect();
-    let of_delta = |delta: &Delta| {
-        let pairs = motion_pairs(&poses, *delta, options.all_pairs).map_err(|why| (*delta, why))?;
+    let of_motions = |motions: &Motions| {
+        let (delta, pairs) = motions.as_ref().map_err(Clone::clone)?;
         let errors: Vec<RelativeError> =
             pairs.iter().map(|pair| relative_error(&poses, pair)).collect();
         let rotations: Option<Vec<f64>> = errors.iter().map(|error| error.rotation_rad).collect();
@@ -92,7 +113,7 @@ pub fn relative(
             rotation: rotations.map(|sizes| Ape::of(sizes.into_iter())),
         })
     };
-    options.deltas.iter().map(of_delta).collect()
+    motions.iter().map(of_motions).collect()
 }
 
 /// Size of the error of the relative motion between two poses.

@@ -38,9 +38,10 @@ pub mod trajectory_summary;
 mod truth_choice;
 pub mod unfit;
 mod unjudged;
+mod varied_errors;
 
 pub use agreement::AgreeingPair;
-pub use delta::{Delta, RELATIVE_M, RelativeOptions};
+pub use delta::{Delta, RelativeOptions};
 pub use ground_truth::GroundTruth;
 pub use judge::{ConventionalFit, EstimatesJudgement, fit_with_convention, judge, judge_motions};
 pub use judged::{Coverage, Judged, UnalignedErrors};

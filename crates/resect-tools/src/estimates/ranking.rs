@@ -12,9 +12,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::common_errors::{self, CommonError};
-use super::delta::RELATIVE_M;
+use super::delta::{Delta, RelativeOptions};
 use super::errors::EpochError;
 use super::judged::Judged;
+use super::varied_errors;
 use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS};
 use resect_core::statistics::median;
 use resect_core::statistics::tables::{NORMAL_95, normal_probability, student_sigmas};
@@ -43,24 +44,25 @@ pub enum ComparedError {
     Position,
     /// Absolute error of orientations (rad).
     Rotation,
-    /// Relative error of positions over a path of this length (m).
-    PositionOverPath(f64),
-    /// Relative error of orientations (rad) over a path of this length (m).
-    RotationOverPath(f64),
+    /// Relative error of positions (m) over motions of this size.
+    PositionOver(Delta),
+    /// Relative error of orientations (rad) over motions of this size.
+    RotationOver(Delta),
 }
 
 impl ComparedError {
-    /// Returns all kinds: absolute errors first, then relative ones by length.
-    pub fn all() -> Vec<Self> {
-        let relative = RELATIVE_M
-            .into_iter()
-            .flat_map(|path_m| [Self::PositionOverPath(path_m), Self::RotationOverPath(path_m)]);
+    /// Returns all kinds: absolute errors first, then relative ones by the size of motions.
+    pub fn all(motions: &RelativeOptions) -> Vec<Self> {
+        let relative = motions
+            .deltas
+            .iter()
+            .flat_map(|delta| [Self::PositionOver(*delta), Self::RotationOver(*delta)]);
         [Self::Position, Self::Rotation].into_iter().chain(relative).collect()
     }
 
     /// Returns true if the errors are angles (rad); otherwise they are lengths (m).
     pub fn is_rotation(self) -> bool {
-        matches!(self, Self::Rotation | Self::RotationOverPath(_))
+        matches!(self, Self::Rotation | Self::RotationOver(_))
     }
 }
 
@@ -92,9 +94,9 @@ pub enum PairVerdict {
     NotSignificant,
     /// The errors are equal.
     Alike,
-    /// Too few common paths of this length.
+    /// Too few common motions of this size.
     FewPaths,
-    /// The poses are further apart than the length of the paths.
+    /// The poses are further apart than the size of the motions.
     SparsePoses,
     /// Too few blocks of time.
     FewBlocks,
@@ -140,42 +142,71 @@ struct BlockErrors {
 }
 
 /// Compares each pair of estimates by each kind of error that both have, pair by pair.
-pub fn compare(all: &[Judged]) -> Vec<PairComparison> {
+pub fn compare(all: &[Judged], motions: &RelativeOptions) -> Vec<PairComparison> {
     let mut comparisons = Vec::new();
     for first in 0..all.len() {
         for second in first + 1..all.len() {
-            let both = [first, second].map(|index| &all[index].errors[..]);
-            comparisons.extend(compare_pair([first, second], both));
+            comparisons.extend(compare_pair([first, second], [&all[first], &all[second]], motions));
         }
     }
     comparisons
 }
 
 /// Compares two estimates by all kinds of errors; the indices name them.
-pub fn compare_pair(indices: [usize; 2], both: [&[EpochError]; 2]) -> Vec<PairComparison> {
-    let pairs = common_errors::common_instants(both[0], both[1]);
-    let mut comparisons = Vec::new();
-    let mut add = |kind, errors: &[CommonError], is_of_distances| {
-        let comparison = compare_errors(kind, indices, errors);
-        comparisons.extend(comparison.map(|one| PairComparison { is_of_distances, ..one }));
-    };
-    add(ComparedError::Position, &common_errors::positions(&pairs), false);
-    add(ComparedError::Rotation, &common_errors::rotations(&pairs), false);
-    for path_m in RELATIVE_M {
-        let paths = common_errors::over_paths(&pairs, path_m);
-        let positions: Vec<CommonError> = paths.iter().map(|path| path.position).collect();
-        let rotations: Vec<CommonError> = paths.iter().filter_map(|path| path.rotation).collect();
-        add(ComparedError::PositionOverPath(path_m), &positions, rotations.is_empty());
-        add(ComparedError::RotationOverPath(path_m), &rotations, false);
+fn compare_pair(
+    indices: [usize; 2],
+    [first, second]: [&Judged; 2],
+    motions: &RelativeOptions,
+) -> Vec<PairComparison> {
+    let mut kinds = errors_by_kind([&first.errors, &second.errors], motions);
+    // Clock, lever arm and body are known only within their σ.
+    for changes in &first.changes {
+        let changed = varied_errors::changed(&first.errors, changes);
+        add_changed(&mut kinds, [&changed, &second.errors], motions);
     }
-    comparisons
+    for changes in &second.changes {
+        let changed = varied_errors::changed(&second.errors, changes);
+        add_changed(&mut kinds, [&first.errors, &changed], motions);
+    }
+    kinds.iter().filter_map(|kind| compare_errors(kind, indices)).collect()
 }
 
-fn compare_errors(
+/// Errors of one kind of two estimates.
+struct ErrorsOfKind {
     kind: ComparedError,
-    indices: [usize; 2],
-    errors: &[CommonError],
-) -> Option<PairComparison> {
+    errors: Vec<CommonError>,
+    is_of_distances: bool,
+    /// The same errors with independent changes of clock, lever arm and body by one σ.
+    changed: Vec<Vec<CommonError>>,
+}
+
+fn errors_by_kind(both: [&[EpochError]; 2], motions: &RelativeOptions) -> Vec<ErrorsOfKind> {
+    let pairs = common_errors::common_instants(both[0], both[1]);
+    let mut kinds = Vec::new();
+    let mut add = |kind, errors, is_of_distances| {
+        kinds.push(ErrorsOfKind { kind, errors, is_of_distances, changed: Vec::new() });
+    };
+    add(ComparedError::Position, common_errors::positions(&pairs), false);
+    add(ComparedError::Rotation, common_errors::rotations(&pairs), false);
+    for &delta in &motions.deltas {
+        let Some(each) = common_errors::over_motions(&pairs, delta) else { continue };
+        let positions: Vec<CommonError> = each.iter().map(|motion| motion.position).collect();
+        let rotations: Vec<CommonError> =
+            each.iter().filter_map(|motion| motion.rotation).collect();
+        add(ComparedError::PositionOver(delta), positions, rotations.is_empty());
+        add(ComparedError::RotationOver(delta), rotations, false);
+    }
+    kinds
+}
+
+fn add_changed(kinds: &mut [ErrorsOfKind], both: [&[EpochError]; 2], motions: &RelativeOptions) {
+    for (kind, changed) in kinds.iter_mut().zip(errors_by_kind(both, motions)) {
+        kind.changed.push(changed.errors);
+    }
+}
+
+fn compare_errors(of_kind: &ErrorsOfKind, indices: [usize; 2]) -> Option<PairComparison> {
+    let &ErrorsOfKind { kind, ref errors, is_of_distances, ref changed } = of_kind;
     let count = errors.len();
     let rmse = [0, 1].map(|k| {
         let squares: f64 = errors.iter().map(|one| one.errors[k].norm_squared()).sum();
@@ -188,14 +219,14 @@ fn compare_errors(
         worse: indices[worse],
         rmse: [rmse[better], rmse[worse]],
         count,
-        is_of_distances: false,
+        is_of_distances,
         ln_factor: None,
         verdict: PairVerdict::FewBlocks,
     };
     let unfit = match kind {
-        ComparedError::PositionOverPath(path_m) | ComparedError::RotationOverPath(path_m) => {
-            let length_m = median(errors.iter().map(|one| one.length_m)).unwrap_or_default();
-            let is_sparse = length_m >= LONGER * path_m;
+        ComparedError::PositionOver(delta) | ComparedError::RotationOver(delta) => {
+            let size = median(errors.iter().map(|error| error.size)).unwrap_or_default();
+            let is_sparse = size >= LONGER * delta.value();
             let is_short = count < FEWEST_PATHS;
             is_sparse
                 .then_some(PairVerdict::SparsePoses)
@@ -211,9 +242,15 @@ fn compare_errors(
     }
     let counts = match kind {
         ComparedError::Position | ComparedError::Rotation => BLOCKS_OF_INSTANTS,
-        ComparedError::PositionOverPath(_) | ComparedError::RotationOverPath(_) => BLOCKS_OF_PATHS,
+        ComparedError::PositionOver(_) | ComparedError::RotationOver(_) => BLOCKS_OF_PATHS,
     };
-    let each = counts.iter().filter_map(|count| ln_factor(&blocks(errors, *count)));
+    let each = counts.iter().filter_map(|count| {
+        let Estimate { value, sigma } = ln_factor(&blocks(errors, *count))?;
+        let by_changes =
+            changed.iter().filter_map(|errors| Some(ln_factor(&blocks(errors, *count))?.value));
+        let variance: f64 = by_changes.map(|changed| (changed - value).powi(2)).sum();
+        Some(Estimate { value, sigma: sigma.hypot(variance.sqrt()) })
+    });
     let sigmas = |one: &Estimate| one.value.abs() / one.sigma.max(f64::MIN_POSITIVE);
     let ln_factor = each.min_by(|a, b| sigmas(a).total_cmp(&sigmas(b))).map(|one| {
         let sign = if better == 0 { 1.0 } else { -1.0 };
@@ -321,11 +358,42 @@ mod tests {
         epochs
     }
 
+    fn compared(both: [&Vec<EpochError>; 2]) -> Vec<PairComparison> {
+        let kinds = errors_by_kind(both.map(|errors| &errors[..]), &RelativeOptions::default());
+        kinds.iter().filter_map(|kind| compare_errors(kind, [0, 1])).collect()
+    }
+
+    /// A lever arm that is uncertain by as much as the errors differ decides nothing.
+    #[test]
+    fn changes_by_clock_and_lever_arm_widen_sigma() {
+        let [a, twice] = [(1, 0.005), (2, 0.01)].map(|(seed, drift_m)| drifting(seed, drift_m));
+        let motions = RelativeOptions::default();
+        let sure = compared([&a, &twice]);
+        let mut kinds = errors_by_kind([&a, &twice], &motions);
+        let changed: Vec<EpochError> = a
+            .iter()
+            .map(|error| EpochError { position_m: 2.0 * error.position_m, ..error.clone() })
+            .collect();
+        add_changed(&mut kinds, [&changed, &twice], &motions);
+        for (kind, sure) in kinds.iter().zip(&sure) {
+            let wide = compare_errors(kind, [0, 1]).expect("errors");
+            let [before, now] = [sure, &wide].map(|it| it.ln_factor.map(|factor| factor.sigma));
+            if kind.kind.is_rotation() {
+                assert_eq!(now, before, "{:?}", kind.kind);
+            }
+            if kind.kind == ComparedError::Position {
+                // All errors of one estimate are doubled.
+                let [before, now] = [before, now].map(|sigma| sigma.expect("long drive"));
+                assert!((now.powi(2) - before.powi(2) - 2.0_f64.ln().powi(2)).abs() < 1e-9);
+            }
+        }
+    }
+
     /// Errors of a nanometre are those of rounding, and say nothing about two estimates.
     #[test]
     fn errors_of_rounding_are_alike() {
         let [a, b] = [(1, 1e-9), (2, 1e-8)].map(|(seed, drift_m)| drifting(seed, drift_m));
-        let comparisons = compare_pair([0, 1], [&a, &b]);
+        let comparisons = compared([&a, &b]);
         assert!(comparisons.iter().any(|two| two.verdict == PairVerdict::Alike));
         assert!(comparisons.iter().all(|two| !two.is_significant()), "{comparisons:?}");
     }
@@ -338,10 +406,10 @@ mod tests {
             .map(|seed| {
                 let [a, b, twice] = [(0, 0.005), (1, 0.005), (2, 0.01)]
                     .map(|(of, drift_m)| drifting(3 * seed + of, drift_m));
-                [compare_pair([0, 1], [&a, &b]), compare_pair([0, 1], [&a, &twice])]
+                [compared([&a, &b]), compared([&a, &twice])]
             })
             .collect();
-        for kind in ComparedError::all() {
+        for kind in ComparedError::all(&RelativeOptions::default()) {
             let of = |pair: usize| {
                 all.iter().flat_map(move |both| &both[pair]).filter(move |two| two.kind == kind)
             };

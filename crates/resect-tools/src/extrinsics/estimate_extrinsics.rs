@@ -119,7 +119,7 @@ fn solution_of(fit: &Fit, has_orientations: bool) -> Solution {
     Solution {
         a_from_b: RigidTransform { rotation, translation_m },
         lever_sigma_m: fit.lever_arm_sigma_m,
-        lever_covariance_m2: fit.lever_arm_covariance_m2,
+        lever_covariance_m2: fit.lever_arm_covariance_m2(),
         determines_lever: std::array::from_fn(|axis| fit.determines_lever_arm(axis)),
         rotation_sigma_rad: fit.body_rotation_sigma_rad.filter(|_| has_orientations),
         time_offset_s: if has_orientations { fit.time_offset_s } else { -fit.time_offset_s },

@@ -1,8 +1,9 @@
 //! The fit of an estimate: frame, clock, lever arm and the body's rotation.
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 use super::clock_change::ClockChange;
+use super::state::{BODY, SCALE};
 use crate::estimates::matched_pose::TruePose;
 use crate::estimates::plane::Plane;
 use resect_core::calibration::Estimate;
@@ -15,6 +16,9 @@ use resect_core::geometry::RigidTransform;
 pub const LEVER_SIGMA_M: f64 = 1.0;
 /// A time offset or a component of the lever arm is determined if its σ is below this share of the prior's.
 pub const LEAST_GAIN: f64 = 0.5;
+
+/// Covariance of lever arm (m), time offset (s) and the body's rotation about the vehicle's axes (rad).
+pub type FitCovariance = SMatrix<f64, SCALE, SCALE>;
 
 /// Transform and time offset between an estimate and the ground truth.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +37,8 @@ pub struct Fit {
     /// prism in the body's frame. `None` if nothing has an orientation.
     pub lever_arm_m: Option<Vector3<f64>>,
     pub lever_arm_sigma_m: Option<Vector3<f64>>,
-    /// Covariance of the lever arm (m²) if it was estimated.
-    pub lever_arm_covariance_m2: Option<Matrix3<f64>>,
+    /// Covariance of what was estimated; zero elsewhere.
+    pub covariance: FitCovariance,
     /// `vehicle_from_body`, with σ about the vehicle's axes if it was estimated (rad); `None` if one of the two has no orientation.
     pub body_rotation: Option<UnitQuaternion<f64>>,
     pub body_rotation_sigma_rad: Option<Vector3<f64>>,
@@ -49,6 +53,34 @@ impl Fit {
     /// Returns true if the drive determines a component of the lever arm better than its prior does.
     pub fn determines_lever_arm(&self, axis: usize) -> bool {
         self.lever_arm_sigma_m.is_none_or(|sigma_m| sigma_m[axis] < LEAST_GAIN * LEVER_SIGMA_M)
+    }
+
+    /// Covariance of the lever arm (m²) if it was estimated.
+    pub fn lever_arm_covariance_m2(&self) -> Option<Matrix3<f64>> {
+        self.lever_arm_sigma_m.map(|_| self.covariance.fixed_view::<3, 3>(0, 0).into_owned())
+    }
+
+    /// Roll, pitch and yaw of `vehicle_from_body` (rad), with σ 0 if they were not estimated; `None` without orientations.
+    pub fn body_angles_rad(&self) -> Option<[Estimate; 3]> {
+        const STEP_RAD: f64 = 1e-6;
+        let body = self.body_rotation?;
+        let angles = |turn: Vector3<f64>| {
+            let (roll, pitch, yaw) = (UnitQuaternion::from_scaled_axis(turn) * body).euler_angles();
+            Vector3::new(roll, pitch, yaw)
+        };
+        let angles_rad = angles(Vector3::zeros());
+        let steps = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis * STEP_RAD);
+        let columns = steps.map(|step| {
+            let difference = angles(step) - angles_rad;
+            difference.map(|angle| angle.sin().atan2(angle.cos()) / STEP_RAD)
+        });
+        let by_turn = Matrix3::from_columns(&columns);
+        let of_body = self.covariance.fixed_view::<3, 3>(BODY, BODY);
+        let covariance = by_turn * of_body * by_turn.transpose();
+        Some(std::array::from_fn(|axis| Estimate {
+            value: angles_rad[axis],
+            sigma: covariance[(axis, axis)].max(0.0).sqrt(),
+        }))
     }
 
     /// Position of the compared point in the ground truth's frame, by the estimate and by the ground truth (m).

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::alignment::{FEWEST_POINTS, align};
 use super::clock_change::ClockChange;
-use super::fit::Fit;
+use super::fit::{Fit, FitCovariance};
 use super::refine::{FEWEST_EPOCHS, Sought, mean_turn, orientations_follow, refine};
 use super::state::FitState;
 use crate::estimates::ground_truth::GroundTruth;
@@ -265,7 +265,7 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
             Body::Found | Body::Same => Vector3::zeros(),
         }),
         lever_arm_sigma_m: None,
-        lever_arm_covariance_m2: None,
+        covariance: FitCovariance::zeros(),
         body_rotation: None,
         body_rotation_sigma_rad: None,
         estimated_scale: None,

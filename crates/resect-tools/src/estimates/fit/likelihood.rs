@@ -1,6 +1,7 @@
 //! Sizes of an estimate's noise and drift by the likelihood of its errors.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::drift_sizes::DriftSizes;
 use super::state::{FitState, UNKNOWNS};
@@ -32,10 +33,11 @@ pub fn search(
 ) -> DriftSizes {
     let cost = |sizes: &DriftSizes| {
         let unusual = sizes.ln_ratios(&usual).map(|ln| (ln / LN_SIGMA).powi(2));
-        let of_samples = samples
-            .iter()
-            .map(|pairs| marginal_cost(&pass(pairs, state, sizes, None), state, open));
-        of_samples.sum::<f64>() + unusual.iter().sum::<f64>()
+        let of_samples: Vec<f64> = samples
+            .par_iter()
+            .map(|pairs| marginal_cost(&pass(pairs, state, sizes, None), state, open))
+            .collect();
+        of_samples.iter().sum::<f64>() + unusual.iter().sum::<f64>()
     };
     let mut least = cost(&sizes);
     for factor in FACTORS {

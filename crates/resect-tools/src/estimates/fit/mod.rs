@@ -22,5 +22,6 @@ mod tests;
 
 pub use alignment::align;
 pub use clock_change::ClockChange;
-pub use fit::{Fit, LEAST_GAIN, LEVER_SIGMA_M};
+pub use fit::{Fit, FitCovariance, LEAST_GAIN, LEVER_SIGMA_M};
 pub use fit_estimate::fit;
+pub use state::{BODY, CLOCK};

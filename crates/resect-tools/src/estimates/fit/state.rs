@@ -90,7 +90,7 @@ impl FitState {
         }
     }
 
-    /// Stores the standard deviations of clock, lever arm, body rotation and scale; an open lever arm has the first indices.
+    /// Stores the standard deviations of clock, lever arm, body rotation and scale.
     pub fn take_sigmas(&mut self, open: &[usize], covariance: &DMatrix<f64>) {
         let sigma = |unknown: usize| {
             let index = open.iter().position(|other| *other == unknown)?;
@@ -103,9 +103,12 @@ impl FitState {
             sigma(CLOCK).is_none_or(|sigma_s| sigma_s < LEAST_GAIN * prior.sigma)
         });
         self.fit.lever_arm_sigma_m = vector(0);
-        let is_lever_open = vector(0).is_some();
-        self.fit.lever_arm_covariance_m2 =
-            is_lever_open.then(|| covariance.fixed_view::<3, 3>(0, 0).into_owned());
+        let fitted: Vec<usize> = (0..open.len()).filter(|index| open[*index] < SCALE).collect();
+        for &row in &fitted {
+            for &column in &fitted {
+                self.fit.covariance[(open[row], open[column])] = covariance[(row, column)];
+            }
+        }
         self.fit.body_rotation_sigma_rad = vector(BODY);
         // Relative: the unknown is the logarithm.
         self.fit.estimated_scale = sigma(SCALE)
