@@ -4,7 +4,7 @@
 
 use resect_core::analysis::{Analyst, Settings};
 use resect_core::progress::Progress;
-use resect_io::source::Source;
+use resect_io::source::{Source, TrajectoryFile};
 use resect_tools::estimates::{GroundTruth, Options, judge};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -16,7 +16,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Some(covariances) = parts.next() {
         std::fs::write(folder.path().join("gt_covariance.csv"), covariances).expect("writable");
     }
-    let opened = Source::ground_truth(&path, None).open(&Progress::default());
+    let opened = Source::ground_truth(TrajectoryFile::at(&path, None)).open(&Progress::default());
     let (Ok(estimates), Ok(deployment)) = (resect_io::estimate_file::read(&path), opened) else {
         return;
     };

@@ -26,6 +26,7 @@ from . import _native
 from ._calibration import Calibration, Transform
 from ._deployment import Deployment, Pipeline, Track
 from ._evaluation import Evaluation
+from ._extrinsics import Extrinsics
 from ._finding import Finding
 from ._keywords import Method, Overrides, Path, Settings, extras, plain
 from ._keywords import settings as checked
@@ -41,6 +42,7 @@ __all__ = [
     "Calibration",
     "Deployment",
     "Evaluation",
+    "Extrinsics",
     "Finding",
     "Pipeline",
     "Prediction",
@@ -50,6 +52,7 @@ __all__ = [
     "Trajectory",
     "Transform",
     "evaluate",
+    "extrinsics",
     "open",
     "plan",
     "simulate",
@@ -88,8 +91,11 @@ def evaluate(
     time_offset_s: float | None = None,
     body: Literal["found", "same"] | Sequence[float] = "found",
     as_evo: bool = False,
+    convention: str = "xyzw",
     rig: Path | None = None,
     truth_topic: str | None = None,
+    truth_convention: str = "xyzw",
+    truth_solutions: Literal["best", "float", "all"] = "best",
     truth_station: int | None = None,
     method: Method | None = None,
     **settings: Unpack[Settings],
@@ -103,8 +109,11 @@ def evaluate(
         time_offset_s: offset that is added to an estimate's times (s); estimated by default.
         body: body frame of an estimate in the vehicle: estimated, the vehicle's, or its known origin (m).
         as_evo: assume what evo assumes: equal clocks, one body frame, nearest stamps.
+        convention: convention of the estimates' files, in the words of `resect evaluate --convention`, such as "wxyz,mm".
         rig: as in `open`, if `against` is the path of a deployment.
         truth_topic: topic of the ground truth in a bag of several trajectories.
+        truth_convention: convention of the ground truth's file.
+        truth_solutions: solutions of a GNSS receiver that are the ground truth: the best kind, float ones too, or all.
         truth_station: only this station of a deployment is the ground truth.
         method: method of the calibration that is the ground truth, as in `Deployment.calibrate`.
         **settings: settings of that calibration, as in `Deployment.calibrate`.
@@ -120,6 +129,7 @@ def evaluate(
         "time_offset_s": arguments.optional_number("time_offset_s", plain(time_offset_s)),
         "body": _body_frame(plain(body)),
         "as_evo": arguments.truth("as_evo", plain(as_evo)),
+        "convention": arguments.word("convention", convention),
         "truth_station": plain(truth_station),
     }
     if truth_station is not None:
@@ -127,9 +137,46 @@ def evaluate(
     if isinstance(against, Deployment):
         truth = against._handle
     else:
-        topic = None if truth_topic is None else arguments.word("truth_topic", truth_topic)
-        truth = _native.open_truth(arguments.path("against", against), topic, extras(rig, (), (), {}))
+        of_truth = {
+            "topic": None if truth_topic is None else arguments.word("truth_topic", truth_topic),
+            "solutions": arguments.choice("truth_solutions", truth_solutions, ("best", "float", "all")),
+            "convention": arguments.word("truth_convention", truth_convention),
+        }
+        truth = _native.open_truth(arguments.path("against", against), of_truth, extras(rig, (), (), {}))
     return Evaluation(_native.evaluate(estimates, truth, options, given))
+
+
+def extrinsics(
+    body: Path,
+    other: Path,
+    *,
+    topics: Sequence[str | None] = (None, None),
+    conventions: Sequence[str] = ("xyzw", "xyzw"),
+    time_offset_s: float | None = None,
+    free_scale: bool = False,
+) -> Extrinsics:
+    """Estimates the pose of a body or an antenna in another body from their trajectories.
+
+    Args:
+        body: trajectory of the body, with orientations.
+        other: trajectory of the other body, or positions of an antenna or a prism.
+        topics: topic of each file, for bags.
+        conventions: convention of each file, in the words of `resect evaluate --convention`.
+        time_offset_s: offset that is added to the times of `other` (s); estimated by default.
+        free_scale: estimate the ratio of lengths without its prior of 3 %, for a single camera.
+
+    Raises:
+        ResectError: if the two do not fit each other.
+    """
+    paths = [arguments.path("body", body), arguments.path("other", other)]
+    of_topics = arguments.items("topics", topics, lambda topic: topic is None or arguments.is_word(topic), "name", 2)
+    of_conventions = arguments.words("conventions", conventions, 2)
+    bodies = [
+        {"path": path, "topic": topic, "convention": convention}
+        for path, topic, convention in zip(paths, of_topics, of_conventions, strict=True)
+    ]
+    offset_s = arguments.optional_number("time_offset_s", plain(time_offset_s))
+    return Extrinsics(_native.extrinsics(bodies, offset_s, arguments.truth("free_scale", plain(free_scale))))
 
 
 def plan(

@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyList};
 use resect_core::analysis::Analyst;
 use resect_core::deployment::{Deployment, Track};
 use resect_core::pipeline::{PipelineOutput, SampleFate, StagedPipeline};
-use resect_io::source::Source;
+use resect_io::source::{Source, TrajectoryFile};
 use resect_io::truth;
 use resect_report::json;
 use serde_json::json;
@@ -19,7 +19,7 @@ use crate::analysis::{AnalysisHandle, AnsweredDeployment};
 use crate::arrays::{plain, set_column, set_points, set_stack};
 use crate::failure::{Failure, raised, times_in_words};
 use crate::interruptible::interruptible;
-use crate::keywords::{extras, settings};
+use crate::keywords::{choice, convention, extras, settings};
 
 /// An open deployment.
 #[pyclass(frozen, module = "resect._native")]
@@ -129,18 +129,31 @@ fn uses_none(deployment: &Deployment) -> bool {
     !deployment.tracks.iter().any(is_used)
 }
 
+/// A ground truth that is a trajectory: its topic in a bag, and the convention of its file.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TruthOptions {
+    topic: Option<String>,
+    solutions: String,
+    convention: String,
+}
+
 /// Opens a deployment, or a trajectory that is the ground truth.
 #[pyfunction]
 pub fn open_truth(
     py: Python<'_>,
     path: PathBuf,
-    topic: Option<String>,
+    options: TruthOptions,
     given: &Bound<'_, PyDict>,
 ) -> PyResult<DeploymentHandle> {
     let extras = raised(extras(given))?;
     interruptible(py, move |progress| {
-        let deployment =
-            truth::open_truth(&path, (topic.as_deref(), Default::default()), extras, progress)?;
+        let file = TrajectoryFile {
+            solutions: choice("truth_solutions", &options.solutions)?,
+            convention: convention("truth_convention", &options.convention)?,
+            ..TrajectoryFile::at(path, options.topic)
+        };
+        let deployment = truth::open_truth(file, extras, progress)?;
         Ok(DeploymentHandle::new(deployment, 0.0))
     })
 }

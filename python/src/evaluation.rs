@@ -21,7 +21,7 @@ use crate::arrays::{plain, set_column, set_points};
 use crate::deployment::DeploymentHandle;
 use crate::failure::{Failure, raised};
 use crate::interruptible::interruptible;
-use crate::keywords::{choice, of_estimate, settings};
+use crate::keywords::{choice, convention, of_estimate, settings};
 
 /// Options of the comparison.
 #[derive(FromPyObject)]
@@ -31,6 +31,7 @@ pub struct EvaluationOptions {
     time_offset_s: Option<f64>,
     body: BodyOption,
     as_evo: bool,
+    convention: String,
     /// The station whose prism alone is the ground truth.
     truth_station: Option<usize>,
 }
@@ -69,6 +70,7 @@ impl EvaluationOptions {
             alignment: choice("align", &self.align)?,
             time_offset_s: self.time_offset_s,
             body,
+            convention: convention("convention", &self.convention)?,
             ..Options::default()
         };
         Ok(if self.as_evo { options.as_evo() } else { options })

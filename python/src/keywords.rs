@@ -10,6 +10,7 @@ use resect_core::evaluation::no_trajectory::NoTrajectory;
 use resect_core::evaluation::requested_trajectory::RequestError;
 use resect_io::source::Extras;
 use resect_tools::estimates::Unjudged;
+use resect_tools::estimates::conventions::Convention;
 use resect_tools::estimates::unfit::Unfit;
 use serde::Deserialize;
 use serde::de::value::{Error, StrDeserializer};
@@ -115,6 +116,11 @@ pub fn extras(given: &Bound<'_, PyDict>) -> Result<Extras, Failure> {
 pub fn choice<'a, T: Deserialize<'a>>(keyword: &str, name: &'a str) -> Result<T, Failure> {
     T::deserialize(StrDeserializer::<Error>::new(name))
         .map_err(|error| Failure(format!("{keyword}: {error}")))
+}
+
+/// Returns the convention of a trajectory's file in the words of the command line.
+pub fn convention(keyword: &str, words: &str) -> Result<Convention, Failure> {
+    words.parse().map_err(|why: String| Failure(format!("{keyword}: {why}")))
 }
 
 /// Returns keyword arguments as plain data; those that TOML cannot express are errors.

@@ -8,12 +8,13 @@
 //! | [`thread_pool`], [`interruptible`] | the threads of a process; work without the interpreter's lock, which Ctrl-C interrupts | |
 //! | [`keywords`] | keyword arguments as settings, overrides and choices; remedies as keyword arguments | a remedy: `keywords.rs` |
 //! | [`arrays`] | numpy arrays | |
-//! | [`deployment`], [`analysis`], [`trajectory`], [`evaluation`], [`planning`], [`simulation`] | one file for each part of the module | an array of a result: its file here, its field in `resect/` |
+//! | [`deployment`], [`analysis`], [`trajectory`], [`evaluation`], [`extrinsics`], [`planning`], [`simulation`] | one file for each part of the module | an array of a result: its file here, its field in `resect/` |
 
 mod analysis;
 mod arrays;
 mod deployment;
 mod evaluation;
+mod extrinsics;
 mod failure;
 mod interruptible;
 mod keywords;
@@ -31,6 +32,8 @@ mod _native {
     use super::deployment::{DeploymentHandle, open, open_truth};
     #[pymodule_export]
     use super::evaluation::evaluate;
+    #[pymodule_export]
+    use super::extrinsics::extrinsics;
     #[pymodule_export]
     use super::failure::ResectError;
     #[pymodule_export]

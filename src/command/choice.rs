@@ -135,12 +135,20 @@ pub const PRESETS: Choices<Preset> = &[
 ];
 
 pub const TRANSFORM_FORMATS: Choices<TransformFormat> = &[
-    (TransformFormat::Urdf, "urdf", "A fixed joint of a robot description"),
-    (TransformFormat::Ros2, "ros2", "The command static_transform_publisher of ROS 2"),
-    (TransformFormat::Ros1, "ros1", "The command static_transform_publisher of ROS 1"),
-    (TransformFormat::Matrix, "matrix", "A 4×4 matrix"),
-    (TransformFormat::Numpy, "numpy", "A 4×4 matrix in Python's syntax"),
-    (TransformFormat::Quaternion, "quaternion", "x y z qx qy qz qw"),
+    (TransformFormat::Urdf, TransformFormat::Urdf.name(), "A fixed joint of a robot description"),
+    (
+        TransformFormat::Ros2,
+        TransformFormat::Ros2.name(),
+        "The command static_transform_publisher of ROS 2",
+    ),
+    (
+        TransformFormat::Ros1,
+        TransformFormat::Ros1.name(),
+        "The command static_transform_publisher of ROS 1",
+    ),
+    (TransformFormat::Matrix, TransformFormat::Matrix.name(), "A 4×4 matrix"),
+    (TransformFormat::Numpy, TransformFormat::Numpy.name(), "A 4×4 matrix in Python's syntax"),
+    (TransformFormat::Quaternion, TransformFormat::Quaternion.name(), "x y z qx qy qz qw"),
 ];
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::app::{self, Pane, PictureFormat, PictureOrder, ScreenshotOrder};
 use resect_core::deployment::Deployment;
 use resect_io::file_mark::used_files;
 use resect_io::sample::Sample;
-use resect_io::source::Source;
+use resect_io::source::{Source, TrajectoryFile};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ThemeArgument {
@@ -100,7 +100,7 @@ impl ScreenshotArguments {
             (_, [truth]) => {
                 let deployment = self.truth.open(&self.against, self.settings.extras(), None)?;
                 let source = match deployment.ground_truth {
-                    Some(_) => Source::ground_truth(truth, None),
+                    Some(_) => Source::ground_truth(TrajectoryFile::at(truth, None)),
                     None => Source::at(truth).with(self.settings.extras()),
                 };
                 return Ok((deployment, source));

@@ -12,12 +12,12 @@ use super::judging_args::convention;
 use super::progress_line::with_progress;
 use super::settings_args::metres;
 use resect_core::analysis::Analysis;
-use resect_core::deployment::{Deployment, PoseCovariance};
+use resect_core::deployment::{Deployment, EstimatedTrajectory, PoseCovariance};
 use resect_core::network::MOST_STATIONS;
 use resect_io::antenna_poses::read_antennas;
 use resect_io::estimate_file::{NumberedTimes, poses_without_times, read_frames};
 use resect_io::gnss_solution::SolutionChoice;
-use resect_io::source::Extras;
+use resect_io::source::{Extras, TrajectoryFile};
 use resect_io::truth::open_truth;
 use resect_tools::estimates::conventions::Convention;
 use resect_tools::estimates::{GroundTruth, station_index};
@@ -74,6 +74,12 @@ impl TruthArguments {
         Ok(truth)
     }
 
+    /// Returns a deployment whose ground truth is a trajectory with the stated convention.
+    fn converted(&self, mut truth: EstimatedTrajectory) -> Deployment {
+        self.truth_convention.apply(&mut truth);
+        Deployment::of_ground_truth(Arc::new(truth))
+    }
+
     /// Opens a deployment, or a trajectory as the ground truth of one; several files are those of antennas. `frames` are the times of
     /// KITTI poses without any.
     ///
@@ -85,15 +91,18 @@ impl TruthArguments {
         extras: Extras,
         frames: Option<NumberedTimes>,
     ) -> Result<Arc<Deployment>, Failure> {
-        let topic = self.truth_topic.as_deref();
+        let topic = &self.truth_topic;
         let without_times = frames.filter(|_| poses_without_times(&paths[0]).is_some());
         let opened = match (paths, without_times) {
-            ([path], Some(frames)) => {
-                read_frames(path, frames).map(|truth| Deployment::of_ground_truth(Arc::new(truth)))
-            }
+            ([path], Some(frames)) => read_frames(path, frames).map(|truth| self.converted(truth)),
             ([path], None) if self.antennas_m.is_empty() => {
+                let file = TrajectoryFile {
+                    solutions: self.truth_solutions,
+                    convention: self.truth_convention,
+                    ..TrajectoryFile::at(path, topic.clone())
+                };
                 with_progress(&format!("reading {}", path.display()), |progress| {
-                    open_truth(path, (topic, self.truth_solutions), extras, progress)
+                    open_truth(file, extras, progress)
                 })
             }
             _ if topic.is_some() => {
@@ -101,16 +110,9 @@ impl TruthArguments {
                 return Err(Failure::Usage(line.to_owned()));
             }
             (paths, _) => read_antennas(paths, &self.antennas_m, self.truth_solutions)
-                .map(|truth| Deployment::of_ground_truth(Arc::new(truth))),
+                .map(|truth| self.converted(truth)),
         };
         let mut deployment = Arc::new(opened?);
-        if !self.truth_convention.is_as_read() {
-            let Some(truth) = &mut Arc::make_mut(&mut deployment).ground_truth else {
-                let line = "--truth-convention is for a trajectory; a deployment has its own units";
-                return Err(Failure::Usage(line.to_owned()));
-            };
-            self.truth_convention.apply(Arc::make_mut(truth));
-        }
         match (&mut Arc::make_mut(&mut deployment).ground_truth, &self.truth_sigma) {
             (Some(truth), Some(sigma_m)) => {
                 let truth = Arc::make_mut(truth);

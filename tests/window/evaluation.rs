@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::Theme;
 use egui::accesskit::Role;
+use egui::{OutputCommand, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::{DeploymentCommand, LayoutPreset, Pane, Start, WorkspaceCommand};
 use resect_io::estimate_file;
@@ -98,6 +98,62 @@ fn the_convention_of_a_file_is_entered_in_words() {
     enter(&mut harness, "xyzw");
     assert!(convention(&harness).is_as_read());
     assert!(harness.query_by_label_contains("is no convention").is_none());
+}
+
+#[test]
+fn the_convention_of_the_ground_truth_is_entered_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pair = write_pair(&simulate(Preset::FigureEight, 4), folder.path(), 20.0);
+    let mut harness = window_from(LARGE, Theme::Dark, &start(&pair), None);
+    settle(&mut harness);
+    let enter = |harness: &mut Window, text: &str| {
+        let field = "ground truth's convention is";
+        harness.get_by_role_and_label(Role::TextInput, field).focus();
+        settle(harness);
+        type_and_enter_at_once(harness, text);
+        settle(harness);
+    };
+    enter(&mut harness, "mm");
+    assert_eq!(names(&harness).1, ["fastlio2"]);
+    harness.get_by_label_contains("its distances are ");
+    let session = harness.state().state.session();
+    let mut again = window(SMALL, Theme::Light);
+    again.state_mut().state.restore(session);
+    settle(&mut again);
+    settle(&mut again);
+    again.get_by_label_contains("its distances are ");
+    enter(&mut harness, "xyzw");
+    let rmse_m = shown(&harness).judging.judged().next().expect("evaluated").1.position.rmse;
+    assert!((0.005..0.03).contains(&rmse_m), "{rmse_m}");
+}
+
+#[test]
+fn the_pose_of_the_prism_in_the_body_has_sigma_and_can_be_copied() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pair = write_pair(&simulate(Preset::FigureEight, 4), folder.path(), 20.0);
+    let mut harness = window_from(LARGE, Theme::Dark, &start(&pair), None);
+    settle(&mut harness);
+    assert!(shown(&harness).judging.extrinsics.newest.is_none(), "only if it is looked at");
+    let click_below = |harness: &mut Window, label: &str| {
+        harness.get_by_label(label).scroll_to_me();
+        harness.run_steps(60);
+        harness.get_by_label(label).click();
+        harness.run_steps(3);
+    };
+    click_below(&mut harness, "Extrinsic calibration");
+    settle(&mut harness);
+    harness.get_by_label_contains("pose of handheld_room00_prism").scroll_to_me();
+    harness.run_steps(60);
+    click_below(&mut harness, "Copy as…");
+    harness.get_by_label("URDF joints").click();
+    harness.run_steps(1);
+    let commands = harness.output().platform_output.commands.clone();
+    let copied = commands.into_iter().find_map(|command| match command {
+        OutputCommand::CopyText(text) => Some(text),
+        _ => None,
+    });
+    let copied = copied.expect("something was copied");
+    assert!(copied.contains("<origin xyz="), "{copied}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::OpenError;
 use crate::estimate_file;
 use crate::findings::kinds;
-use crate::source::Source;
+use crate::source::{Source, TrajectoryFile};
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_tools::estimates::{EstimatedTrajectory, TruthReason, choose_truth};
@@ -30,6 +30,19 @@ impl EvaluationFiles {
         Self::with_truth(all, index, reason).map(Some)
     }
 
+    /// Reads the ground truth again, with other options of its file.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn with_file(
+        file: TrajectoryFile,
+        estimates: Vec<EstimatedTrajectory>,
+    ) -> Result<Self, OpenError> {
+        let source = Source::ground_truth(file);
+        let truth = Arc::new(source.open(&Progress::default())?);
+        Ok(Self { truth, source, estimates, reason: TruthReason::Chosen })
+    }
+
     /// Makes the trajectory of this index the ground truth.
     ///
     /// # Errors
@@ -40,7 +53,7 @@ impl EvaluationFiles {
         reason: TruthReason,
     ) -> Result<Self, OpenError> {
         let truth = all.remove(index);
-        let source = Source::ground_truth(&truth.path, truth.topic.clone());
+        let source = Source::ground_truth(TrajectoryFile::at(&truth.path, truth.topic.clone()));
         // An estimate has all solutions of a receiver, a ground truth the most accurate ones.
         let is_mixed =
             truth.findings.iter().any(|finding| finding.kind == kinds::GNSS_SOLUTIONS_MIXED);

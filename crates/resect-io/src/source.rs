@@ -11,8 +11,9 @@ pub use crate::extras::Extras;
 use crate::gnss_solution::SolutionChoice;
 use crate::open;
 use crate::sample::Sample;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, EstimatedTrajectory};
 use resect_core::progress::Progress;
+use resect_tools::estimates::conventions::Convention;
 
 /// Place of a deployment, and the files that the user named in addition. Plain data, stored in sessions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub struct Source {
     pub extras: Extras,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
     /// A folder, or a file of tracks with the rest of its folder.
@@ -35,7 +36,7 @@ pub enum Place {
 }
 
 /// A file with a trajectory.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrajectoryFile {
     pub path: PathBuf,
     /// Topic in a bag of several trajectories.
@@ -43,10 +44,30 @@ pub struct TrajectoryFile {
     /// Solutions of a GNSS receiver that are used.
     #[serde(default, skip_serializing_if = "is_default")]
     pub solutions: SolutionChoice,
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub convention: Convention,
 }
 
-fn is_default(choice: &SolutionChoice) -> bool {
-    *choice == SolutionChoice::default()
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl TrajectoryFile {
+    /// Returns a file as it is read without options.
+    pub fn at(path: impl Into<PathBuf>, topic: Option<String>) -> Self {
+        let (solutions, convention) = (SolutionChoice::default(), Convention::AS_READ);
+        Self { path: path.into(), topic, solutions, convention }
+    }
+
+    fn read(&self) -> Result<EstimatedTrajectory, OpenError> {
+        let topic = self.topic.as_deref();
+        let mut truth = estimate_file::read_truth(&self.path, topic, self.solutions)?;
+        if let (Some(topic), None) = (topic, &truth.topic) {
+            return Err(estimate_file::refuse_topic_of_file(&self.path, topic));
+        }
+        self.convention.apply(&mut truth);
+        Ok(truth)
+    }
 }
 
 impl Source {
@@ -58,19 +79,8 @@ impl Source {
         Self { place: Place::Sample(sample), extras: Extras::default() }
     }
 
-    pub fn ground_truth(path: impl Into<PathBuf>, topic: Option<String>) -> Self {
-        let solutions = SolutionChoice::default();
-        let file = TrajectoryFile { path: path.into(), topic, solutions };
+    pub fn ground_truth(file: TrajectoryFile) -> Self {
         Self { place: Place::GroundTruth(file), extras: Extras::default() }
-    }
-
-    /// Uses these solutions of a GNSS receiver, if a trajectory is the ground truth.
-    #[must_use]
-    pub fn with_solutions(mut self, choice: SolutionChoice) -> Self {
-        if let Place::GroundTruth(file) = &mut self.place {
-            file.solutions = choice;
-        }
-        self
     }
 
     pub fn with(self, extras: Extras) -> Self {
@@ -101,12 +111,8 @@ impl Source {
     /// Reads everything. `progress` counts bytes of files; cancelling it returns [`OpenError::Cancelled`].
     pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
         let mut found = match &self.place {
-            Place::GroundTruth(TrajectoryFile { path, topic, solutions }) => {
-                let truth = estimate_file::read_truth(path, topic.as_deref(), *solutions)?;
-                if let (Some(topic), None) = (topic, &truth.topic) {
-                    return Err(estimate_file::refuse_topic_of_file(path, topic));
-                }
-                return Ok(Deployment::of_ground_truth(Arc::new(truth)));
+            Place::GroundTruth(file) => {
+                return Ok(Deployment::of_ground_truth(Arc::new(file.read()?)));
             }
             Place::Path(path) => open::find(path, progress)?,
             Place::Sample(sample) => open::in_memory(sample.title(), &sample.files()),

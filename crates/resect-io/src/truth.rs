@@ -4,40 +4,44 @@ use std::path::Path;
 
 use crate::error::OpenError;
 use crate::estimate_file;
-use crate::gnss_solution::SolutionChoice;
 use crate::open::FoundFile;
-use crate::source::{Extras, Source};
+use crate::source::{Extras, Source, TrajectoryFile};
 use crate::what_is::{Dropped, what_is};
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 
-/// Opens a deployment, or a trajectory as the ground truth of one; `topic` chooses the trajectory in a bag of several, `solutions` those of a
-/// GNSS receiver.
+/// Opens a deployment, or a trajectory as the ground truth of one.
 ///
 /// # Errors
-/// If the path is neither.
+/// If the file is neither, or a deployment and options are those of a trajectory.
 pub fn open_truth(
-    path: &Path,
-    (topic, solutions): (Option<&str>, SolutionChoice),
+    file: TrajectoryFile,
     extras: Extras,
     progress: &Progress,
 ) -> Result<Deployment, OpenError> {
-    let truth = || {
-        Source::ground_truth(path, topic.map(str::to_owned))
-            .with_solutions(solutions)
-            .open(progress)
-    };
-    if topic.is_some() || matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
+    let path = file.path.clone();
+    let (has_topic, has_convention) = (file.topic.is_some(), !file.convention.is_as_read());
+    let truth = || Source::ground_truth(file).open(progress);
+    if has_topic || matches!(what_is(&path), Dropped::Estimate | Dropped::Gnss) {
         return truth();
     }
     // Positions of one prism, or poses in a bag, are no deployment.
-    Source::at(path).with(extras).open(progress).or_else(|error| {
-        truth().map_err(|why| match estimate_file::read(path) {
+    match Source::at(&path).with(extras).open(progress) {
+        Ok(_) if has_convention => {
+            let remedy = "leave out the convention of the ground truth";
+            Err(OpenError::file(
+                &path.display().to_string(),
+                "a deployment has its own units",
+                remedy,
+            ))
+        }
+        Ok(deployment) => Ok(deployment),
+        Err(error) => truth().map_err(|why| match estimate_file::read(&path) {
             // Several trajectories: a topic must be chosen.
             Ok(_) => why,
-            Err(_) => no_truth(path).unwrap_or(error),
-        })
-    })
+            Err(_) => no_truth(&path).unwrap_or(error),
+        }),
+    }
 }
 
 /// Returns the error for a single file that has no tracks; `None` for others.

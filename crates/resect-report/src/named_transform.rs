@@ -25,6 +25,22 @@ pub enum TransformFormat {
 }
 
 impl TransformFormat {
+    /// All formats in the order of a menu.
+    pub const ALL: [Self; 6] =
+        [Self::Urdf, Self::Ros2, Self::Ros1, Self::Matrix, Self::Numpy, Self::Quaternion];
+
+    /// Returns the name of the format in the command line and in Python.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Matrix => "matrix",
+            Self::Quaternion => "quaternion",
+            Self::Numpy => "numpy",
+            Self::Ros2 => "ros2",
+            Self::Ros1 => "ros1",
+            Self::Urdf => "urdf",
+        }
+    }
+
     /// Returns the name of the format in a menu.
     pub fn title(self) -> &'static str {
         match self {

@@ -12,7 +12,7 @@ use super::{LayoutPreset, LiveCommand, Pane, PictureOrder, PictureTo, PlanComman
 use crate::app::file_dialog::PromptCommand;
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
-use resect_io::source::{Extras, Source};
+use resect_io::source::{Extras, Source, TrajectoryFile};
 use resect_report::copy::{CopiedTransforms, CopyFormat};
 
 /// A command of a pane, by the component of the state that it changes.
@@ -156,6 +156,10 @@ pub enum JudgingCommand {
     AddDialog,
     /// Sets the trajectories of the active deployment, each with its options.
     Set(Vec<Added>),
+    /// Reads a ground truth that is a trajectory again, with other options of its file.
+    ReadGroundTruth(TrajectoryFile),
+    /// Estimates the pose of each trajectory's body in the ground truth's, as long as it is shown.
+    ShowExtrinsics(bool),
     /// Opens the trajectory of this colour as the ground truth, and moves the others of the active deployment to it. A ground truth that is a
     /// trajectory itself becomes one of the others.
     UseAsGroundTruth(usize),

@@ -9,6 +9,7 @@ use resect_core::deployment::names::{told_apart, without_common_words};
 use resect_tools::estimates::{
     EstimatedTrajectory, EstimatesJudgement, Judged, Options, TruthReason,
 };
+use resect_tools::extrinsics::{Extrinsics, NoExtrinsics};
 
 /// Longest name (letters) that keeps the words which all names share.
 const LONGEST_NAME: usize = 16;
@@ -36,6 +37,16 @@ impl PartialEq for Added {
     }
 }
 
+impl Added {
+    /// Returns the trajectory under its name by its file.
+    pub fn under_full_name(&self) -> EstimatedTrajectory {
+        EstimatedTrajectory {
+            name: self.full_name.clone(),
+            ..EstimatedTrajectory::clone(&self.estimate)
+        }
+    }
+}
+
 /// A trajectory in a session: its file and options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedEstimate {
@@ -54,6 +65,9 @@ pub struct Judging {
     /// Trajectories of the session that could not be read; the session keeps them.
     pub missing: Vec<SavedEstimate>,
     pub judgement: BackgroundValue<EstimatesJudgement>,
+    /// Pose of each body in that of a ground truth that is a trajectory, in the order of `added`, if it is shown.
+    pub extrinsics: BackgroundValue<Vec<Result<Extrinsics, NoExtrinsics>>>,
+    pub shows_extrinsics: bool,
     /// Name of a trajectory that is the ground truth; `None` for a deployment with readings.
     pub truth_name: Option<String>,
     /// Evidence by which that trajectory is the ground truth; `None` if it was not chosen among several.
@@ -151,6 +165,7 @@ impl Judging {
         self.added = added;
         if self.added.is_empty() {
             self.judgement.clear();
+            self.extrinsics.clear();
         }
     }
 

@@ -102,7 +102,10 @@ impl OpenDeployment {
 
     /// Returns true while anything is computed from its result for display.
     pub fn is_making(&self) -> bool {
-        self.way.is_running() || self.beside.is_running() || self.judging.judgement.is_running()
+        self.way.is_running()
+            || self.beside.is_running()
+            || self.judging.judgement.is_running()
+            || self.judging.extrinsics.is_running()
     }
 
     /// Returns the deployment under its unique name; copies it only if that differs from its own.

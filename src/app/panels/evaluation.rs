@@ -3,7 +3,7 @@
 
 use egui::RichText;
 
-use super::{finding, heading, judging_options, scrolled};
+use super::{extrinsics, finding, heading, judging_options, scrolled};
 use crate::app::model::{
     AngleUnit, Commands, JudgingCommand, OpenDeployment, TimeCommand, TimeScale, Units,
 };
@@ -12,14 +12,20 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use resect_core::calibration::Verdict;
+use resect_core::deployment::Finding;
 use resect_core::network::Prism;
+use resect_io::findings::kinds;
+use resect_io::gnss_solution::SolutionChoice;
+use resect_io::source::Place;
 use resect_report::estimates::{
     ADD_A_TRUTH, Angles, EMPTY, PairTable, VERDICTS_IN_WORDS, agreed, contradiction, rows,
     trajectory_in_words, verdict_sentence, verdicts,
 };
 use resect_tools::estimates::odd::{OddOne, OddSpan};
 use resect_tools::estimates::ranking::PairComparison;
-use resect_tools::estimates::{EstimatesJudgement, GroundTruth, Judged, TruthReason, Unjudged};
+use resect_tools::estimates::{
+    EstimatedTrajectory, EstimatesJudgement, GroundTruth, Judged, TruthReason, Unjudged,
+};
 use resect_tools::palette;
 
 /// Width of a digit in the table, and greatest width of a heading that is wider than its numbers (points).
@@ -73,6 +79,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ranking(ui, state, judgement, commands);
             odd(ui, state, open, judgement, commands);
             table(ui, open, judgement, angles(state.workspace.units));
+            extrinsics::ui(ui, open, commands);
         });
     });
 }
@@ -122,6 +129,40 @@ fn truth(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             }
         }
     });
+    truth_file(ui, open, truth, commands);
+}
+
+/// Shows and edits the options of the file that is the ground truth.
+fn truth_file(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    truth: &EstimatedTrajectory,
+    commands: &mut Commands,
+) {
+    let Some(Place::GroundTruth(file)) = open.source.as_ref().map(|source| &source.place) else {
+        return;
+    };
+    let mut after = file.clone();
+    let name = "ground truth's convention is";
+    if let Some(convention) = judging_options::convention_field(ui, name, Some(file.convention)) {
+        after.convention = convention;
+    }
+    let is_gnss = |finding: &Finding| finding.kind == kinds::GNSS_SOLUTIONS_LEFT_OUT;
+    if truth.findings.iter().any(is_gnss) || file.solutions != SolutionChoice::Best {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("its solutions are");
+            for (choice, name, hint) in [
+                (SolutionChoice::Best, "the best", "The most accurate kind of the file"),
+                (SolutionChoice::Float, "fixed and float", "Each with its σ"),
+                (SolutionChoice::All, "all", "Each with its σ"),
+            ] {
+                ui.radio_value(&mut after.solutions, choice, name).on_hover_text(hint);
+            }
+        });
+    }
+    if after != *file {
+        commands.push(JudgingCommand::ReadGroundTruth(after).into());
+    }
 }
 
 /// Lists the added trajectories, and offers to add more.

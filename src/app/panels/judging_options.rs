@@ -151,15 +151,26 @@ fn clock(ui: &mut egui::Ui, some: &mut [&mut Options]) {
 
 /// Edits the convention of the files, in the words of `evaluate --convention`. Text that is no convention stays, with the reason below.
 fn convention(ui: &mut egui::Ui, some: &mut [&mut Options]) {
-    let id = ui.scope_id().with("convention");
     let common = common(some, |one| one.convention);
+    if let Some(convention) = convention_field(ui, "file's convention is", common) {
+        set_all(some, |one| one.convention = convention);
+    }
+}
+
+/// Shows the convention of a file, or of several with different ones (`None`), and returns one that was typed.
+pub fn convention_field(
+    ui: &mut egui::Ui,
+    name: &str,
+    convention: Option<Convention>,
+) -> Option<Convention> {
+    let id = ui.scope_id().with(("convention", name));
     let edited: Option<String> = ui.data(|data| data.get_temp(id));
     let is_edited = edited.is_some();
-    let as_is = common.map_or_else(String::new, |convention| convention.to_string());
+    let as_is = convention.map_or_else(String::new, |convention| convention.to_string());
     let mut text = edited.unwrap_or(as_is);
-    let hint = if common.is_some() { "xyzw" } else { "different ones" };
+    let hint = if convention.is_some() { "xyzw" } else { "different ones" };
     let response = ui.horizontal_wrapped(|ui| {
-        let label = ui.label("file's convention is");
+        let label = ui.label(name);
         let field = egui::TextEdit::singleline(&mut text).desired_width(140.0).hint_text(hint);
         ui.add(field).labelled_by(label.id).on_hover_text(WORDS)
     });
@@ -168,16 +179,17 @@ fn convention(ui: &mut egui::Ui, some: &mut [&mut Options]) {
         ui.data_mut(|data| data.insert_temp(id, text.clone()));
     }
     if !is_edited || response.has_focus() {
-        return;
+        return None;
     }
     match text.parse::<Convention>() {
         Ok(convention) => {
             ui.data_mut(|data| data.remove::<String>(id));
-            set_all(some, |one| one.convention = convention);
+            Some(convention)
         }
         Err(why) => {
             let (colour, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
             ui.colored_label(colour, why);
+            None
         }
     }
 }

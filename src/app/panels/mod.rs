@@ -10,6 +10,7 @@ pub mod deployment;
 pub mod drop_hint;
 pub mod empty_state;
 pub mod evaluation;
+mod extrinsics;
 pub mod findings;
 pub mod glossary;
 pub mod guide;

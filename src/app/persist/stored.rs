@@ -221,11 +221,9 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
     Source {
         place: match &source.place {
             Place::Path(path) => Place::Path(change(path)),
-            Place::GroundTruth(file) => Place::GroundTruth(TrajectoryFile {
-                path: change(&file.path),
-                topic: file.topic.clone(),
-                solutions: file.solutions,
-            }),
+            Place::GroundTruth(file) => {
+                Place::GroundTruth(TrajectoryFile { path: change(&file.path), ..file.clone() })
+            }
             Place::Sample(sample) => Place::Sample(*sample),
         },
         extras: Extras {

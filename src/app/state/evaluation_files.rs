@@ -7,6 +7,7 @@ use super::State;
 use crate::app::model::{Added, OpenDeployment};
 use resect_io::error::OpenError;
 use resect_io::evaluation_files::EvaluationFiles;
+use resect_io::source::TrajectoryFile;
 use resect_tools::estimates::{EstimatedTrajectory, Options, TruthReason, choose_truth};
 
 impl State {
@@ -90,16 +91,20 @@ impl State {
             return;
         };
         let added = open.judging.added.clone();
-        let full = |one: &Added| EstimatedTrajectory {
-            name: one.full_name.clone(),
-            ..EstimatedTrajectory::clone(&one.estimate)
-        };
-        let mut all: Vec<EstimatedTrajectory> = added.iter().map(full).collect();
+        let mut all: Vec<EstimatedTrajectory> = added.iter().map(Added::under_full_name).collect();
         all.extend(open.deployment.ground_truth.iter().map(|truth| truth.as_ref().clone()));
         let id = open.id;
         self.replace_evaluation(id, added, move || {
             EvaluationFiles::with_truth(all, index, TruthReason::Chosen).map(Some)
         });
+    }
+
+    /// Reads the ground truth of the active deployment again, with other options of its file.
+    pub(super) fn read_ground_truth(&mut self, file: TrajectoryFile) {
+        let Some(open) = self.active() else { return };
+        let (id, added) = (open.id, open.judging.added.clone());
+        let all: Vec<EstimatedTrajectory> = added.iter().map(Added::under_full_name).collect();
+        self.replace_evaluation(id, added, move || EvaluationFiles::with_file(file, all).map(Some));
     }
 
     /// Opens an evaluation in place of another one. Trajectories keep the options that they had there (`before`).

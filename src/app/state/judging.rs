@@ -16,6 +16,7 @@ use resect_io::estimate_file;
 use resect_tools::estimates::{
     EstimatedTrajectory, EstimatesJudgement, GroundTruth, TruthReason, judge,
 };
+use resect_tools::extrinsics::extrinsics_with_truth;
 
 impl State {
     pub(super) fn handle_judging(&mut self, command: JudgingCommand, moment: Moment) {
@@ -23,6 +24,12 @@ impl State {
             JudgingCommand::Add(paths) => self.add_estimates(paths),
             JudgingCommand::AddDialog => self.add_estimate_dialog(),
             JudgingCommand::Set(added) => self.judge(added, moment),
+            JudgingCommand::ReadGroundTruth(file) => self.read_ground_truth(file),
+            JudgingCommand::ShowExtrinsics(shows) => {
+                if let Some(open) = self.deployments.active_mut() {
+                    open.judging.shows_extrinsics = shows;
+                }
+            }
             JudgingCommand::UseAsGroundTruth(colour) => self.use_as_ground_truth(colour),
         }
     }
@@ -75,6 +82,32 @@ impl State {
             );
             open.judging.judgement.start(number, of);
         }
+        self.make_extrinsics();
+    }
+
+    /// Starts the extrinsic calibrations against a ground truth that is a trajectory, if they are shown.
+    fn make_extrinsics(&mut self) {
+        let Some(open) = self.deployments.active_mut() else { return };
+        let (id, of) = (open.id, (open.analysis_run, open.judging.version));
+        let Some(truth) = open.deployment.ground_truth.clone() else { return };
+        let judging = &mut open.judging;
+        if !judging.shows_extrinsics
+            || judging.added.is_empty()
+            || !judging.extrinsics.is_wanted(of)
+        {
+            return;
+        }
+        let added = judging.added.clone();
+        let number = self.jobs.start(
+            move || {
+                let with = |one: &Added| extrinsics_with_truth(&truth, &one.estimate, &one.options);
+                added.iter().map(with).collect::<Vec<_>>()
+            },
+            move |state: &mut Self, number, extrinsics| {
+                state.with_open(id, |open| open.judging.extrinsics.take(number, extrinsics));
+            },
+        );
+        judging.extrinsics.start(number, of);
     }
 
     /// Starts to transform the other open runs to the frame of the active one, once all of them have results.

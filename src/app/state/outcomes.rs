@@ -42,6 +42,7 @@ impl State {
             open.way.failed(number);
             open.beside.failed(number);
             open.judging.judgement.failed(number);
+            open.judging.extrinsics.failed(number);
         }
         self.planning.foreseen.failed(number);
         self.planning.better.failed(number);

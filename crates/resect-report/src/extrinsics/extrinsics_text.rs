@@ -11,17 +11,21 @@ const VALUE: usize = 28;
 pub struct QuantityRow {
     pub label: String,
     pub value: String,
-    /// Name of the number in the comparison of halves.
-    half: String,
+    /// Difference between the halves of the drive, such as "0.4 σ".
+    pub halves: Option<String>,
 }
 
 /// Returns the numbers of the calibration.
 pub fn quantities(extrinsics: &Extrinsics) -> Vec<QuantityRow> {
     let solution = &extrinsics.solution;
-    let row = |label: String, value: String, half: &str| QuantityRow {
-        label,
-        value,
-        half: half.to_owned(),
+    let halves: &[HalvesDifference] = match &extrinsics.halves {
+        HalvesOutcome::Compared(all) => all,
+        HalvesOutcome::NoAnswer(_) => &[],
+    };
+    let row = |label: String, value: String, name: &str| {
+        let half = halves.iter().find(|half| half.name == name);
+        let halves = half.map(|half| format!("{:.1} σ", half.sigmas()));
+        QuantityRow { label, value, halves }
     };
     let mut rows = Vec::new();
     for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
@@ -62,31 +66,32 @@ fn millis(value: f64, sigma: Option<f64>) -> String {
     format!("{:+.digits$} ± {:.digits$}", 1e3 * value, (1e3 * sigma).max(0.01))
 }
 
+/// Names both bodies and the data.
+pub fn headline(extrinsics: &Extrinsics) -> String {
+    let [a, b] = &extrinsics.names;
+    let kind = if extrinsics.solution.rotation_sigma_rad.is_some() { "poses" } else { "positions" };
+    let motion = &extrinsics.motion;
+    format!(
+        "pose of {b} ({} {kind}) in {a} ({} poses), by {} pairs during {:.0} s and {:.0} m",
+        extrinsics.poses[1],
+        extrinsics.poses[0],
+        extrinsics.pairs,
+        motion.duration_s,
+        motion.path_m,
+    )
+}
+
 /// Formats the calibration for the terminal.
 pub fn extrinsics_text(extrinsics: &Extrinsics) -> String {
-    let [a, b] = &extrinsics.names;
-    let motion = &extrinsics.motion;
-    let kind = if extrinsics.solution.rotation_sigma_rad.is_some() { "poses" } else { "positions" };
+    let [a, _] = &extrinsics.names;
     let mut lines = vec![
-        format!(
-            "pose of {b} ({} {kind}) in {a} ({} poses), by {} pairs during {:.0} s and {:.0} m",
-            extrinsics.poses[1],
-            extrinsics.poses[0],
-            extrinsics.pairs,
-            motion.duration_s,
-            motion.path_m,
-        ),
+        headline(extrinsics),
         String::new(),
         format!("{:LABEL$}{:>VALUE$}  halves differ by", "", "").trim_end().to_owned(),
     ];
-    let halves: &[HalvesDifference] = match &extrinsics.halves {
-        HalvesOutcome::Compared(all) => all,
-        HalvesOutcome::NoAnswer(_) => &[],
-    };
-    for row in quantities(extrinsics) {
-        let half = halves.iter().find(|half| half.name == row.half);
-        let half = half.map(|half| format!("  {:.1} σ", half.sigmas())).unwrap_or_default();
-        lines.push(format!("{:<LABEL$}{:>VALUE$}{half}", row.label, row.value));
+    for QuantityRow { label, value, halves } in quantities(extrinsics) {
+        let halves = halves.map(|halves| format!("  {halves}")).unwrap_or_default();
+        lines.push(format!("{label:<LABEL$}{value:>VALUE$}{halves}"));
     }
     lines.push(String::new());
     lines.push(format!(

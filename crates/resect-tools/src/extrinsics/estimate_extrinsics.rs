@@ -13,7 +13,8 @@ use super::solution::{GOOD_LEVER_M, GOOD_ROTATION_RAD, GOOD_TIME_S, Solution};
 use crate::estimates::conventions::Convention;
 use crate::estimates::fit::Fit;
 use crate::estimates::{
-    ConventionalFit, EstimatedPose, EstimatedTrajectory, GroundTruth, Options, fit_with_convention,
+    ConventionalFit, EstimatedPose, EstimatedTrajectory, GroundTruth, Options, TrajectoryAlignment,
+    fit_with_convention,
 };
 use resect_core::calibration::{Estimate, Verdict};
 use resect_core::deployment::Finding;
@@ -82,6 +83,36 @@ pub fn estimate_extrinsics(
         motion,
         halves,
     })
+}
+
+/// Estimates the pose of an estimate's body in that of a ground truth, with the options of their comparison. A ground truth of positions is
+/// an antenna or a prism on the estimate's body.
+///
+/// # Errors
+/// As [`estimate_extrinsics`].
+pub fn extrinsics_with_truth(
+    truth: &EstimatedTrajectory,
+    estimate: &EstimatedTrajectory,
+    options: &Options,
+) -> Result<Extrinsics, NoExtrinsics> {
+    // Alignment decides only if the scale is free: the frames wander.
+    let alignment = match options.alignment {
+        TrajectoryAlignment::Similarity => TrajectoryAlignment::Similarity,
+        _ => TrajectoryAlignment::Rigid,
+    };
+    let usual = Options { alignment, ..Options::default() };
+    if truth.has_orientations() || !estimate.has_orientations() {
+        let Options { time_offset_s, convention, .. } = *options;
+        let options = Options { time_offset_s, convention, ..usual };
+        return estimate_extrinsics(
+            [truth.clone(), estimate.clone()],
+            &options,
+            Convention::AS_READ,
+        );
+    }
+    let time_offset_s = options.time_offset_s.map(|offset_s| -offset_s);
+    let exchanged = Options { time_offset_s, ..usual };
+    estimate_extrinsics([estimate.clone(), truth.clone()], &exchanged, options.convention)
 }
 
 /// Returns the fit of both, and the number of compared pairs. Positions without orientation are the ground truth of a's poses.

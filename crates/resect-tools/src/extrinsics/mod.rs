@@ -17,7 +17,9 @@ mod tests;
 pub use advised_motion::AdvisedMotion;
 pub use driven_motion::DrivenMotion;
 pub use errors::NoExtrinsics;
-pub use estimate_extrinsics::{Extrinsics, Weakness, estimate_extrinsics, weakness};
+pub use estimate_extrinsics::{
+    Extrinsics, Weakness, estimate_extrinsics, extrinsics_with_truth, weakness,
+};
 pub use halves::{HalvesDifference, HalvesOutcome};
 pub use lever_direction::LeverDirection;
 pub use solution::Solution;
