@@ -22,7 +22,7 @@ const SHOWN: f64 = 0.995;
 pub fn odd_rgb(odd_one: OddOne) -> Rgb {
     match odd_one {
         OddOne::Estimate => palette::METRICS[1],
-        OddOne::Undecided | OddOne::EstimateOrClock | OddOne::Convention => palette::NO_VALUE,
+        OddOne::Undecided | OddOne::EstimateOrAll(_) | OddOne::Convention => palette::NO_VALUE,
         OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => palette::METRICS[0],
     }
 }

@@ -8,7 +8,7 @@ use crate::json::{SCHEMA, findings};
 use resect_core::calibration::Calibration;
 use resect_tools::estimates::metrics::Ape;
 use resect_tools::estimates::metrics::RelativeErrors;
-use resect_tools::estimates::odd::{OddOne, OddSpan};
+use resect_tools::estimates::odd::{OddOne, OddSpan, SharedFault};
 use resect_tools::estimates::{
     Coverage, Delta, EstimatesJudgement, GroundTruth, Judged, NoMotions, Plane,
 };
@@ -164,7 +164,7 @@ fn odd(span: &OddSpan) -> Value {
         "rotation_rad": span.rotation_rad,
         "wrong": match span.odd_one {
             OddOne::Estimate => "estimate",
-            OddOne::Undecided | OddOne::EstimateOrClock | OddOne::Convention => "undecided",
+            OddOne::Undecided | OddOne::EstimateOrAll(_) | OddOne::Convention => "undecided",
             OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => "ground-truth",
         },
         "station": span.station.map(|station| station + 1),
@@ -174,7 +174,12 @@ fn odd(span: &OddSpan) -> Value {
             OddOne::Estimate => "another estimate agrees with the ground truth",
             OddOne::Convention => "the estimate seems to have another convention",
             OddOne::Undecided => "neither has redundant readings",
-            OddOne::EstimateOrClock => "a shift of the clock that all stations share explains it as well",
+            OddOne::EstimateOrAll(SharedFault::Clock) => {
+                "a shift of the clock that all stations share explains it as well"
+            }
+            OddOne::EstimateOrAll(SharedFault::Turn) => {
+                "a turn of all stations by one angle explains it as well"
+            }
             OddOne::Readings if span.by_rig => "the readings contradict the rig",
             OddOne::Readings => "the readings contradict each other",
             OddOne::TruthAgainst(_) => "several estimates agree against it",

@@ -170,9 +170,10 @@ pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> Str
         OddOne::Undecided => {
             "one of the two is wrong; another estimate at these times would show which".to_owned()
         }
-        OddOne::EstimateOrClock => format!(
-            "one of the two is wrong: the readings agree with {what}, but a shift of the clock that all stations share explains it as \
-             well; another estimate at these times would show which"
+        OddOne::EstimateOrAll(fault) => format!(
+            "one of the two is wrong: the readings agree with {what}, but {} explains it as well; another \
+             estimate at these times would show which",
+            fault.in_words()
         ),
         OddOne::Readings => match span.station {
             Some(station) => format!(

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
+
 use super::association::{associate, thinned};
 use super::matched_pose::{MatchedPose, TruePose, TrueRotation};
 use super::options::Association;
@@ -62,6 +64,14 @@ impl<'a> GroundTruth<'a> {
             Self::Deployment { analysis, .. } => !Prism::is_one(&analysis.offer.followed),
             Self::Trajectory(truth, _) => truth.has_orientations(),
         }
+    }
+
+    /// Positions of the stations of a deployment in station 1's frame (m); none of a trajectory.
+    pub fn stations_m(&self) -> Vec<Vector3<f64>> {
+        let Self::Deployment { analysis, .. } = self else { return Vec::new() };
+        let answer = analysis.answer.iter();
+        let transforms = answer.flat_map(|answer| answer.calibration.station1_from_station.iter());
+        transforms.map(|transform| transform.translation_m).collect()
     }
 
     /// First time of the readings or poses (s).

@@ -65,8 +65,9 @@ pub fn judge_motions(
     let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
     let mut agreements = agreements(&by_sound);
     agreements.retain(|pair| pair.estimates.iter().all(|index| copies[*index].is_none()));
+    let stations_m = truth.stations_m();
     let mut odd: Vec<Vec<OddSpan>> = (0..by_sound.len())
-        .map(|own| odd::spans(own, (&by_sound, &sources), &compared[own].truths))
+        .map(|own| odd::spans(own, (&by_sound, &sources), &compared[own].truths, &stations_m))
         .collect();
     for (one, odd) in compared.iter().zip(&mut odd) {
         attribute_to_stations(truth, &one.judged, odd);

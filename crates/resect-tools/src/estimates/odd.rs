@@ -3,7 +3,7 @@
 //! Two signs show that the ground truth is wrong; no error of an estimate causes them. The readings contradict the rig, or
 //! several estimates agree with each other against the ground truth. Without either sign the estimate is taken to be wrong, if
 //! the readings are redundant or another estimate agrees with the ground truth. Otherwise it is inconclusive. Readings that agree with the
-//! rig do not acquit the recorder's clock, which all stations share.
+//! rig acquit the stations one by one, but not of a fault that all share: a shift of the recorder's clock, or a turn of all tripods.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -37,15 +37,34 @@ pub enum OddOne {
     Convention,
     /// A single estimate contradicts a trajectory, which has no redundant readings.
     Undecided,
-    /// A single estimate contradicts readings that agree with the rig, but a shift of the recorder's clock, which all stations share,
-    /// would leave them in agreement and explain the difference.
-    EstimateOrClock,
+    /// A single estimate contradicts readings that agree with the rig, but a fault that all stations share would leave them in agreement
+    /// and explain the difference.
+    EstimateOrAll(SharedFault),
     /// The readings contradict the rig, or each other if all are of one prism.
     Readings,
     /// Number of estimates that agree with each other against the ground truth.
     TruthAgainst(usize),
     /// All stations have readings, but these were rejected as outliers: there is no ground truth.
     LeftOut,
+}
+
+/// Fault that all stations share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SharedFault {
+    /// A shift of the recorder's clock.
+    Clock,
+    /// All tripods turn by one angle.
+    Turn,
+}
+
+impl SharedFault {
+    /// Names the fault.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Clock => "a shift of the clock that all stations share",
+            Self::Turn => "a turn of all stations by one angle",
+        }
+    }
 }
 
 impl OddOne {
@@ -132,11 +151,12 @@ pub fn station_at_fault(
 /// Spans in which one of the estimates contradicts the ground truth, without stations; `truths` are at the times of its errors.
 ///
 /// Estimates drift, so the drift is subtracted from their errors. `sources` has the index of the estimate whose poses each one has:
-/// copies count once among those that agree.
+/// copies count once among those that agree. `stations_m` are the stations in the ground truth's frame (m).
 pub fn spans(
     own: usize,
     (all, sources): (&[&[EpochError]], &[usize]),
     truths: &[TruePose],
+    stations_m: &[Vector3<f64>],
 ) -> Vec<OddSpan> {
     let all: Vec<Vec<EpochError>> = all.iter().map(|errors| without_drift(errors)).collect();
     let errors = &all[own][..];
@@ -174,6 +194,7 @@ pub fn spans(
             let agreeing = others.iter().filter(|apart| **apart < AGREE).count();
             // Without an error, an estimate differs from this one by its whole error.
             let with_truth = others.iter().filter(|apart| (**apart - 1.0).abs() < AGREE).count();
+            let shared = || shared_fault(&span, errors, truths, stations_m);
             OddSpan {
                 span_s: [errors[span[0]].time_s, errors[span[span.len() - 1]].time_s],
                 position_m: largest(&|error| error.position_m.norm()),
@@ -182,10 +203,10 @@ pub fn spans(
                     OddOne::Readings
                 } else if agreeing > 0 {
                     OddOne::TruthAgainst(agreeing + 1)
-                } else if with_truth == 0 && is_redundant && is_by_clock(&span, errors, truths) {
-                    OddOne::EstimateOrClock
-                } else if is_redundant || with_truth > 0 {
+                } else if with_truth > 0 {
                     OddOne::Estimate
+                } else if is_redundant {
+                    shared().map_or(OddOne::Estimate, OddOne::EstimateOrAll)
                 } else {
                     OddOne::Undecided
                 },
@@ -197,21 +218,49 @@ pub fn spans(
         .collect()
 }
 
-/// Largest share of the squared errors in a span that a shift of the clock leaves.
+/// Largest share of the squared errors in a span that a shared fault leaves.
 /// Effect: a larger share leaves open who is wrong, although an estimate slipped sideways. Simulated: shifts leave a few hundredths.
-const LEFT_BY_CLOCK: f64 = 0.1;
+const LEFT_BY_FAULT: f64 = 0.1;
+/// Largest turn of all tripods (rad) that the rig does not show, because slow errors of each station explain it.
+/// Simulated: at 60 m, 0.7 to 1.4 mrad mostly stay unseen, and 3 mrad contradict the rig.
+const LARGEST_TURN_RAD: f64 = 2e-3;
 
-/// Returns true if the errors in a span are those of a shift of the clock: along the motion, and as large as it is fast.
-fn is_by_clock(span: &[usize], errors: &[EpochError], truths: &[TruePose]) -> bool {
-    let [mut product, mut motion, mut square] = [0.0; 3];
+/// Returns the fault that all stations share and that explains the errors in a span.
+fn shared_fault(
+    span: &[usize],
+    errors: &[EpochError],
+    truths: &[TruePose],
+    stations_m: &[Vector3<f64>],
+) -> Option<SharedFault> {
+    // As large as the vehicle is fast, and along its motion.
+    let by_clock = |truth: &TruePose| truth.velocity_m_per_s;
+    // Each station sees its prism turned about itself; the vehicle is placed by their mean.
+    let middle_m = stations_m.iter().sum::<Vector3<f64>>() / stations_m.len().max(1) as f64;
+    let by_turn = |truth: &TruePose| Vector3::z().cross(&(truth.position_m - middle_m));
+    if size_of_fault(span, errors, truths, &by_clock).is_some() {
+        return Some(SharedFault::Clock);
+    }
+    let turn_rad = size_of_fault(span, errors, truths, &by_turn).filter(|_| !stations_m.is_empty());
+    turn_rad.filter(|turn_rad| turn_rad.abs() < LARGEST_TURN_RAD).map(|_| SharedFault::Turn)
+}
+
+/// Returns the size of a fault, if it explains the errors in a span.
+fn size_of_fault(
+    span: &[usize],
+    errors: &[EpochError],
+    truths: &[TruePose],
+    by_fault: &dyn Fn(&TruePose) -> Vector3<f64>,
+) -> Option<f64> {
+    let [mut product, mut effect, mut square] = [0.0; 3];
     for index in span {
-        let Some(truth) = truths.get(*index) else { return false };
-        let (error_m, velocity) = (errors[*index].position_m, truth.velocity_m_per_s);
-        product += error_m.dot(&velocity);
-        motion += velocity.norm_squared();
+        let truth = truths.get(*index)?;
+        let (error_m, by_fault) = (errors[*index].position_m, by_fault(truth));
+        product += error_m.dot(&by_fault);
+        effect += by_fault.norm_squared();
         square += error_m.norm_squared();
     }
-    motion > 0.0 && square - product * product / motion < LEFT_BY_CLOCK * square
+    let is_explained = effect > 0.0 && square - product * product / effect < LEFT_BY_FAULT * square;
+    is_explained.then(|| product / effect)
 }
 
 /// Errors minus the median of those around them, along each axis.
