@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use resect_io::estimate_file::{read_truth, refuse_topic_of_file};
+use resect_io::estimate_file::read_truth;
 use resect_io::gnss_solution::SolutionChoice;
 use resect_report::extrinsics::{extrinsics_copy, extrinsics_json, extrinsics_text};
 use resect_report::named_transform::TransformFormat;
@@ -57,12 +57,8 @@ fn calibrated(
     }
     let [of_body, of_other] =
         bodies.each_ref().map(|file| convention("conventions", &file.convention));
-    let read = |file: &BodyFile| -> Result<_, Failure> {
-        let trajectory = read_truth(&file.path, file.topic.as_deref(), SolutionChoice::Best)?;
-        match (&file.topic, &trajectory.topic) {
-            (Some(topic), None) => Err(refuse_topic_of_file(&file.path, topic).into()),
-            _ => Ok(trajectory),
-        }
+    let read = |file: &BodyFile| {
+        read_truth(&file.path, file.topic.as_deref(), SolutionChoice::Best).map_err(Failure::from)
     };
     let [body, other] = bodies.each_ref().map(read);
     let alignment = match free_scale {

@@ -1,6 +1,6 @@
 //! Shortening of names to the available width.
 
-use egui::{FontId, Response, TextStyle, Ui};
+use egui::{FontId, Response, Ui};
 
 /// Least number of letters kept.
 const FEWEST: usize = 2;
@@ -33,12 +33,6 @@ pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
         }
     }
     with(fitting)
-}
-
-/// Shortened name of a trajectory, because files of other systems may have any name.
-pub fn of_trajectory(ui: &Ui, name: &str) -> String {
-    const WIDEST: f32 = 180.0;
-    in_the_middle(ui, name, &TextStyle::Body.resolve(ui.style()), WIDEST)
 }
 
 /// Shows the whole name on hover if it is shortened.

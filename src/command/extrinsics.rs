@@ -7,7 +7,7 @@ use clap::Args;
 use super::choice::{TRANSFORM_FORMATS, choice};
 use super::judging_args::{convention, one_or_each};
 use super::{Failure, print};
-use resect_io::estimate_file::{read_truth, refuse_topic_of_file};
+use resect_io::estimate_file::{is_bag, read_truth};
 use resect_io::gnss_solution::SolutionChoice;
 use resect_report::extrinsics::{extrinsics_copy, extrinsics_json, extrinsics_text};
 use resect_report::named_transform::TransformFormat;
@@ -49,7 +49,12 @@ pub struct ExtrinsicsArguments {
 pub fn run(arguments: &ExtrinsicsArguments) -> Result<(), Failure> {
     let topics = match &arguments.topic[..] {
         [] => [None, None],
-        [both] => [Some(&**both), Some(&**both)],
+        [only] => {
+            let are_bags = [is_bag(&arguments.body)?, is_bag(&arguments.other)?];
+            // One topic is that of all bags. Without any, the first file refuses it.
+            let are_bags = if are_bags == [false; 2] { [true, false] } else { are_bags };
+            are_bags.map(|is_bag| is_bag.then_some(&**only))
+        }
         [first, second] => [Some(&**first), Some(&**second)],
         _ => {
             let line = "--topic is given at most twice: for BODY and for OTHER";
@@ -59,15 +64,6 @@ pub fn run(arguments: &ExtrinsicsArguments) -> Result<(), Failure> {
     let conventions = one_or_each("--convention", &arguments.convention, 2)?;
     let read = |path: &PathBuf, topic| read_truth(path, topic, SolutionChoice::Best);
     let both = [read(&arguments.body, topics[0])?, read(&arguments.other, topics[1])?];
-    let paths = [&arguments.body, &arguments.other];
-    let unused = topics.iter().zip(paths).zip(&both).find_map(|((topic, path), read)| {
-        topic.filter(|_| read.topic.is_none()).map(|topic| (path, topic))
-    });
-    // One topic is that of all bags.
-    let is_used = arguments.topic.len() < 2 && both.iter().any(|read| read.topic.is_some());
-    if let Some((path, topic)) = unused.filter(|_| !is_used) {
-        return Err(refuse_topic_of_file(path, topic).into());
-    }
     let options = Options {
         alignment: match arguments.free_scale {
             true => TrajectoryAlignment::Similarity,

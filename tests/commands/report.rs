@@ -277,6 +277,7 @@ fn no_name_can_break_the_page() {
         name: hostile.to_owned(),
         path: hostile.into(),
         topic: None,
+        frames: None,
         poses: Vec::new(),
         covariances: Vec::new(),
         findings: Vec::new(),

@@ -66,6 +66,7 @@ impl Slam {
             name: self.name.into(),
             path,
             topic: None,
+            frames: None,
             poses: poses.collect(),
             covariances: Vec::new(),
             findings: Vec::new(),

@@ -100,6 +100,23 @@ fn the_convention_of_a_file_is_entered_in_words() {
     assert!(harness.query_by_label_contains("is no convention").is_none());
 }
 
+/// A bag is opened as a deployment first; without readings of stations its poses are trajectories.
+#[test]
+fn a_dropped_bag_of_poses_is_a_trajectory() {
+    let bag = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/datasets/others/evo/nav2_turtlebot.mcap");
+    if !bag.is_file() {
+        return;
+    }
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![bag]));
+    settle(&mut harness);
+    settle(&mut harness);
+    let open = shown(&harness);
+    assert!(open.deployment.ground_truth.is_some(), "{}", open.deployment.name);
+    assert!(!open.judging.added.is_empty(), "the bag has several topics of poses");
+}
+
 #[test]
 fn the_convention_of_the_ground_truth_is_entered_in_words() {
     let folder = tempfile::tempdir().expect("a folder");

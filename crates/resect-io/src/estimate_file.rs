@@ -109,6 +109,12 @@ pub fn read_truth(
     };
     let mut all = read_wanted(path, Wanted { topics, solutions: Some(solutions) })?;
     let topics: Vec<String> = all.iter().filter_map(|one| one.topic.clone()).collect();
+    if let Some(topic) = topic.filter(|_| topics.is_empty())
+        && !is_bag(path)?
+    {
+        let remedy = format!("leave out {topic}");
+        return Err(OpenError::file(&path.display().to_string(), "it has no topics", remedy));
+    }
     // A single topic needs no choice, whatever its name.
     if let Some(topic) = topic.filter(|_| !topics.is_empty()) {
         all.retain(|one| one.topic.as_deref() == Some(topic));
@@ -129,9 +135,9 @@ pub fn read_truth(
     }
 }
 
-/// Returns an error for a topic of a file that has no topics.
-pub fn refuse_topic_of_file(path: &Path, topic: &str) -> OpenError {
-    OpenError::file(&path.display().to_string(), "it has no topics", format!("leave out {topic}"))
+/// Returns true for a bag, or a part of one.
+pub fn is_bag(path: &Path) -> Result<bool, OpenError> {
+    Ok(!pieces_of_bag(path)?.is_empty())
 }
 
 fn read_wanted(path: &Path, wanted: Wanted) -> Result<Vec<EstimatedTrajectory>, OpenError> {
@@ -242,19 +248,21 @@ fn read_bag(
         return Err(OpenError::file(&file, what, remedy));
     }
     let several = topics.len() > 1;
-    let estimates = topics.into_iter().map(|topic| {
-        let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
+    let estimates = topics.into_iter().map(|messages| {
+        let name = if several { format!("{name} {}", messages.name) } else { name.to_owned() };
         let mut findings = findings.clone();
-        let poses = if topic.fixes.is_empty() {
-            poses_of_topic(&file, &topic, &mut findings)?
+        let poses = if messages.fixes.is_empty() {
+            poses_of_topic(&file, &messages, &mut findings)?
         } else {
-            let track = nav_sat_fix::track(&file, &topic.fixes);
+            let track = nav_sat_fix::track(&file, &messages.fixes);
             let local = local_positions(&file, track, wanted.solutions, None)?;
             findings.extend(local.findings);
             local.poses
         };
-        let topic = several.then(|| topic.name.clone());
-        put_in_order((name, topic), path, poses, findings)
+        let topic = several.then(|| messages.name.clone());
+        let frames = messages.poses.first().and_then(|pose| pose.frames.clone());
+        let trajectory = put_in_order((name, topic), path, poses, findings)?;
+        Ok(EstimatedTrajectory { frames, ..trajectory })
     });
     estimates.collect()
 }
@@ -360,7 +368,8 @@ pub fn put_in_order(
         findings.push(estimate_covariances_missing(&file, without, poses.len()));
     }
     let covariances = if complete { covariances } else { Vec::new() };
-    Ok(EstimatedTrajectory { name, path: path.to_owned(), topic, poses, covariances, findings })
+    let path = path.to_owned();
+    Ok(EstimatedTrajectory { name, path, topic, frames: None, poses, covariances, findings })
 }
 
 /// Shortest span of a trajectory (s).

@@ -62,9 +62,6 @@ impl TrajectoryFile {
     fn read(&self) -> Result<EstimatedTrajectory, OpenError> {
         let topic = self.topic.as_deref();
         let mut truth = estimate_file::read_truth(&self.path, topic, self.solutions)?;
-        if let (Some(topic), None) = (topic, &truth.topic) {
-            return Err(estimate_file::refuse_topic_of_file(&self.path, topic));
-        }
         self.convention.apply(&mut truth);
         Ok(truth)
     }

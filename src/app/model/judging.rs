@@ -247,6 +247,7 @@ mod tests {
             name,
             path: path.into(),
             topic,
+            frames: None,
             poses: vec![],
             covariances: vec![],
             findings: vec![],

@@ -191,12 +191,10 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     }
     for (index, one) in judging.added.iter().enumerate() {
         let estimate = &one.estimate;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let colour = theme::readable(palette::estimate(one.colour), ui.visuals().dark_mode);
-            ui.label(
-                RichText::new(short::of_trajectory(ui, &estimate.name)).color(colour).strong(),
-            )
-            .on_hover_text(estimate.path.display().to_string());
+            ui.label(RichText::new(&estimate.name).color(colour).strong())
+                .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
             // The only other trajectory has its button beside the ground truth.
             if open.deployment.ground_truth.is_none() || judging.added.len() > 1 {
@@ -253,7 +251,7 @@ fn ranking(
 ) {
     ui.add_space(4.0);
     for table in verdicts(judgement, angles(state.workspace.units)) {
-        pair(ui, judgement, &table);
+        pair(ui, &table);
     }
     for both in &judgement.agreements {
         ui.add(egui::Label::new(agreed(judgement, both)).wrap());
@@ -270,19 +268,13 @@ fn ranking(
 }
 
 /// Shows a row for each kind of error of a pair. Evidence is shown on hover.
-fn pair(ui: &mut egui::Ui, judgement: &EstimatesJudgement, table: &PairTable) {
-    let short_name = |ui: &egui::Ui, index: usize| {
-        short::of_trajectory(ui, &judgement.judged[index].estimate.name)
-    };
+fn pair(ui: &mut egui::Ui, table: &PairTable) {
     let grid = egui::Grid::new(("verdicts", table.estimates)).striped(true).spacing([10.0, 3.0]);
     egui::ScrollArea::horizontal().id_salt(("verdicts", table.estimates)).show(ui, |ui| {
         grid.show(ui, |ui| {
             ui.label("");
-            for index in table.estimates {
-                let name = short_name(ui, index);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.small(name).on_hover_text(&judgement.judged[index].estimate.name);
-                });
+            for name in &table.names {
+                column_heading(ui, RichText::new(name).small(), name, WIDEST_HEADING);
             }
             ui.small("verdict").on_hover_text(VERDICTS_IN_WORDS);
             ui.end_row();
@@ -375,22 +367,9 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
             for (one, width) in judgement.judged.iter().zip(&widths) {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-                // The heading is above the end of its numbers. A wider name is broken, because any of its letters may distinguish it.
                 let room = (LETTER * *width as f32).max(WIDEST_HEADING);
-                let font = egui::TextStyle::Body.resolve(ui.style());
                 let name = &one.estimate.name;
-                let is_wide = short::in_the_middle(ui, name, &font, room) != *name;
-                let text = RichText::new(name).color(colour).strong();
-                if is_wide {
-                    ui.scope(|ui| {
-                        ui.set_max_width(room);
-                        ui.add(egui::Label::new(text).wrap());
-                    });
-                } else {
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        ui.label(text);
-                    });
-                }
+                column_heading(ui, RichText::new(name).color(colour).strong(), name, room);
             }
             ui.end_row();
             for row in &rows {
@@ -412,6 +391,21 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &EstimatesJudgemen
             }
         })
     });
+}
+
+/// Shows a name above the ends of its numbers. A wider name is broken, because any of its letters may distinguish it.
+fn column_heading(ui: &mut egui::Ui, text: RichText, name: &str, room: f32) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    if short::in_the_middle(ui, name, &font, room) != *name {
+        ui.scope(|ui| {
+            ui.set_max_width(room);
+            ui.add(egui::Label::new(text).wrap());
+        });
+    } else {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(text);
+        });
+    }
 }
 
 /// Shows small rotations in mrad instead of radians; other units are unchanged.

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 
 use super::number;
 use crate::app::model::{Added, Commands, JudgingCommand};
-use crate::app::short;
 use crate::app::theme;
 use resect_core::deployment::Severity;
 use resect_tools::estimates::conventions::{Convention, WORDS};
@@ -50,8 +49,7 @@ fn chosen(ui: &mut egui::Ui, added: &[Added]) -> Option<usize> {
         choice(ui, None, "all".to_owned(), "Options of all trajectories".to_owned());
         for one in added {
             let name = &one.estimate.name;
-            let text = short::of_trajectory(ui, name);
-            choice(ui, Some(one.colour), text, format!("Options of {name} only"));
+            choice(ui, Some(one.colour), name.clone(), format!("Options of {name} only"));
         }
         ui.label(if chosen.is_none() { "with the same options:" } else { "with its own options:" });
     });

@@ -12,7 +12,9 @@ use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
+use resect_io::error::OpenError;
 use resect_io::estimate_file;
+use resect_io::source::Place;
 use resect_tools::estimates::{
     EstimatedTrajectory, EstimatesJudgement, GroundTruth, TruthReason, judge,
 };
@@ -173,26 +175,50 @@ impl State {
 
     /// Reads trajectories and adds them to an open deployment as an undoable step.
     fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>) {
-        self.start_reading(paths, move |state, read, _| {
-            let Some(open) = state.deployments.get(id) else { return };
-            if read.is_empty() {
-                return;
-            }
-            // The ground truth of a trajectory alone is chosen once there are others.
-            if open.judging.truth_reason == Some(TruthReason::Alone) {
-                state.choose_truth_again(id, &read);
-                return;
-            }
-            if open.placeholder && !Self::are_of_sample(open, &read) {
-                state.choose_truth(read);
-                return;
-            }
-            let added = open.judging.with(read);
-            state.time.plots = state.time.plots.only_errors();
-            state.workspace.layout.show(Pane::Channels);
-            state.workspace.layout.show(Pane::Evaluation);
-            state.judge_by(id, added, Moment::NEVER);
-        });
+        self.start_reading(paths, move |state, read, _| state.take_estimates(id, read));
+    }
+
+    /// Reads a bag without readings of stations as trajectories; if it has none either, shows why it is no deployment.
+    pub(super) fn read_bag_of_estimates(&mut self, path: PathBuf, why: OpenError) {
+        let bag = path.clone();
+        let number = self.jobs.start(
+            move || estimate_file::read(&bag).ok(),
+            move |state: &mut Self, number, read| {
+                state.path_requests.retain(|looking| *looking != number);
+                let active = state.active().map(|open| open.id);
+                match (read, active) {
+                    (None, _) => state.toasts.not_opened(&Place::Path(path), &why.to_string()),
+                    (Some(read), Some(id)) => {
+                        state.take_estimates(id, read.into_iter().map(Arc::new).collect());
+                    }
+                    (Some(read), None) => {
+                        state.choose_truth(read.into_iter().map(Arc::new).collect());
+                    }
+                }
+            },
+        );
+        self.path_requests.push(number);
+    }
+
+    fn take_estimates(&mut self, id: u64, read: Vec<Arc<EstimatedTrajectory>>) {
+        let Some(open) = self.deployments.get(id) else { return };
+        if read.is_empty() {
+            return;
+        }
+        // The ground truth of a trajectory alone is chosen once there are others.
+        if open.judging.truth_reason == Some(TruthReason::Alone) {
+            self.choose_truth_again(id, &read);
+            return;
+        }
+        if open.placeholder && !Self::are_of_sample(open, &read) {
+            self.choose_truth(read);
+            return;
+        }
+        let added = open.judging.with(read);
+        self.time.plots = self.time.plots.only_errors();
+        self.workspace.layout.show(Pane::Channels);
+        self.workspace.layout.show(Pane::Evaluation);
+        self.judge_by(id, added, Moment::NEVER);
     }
 
     /// Reads the trajectories of a session without changing the panes; the session keeps those that could not be read.

@@ -15,6 +15,7 @@ use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_io::error::OpenError;
+use resect_io::estimate_file::is_bag;
 use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_io::what_is::{Sorted, sort};
@@ -158,7 +159,13 @@ impl State {
             }
             Err(OpenError::Cancelled) => return,
             Err(error) => {
-                self.toasts.not_opened(&source.place, &error.to_string());
+                // A bag has tracks, or the poses of another system.
+                match source.path().filter(|path| is_bag(path).unwrap_or_default()) {
+                    Some(path) if matches!(then, Then::Show(_)) => {
+                        self.read_bag_of_estimates(path.to_owned(), error);
+                    }
+                    _ => self.toasts.not_opened(&source.place, &error.to_string()),
+                }
                 return;
             }
         };

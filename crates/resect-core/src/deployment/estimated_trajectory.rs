@@ -15,11 +15,21 @@ pub struct EstimatedTrajectory {
     pub path: PathBuf,
     /// Topic in a bag of several trajectories; `None` if there is one.
     pub topic: Option<String>,
+    /// Names of the frames in a bag; `None` if the file names none.
+    pub frames: Option<FrameNames>,
     /// Poses in strictly increasing order of time.
     pub poses: Vec<EstimatedPose>,
     /// Covariance of each pose; empty if the file states none.
     pub covariances: Vec<PoseCovariance>,
     pub findings: Vec<Finding>,
+}
+
+/// Names of the frames of a pose: that of the child in the parent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameNames {
+    pub parent: String,
+    /// `None` for a message without, such as `PoseStamped`.
+    pub child: Option<String>,
 }
 
 impl EstimatedTrajectory {

@@ -34,7 +34,7 @@ pub use control_points::{ControlPoint, ControlPointSet};
 pub use deployment::Deployment;
 pub use drives::OtherSetUp;
 pub use estimated_trajectory::{
-    EstimatedPose, EstimatedTrajectory, PoseCovariance, names_of_trajectories,
+    EstimatedPose, EstimatedTrajectory, FrameNames, PoseCovariance, names_of_trajectories,
 };
 pub use finding::{Finding, FindingIdentity, Subject, doubts};
 pub use finding_kind::{FindingKind, Nature};

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use crate::json::{SCHEMA, findings};
-use resect_core::deployment::EstimatedTrajectory;
+use resect_core::deployment::{EstimatedTrajectory, FrameNames};
 use resect_tools::estimates::trajectory_summary::{Step, TrajectorySummary, summarise};
 
 /// Number of gaps that the text lists.
@@ -18,6 +18,7 @@ pub fn trajectory_text(trajectory: &EstimatedTrajectory) -> String {
     let rate = summary.rate_hz.map_or(String::new(), |rate_hz| format!(", {rate_hz:.2} Hz"));
     let mut text = format!("{}\n", trajectory.name);
     let mut line = |label: &str, content: &str| _ = writeln!(text, "  {label:<14}{content}");
+    line("frame", &frames(trajectory));
     line("poses", &format!("{} over {:.1} s{rate}", summary.poses, end_s - start_s));
     line("stamps", &format!("{start_s:.3} to {end_s:.3} s"));
     line("path", &format!("{:.1} m", summary.path_m));
@@ -47,6 +48,15 @@ pub fn trajectory_text(trajectory: &EstimatedTrajectory) -> String {
     text
 }
 
+/// Names the frames: "base_link in odom".
+fn frames(trajectory: &EstimatedTrajectory) -> String {
+    match &trajectory.frames {
+        None => "not stated in the file".to_owned(),
+        Some(FrameNames { parent, child: None }) => parent.clone(),
+        Some(FrameNames { parent, child: Some(child) }) => format!("{child} in {parent}"),
+    }
+}
+
 fn gaps(summary: &TrajectorySummary, start_s: f64) -> String {
     let in_words = |step: &Step| format!("{:.2} s at {:.1} s", step.lasts_s, step.time_s - start_s);
     let listed: Vec<String> = summary.gaps.iter().take(LISTED_GAPS).map(in_words).collect();
@@ -70,6 +80,8 @@ pub fn trajectories_json(trajectories: &[EstimatedTrajectory]) -> Value {
             "name": trajectory.name,
             "file": trajectory.path,
             "topic": trajectory.topic,
+            "frame": trajectory.frames.as_ref().map(|frames| &frames.parent),
+            "child_frame": trajectory.frames.as_ref().and_then(|frames| frames.child.as_ref()),
             "poses": summary.poses,
             "span_s": summary.span_s,
             "path_m": summary.path_m,

@@ -79,6 +79,7 @@ pub fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory 
         name: name.to_owned(),
         path: name.into(),
         topic: None,
+        frames: None,
         poses,
         covariances: Vec::new(),
         findings: Vec::new(),

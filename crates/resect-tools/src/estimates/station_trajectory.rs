@@ -82,6 +82,7 @@ pub fn station_trajectory(
         name: format!("{} station {}", deployment.name, station + 1),
         path: deployment.name.clone().into(),
         topic: None,
+        frames: None,
         poses,
         covariances,
         findings: Vec::new(),

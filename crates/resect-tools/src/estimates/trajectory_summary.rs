@@ -109,6 +109,7 @@ mod tests {
             name: "slam".to_owned(),
             path: "slam.tum".into(),
             topic: None,
+            frames: None,
             poses: (0..=100).map(pose).collect(),
             covariances: Vec::new(),
             findings: Vec::new(),

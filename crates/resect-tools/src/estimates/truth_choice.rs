@@ -97,6 +97,7 @@ mod tests {
             name: name.to_owned(),
             path: format!("/data/{name}.tum").into(),
             topic: None,
+            frames: None,
             poses: vec![EstimatedPose { time_s: 0.0, position_m: Vector3::zeros(), orientation }],
             covariances: if states_sigma { vec![covariance] } else { Vec::new() },
             findings: Vec::new(),

@@ -3,6 +3,7 @@
 //! MCAP files of Foxglove and of web tools contain them (mcap.dev, registry of encodings). A time is an object of `sec` with `nsec` or
 //! `nanosec`, or text in ISO 8601.
 
+use resect_core::deployment::FrameNames;
 use serde_json::Value;
 
 use super::messages::{
@@ -61,7 +62,12 @@ fn pose(value: &Value, stamp_s: Option<f64>) -> Result<StampedPose, Malformed> {
         <[f64; 36]>::try_from(elements?).ok().map(Box::new)
     });
     let position_m = position_m(&named("position", "translation"))?;
-    Ok(StampedPose { stamp_s, position_m, orientation, covariance })
+    // Foxglove's own messages have the frame at the top.
+    let name = |name: &Value| name.as_str().filter(|name| !name.is_empty()).map(str::to_owned);
+    let parent = name(&value["header"]["frame_id"]).or_else(|| name(&value["frame_id"]));
+    let child = name(&value["child_frame_id"]);
+    let frames = parent.map(|parent| FrameNames { parent, child });
+    Ok(StampedPose { stamp_s, position_m, orientation, covariance, frames })
 }
 
 /// Fix of ROS, or of Foxglove without a status. JSON has no NaN, so coordinates without a fix are null.
@@ -148,6 +154,7 @@ mod tests {
             position_m: [1.0, 2.0, 3.0],
             orientation: [0.0, 0.0, 0.6, 0.8],
             covariance: None,
+            frames: None,
         };
         let pose =
             r#"{"position":{"x":1,"y":2,"z":3},"orientation":{"x":0,"y":0,"z":0.6,"w":0.8}}"#;
@@ -163,11 +170,10 @@ mod tests {
                 r#"{{"header":{{"stamp":{{"secs":1760000000,"nsecs":250000000}}}},"pose":{{"pose":{pose},"covariance":[]}}}}"#
             ),
         ] {
-            assert_eq!(
-                decode(Kind::PoseStamped, text.as_bytes()),
-                Ok(Message::Pose(expected.clone())),
-                "{text}"
-            );
+            let names_frame = text.contains("frame_id");
+            let frames = names_frame.then(|| FrameNames { parent: "map".to_owned(), child: None });
+            let expected = Message::Pose(StampedPose { frames, ..expected.clone() });
+            assert_eq!(decode(Kind::PoseStamped, text.as_bytes()), Ok(expected), "{text}");
         }
         let reading = br#"{"header":{"stamp":{"sec":5,"nanosec":0}},"theodolite_time":{"sec":4,"nanosec":500000000},
             "theodolite_id":2,"status":0,"azimuth":0.1,"elevation":1.5,"distance":30.25}"#;

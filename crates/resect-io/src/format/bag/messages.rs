@@ -18,6 +18,7 @@
 //! Time corrections and Leica points are tested only on messages written to these definitions, not on a real recording.
 
 use super::wire::{Encoding, Malformed, Wire, stamp};
+use resect_core::deployment::FrameNames;
 
 /// Kind of a message, by the name of its type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +107,8 @@ pub struct StampedPose {
     pub orientation: [f64; 4],
     /// 36 elements, row by row; `None` for messages without.
     pub covariance: Option<Box<[f64; 36]>>,
+    /// `None` if the message names no frame.
+    pub frames: Option<FrameNames>,
 }
 
 /// A transform of a message.
@@ -153,7 +156,7 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
     if kind == Kind::Transforms {
         return Ok(Message::Transforms(transforms(&mut wire)?));
     }
-    let stamp_s = wire.header_s()?;
+    let (stamp_s, frame) = wire.header()?;
     Ok(match kind {
         Kind::TheodoliteCoords => Message::Coords(Coords {
             stamp_s,
@@ -176,15 +179,22 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
         }
         Kind::NavSatFix => Message::Fix(nav_sat_fix(&mut wire, stamp_s)?),
         Kind::PoseStamped | Kind::Odometry | Kind::Transforms => {
-            if kind == Kind::Odometry {
-                wire.string()?;
-            }
+            let child = if kind == Kind::Odometry { Some(wire.string()?) } else { None };
+            let frames = frame_names(frame, child);
             let position_m = position_m(&mut wire)?;
             let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
             let covariance = covariance(&mut wire)?;
-            Message::Pose(StampedPose { stamp_s, position_m, orientation, covariance })
+            Message::Pose(StampedPose { stamp_s, position_m, orientation, covariance, frames })
         }
     })
+}
+
+/// Returns the names of frames as they are written; `None` without that of the parent.
+fn frame_names(parent: &[u8], child: Option<&[u8]>) -> Option<FrameNames> {
+    let name = |bytes: &[u8]| {
+        Some(String::from_utf8_lossy(bytes).into_owned()).filter(|name| !name.is_empty())
+    };
+    Some(FrameNames { parent: name(parent)?, child: child.and_then(name) })
 }
 
 /// Definition of the authors' readings in ROS 2 format, with those of the nested messages.
@@ -221,7 +231,8 @@ fn transforms(wire: &mut Wire<'_>) -> Result<Vec<StampedTransform>, Malformed> {
         let child = wire.string()?;
         let position_m = position_m(wire)?;
         let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
-        let pose = StampedPose { stamp_s, position_m, orientation, covariance: None };
+        // The transform itself has the names.
+        let pose = StampedPose { stamp_s, position_m, orientation, covariance: None, frames: None };
         transforms.push(StampedTransform { parent: frame(parent), child: frame(child), pose });
     }
     Ok(transforms)

@@ -202,6 +202,7 @@ impl Stream {
                         position_m: point.position_m,
                         orientation: [0.0; 4],
                         covariance: None,
+                        frames: None,
                     },
                 },
                 None => Heard::NotTaken,

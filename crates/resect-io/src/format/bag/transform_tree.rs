@@ -1,5 +1,6 @@
 //! Trajectories in the transforms of ROS (`/tf`, `/tf_static`): the pose of each moving frame in the root of its tree.
 
+use resect_core::deployment::FrameNames;
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -83,6 +84,7 @@ impl TransformTree {
                 position_m: position_m.into(),
                 orientation: [x, y, z, w],
                 covariance: None,
+                frames: Some(FrameNames { parent: root.to_owned(), child: Some(child.to_owned()) }),
             }
         });
         let poses: Vec<StampedPose> = poses.collect();
@@ -116,6 +118,7 @@ mod tests {
             position_m,
             orientation: [0.0, 0.0, 0.0, 1.0],
             covariance: None,
+            frames: None,
         };
         StampedTransform { parent: parent.to_owned(), child: child.to_owned(), pose }
     }

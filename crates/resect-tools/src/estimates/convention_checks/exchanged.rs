@@ -69,6 +69,7 @@ mod tests {
             name: path.to_owned(),
             path: path.into(),
             topic: None,
+            frames: None,
             poses: Vec::new(),
             covariances: Vec::new(),
             findings: Vec::new(),

@@ -31,6 +31,7 @@ pub fn position_truth(
         name: truth.name().to_owned(),
         path: PathBuf::new(),
         topic: None,
+        frames: None,
         poses,
         covariances: Vec::new(),
         findings: Vec::new(),

@@ -24,6 +24,7 @@ fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory {
         name: name.to_owned(),
         path: PathBuf::from(format!("{name}.tum")),
         topic: None,
+        frames: None,
         poses,
         covariances: Vec::new(),
         findings: Vec::new(),

@@ -182,6 +182,7 @@ mod tests {
             name: String::new(),
             path: std::path::PathBuf::new(),
             topic: None,
+            frames: None,
             poses: vec![pose(UnitQuaternion::identity())],
             covariances: vec![PoseCovariance::of_position(&Vector3::repeat(10.0))],
             findings: Vec::new(),
