@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::frame_times::numbered_poses;
 use super::remedy_flags::finding_line;
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst, Settings};
@@ -79,6 +80,9 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 
 /// Reads a trajectory, or opens a deployment. A file that is no deployment may be a trajectory of positions.
 fn content(path: &Path, arguments: &CheckArguments) -> Result<CheckedContent, Failure> {
+    if let Some(read) = numbered_poses(path) {
+        return Ok(CheckedContent::Trajectories(vec![read?]));
+    }
     if matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
         return Ok(CheckedContent::Trajectories(estimate_file::read(path)?));
     }

@@ -23,6 +23,9 @@ pub struct ComparisonArguments {
     /// (.pos), NMEA
     #[arg(required_unless_present = "drives", value_name = "ESTIMATE")]
     pub trajectory: Vec<PathBuf>,
+    /// Topic in a bag of several trajectories; several times for several of them. Without it, all topics but that of the ground truth
+    #[arg(long, value_name = "TOPIC")]
+    topic: Vec<String>,
     /// Ground truth: a folder or file with the stations' tracks, or a trajectory in any format of the estimates. It may have
     /// orientations or positions only, and be dense or a few surveyed points. Given three times or more: GNSS solutions of antennas of one body
     #[arg(long, required_unless_present = "drives", value_name = "PATH")]
@@ -79,6 +82,11 @@ impl ComparisonArguments {
         let settings = self.settings.settings()?;
         let deployment = self.truth.open(&self.against, self.settings.extras(), frames)?;
         let analysis = Analyst::new(deployment.clone()).run(&settings);
+        if let Some(truth) = &deployment.ground_truth {
+            // A topic of a bag is not compared with itself.
+            read_estimates
+                .retain(|(estimate, _)| estimate.topic.is_none() || !estimate.is_same(truth));
+        }
         let truth = self.truth.ground_truth(&deployment, &analysis)?;
         let start_s = truth.start_s().unwrap_or_default();
         for (_, options) in &mut read_estimates {
@@ -121,7 +129,31 @@ impl ComparisonArguments {
             let read = read?;
             read_estimates.extend(read.into_iter().map(|estimate| (estimate, options)));
         }
+        self.keep_topics(&mut read_estimates)?;
         Ok(read_estimates)
+    }
+
+    /// Leaves out the trajectories of bags whose topics are not asked for.
+    fn keep_topics(
+        &self,
+        estimates: &mut Vec<(EstimatedTrajectory, Options)>,
+    ) -> Result<(), Failure> {
+        if self.topic.is_empty() {
+            return Ok(());
+        }
+        let topics: Vec<String> =
+            estimates.iter().filter_map(|(estimate, _)| estimate.topic.clone()).collect();
+        if let Some(missing) = self.topic.iter().find(|topic| !topics.contains(topic)) {
+            let known = match topics.is_empty() {
+                true => "no file has several topics".to_owned(),
+                false => format!("the topics are {}", topics.join(", ")),
+            };
+            return Err(Failure::Usage(format!("--topic {missing}: {known}")));
+        }
+        estimates.retain(|(estimate, _)| {
+            estimate.topic.as_ref().is_none_or(|topic| self.topic.contains(topic))
+        });
+        Ok(())
     }
 
     fn motions(&self) -> RelativeOptions {

@@ -22,7 +22,10 @@ pub struct EvaluateArguments {
     /// Evaluate several drives, which this TOML file lists with their options: name, truth, estimates
     #[arg(
         long, value_name = "FILE", long_help = DRIVES_HELP,
-        conflicts_with_all = ["ComparisonArguments", "JudgingArguments", "TruthArguments", "AnswerArguments", "csv", "latex", "map"]
+        // The group of flattened arguments does not contain those around it.
+        conflicts_with_all = [
+            "trajectory", "topic", "against", "delta", "all_pairs", "rate", "from", "to", "JudgingArguments", "TruthArguments", "AnswerArguments", "csv", "latex", "map"
+        ]
     )]
     drives: Option<PathBuf>,
     /// Print one JSON object

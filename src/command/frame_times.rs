@@ -1,9 +1,11 @@
 //! Times of KITTI poses without a file of times: by the number of the pose, or by a rate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::Failure;
-use resect_io::estimate_file::{NumberedTimes, poses_without_times};
+use resect_io::error::OpenError;
+use resect_io::estimate_file::{NumberedTimes, poses_without_times, read_frames};
+use resect_tools::estimates::EstimatedTrajectory;
 
 /// Rate of poses that are compared by their numbers (Hz): that of the cameras of KITTI.
 const USUAL_RATE_HZ: f64 = 10.0;
@@ -12,6 +14,12 @@ const USUAL_RATE_HZ: f64 = 10.0;
 pub fn rate(text: &str) -> Result<f64, String> {
     let rate_hz = text.trim().parse().ok().filter(|rate_hz: &f64| (1e-3..=1e6).contains(rate_hz));
     rate_hz.ok_or_else(|| "give a positive number of Hz".to_owned())
+}
+
+/// Reads KITTI poses without times at the rate of KITTI's cameras; `None` for other files.
+pub fn numbered_poses(path: &Path) -> Option<Result<EstimatedTrajectory, OpenError>> {
+    poses_without_times(path)?;
+    Some(read_frames(path, NumberedTimes { rate_hz: USUAL_RATE_HZ, is_given: false }))
 }
 
 /// Returns the times of files without any; `None` if all files have times.

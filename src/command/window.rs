@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::frame_times::numbered_poses;
 use super::remedy_flags::finding_line;
 use super::{Failure, complain, load, note, print};
 use crate::app;
@@ -88,6 +89,10 @@ struct OpenedPaths {
 impl OpenedPaths {
     /// Reads a deployment, or trajectories of another system. A file of GNSS alone is a trajectory.
     fn open(&mut self, path: &Path) -> anyhow::Result<()> {
+        if let Some(read) = numbered_poses(path) {
+            self.trajectories.push(read?);
+            return Ok(());
+        }
         if matches!(what_is(path), Dropped::Estimate | Dropped::Gnss) {
             self.trajectories.extend(estimate_file::read(path)?);
             return Ok(());

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use resect_tools::estimates::metrics::{Ape, RelativeErrors};
 use resect_tools::estimates::{
-    Coverage, Delta, EstimatesJudgement, Judged, NoMotions, RelativeOptions,
+    Body, Coverage, Delta, EstimatesJudgement, Judged, NoMotions, RelativeOptions,
 };
 
 /// Larger lengths are given in metres (m): frames that differ by map coordinates.
@@ -226,15 +226,18 @@ fn add_fit(rows: &mut ErrorRows<'_>) {
                 .fit
                 .body_angles_rad()
                 .map(|angles| [angles[axis].value, angles[axis].sigma].map(f64::to_degrees))?;
-            let sigma = match sigma > 0.0 {
-                true => format!(" ± {sigma:.3}"),
-                false => " given".to_owned(),
+            let sigma = match (sigma > 0.0, one.options.body) {
+                (true, _) => format!(" ± {sigma:.3}"),
+                (false, Body::Same) => " given".to_owned(),
+                (false, Body::Found | Body::Lever(_)) => " (mean)".to_owned(),
             };
             Some(format!("{value:+.3}{sigma}"))
         });
     }
     rows.add_if_any("scale", SCALE_NOT_ESTIMATED, &|one| {
-        (one.fit.scale != 1.0).then(|| format!("{:.5}", one.fit.scale))
+        let sigma = one.fit.estimated_scale.map(|scale| format!(" ± {:.5}", scale.sigma.max(1e-5)));
+        let sigma = sigma.unwrap_or_default();
+        (one.fit.scale != 1.0).then(|| format!("{:.5}{sigma}", one.fit.scale))
     });
 }
 

@@ -66,11 +66,12 @@ pub fn text(truth: &GroundTruth<'_>, judgement: &EstimatesJudgement) -> String {
     lines.push(truth_in_words(truth));
     lines.extend(all.first().and_then(|judged| restrictions_in_words(&judged.options, start_s)));
     lines.push(String::new());
-    let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
     let names: Vec<String> = all.iter().map(|one| one.estimate.name.clone()).collect();
     let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };
     let each: Vec<&str> = names.iter().map(|name| &**name).collect();
     let empty = why_empty(&table, &each);
+    let texts = names.iter().chain(table.iter().flat_map(|row| &row.cells));
+    let width = texts.map(|text| text.chars().count()).fold(22, usize::max) + 2;
     let body = table.into_iter().map(|row| (row.label, row.cells));
     for (label, cells) in std::iter::once((String::new(), names)).chain(body) {
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));

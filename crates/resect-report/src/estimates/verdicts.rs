@@ -1,6 +1,6 @@
 //! The table of verdicts: for each pair of estimates, a row for each kind of error.
 
-use resect_core::statistics::estimate::{Estimate, SUPPORTED_SIGMAS, decimals_of};
+use resect_core::statistics::estimate::SUPPORTED_SIGMAS;
 use resect_tools::estimates::ranking::{ComparedError, PairComparison, PairVerdict};
 use resect_tools::estimates::{Delta, EstimatesJudgement};
 
@@ -20,7 +20,7 @@ pub struct VerdictRow {
     pub label: String,
     /// Error of each estimate; [`EMPTY`] if there is none.
     pub cells: [String; 2],
-    /// "b better, 5.1 σ: 2.02 ± 0.21 times", "inconclusive, …", or [`EMPTY`].
+    /// "b better, 5.1 σ: 2.02 times (1.62 to 2.52)", "inconclusive, …", or [`EMPTY`].
     pub verdict: String,
     /// The same with its evidence in one sentence, or the reason of empty cells.
     pub reason: String,
@@ -30,7 +30,7 @@ pub struct VerdictRow {
 
 /// Explains the numbers of the table.
 pub const VERDICTS_IN_WORDS: &str = "Root mean square errors at the same instants and over the same paths, measured along the ground \
-                                     truth. The factor is that of a typical block of time; one is better from 3 σ on.";
+                                     truth. The factor is that of a typical block of time, with its 95 % interval; one is better from 3 σ on.";
 
 /// Returns a table for each pair of estimates.
 pub fn verdicts(judgement: &EstimatesJudgement, angles: Angles) -> Vec<PairTable> {
@@ -127,21 +127,29 @@ pub fn error_in_words(kind: ComparedError) -> String {
     }
 }
 
-/// "2.02 ± 0.21 times, 5.1 σ": the factor between both errors.
+/// "2.02 times (1.6 to 2.5)": the factor between both errors with its 95 % interval, which is not symmetric.
 fn factor_in_words(two: &PairComparison) -> Option<String> {
-    let (factor, sigmas) = (two.factor()?, two.sigmas()?);
-    let Estimate { value, sigma } = factor;
-    let decimals = decimals_of(sigma).unwrap_or(2);
-    Some(format!("{value:.decimals$} ± {sigma:.decimals$} times, {sigmas:.1} σ"))
+    let (factor, [low, high]) = (two.factor()?, two.factor_95()?);
+    let [factor, low, high] = [factor.value, low, high].map(two_digits);
+    Some(format!("{factor} times ({low} to {high})"))
+}
+
+/// Formats a factor with two or three significant digits.
+fn two_digits(factor: f64) -> String {
+    match factor {
+        factor if factor < 0.01 => "0".to_owned(),
+        factor if factor < 10.0 => format!("{factor:.2}"),
+        factor if factor < 100.0 => format!("{factor:.1}"),
+        factor if factor < 1000.0 => format!("{factor:.0}"),
+        _ => "1000 or more".to_owned(),
+    }
 }
 
 /// The shortest form has the significance first, because a narrow pane cuts off the end.
 fn verdict(judgement: &EstimatesJudgement, two: &PairComparison) -> String {
-    let numbers = two.factor().zip(two.sigmas()).map(|(factor, sigmas)| {
-        let Estimate { value, sigma } = factor;
-        let decimals = decimals_of(sigma).unwrap_or(2);
-        format!(", {sigmas:.1} σ: {value:.decimals$} ± {sigma:.decimals$} times")
-    });
+    let numbers = factor_in_words(two)
+        .zip(two.sigmas())
+        .map(|(factor, sigmas)| format!(", {sigmas:.1} σ: {factor}"));
     let numbers = numbers.unwrap_or_default();
     match two.verdict {
         PairVerdict::Better => {
@@ -170,7 +178,10 @@ pub fn compared(judgement: &EstimatesJudgement, two: &PairComparison, angles: An
     let is_over_paths = !matches!(two.kind, ComparedError::Position | ComparedError::Rotation);
     let of = if is_over_paths { "common paths" } else { "common instants" };
     let apart = format!("{a} against {b} rmse of {} {of}", two.count);
-    let factor = factor_in_words(two).unwrap_or_default();
+    let factor = factor_in_words(two)
+        .zip(two.sigmas())
+        .map(|(factor, sigmas)| format!("{factor}, {sigmas:.1} σ"))
+        .unwrap_or_default();
     match two.verdict {
         PairVerdict::Better => {
             format!("{better} is significantly better than {worse} in {kind}: {apart}, {factor}")

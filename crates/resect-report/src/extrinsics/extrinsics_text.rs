@@ -129,6 +129,13 @@ pub fn conclusion(extrinsics: &Extrinsics) -> String {
         (Verdict::Degenerate, _) => {
             format!("the motion does not determine the lever arm along {}", undetermined.join(", "))
         }
+        (Verdict::Ambiguous, _) if extrinsics.other_offset_s.is_some() => {
+            let offset = extrinsics.other_offset_s.map(|it| millis(it.value, Some(it.sigma)));
+            format!(
+                "by the drive the time offset is {} ms, which contradicts the given one; leave it out to estimate it",
+                offset.unwrap_or_default()
+            )
+        }
         (Verdict::Ambiguous, _) => match halves.contradiction() {
             Some(half) => format!(
                 "the halves of the drive contradict each other in {} by {:.1} σ, so σ is too small; check the clocks and both \

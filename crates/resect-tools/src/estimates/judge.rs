@@ -223,7 +223,8 @@ fn sized_errors(
 }
 
 fn rotation_of(errors: &[EpochError]) -> Ape {
-    Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm())))
+    let sizes = errors.iter().filter_map(|error| Some((error.time_s, error.rotation_rad?.norm())));
+    Ape::over_time(&sizes.collect::<Vec<_>>())
 }
 
 /// Leaves out the poses outside the compared span.
@@ -274,7 +275,8 @@ pub fn fit_with_convention(
 }
 
 fn ape_of(errors: &[EpochError]) -> Ape {
-    Ape::of(errors.iter().map(|error| error.position_m.norm()))
+    let sizes = errors.iter().map(|error| (error.time_s, error.position_m.norm()));
+    Ape::over_time(&sizes.collect::<Vec<_>>())
 }
 
 /// Errors in the frames as they are, and with these aligned by the first pose.

@@ -14,7 +14,7 @@ use resect_core::statistics::median;
 pub struct Ape {
     pub count: usize,
     pub rmse: f64,
-    /// σ of the root mean square by those of clock, lever arm and body; `None` if none of these was estimated.
+    /// σ of the root mean square by chance, and by those of clock, lever arm and body; `None` with too few errors.
     pub rmse_sigma: Option<f64>,
     pub mean: f64,
     pub median: f64,
@@ -45,12 +45,51 @@ impl Ape {
         }
     }
 
+    /// Summarises errors at ascending times (s), with σ of the root mean square by the scatter of the squares of blocks of time. Errors of
+    /// neighbouring blocks may be correlated.
+    pub fn over_time(errors: &[(f64, f64)]) -> Self {
+        let ape = Self::of(errors.iter().map(|(_, size)| *size));
+        Self { rmse_sigma: sigma_by_chance(errors, ape.rmse), ..ape }
+    }
+
     /// Adds the variance of an independent change, with which the errors are others.
     pub fn add_change(&mut self, changed: &Self) {
-        let sigma = self.rmse_sigma.unwrap_or_default();
-        self.rmse_sigma = Some(sigma.hypot(changed.rmse - self.rmse));
+        if let Some(sigma) = &mut self.rmse_sigma {
+            *sigma = sigma.hypot(changed.rmse - self.rmse);
+        }
     }
 }
+
+/// Number of blocks of time for σ by chance, as for verdicts, and the fewest that show a scatter.
+const BLOCKS: f64 = 24.0;
+const FEWEST_BLOCKS: usize = 4;
+
+fn sigma_by_chance(errors: &[(f64, f64)], rmse: f64) -> Option<f64> {
+    let ([(first_s, _), ..], [.., (last_s, _)]) = (errors, errors) else { return None };
+    let block_s = (last_s - first_s) / BLOCKS;
+    let place = |time_s: f64| ((time_s - first_s) / block_s).floor().min(BLOCKS - 1.0);
+    // By how much each block's squares differ from the mean of all.
+    let blocks: Vec<f64> = errors
+        .chunk_by(|a, b| place(a.0) == place(b.0))
+        .map(|block| block.iter().map(|(_, size)| size * size - rmse * rmse).sum())
+        .collect();
+    if blocks.len() < FEWEST_BLOCKS || rmse == 0.0 {
+        return None;
+    }
+    let count = blocks.len() as f64;
+    let square: f64 = blocks.iter().map(|off| off * off).sum();
+    let product: f64 = blocks.windows(2).map(|two| two[0] * two[1]).sum();
+    // As in the verdicts, the correlation of few values is too small.
+    let correlation = if square > 0.0 { product / square + 2.0 / count } else { 0.0 };
+    let correlation = correlation.clamp(0.0, LARGEST_CORRELATION);
+    let repeats = (1.0 + correlation) / (1.0 - correlation);
+    let of_sum = square * count / (count - 1.0) * repeats;
+    let of_mean_square = of_sum.sqrt() / errors.len() as f64;
+    Some(of_mean_square / (2.0 * rmse))
+}
+
+/// Largest correlation of neighbouring blocks: the mean of 24 blocks then counts as that of two or three.
+const LARGEST_CORRELATION: f64 = 0.8;
 
 /// Errors of the relative motion over motions of one size.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,12 +144,15 @@ pub fn relative(
         let (delta, pairs) = motions.as_ref().map_err(Clone::clone)?;
         let errors: Vec<RelativeError> =
             pairs.iter().map(|pair| relative_error(&poses, pair)).collect();
+        let with_time = |sizes: &mut dyn Iterator<Item = f64>| -> Vec<(f64, f64)> {
+            pairs.iter().map(|pair| poses[pair.ends[0]].time_s).zip(sizes).collect()
+        };
         let rotations: Option<Vec<f64>> = errors.iter().map(|error| error.rotation_rad).collect();
         Ok(RelativeErrors {
             delta: *delta,
             size: median(pairs.iter().map(|pair| pair.size)).unwrap_or_default(),
-            position: Ape::of(errors.iter().map(|error| error.position_m)),
-            rotation: rotations.map(|sizes| Ape::of(sizes.into_iter())),
+            position: Ape::over_time(&with_time(&mut errors.iter().map(|error| error.position_m))),
+            rotation: rotations.map(|sizes| Ape::over_time(&with_time(&mut sizes.into_iter()))),
         })
     };
     motions.iter().map(of_motions).collect()

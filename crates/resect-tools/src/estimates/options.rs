@@ -41,11 +41,11 @@ impl Options {
             && self.to_s.is_none_or(|to_s| time_s <= to_s)
     }
 
-    /// Returns what evo assumes: equal clocks, one body frame, and the nearest stamps. Results then equal those of `evo_ape`.
+    /// Returns what evo assumes where nothing else is given: equal clocks, one body frame, and the nearest stamps. Results then equal those of `evo_ape`.
     pub fn as_evo(self) -> Self {
         Self {
-            time_offset_s: Some(0.0),
-            body: Body::Same,
+            time_offset_s: self.time_offset_s.or(Some(0.0)),
+            body: if self.body == Body::Found { Body::Same } else { self.body },
             association: Association::Nearest,
             ..self
         }

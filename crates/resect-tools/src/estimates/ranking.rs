@@ -119,6 +119,12 @@ impl PairComparison {
         self.ln_factor.filter(|one| one.sigma > 0.0).map(|one| one.value / one.sigma)
     }
 
+    /// 95 % interval of the factor.
+    pub fn factor_95(&self) -> Option<[f64; 2]> {
+        let Estimate { value, sigma } = self.ln_factor?;
+        Some([-NORMAL_95, NORMAL_95].map(|by| (value + by * sigma).exp()))
+    }
+
     /// 95 % interval of the better one's error over the worse one's.
     pub fn ratio_95(&self) -> Option<[f64; 2]> {
         let Estimate { value, sigma } = self.ln_factor?;

@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, UnitQuaternion};
 use super::advised_motion::{AdvisedMotion, advised_motions};
 use super::driven_motion::{DrivenMotion, driven_motion};
 use super::errors::NoExtrinsics;
-use super::halves::{HalvesOutcome, differences};
+use super::halves::{HalvesOutcome, MOST_SIGMAS, differences};
 use super::lever_direction::{LeverDirection, lever_directions};
 use super::solution::{GOOD_LEVER_M, GOOD_ROTATION_RAD, GOOD_TIME_S, Solution};
 use crate::estimates::conventions::Convention;
@@ -33,6 +33,8 @@ pub struct Extrinsics {
     pub directions: Vec<LeverDirection>,
     pub motion: DrivenMotion,
     pub halves: HalvesOutcome,
+    /// Time offset by the drive (s) that contradicts the given one.
+    pub other_offset_s: Option<Estimate>,
     pub verdict: Verdict,
     /// Motions that would determine more.
     pub advice: Vec<AdvisedMotion>,
@@ -71,10 +73,17 @@ pub fn estimate_extrinsics(
         .unwrap_or_default();
     let halves = compare_halves([&a, &b], &options, solution.time_offset_s);
     let motion = driven_motion(&a.poses);
+    let other_offset_s = options
+        .time_offset_s
+        .and_then(|given_s| contradicting_offset_s([&a, &b], &options, given_s));
+    let verdict = match other_offset_s {
+        Some(_) => Verdict::Ambiguous,
+        None => verdict(&solution, &directions, &halves),
+    };
     Ok(Extrinsics {
         poses: [a.poses.len(), b.poses.len()],
         pairs,
-        verdict: verdict(&solution, &directions, &halves),
+        verdict,
         advice: advised_motions(&solution, &directions, &motion),
         findings: a.findings.into_iter().chain(b.findings).chain(fit.findings).collect(),
         names,
@@ -82,7 +91,22 @@ pub fn estimate_extrinsics(
         directions,
         motion,
         halves,
+        other_offset_s,
     })
+}
+
+/// Returns the time offset by the drive if a given one contradicts it, as halves would contradict each other.
+fn contradicting_offset_s(
+    [a, b]: [&EstimatedTrajectory; 2],
+    options: &Options,
+    given_s: f64,
+) -> Option<Estimate> {
+    let options = Options { time_offset_s: None, near_offset_s: Some(given_s), ..*options };
+    let (fit, _) = fitted(a, b, &options).ok()?;
+    let solution = solution_of(&fit, b.has_orientations());
+    let (value, sigma) = (solution.time_offset_s, solution.time_offset_sigma_s?);
+    let is_other = (value - given_s).abs() > MOST_SIGMAS * sigma;
+    is_other.then_some(Estimate { value, sigma })
 }
 
 /// Estimates the pose of an estimate's body in that of a ground truth, with the options of their comparison. A ground truth of positions is

@@ -70,7 +70,9 @@ pub fn suspected_orientation(
     if pairs.iter().all(|each| each.pair.truth.rotation.is_some()) {
         by_orientations(&pairs, &fit.truth_from_estimate.rotation, stated)
     } else {
-        by_lever_arm(&pairs, fit, stated).or_else(|| by_travel(poses, stated))
+        by_lever_arm(&pairs, fit, stated)
+            .or_else(|| by_travel(poses, stated))
+            .or_else(|| by_first_orientation(poses, (&pairs, fit), stated))
     }
 }
 
@@ -195,12 +197,46 @@ fn by_lever_arm(
         return None;
     }
     let with_best = lever_fit(pairs, fit, &best.convention)?;
-    let blocks = as_read.blocks_m2.iter().zip(&with_best.blocks_m2);
-    let ratios: Vec<f64> = blocks.map(|(as_read, best)| (as_read / best).ln()).collect();
+    (significance(&as_read, &with_best) > LEVER_SIGNIFICANT).then_some(best)
+}
+
+/// Returns Student's t of the logarithms of the ratios of squares, over the blocks of the drive.
+fn significance(as_read: &LeverFit, other: &LeverFit) -> f64 {
+    let blocks = as_read.blocks_m2.iter().zip(&other.blocks_m2);
+    let ratios: Vec<f64> = blocks.map(|(as_read, other)| (as_read / other).ln()).collect();
     let count = ratios.len() as f64;
     let mean = ratios.iter().sum::<f64>() / count;
     let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean > LEVER_SIGNIFICANT * (variance / count).sqrt()).then_some(best)
+    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// An odometry begins without rotation. With the other order of numbers, that is a half turn about x: it is reported if the first rotation is
+/// below the first angle in one order, and beyond the second as read (rad), and if the lever arm does not contradict it.
+/// Field: lever arms of handheld sensors are as small as their errors, so alone they show little. Few frames begin upside down.
+const NOT_TURNED_RAD: f64 = 0.1;
+const TURNED_RAD: f64 = 3.0;
+
+fn by_first_orientation(
+    poses: &[EstimatedPose],
+    (pairs, fit): (&[WrittenOrientation<'_>], &Fit),
+    stated: &Convention,
+) -> Option<SuspectedOrientation> {
+    let convention = Convention { has_w_first: !stated.has_w_first, ..*stated };
+    let written = stated.as_written(poses.first()?.orientation?);
+    let [as_read_rad, other_rad] =
+        [stated, &convention].map(|convention| convention.orientation(written).angle());
+    if as_read_rad < TURNED_RAD || other_rad > NOT_TURNED_RAD {
+        return None;
+    }
+    let as_read = lever_fit(pairs, fit, stated)?;
+    let other = lever_fit(pairs, fit, &convention)?;
+    (significance(&as_read, &other) > 0.0).then(|| SuspectedOrientation {
+        convention,
+        alternatives: Vec::new(),
+        as_read: as_read.rmse_m,
+        with_convention: other.rmse_m,
+        evidence: OrientationEvidence::LeverArm,
+    })
 }
 
 fn lever_fit(
