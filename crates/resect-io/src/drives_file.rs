@@ -1,5 +1,6 @@
 //! The file of several drives (`resect evaluate --drives`): for each the ground truth, the estimates and options.
 
+use resect_core::deployment::names::without_common_words;
 use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
@@ -72,8 +73,12 @@ fn drive(
                 .unzip()
         }
         listed => {
+            // The name of the drive in each file is left out, so that a system has one name in all drives.
             let paths = listed.map_or(Vec::new(), texts);
-            paths.into_iter().map(|path| (stem(&path), path)).unzip()
+            let mut stems: Vec<String> =
+                paths.iter().chain(truths.first()).map(|path| stem(path)).collect();
+            stems = without_common_words(&stems, 0);
+            stems.into_iter().zip(paths).unzip()
         }
     };
     let name = entry.remove("name").map_or(Vec::new(), texts).pop();
@@ -144,6 +149,18 @@ mod tests {
         assert_eq!((&*drives[1].name, drives[1].truths.len()), ("1", 3));
         assert_eq!(drives[1].names, ["slam"]);
         assert!(drives[1].flags.contains(&"--all-pairs".to_owned()), "{drives:?}");
+    }
+
+    #[test]
+    fn a_system_has_one_name_in_all_drives() {
+        let drive = |place: &str| {
+            format!(
+                "[[drive]]\ntruth = \"{place}_prism.tum\"\nestimates = [\"{place}_fastlio2.tum\"]\n"
+            )
+        };
+        let text = drive("handheld_room00") + &drive("ugv_parking00");
+        let drives = parse(Path::new("drives.toml"), &text).expect("valid");
+        assert!(drives.iter().all(|drive| drive.names == ["fastlio2"]), "{drives:?}");
     }
 
     #[test]

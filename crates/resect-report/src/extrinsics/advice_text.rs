@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 
 use resect_tools::extrinsics::AdvisedMotion;
 
+/// Longest drive that is advised, as a multiple of the present one.
+const LONGEST_TIMES: f64 = 30.0;
 /// Axes are named if the direction is nearer than this cosine.
 const ALONG: f64 = 0.95;
 
@@ -35,6 +37,9 @@ pub fn advice_in_words(advised: &AdvisedMotion, body: &str) -> String {
                     (1e3 * sigma_m).max(1.0)
                 ))
             )
+        }
+        AdvisedMotion::Longer { times } if *times > LONGEST_TIMES => {
+            "Drive another way, or with smaller errors: more of the same way determines it in no reasonable time".to_owned()
         }
         AdvisedMotion::Longer { times } => {
             format!(

@@ -20,6 +20,12 @@ pub fn extrinsics_copy(
     for row in quantities(extrinsics) {
         _ = writeln!(comments, "# {}: {}", row.label, row.value);
     }
+    if extrinsics.solution.rotation_sigma_rad.is_none() {
+        _ = writeln!(
+            comments,
+            "# {b} has positions only, so the rotation is not determined and stands as none"
+        );
+    }
     if extrinsics.verdict != Verdict::Good {
         _ = writeln!(
             comments,

@@ -25,6 +25,9 @@ const STEP_S: f64 = 1.0;
 const TOGETHER_S: f64 = 2.0;
 /// Spans of fewer outlying epochs are noise.
 const FEWEST: usize = 3;
+/// Smaller errors (m, rad) are those of numbers that are rounded in files.
+const LEAST_M: f64 = 1e-4;
+const LEAST_RAD: f64 = 1e-4;
 /// Estimates agree against the ground truth if their difference is below this share of the error.
 const AGREE: f64 = 0.4;
 
@@ -175,9 +178,13 @@ pub fn spans(
     let by_rig = truths.iter().any(|truth| truth.rotation.is_some());
     let is_redundant = truths.iter().any(|truth| truth.contradiction_m.is_some());
     let limit_m = contradiction_limit_m(truths.iter());
+    let is_seen = |index: &usize| {
+        let turn = errors[*index].rotation_rad.unwrap_or_default();
+        errors[*index].position_m.norm() > LEAST_M || turn.norm() > LEAST_RAD
+    };
     spans
         .into_iter()
-        .filter(|span| span.len() >= FEWEST)
+        .filter(|span| span.len() >= FEWEST && span.iter().any(is_seen))
         .map(|span| {
             let largest = |of: &dyn Fn(&EpochError) -> f64| {
                 span.iter().map(|index| of(&errors[*index])).fold(0.0, f64::max)

@@ -50,7 +50,7 @@ pub fn estimate_stamps_jitter(estimate: &str, sigma_s: f64) -> Finding {
     Finding::new(
         kinds::ESTIMATE_STAMPS_JITTER,
         format!(
-            "{estimate}: its stamps jitter by {:.0} ms (1 σ) against those of the ground truth; the time offset is their mean",
+            "{estimate}: its stamps jitter by about {:.0} ms (1 σ) against those of the ground truth; the time offset is their mean",
             1e3 * sigma_s
         ),
     )

@@ -51,7 +51,7 @@ pub fn before_fit(
         let of_positions = GroundTruth::Trajectory(Arc::clone(&positions), None);
         let shapes = compare_shapes(&of_positions, poses, options.time_offset_s)?;
         if let Some(unit) = shapes.as_ref().and_then(suspected_unit) {
-            early.findings.push(unit_finding(name, truth, &unit));
+            early.findings.push(unit_finding(name, truth, &unit, &options.convention));
             early.is_other_unit = options.alignment != TrajectoryAlignment::Similarity;
         } else if has_shape && options.time_offset_s.is_none() {
             rate = suspected_rate(&positions, poses, shapes)?;
@@ -65,18 +65,30 @@ pub fn before_fit(
     Ok(early)
 }
 
-fn unit_finding(name: &str, truth: &GroundTruth<'_>, unit: &SuspectedUnit) -> Finding {
+fn unit_finding(
+    name: &str,
+    truth: &GroundTruth<'_>,
+    unit: &SuspectedUnit,
+    stated: &Convention,
+) -> Finding {
+    // The words that are stated already stay.
+    let others = Convention { length_m: 1.0, ..*stated }.to_string();
+    let with_others = |word: &str| match others.is_empty() {
+        true => format!("--convention {word}"),
+        false => format!("--convention {others},{word}"),
+    };
     let is_trajectory = matches!(truth, GroundTruth::Trajectory(..));
     // A deployment is in metres, so an estimate that is too short was divided by its unit.
     let (owner, unit_name, flag) = match (unit.is_of_truth, unit.word) {
-        (false, word) => ("it", unit.name.to_owned(), format!("--convention {word}")),
+        (false, word) => ("it", unit.name.to_owned(), with_others(word)),
         (true, word) if is_trajectory => {
             ("the ground truth", unit.name.to_owned(), format!("--truth-convention {word}"))
         }
-        (true, "mm") => ("it", "kilometres".to_owned(), "--convention km".to_owned()),
+        (true, "mm") => ("it", "kilometres".to_owned(), with_others("km")),
         (true, _) => {
             let quotient = format!("metres divided by the factor of {}", unit.name);
-            ("it", quotient, format!("--convention length={:.4}", unit.times_longer.recip()))
+            let word = format!("length={:.4}", unit.times_longer.recip());
+            ("it", quotient, with_others(&word))
         }
     };
     findings::estimate_unit(name, unit.times_longer, [owner, &unit_name], &flag)

@@ -170,7 +170,10 @@ pub fn refine(
         last_step = (searches == SEARCHES && change < UNSETTLED_SIGMAS).then(|| solved.clone());
         state.step(&open, &(damping * solved));
         let is_last = searches == SEARCHES;
-        let settled = damping * change < if is_last { SETTLED_SIGMAS } else { NEAR_SIGMAS };
+        // Damped steps are small also where the equations are wrong, as on a circle.
+        let is_right = !is_last || change < UNSETTLED_SIGMAS;
+        let settled =
+            is_right && damping * change < if is_last { SETTLED_SIGMAS } else { NEAR_SIGMAS };
         let clock = open.iter().position(|unknown| *unknown == CLOCK);
         let exact_s = clock.filter(|_| is_last).map_or(LINEAR_S, |clock| {
             let share = if step < MANY_STEPS { EXACT_SIGMAS } else { LEAST_EXACT_SIGMAS };
