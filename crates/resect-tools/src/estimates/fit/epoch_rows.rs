@@ -3,9 +3,9 @@
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 use super::state::{
-    BODY, BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, CLOCK, FitState,
-    SCALE, UNKNOWNS, WANDERING,
+    BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
+use super::unknowns::{BODY, CLOCK, SCALE, UNKNOWNS};
 use crate::estimates::matched_pose::MatchedPose;
 
 /// Derivatives of three residuals by the unknowns, and by what wanders.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 use super::clock_change::ClockChange;
-use super::state::{BODY, SCALE};
+use super::unknowns::{BODY, SCALE};
 use crate::estimates::matched_pose::TruePose;
 use crate::estimates::plane::Plane;
 use resect_core::calibration::Estimate;

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::drift_sizes::DriftSizes;
-use super::state::{FitState, UNKNOWNS};
+use super::state::FitState;
+use super::unknowns::UNKNOWNS;
 use super::wandering_frame::{WanderingPass, pass};
 use crate::estimates::matched_pose::MatchedPose;
 

@@ -15,6 +15,7 @@ mod fit_estimate;
 mod likelihood;
 mod refine;
 mod state;
+mod unknowns;
 mod wandering_frame;
 
 #[cfg(test)]
@@ -24,4 +25,4 @@ pub use alignment::align;
 pub use clock_change::ClockChange;
 pub use fit::{Fit, FitCovariance, LEAST_GAIN, LEVER_SIGMA_M};
 pub use fit_estimate::fit;
-pub use state::{BODY, CLOCK};
+pub use unknowns::{BODY, CLOCK};

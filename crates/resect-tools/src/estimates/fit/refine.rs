@@ -1,13 +1,14 @@
 //! The Gauss–Newton iteration of clock, lever arm, body rotation and scale.
 
-use nalgebra::{DVector, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::alignment::align_rigidly;
 use super::clock_change::clock_change;
 use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
 use super::likelihood::{Equations, search};
-use super::state::{BODY, CLOCK, FitState, SCALE, UNKNOWNS};
+use super::state::FitState;
+use super::unknowns::{BODY, CLOCK, SCALE, UNKNOWNS};
 use super::wandering_frame::{first_frame, pass};
 use crate::estimates::association::thinned;
 use crate::estimates::ground_truth::GroundTruth;
@@ -245,13 +246,17 @@ fn take_sigmas(
     let root = information.cholesky()?;
     let mut covariance = root.inverse();
     // Innovations that are correlated after all, or larger than their model, widen σ.
+    let mut widened = DVector::repeat(open.len(), 1.0_f64);
     for blocks in [&blocks, &twos, &fours] {
         let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
-        for index in 0..open.len() {
-            let variance = &mut covariance[(index, index)];
-            *variance = variance.max(by_blocks[(index, index)]);
+        for (index, widened) in widened.iter_mut().enumerate() {
+            let ratio = by_blocks[(index, index)] / covariance[(index, index)];
+            *widened = widened.max(ratio.sqrt());
         }
     }
+    // Correlations stay: without them, combinations that the drive determines well would have the σ of their parts.
+    let widened = DMatrix::from_diagonal(&widened);
+    covariance = &widened * covariance * &widened;
     if let Some(common) = common {
         let moved = root.solve(&filtered.by_common.select_rows(open));
         covariance += &moved * &common.covariance * moved.transpose();

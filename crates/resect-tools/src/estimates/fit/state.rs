@@ -3,14 +3,9 @@
 use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 
 use super::fit::{Fit, LEAST_GAIN, LEVER_SIGMA_M};
+use super::unknowns::{BODY, CLOCK, SCALE};
 use resect_core::calibration::Estimate;
 
-/// Number of unknowns.
-pub const UNKNOWNS: usize = 8;
-/// First index of each kind of unknown; the lever arm begins at 0.
-pub const CLOCK: usize = 3;
-pub const BODY: usize = 4;
-pub const SCALE: usize = 7;
 /// Number of quantities that wander: rotation of the frame (rad), which begins at 0, its translation (m), errors of position (m) and
 /// orientation (rad) that last for some time, and the clock (s), fast and slowly.
 pub const WANDERING: usize = 14;

@@ -15,9 +15,9 @@ use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
 use super::fit::LEVER_SIGMA_M;
 use super::state::{
-    BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, UNKNOWNS,
-    WANDERING,
+    BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
+use super::unknowns::UNKNOWNS;
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::geometry::RigidTransform;

@@ -1,0 +1,8 @@
+//! Places of the unknowns in the vector of the fit.
+
+/// Number of unknowns.
+pub const UNKNOWNS: usize = 8;
+/// First index of each kind of unknown; the lever arm begins at 0.
+pub const CLOCK: usize = 3;
+pub const BODY: usize = 4;
+pub const SCALE: usize = 7;
