@@ -33,13 +33,13 @@ pub fn extrinsics<'py>(
     time_offset_s: Option<f64>,
     free_scale: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = interruptible(py, move |_| calibrated(&bodies, time_offset_s, free_scale))?;
+    let extrinsics = interruptible(py, move |_| calibrated(&bodies, time_offset_s, free_scale))?;
     let table = PyDict::new(py);
-    table.set_item("json", plain(py, &extrinsics_json(&found))?)?;
-    table.set_item("text", extrinsics_text(&found))?;
+    table.set_item("json", plain(py, &extrinsics_json(&extrinsics))?)?;
+    table.set_item("text", extrinsics_text(&extrinsics))?;
     let copies = PyDict::new(py);
     for format in TransformFormat::ALL {
-        copies.set_item(format.name(), extrinsics_copy(&found, None, format))?;
+        copies.set_item(format.name(), extrinsics_copy(&extrinsics, None, format))?;
     }
     table.set_item("copies", copies)?;
     Ok(table)

@@ -50,22 +50,22 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def test_the_antenna_of_a_body_is_found_within_sigma(files: dict[str, Path]) -> None:
-    found = resect.extrinsics(files["body"], files["antenna"])
-    sigma = found.translation_sigma_m
-    assert sigma is not None and found.verdict == "good", str(found)
-    assert np.all(np.abs(found.translation_m - LEVER_M) < 4 * sigma), str(found)
+    extrinsics = resect.extrinsics(files["body"], files["antenna"])
+    sigma = extrinsics.translation_sigma_m
+    assert sigma is not None and extrinsics.verdict == "good", str(extrinsics)
+    assert np.all(np.abs(extrinsics.translation_m - LEVER_M) < 4 * sigma), str(extrinsics)
     assert np.all(sigma < 0.005)
-    offset_sigma = found.time_offset_sigma_s
-    assert offset_sigma is not None and abs(found.time_offset_s - OFFSET_S) < 4 * offset_sigma
-    assert np.allclose(found.matrix[:3, 3], found.translation_m) and np.allclose(found.matrix[:3, :3], np.eye(3))
-    assert found.rotation_sigma_rad is None
-    assert "<joint" in found.copy("urdf") and found.because
-    assert str(found).startswith("pose of antenna")
+    offset_sigma = extrinsics.time_offset_sigma_s
+    assert offset_sigma is not None and abs(extrinsics.time_offset_s - OFFSET_S) < 4 * offset_sigma
+    assert np.allclose(extrinsics.matrix[:3, 3], extrinsics.translation_m) and np.allclose(extrinsics.matrix[:3, :3], np.eye(3))
+    assert extrinsics.rotation_sigma_rad is None
+    assert "<joint" in extrinsics.copy("urdf") and extrinsics.because
+    assert str(extrinsics).startswith("pose of antenna")
 
 
 def test_conventions_are_given_by_the_words_of_the_program(files: dict[str, Path]) -> None:
-    found = resect.extrinsics(files["first"], files["antenna"], conventions=("wxyz", "xyzw"))
-    assert found.verdict == "good", str(found)
+    extrinsics = resect.extrinsics(files["first"], files["antenna"], conventions=("wxyz", "xyzw"))
+    assert extrinsics.verdict == "good", str(extrinsics)
     evaluation = resect.evaluate(files["first"], files["body"], convention="wxyz")
     assert evaluation.to_dict()["estimates"][0]["ape_rotation_rad"]["rmse"] < 1e-6
     evaluation = resect.evaluate(files["body"], files["first"], truth_convention="wxyz")

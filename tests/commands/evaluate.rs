@@ -461,17 +461,17 @@ fn a_turn_of_all_stations_is_not_blamed_on_a_single_estimate() {
             readings.for_each(|reading| reading.azimuth_rad += 1e-3);
         }
         let precise = Slam { noise_m: 0.003, drift_m: 0.001, seed, ..SLAM }.drive(&simulated);
-        let found = judged(&turned, vec![precise], &Options::default());
-        let of = |wanted: OddOne| {
-            found
+        let judgement = judged(&turned, vec![precise], &Options::default());
+        let count = |wanted: OddOne| {
+            judgement
                 .judged
                 .iter()
-                .flat_map(|one| &one.odd)
+                .flat_map(|judged| &judged.odd)
                 .filter(|span| span.odd_one == wanted)
                 .count()
         };
-        open += of(OddOne::EstimateOrAll(SharedFault::Turn));
-        blamed += of(OddOne::Estimate);
+        open += count(OddOne::EstimateOrAll(SharedFault::Turn));
+        blamed += count(OddOne::Estimate);
     }
     assert!(open >= 3 && blamed <= 1, "{open} open, {blamed} blamed");
 }

@@ -1,12 +1,12 @@
 //! The file of several drives (`resect evaluate --drives`): for each the ground truth, the estimates and options.
 
-use resect_core::deployment::names::without_common_words;
 use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
 use crate::error::OpenError;
 use crate::format::deployment_toml::parse_toml;
+use resect_core::deployment::names::without_common_words;
 
 /// A drive with its files and options.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,9 +153,9 @@ mod tests {
 
     #[test]
     fn a_system_has_one_name_in_all_drives() {
-        let drive = |place: &str| {
+        let drive = |area: &str| {
             format!(
-                "[[drive]]\ntruth = \"{place}_prism.tum\"\nestimates = [\"{place}_fastlio2.tum\"]\n"
+                "[[drive]]\ntruth = \"{area}_prism.tum\"\nestimates = [\"{area}_fastlio2.tum\"]\n"
             )
         };
         let text = drive("handheld_room00") + &drive("ugv_parking00");

@@ -130,7 +130,8 @@ pub fn conclusion(extrinsics: &Extrinsics) -> String {
             format!("the motion does not determine the lever arm along {}", undetermined.join(", "))
         }
         (Verdict::Ambiguous, _) if extrinsics.other_offset_s.is_some() => {
-            let offset = extrinsics.other_offset_s.map(|it| millis(it.value, Some(it.sigma)));
+            let offset =
+                extrinsics.other_offset_s.map(|offset| millis(offset.value, Some(offset.sigma)));
             format!(
                 "by the drive the time offset is {} ms, which contradicts the given one; leave it out to estimate it",
                 offset.unwrap_or_default()

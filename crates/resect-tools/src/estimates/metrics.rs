@@ -67,10 +67,10 @@ const FEWEST_BLOCKS: usize = 4;
 fn sigma_by_chance(errors: &[(f64, f64)], rmse: f64) -> Option<f64> {
     let ([(first_s, _), ..], [.., (last_s, _)]) = (errors, errors) else { return None };
     let block_s = (last_s - first_s) / BLOCKS;
-    let place = |time_s: f64| ((time_s - first_s) / block_s).floor().min(BLOCKS - 1.0);
+    let block = |time_s: f64| ((time_s - first_s) / block_s).floor().min(BLOCKS - 1.0);
     // By how much each block's squares differ from the mean of all.
     let blocks: Vec<f64> = errors
-        .chunk_by(|a, b| place(a.0) == place(b.0))
+        .chunk_by(|a, b| block(a.0) == block(b.0))
         .map(|block| block.iter().map(|(_, size)| size * size - rmse * rmse).sum())
         .collect();
     if blocks.len() < FEWEST_BLOCKS || rmse == 0.0 {

@@ -189,11 +189,9 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
     })
 }
 
-/// Returns the names of frames as they are written; `None` without that of the parent.
+/// Returns the names of frames; `None` without that of the parent.
 fn frame_names(parent: &[u8], child: Option<&[u8]>) -> Option<FrameNames> {
-    let name = |bytes: &[u8]| {
-        Some(String::from_utf8_lossy(bytes).into_owned()).filter(|name| !name.is_empty())
-    };
+    let name = |bytes: &[u8]| Some(frame(bytes)).filter(|name| !name.is_empty());
     Some(FrameNames { parent: name(parent)?, child: child.and_then(name) })
 }
 
