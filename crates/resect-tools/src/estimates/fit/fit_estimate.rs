@@ -143,14 +143,26 @@ fn estimate_unknowns(
         GroundTruth::Trajectory(..) => poses.clone(),
     };
     let longer = times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
-    refine(state, (truth, association), &chosen, sought, estimate).map_err(|why| {
-        match (&why, longer) {
-            (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
-                unfit(Unfit::OtherScale(longer))
-            }
-            _ => why,
-        }
+    let is_given = options.time_offset_s.is_some();
+    let misfit =
+        (!is_given && are_apart(poses, &pairs)).then(|| misfit_with_scale(&state.fit, &pairs));
+    refine(state, (truth, association), &chosen, sought, estimate).map_err(|why| match why {
+        Unjudged::Unfit { why: Unfit::Undetermined, .. } => unfit(match (misfit, longer) {
+            (Some(misfit), _) if misfit > OTHER_DRIVE => Unfit::OtherDrive(100.0 * misfit),
+            (_, Some(longer)) => Unfit::OtherScale(longer),
+            _ => Unfit::Undetermined,
+        }),
+        why => why,
     })
+}
+
+/// Returns the relative misfit of the pairs after an alignment with a scale.
+fn misfit_with_scale(fit: &Fit, pairs: &[MatchedPose]) -> f64 {
+    let mut scaled = fit.clone();
+    match align(&mut scaled, pairs, TrajectoryAlignment::Similarity) {
+        Ok(()) => relative_misfit(&scaled, pairs),
+        Err(_) => f64::INFINITY,
+    }
 }
 
 /// Finding about a time offset that is not constant; `start_s` is the first time of the ground truth.
