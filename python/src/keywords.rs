@@ -201,8 +201,9 @@ pub fn of_estimate(why: &Unjudged) -> Failure {
             | Unfit::FewPoses(_)
             | Unfit::FirstOnALine(_)
             | Unfit::EmptySpan(_)
-            | Unfit::Mirrored(_)
-            | Unfit::Inverse(_) => None,
+            | Unfit::Inverse { .. }
+            | Unfit::TruthInverse { .. }
+            | Unfit::OtherShape(_) => None,
         },
     };
     advised(why, keyword)

@@ -25,9 +25,9 @@ pub struct JudgingArguments {
     #[arg(long, alias = "lever-arm", value_name = "found|same|X,Y,Z", default_value = "found", allow_hyphen_values = true, value_parser = body)]
     body: Vec<Body>,
     /// Convention of an estimate's file that differs from x y z w, metres, seconds and poses of the body in the world: words separated by commas.
-    /// wxyz, inverse or inverse-poses (those of the world in the body), world=AXES (of the orientations), axes=AXES (of the positions), mm, cm, km,
-    /// in, ft or length=FACTOR, ms, us, ns or time=FACTOR, held (repeated poses are left out), unset (poses of zeros are left out). AXES are
-    /// ned, nwu, optical, or letters such as yx-z
+    /// wxyz, euler=xyz or euler=clockwise, left-handed, inverse or inverse-poses (those of the world in the body), world=AXES (of the
+    /// orientations), axes=AXES (of the positions), mm, cm, km, in, ft or length=FACTOR, ms, us, ns or time=FACTOR, held (repeated poses are left
+    /// out; or held=positions, held=orientations), unset (poses of zeros are left out). AXES are ned, nwu, optical, or letters such as yx-z
     #[arg(long, value_name = "WORDS", default_value = "xyzw", value_parser = convention)]
     convention: Vec<Convention>,
     /// Align each estimate by its first poses only (evo's `--n_to_align`)

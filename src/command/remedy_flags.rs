@@ -84,7 +84,11 @@ pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
             Unfit::NoOrientation => Some("--body found"),
             Unfit::FirstOnALine(_) => Some("--align-first"),
             Unfit::EmptySpan(_) => Some("--from, --to"),
-            Unfit::FewEpochs | Unfit::FewPoses(_) | Unfit::Mirrored(_) | Unfit::Inverse(_) => None,
+            Unfit::FewEpochs
+            | Unfit::FewPoses(_)
+            | Unfit::OtherShape(_)
+            | Unfit::Inverse { .. }
+            | Unfit::TruthInverse { .. } => None,
         },
     }
 }

@@ -20,7 +20,7 @@ use resect_io::gnss_solution::SolutionChoice;
 use resect_io::source::{Extras, TrajectoryFile};
 use resect_io::truth::open_truth;
 use resect_tools::estimates::conventions::Convention;
-use resect_tools::estimates::{GroundTruth, station_index};
+use resect_tools::estimates::{GroundTruth, add_findings_of_truth, station_index};
 
 #[derive(Args)]
 pub struct TruthArguments {
@@ -77,6 +77,7 @@ impl TruthArguments {
     /// Returns a deployment whose ground truth is a trajectory with the stated convention.
     fn converted(&self, mut truth: EstimatedTrajectory) -> Deployment {
         self.truth_convention.apply(&mut truth);
+        add_findings_of_truth(&mut truth, &self.truth_convention);
         Deployment::of_ground_truth(Arc::new(truth))
     }
 

@@ -155,6 +155,10 @@ const REMEDIES: &[(&str, &str)] = &[
         "estimate-poses-unset",
         "Begin the file with the first real pose; `--convention unset` does that.",
     ),
+    (
+        "estimate-mirrored",
+        "Give the convention that the message names, or write right-handed positions and orientations.",
+    ),
     ("estimate-bodies-mixed", "Write one file for each body or child frame."),
     ("deployment-left-out", "Calibrate this deployment by itself; its findings name the cause."),
     ("earlier-calibration-weak", "Validate a calibration with the verdict *good*."),

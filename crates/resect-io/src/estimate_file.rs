@@ -449,7 +449,8 @@ fn poses(
     if table.are_joined {
         findings.push(estimate_stamps_joined(file));
     }
-    findings.extend(table.column_guess.map(|guess| estimate_columns_named(file, guess)));
+    let named = |guess: &&str| estimate_columns_named(file, guess);
+    findings.extend(table.column_guesses.iter().map(named));
     findings.extend(
         table.angle_unit.map(|unit| estimate_angle_unit_guessed(file, unit.unit_rad, unit.largest)),
     );

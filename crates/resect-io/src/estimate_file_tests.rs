@@ -68,6 +68,36 @@ fn the_same_pose_is_read_from_every_format() {
 }
 
 #[test]
+fn tables_of_a_plane_are_read_and_say_so() {
+    for (text, position_m, turn_rad) in [
+        ("time,x,y,theta\n1,2,3,0.5\n", [2.0, 3.0, 0.0], Some(0.5)),
+        ("t,x,y,yaw_deg\n1,2,3,-90\n", [2.0, 3.0, 0.0], Some(-std::f64::consts::FRAC_PI_2)),
+        ("timestamp,x,y\n1,2,3\n", [2.0, 3.0, 0.0], None),
+        ("timestamp,north,east,down\n1,3,2,4\n", [2.0, 3.0, -4.0], None),
+        ("timestamp,x,y,height\n1,2,3,4\n", [2.0, 3.0, 4.0], None),
+    ] {
+        let estimate = of("plane.csv", text).expect(text);
+        let pose = &estimate.poses[0];
+        assert_eq!(pose.position_m, Vector3::from(position_m), "{text}");
+        let turn = pose.orientation.map(|orientation| orientation.euler_angles().2);
+        match (turn, turn_rad) {
+            (Some(turn), Some(turn_rad)) => assert!((turn - turn_rad).abs() < 1e-9, "{text}"),
+            // One orientation of all poses is unknown.
+            (turn, turn_rad) => assert_eq!(turn, turn_rad, "{text}"),
+        }
+        let said = messages(&estimate);
+        assert_eq!(said.contains("in the plane z = 0"), position_m[2] == 0.0, "{text}: {said}");
+    }
+}
+
+#[test]
+fn numbers_with_decimal_commas_between_blanks_are_read() {
+    let text = "0,5 1,25 -2,5 3,0\n0,6 1,25 -2,5 4,0\n";
+    let estimate = of("commas.tum", text).expect("read");
+    assert_eq!(estimate.poses[1].position_m, Vector3::new(1.25, -2.5, 4.0));
+}
+
+#[test]
 fn kitti_takes_its_times_from_the_file_beside_it() {
     let (folder, path) = file("poses.txt", "0 -1 0 1 1 0 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n");
     let why = read(&path).expect_err("no times").to_string();
@@ -98,6 +128,24 @@ fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
         ("1,2,3,4,0,0,0.1,0,0,0,1,0,0\n", ":1: 13 fields without a header"),
         ("1657543210250000000,1,2,3,0.5,0.1,0.2,0.3\n", "no unit quaternions"),
         ("t,x,y,z\n0,1,2,3,4\n", "a column of row numbers has no name"),
+        ("t,x,y,z\n0,1,1,2,2,3,3,4\n", "numbers with decimal commas look like two"),
+        (
+            "1 0 0 0.6 0.8 5 6 7\n2 0 0 0.6 0.8 5 6 8\n",
+            "orientation seems to come before the position",
+        ),
+        (
+            "5 6 7 0 0 0.6 0.8 1\n4 6 7 0 0 0.6 0.8 2\n5 6 7 0 0 0.6 0.8 3\n",
+            "time seems to come last",
+        ),
+        (
+            "t,x,y,z,roll_rad,pitch_rad,yaw_rad\n1,0,0,0,0,0,179\n2,0,0,0,0,0,-179\n",
+            "the angles are degrees",
+        ),
+        ("t,x,y,z,roll_rad,pitch_rad,yaw_rad\n1,0,0,0,0,9,20\n", "the angles are degrees"),
+        (
+            "t,x,y,z,roll_deg,pitch_deg,yaw_deg\n1,0,0,0,0,0,3.1\n2,0,0,0,0,0,-3.1\n",
+            "the angles are radians",
+        ),
     ] {
         let why = of("a.txt", text).expect_err(text).to_string();
         assert!(why.contains(said), "{why}");

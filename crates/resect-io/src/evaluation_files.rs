@@ -8,7 +8,10 @@ use crate::findings::kinds;
 use crate::source::{Source, TrajectoryFile};
 use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
-use resect_tools::estimates::{EstimatedTrajectory, TruthReason, choose_truth};
+use resect_tools::estimates::conventions::Convention;
+use resect_tools::estimates::{
+    EstimatedTrajectory, TruthReason, add_findings_of_truth, choose_truth,
+};
 
 /// Trajectories, and the ground truth among them.
 #[derive(Clone, Debug)]
@@ -59,7 +62,11 @@ impl EvaluationFiles {
             truth.findings.iter().any(|finding| finding.kind == kinds::GNSS_SOLUTIONS_MIXED);
         let truth = match is_mixed {
             true => source.open(&Progress::default())?,
-            false => Deployment::of_ground_truth(Arc::new(truth)),
+            false => {
+                let mut truth = truth;
+                add_findings_of_truth(&mut truth, &Convention::AS_READ);
+                Deployment::of_ground_truth(Arc::new(truth))
+            }
         };
         for estimate in &mut all {
             let findings = &estimate.findings;

@@ -13,6 +13,7 @@ use crate::open;
 use crate::sample::Sample;
 use resect_core::deployment::{Deployment, EstimatedTrajectory};
 use resect_core::progress::Progress;
+use resect_tools::estimates::add_findings_of_truth;
 use resect_tools::estimates::conventions::Convention;
 
 /// Place of a deployment, and the files that the user named in addition. Plain data, stored in sessions.
@@ -63,6 +64,7 @@ impl TrajectoryFile {
         let topic = self.topic.as_deref();
         let mut truth = estimate_file::read_truth(&self.path, topic, self.solutions)?;
         self.convention.apply(&mut truth);
+        add_findings_of_truth(&mut truth, &self.convention);
         Ok(truth)
     }
 }

@@ -108,9 +108,9 @@ pub fn estimate_columns_guessed(file: &str, layout: &str) -> Finding {
     Finding::new(kinds::ESTIMATE_COLUMNS_GUESSED, message).about(Subject::File(file.to_owned()))
 }
 
-/// `meaning` states how columns are read that their names leave open.
+/// `meaning` states how columns are read that their names leave open, and the names that would state it.
 pub fn estimate_columns_named(file: &str, meaning: &str) -> Finding {
-    let message = format!("{file}: {meaning}; name the columns qx, qy, qz, qw to be sure");
+    let message = format!("{file}: {meaning}");
     Finding::new(kinds::ESTIMATE_COLUMNS_GUESSED, message).about(Subject::File(file.to_owned()))
 }
 
@@ -154,7 +154,10 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_angles_not_read("take.csv", "Robot"),
         estimate_stamps_joined("slam.csv"),
         estimate_columns_guessed("slam.csv", "EuRoC: time, x, y, z, qw, qx, qy, qz"),
-        estimate_columns_named("slam.csv", "q0 is read as w, and q1, q2, q3 as x, y, z"),
+        estimate_columns_named(
+            "slam.csv",
+            "q0 is read as w, and q1, q2, q3 as x, y, z; name the columns qx, qy, qz, qw to be sure",
+        ),
         estimate_angle_unit_guessed("slam.csv", 1.0, 3.1),
         estimate_columns_unread("slam.csv", &["yaw".to_owned()]),
     ]

@@ -11,6 +11,8 @@ pub enum OrientationColumns {
     Quaternion([usize; 4]),
     /// Angle of one unit (rad); `None` if no name states it.
     RollPitchYaw([usize; 3], Option<f64>),
+    /// The yaw alone, with its unit as above.
+    Yaw(usize, Option<f64>),
 }
 
 impl OrientationColumns {
@@ -18,6 +20,7 @@ impl OrientationColumns {
         match self {
             Self::Quaternion(columns) => columns.to_vec(),
             Self::RollPitchYaw(columns, _) => columns.to_vec(),
+            Self::Yaw(column, _) => vec![*column],
         }
     }
 }
@@ -45,9 +48,12 @@ const QUATERNIONS: [&str; 10] = [
 const NUMBERED: [&str; 4] = ["q", "quat", "quaternion", "orientation"];
 const ROLL_PITCH_YAW: [&str; 8] =
     ["", "rot_", "euler_", "orientation_", "rpy_", "att_", "attitude_", "pose_"];
-const W_FIRST: &str = "q0 is read as w, and q1, q2, q3 as x, y, z";
+const YAWS: [&str; 2] = ["yaw", "theta"];
+const W_FIRST: &str =
+    "q0 is read as w, and q1, q2, q3 as x, y, z; name the columns qx, qy, qz, qw to be sure";
 
-/// Finds the columns of orientations; names are in lower case without units. `has_position` is true for the columns of positions.
+/// Finds the columns of orientations; names are in lower case without units. `has_position` is true for the columns of positions. In a
+/// plane, the yaw alone is an orientation.
 ///
 /// # Errors
 /// If roll, pitch and yaw have an unknown unit, or different ones.
@@ -55,6 +61,7 @@ pub fn named_orientation(
     names: &[String],
     headers: &[&str],
     has_position: &dyn Fn(usize) -> bool,
+    is_plane: bool,
 ) -> Result<Option<NamedOrientation>, String> {
     let find = |name: String| names.iter().position(|known| *known == name);
     let all = |prefixes: &[&str], axes: [&str; 4]| {
@@ -88,7 +95,18 @@ pub fn named_orientation(
         let [Some(roll), Some(pitch), Some(yaw)] = columns else { return None };
         Some([roll, pitch, yaw])
     });
-    let Some(columns) = angles else { return Ok(None) };
+    let Some(columns) = angles else {
+        let yaw = ROLL_PITCH_YAW
+            .iter()
+            .find_map(|prefix| YAWS.iter().find_map(|yaw| find(format!("{prefix}{yaw}"))));
+        return yaw
+            .filter(|_| is_plane)
+            .map(|yaw| {
+                let columns = OrientationColumns::Yaw(yaw, angle_unit_rad(headers[yaw])?);
+                Ok(NamedOrientation { columns, guess: None })
+            })
+            .transpose();
+    };
     let mut unit_rad = None;
     for column in columns {
         let stated = angle_unit_rad(headers[column])?;
@@ -149,6 +167,31 @@ pub fn guessed_angle_unit(angles: impl Iterator<Item = Vector3<f64>>) -> Guessed
     let largest = angles.map(|angles| angles.amax()).fold(0.0, f64::max);
     let unit_rad = if largest > FULL_TURN_RAD { 1_f64.to_radians() } else { 1.0 };
     GuessedAngleUnit { unit_rad, largest }
+}
+
+/// Difference from a full turn within which a step of an angle is one, as a share of it.
+const WRAPS: f64 = 0.1;
+/// Largest pitch of roll, pitch and yaw (rad), with an allowance for another order of rotations.
+const LARGEST_PITCH_RAD: f64 = 1.7;
+
+/// Returns the unit that angles contradict (rad), and the one that they have: steps from one end of the range to the other are full turns
+/// in the right one. `None` if nothing contradicts the stated unit.
+pub fn contradicted_angle_unit(stated_rad: f64, angles: &[Vector3<f64>]) -> Option<f64> {
+    let largest = angles.iter().map(Vector3::amax).fold(0.0, f64::max);
+    let turns_at = |full_turn: f64| {
+        largest < (1.0 + WRAPS) * full_turn
+            && angles
+                .windows(2)
+                .any(|two| ((two[1] - two[0]).amax() / full_turn - 1.0).abs() < WRAPS)
+    };
+    let degree_rad = 1_f64.to_radians();
+    let pitches = angles.iter().map(|angles| angles.y.abs());
+    if stated_rad == 1.0 {
+        let is_steep = pitches.fold(0.0, f64::max) > LARGEST_PITCH_RAD;
+        (is_steep || turns_at(360.0)).then_some(degree_rad)
+    } else {
+        turns_at(std::f64::consts::TAU).then_some(1.0)
+    }
 }
 
 /// Returns the orientation of roll, pitch and yaw (rad): rotations about the fixed axes x, then y, then z.

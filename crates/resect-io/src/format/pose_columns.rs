@@ -12,13 +12,16 @@ use super::table::{self, number};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseColumns {
     pub time: TimeColumns,
-    pub position: [usize; 3],
-    /// Unit of each coordinate (m).
+    /// x and y, or east and north.
+    pub position: [usize; 2],
+    /// z, or the height; `None` for poses in a plane.
+    pub height: Option<usize>,
+    /// Unit of each coordinate (m), negative for a depth.
     pub length_m: [f64; 3],
     pub orientation: Option<OrientationColumns>,
     pub covariance: Option<CovarianceColumns>,
-    /// Meaning of columns that their names leave open.
-    pub guess: Option<&'static str>,
+    /// Meaning of columns that their names leave open, with the names that would state it.
+    pub guesses: Vec<&'static str>,
     /// Names of columns of an orientation or covariance that are not read.
     pub unread: Vec<String>,
 }
@@ -47,31 +50,41 @@ pub fn is_header(header: &str) -> bool {
     !matches!(TimeColumns::named(&headers), Ok(None)) && position_columns(&names).is_some()
 }
 
-fn position_columns(names: &[String]) -> Option<[usize; 3]> {
-    let axis = |prefixes: &[&str], axis: &str| {
-        let find = |wanted: String| names.iter().position(|name| *name == wanted);
-        prefixes.iter().find_map(|prefix| find(format!("{prefix}{axis}")))
-    };
+const NO_HEIGHT: &str =
+    "no column is z, so all poses are in the plane z = 0; name a column z if there is one";
+
+/// Names of heights beside x and y or map coordinates, and of depths.
+const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "z"];
+const DEPTHS: [&str; 3] = ["down", "depth", "d"];
+
+/// Columns of a position: x and y, and the height if there is one.
+type PositionColumns = ([usize; 2], Option<usize>);
+
+fn position_columns(names: &[String]) -> Option<PositionColumns> {
+    let find = |wanted: &str| names.iter().position(|name| name == wanted);
+    // Without a height, the names of x and y alone decide, so those with one come first.
     let columns = |prefixes: &[&str]| {
-        let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|name| axis(prefixes, name)) else {
-            return None;
-        };
-        Some([x, y, z])
+        let all = prefixes.iter().filter_map(|prefix| {
+            let axis = |axis: &str| find(&format!("{prefix}{axis}"));
+            Some(([axis("x")?, axis("y")?], axis("z")))
+        });
+        let all: Vec<PositionColumns> = all.collect();
+        all.iter().find(|(_, height)| height.is_some()).or(all.first()).copied()
     };
     // Beside w, plain letters are a quaternion if another name is a position.
     let is_quaternion = names.iter().any(|name| name == "w");
     let with_prefix = is_quaternion.then(|| columns(&POSITION[1..])).flatten();
-    with_prefix.or_else(|| columns(&POSITION)).or_else(|| map_coordinates(names))
+    let by_letters = with_prefix.or_else(|| columns(&POSITION));
+    let (position, height) = by_letters.or_else(|| Some((map_coordinates(names)?, None)))?;
+    let vertical = || HEIGHTS.into_iter().chain(DEPTHS).find_map(find);
+    Some((position, height.or_else(vertical)))
 }
 
-/// Returns the columns of map coordinates: east, north and height.
-fn map_coordinates(names: &[String]) -> Option<[usize; 3]> {
+/// Returns the columns of map coordinates: east and north.
+fn map_coordinates(names: &[String]) -> Option<[usize; 2]> {
     const EAST_NORTH: [[&str; 2]; 3] = [["easting", "northing"], ["east", "north"], ["e", "n"]];
-    const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "z"];
     let find = |wanted: &str| names.iter().position(|name| name == wanted);
-    let (east, north) =
-        EAST_NORTH.into_iter().find_map(|[east, north]| find(east).zip(find(north)))?;
-    Some([east, north, HEIGHTS.into_iter().find_map(find)?])
+    EAST_NORTH.into_iter().find_map(|[east, north]| Some([find(east)?, find(north)?]))
 }
 
 /// Returns the columns by the names in a header; `None` without time or position.
@@ -82,28 +95,43 @@ pub fn named(header: &str) -> Result<Option<PoseColumns>, String> {
     let fields = table::fields(header, table::separator(header))?;
     let headers: Vec<&str> = fields.iter().map(AsRef::as_ref).collect();
     let names: Vec<String> = headers.iter().map(|name| without_unit(name)).collect();
-    let (Some(time), Some(position)) = (TimeColumns::named(&headers)?, position_columns(&names))
+    let (Some(time), Some((position, height))) =
+        (TimeColumns::named(&headers)?, position_columns(&names))
     else {
         return Ok(None);
     };
+    let coordinates: Vec<usize> = position.into_iter().chain(height).collect();
     let mut length_m = [1.0; 3];
-    for (length_m, column) in length_m.iter_mut().zip(position) {
-        *length_m = length_unit_m(headers[column])?;
+    for (length_m, column) in length_m.iter_mut().zip(&coordinates) {
+        let is_depth = DEPTHS.contains(&&*names[*column]);
+        *length_m = length_unit_m(headers[*column])? * if is_depth { -1.0 } else { 1.0 };
     }
-    let orientation = named_orientation(&names, &headers, &|column| position.contains(&column))?;
-    let (orientation, guess) = match orientation {
-        Some(named) => (Some(named.columns), named.guess),
-        None => (None, None),
-    };
+    let has_position = |column| coordinates.contains(&column);
+    let orientation = named_orientation(&names, &headers, &has_position, height.is_none())?;
+    let mut guesses: Vec<&'static str> =
+        if height.is_none() { vec![NO_HEIGHT] } else { Vec::new() };
+    let orientation = orientation.map(|named| {
+        guesses.extend(named.guess);
+        named.columns
+    });
     let find = |wanted: &str| names.iter().position(|name| name == wanted);
     let covariance =
         CovarianceColumns::named(&find).map(|columns| columns.with_units(&headers)).transpose()?;
     let mut used = time.indices();
-    used.extend(position);
+    used.extend(coordinates);
     used.extend(orientation.iter().flat_map(OrientationColumns::indices));
     used.extend(covariance.iter().flat_map(CovarianceColumns::indices));
     let unread = unread_columns(&headers, &names, &used, orientation.is_some());
-    Ok(Some(PoseColumns { time, position, length_m, orientation, covariance, guess, unread }))
+    Ok(Some(PoseColumns {
+        time,
+        position,
+        height,
+        length_m,
+        orientation,
+        covariance,
+        guesses,
+        unread,
+    }))
 }
 
 /// Returns the columns of a row without a header, and the name of the layout unless it is TUM's or positions.
@@ -115,11 +143,12 @@ pub fn without_header(
         fields.iter().map(|field| number(field, separator != ',').ok()).collect();
     let columns_from = |time, first: usize, quaternion: Option<[usize; 4]>| PoseColumns {
         time,
-        position: [first, first + 1, first + 2],
+        position: [first, first + 1],
+        height: Some(first + 2),
         length_m: [1.0; 3],
         orientation: quaternion.map(OrientationColumns::Quaternion),
         covariance: None,
-        guess: None,
+        guesses: Vec::new(),
         unread: Vec::new(),
     };
     let single = TimeColumns::One(0, None);

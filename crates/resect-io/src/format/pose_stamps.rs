@@ -70,13 +70,19 @@ impl TimeColumns {
             (["utcdate", "utctime"], false),
             (["gps_date", "gps_time"], true),
         ];
-        const WEEKS: [[&str; 2]; 6] = [
-            ["gps_week", "gps_tow"],
-            ["gps_week", "gps_seconds"],
-            ["gps_week", "tow"],
-            ["gpsweek", "gpsseconds"],
-            ["week", "tow"],
-            ["week", "gpstime"],
+        const WEEKS: [&str; 3] = ["gps_week", "gpsweek", "week"];
+        const OF_WEEK: [&str; 11] = [
+            "gps_tow",
+            "gps_sow",
+            "gps_seconds",
+            "gps_seconds_of_week",
+            "gps_time_of_week",
+            "gpsseconds",
+            "gpstime",
+            "tow",
+            "sow",
+            "seconds_of_week",
+            "time_of_week",
         ];
         if let Some((sec, nsec)) = PAIRS.into_iter().find_map(|[s, ns]| find(s).zip(find(ns))) {
             return Some(Self::SecondsAndNanoseconds(sec, nsec));
@@ -88,7 +94,7 @@ impl TimeColumns {
             let column = names.iter().find_map(|name| find(name))?;
             Some(Self::One(column, None))
         };
-        let week = || WEEKS.into_iter().find_map(|[week, of_week]| find(week).zip(find(of_week)));
+        let week = || WEEKS.into_iter().find_map(find).zip(OF_WEEK.into_iter().find_map(find));
         // A time of day belongs to its date.
         single(&TIMES[..3])
             .or(dated)

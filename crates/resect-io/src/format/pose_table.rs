@@ -8,7 +8,8 @@ use std::borrow::Cow;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::orientation_columns::{
-    GuessedAngleUnit, OrientationColumns, from_roll_pitch_yaw, guessed_angle_unit,
+    GuessedAngleUnit, OrientationColumns, contradicted_angle_unit, from_roll_pitch_yaw,
+    guessed_angle_unit,
 };
 use super::pose_columns::{PoseColumns, is_header, named, without_header};
 use super::pose_stamps::{self, Stamp};
@@ -53,7 +54,7 @@ pub struct PoseTable {
     /// True if seconds and nanoseconds were joined without leading zeros, which is corrected.
     pub are_joined: bool,
     /// Meaning of columns that their names leave open, and names of columns that are not read.
-    pub column_guess: Option<&'static str>,
+    pub column_guesses: Vec<&'static str>,
     pub unread_columns: Vec<String>,
     /// Unit of roll, pitch and yaw, if no name states it.
     pub angle_unit: Option<GuessedAngleUnit>,
@@ -139,18 +140,21 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         let what = "the columns have no header, and where a quaternion is expected are no unit quaternions";
         return Err(OpenError::file(file, what, NAME_THE_COLUMNS));
     }
+    if layout.header_line == 0 {
+        refuse_other_order(file, text, layout.separator)?;
+    }
     let stamps = rows.iter().map(|row| row.stamp).collect();
     let (times_s, are_joined) = pose_stamps::times_s(layout.columns.time, stamps);
-    let angle_unit = match layout.columns.orientation {
-        Some(OrientationColumns::RollPitchYaw(_, None)) => {
-            Some(guessed_angle_unit(rows.iter().filter_map(|row| row.roll_pitch_yaw)))
-        }
-        _ => None,
-    };
     let stated_rad = match layout.columns.orientation {
-        Some(OrientationColumns::RollPitchYaw(_, unit_rad)) => unit_rad,
+        Some(
+            OrientationColumns::RollPitchYaw(_, unit_rad) | OrientationColumns::Yaw(_, unit_rad),
+        ) => unit_rad,
         _ => None,
     };
+    let angles: Vec<Vector3<f64>> = rows.iter().filter_map(|row| row.roll_pitch_yaw).collect();
+    refuse_other_angle_unit(file, stated_rad, &angles)?;
+    let angle_unit = (stated_rad.is_none() && !angles.is_empty())
+        .then(|| guessed_angle_unit(angles.into_iter()));
     let unit_rad = stated_rad.or(angle_unit.map(|guess| guess.unit_rad)).unwrap_or(1.0);
     let pose = |(row, time_s): (PoseRow, f64)| {
         let angles = || Some(from_roll_pitch_yaw(&(unit_rad * row.roll_pitch_yaw?)));
@@ -168,10 +172,70 @@ pub fn read(file: &str, text: &str) -> Result<PoseTable, OpenError> {
         skipped,
         guessed: layout.guessed,
         are_joined,
-        column_guess: layout.columns.guess,
+        column_guesses: layout.columns.guesses,
         unread_columns: layout.columns.unread,
         angle_unit,
     })
+}
+
+/// Largest number of rows by which the order of columns without a header is checked.
+const CHECKED_ROWS: usize = 500;
+
+/// Refuses rows of eight columns whose numbers show another order than time, position, orientation.
+fn refuse_other_order(file: &str, text: &str, separator: char) -> Result<(), OpenError> {
+    let numbers = |row: &str| -> Option<[f64; 8]> {
+        let fields = table::fields(row, separator).ok()?;
+        let numbers: Option<Vec<f64>> =
+            fields.iter().map(|field| number(field, separator != ',').ok()).collect();
+        numbers?.try_into().ok()
+    };
+    let rows: Vec<[f64; 8]> =
+        data_lines(text).filter_map(|(_, row)| numbers(row)).take(CHECKED_ROWS).collect();
+    let share = |count: usize, all: usize| count as f64 / all.max(1) as f64;
+    let is_unit = |first: usize| {
+        let length = |row: &&[f64; 8]| {
+            row[first..first + 4].iter().map(|value| value * value).sum::<f64>().sqrt()
+        };
+        let unit = rows.iter().filter(|row| (length(row) - 1.0).abs() < ROUNDED).count();
+        !rows.is_empty() && share(unit, rows.len()) > UNIT_SHARE
+    };
+    let increases = |column: usize| {
+        let steps = rows.windows(2).filter(|two| two[1][column] > two[0][column]).count();
+        rows.len() > 2 && share(steps, rows.len() - 1) > UNIT_SHARE
+    };
+    let what = if is_unit(1) && !is_unit(4) {
+        "columns 2 to 5 are unit quaternions, so the orientation seems to come before the position"
+    } else if is_unit(3) && increases(7) && !increases(0) {
+        "the last column grows like stamps, so the time seems to come last"
+    } else {
+        return Ok(());
+    };
+    Err(OpenError::file(file, what, NAME_THE_COLUMNS))
+}
+
+/// Refuses angles that are not in the unit that their names state.
+fn refuse_other_angle_unit(
+    file: &str,
+    stated_rad: Option<f64>,
+    angles: &[Vector3<f64>],
+) -> Result<(), OpenError> {
+    let Some(unit_rad) = stated_rad.and_then(|stated| contradicted_angle_unit(stated, angles))
+    else {
+        return Ok(());
+    };
+    let [stated, shown] =
+        if unit_rad == 1.0 { ["degrees", "radians"] } else { ["radians", "degrees"] };
+    let what = format!(
+        "its columns state {stated}, and a full turn or a pitch in them shows that the angles are {shown}"
+    );
+    let remedy = format!(
+        "state {shown} in the names, for example {}",
+        match unit_rad {
+            1.0 => "roll_rad, pitch_rad, yaw_rad",
+            _ => "roll_deg, pitch_deg, yaw_deg",
+        }
+    );
+    Err(OpenError::file(file, what, &remedy))
 }
 
 /// One row of a table.
@@ -203,6 +267,11 @@ impl PoseLayout {
             ));
         }
         match self.header_fields {
+            Some(names) if fields.len() == 2 * names => Err(format!(
+                "{} fields where the header has {names}: numbers with decimal commas look like two, so write decimal points or \
+                 semicolons between the columns",
+                fields.len()
+            )),
             Some(names) if fields.len() > names => Err(format!(
                 "{} fields where the header has {names}; a column of row numbers has no name",
                 fields.len()
@@ -228,8 +297,9 @@ impl PoseColumns {
             }
         };
         let stamp = self.time.stamp(fields, separator)?;
-        let [x, y, z] = self.position;
-        let position = Vector3::new(value(x)?, value(y)?, value(z)?);
+        let [x, y] = self.position;
+        let height = self.height.map_or(Ok(0.0), value)?;
+        let position = Vector3::new(value(x)?, value(y)?, height);
         let position_m = position.component_mul(&Vector3::from(self.length_m));
         if position_m.amax() > LARGEST_M {
             return Err("the position is farther away than any planet".to_owned());
@@ -242,6 +312,9 @@ impl PoseColumns {
             None => (None, None, 1.0),
             Some(OrientationColumns::RollPitchYaw([roll, pitch, yaw], _)) => {
                 (None, Some(Vector3::new(value(roll)?, value(pitch)?, value(yaw)?)), 1.0)
+            }
+            Some(OrientationColumns::Yaw(yaw, _)) => {
+                (None, Some(Vector3::new(0.0, 0.0, value(yaw)?)), 1.0)
             }
             Some(OrientationColumns::Quaternion([x, y, z, w])) => {
                 let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);

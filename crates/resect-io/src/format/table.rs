@@ -43,7 +43,21 @@ pub fn separator(header: &str) -> char {
     let count = |separator: &char| header.matches(*separator).count();
     // If equally frequent, the first: a comma.
     let separator = SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(',');
+    if separator == ',' && has_decimal_commas(header) {
+        return ' ';
+    }
     if count(&separator) == 0 && header.trim().contains(' ') { ' ' } else { separator }
+}
+
+/// Returns true for numbers between blanks that have decimal commas: `17 0,5 1,25 -3,0`.
+fn has_decimal_commas(row: &str) -> bool {
+    let is_whole = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_number = |field: &str| match field.trim_start_matches('-').split_once(',') {
+        Some((whole, decimals)) => is_whole(whole) && is_whole(decimals),
+        None => is_whole(field),
+    };
+    let fields = || row.split_whitespace();
+    fields().filter(|field| field.contains(',')).count() > 2 && fields().all(is_number)
 }
 
 /// Returns a header without the sign of a comment.

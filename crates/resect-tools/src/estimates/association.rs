@@ -106,8 +106,8 @@ fn true_pose(truth: &EstimatedTrajectory, at: &InterpolatedPose) -> TruePose {
 
 /// Covariance at an instant. Neighbouring errors are taken as fully correlated: independent ones would have smaller variance.
 fn covariance(all: &[PoseCovariance], at: &InterpolatedPose) -> Option<PoseCovariance> {
-    let before = all.get(at.before)?;
-    let after = all.get(at.before + 1).unwrap_or(before);
+    let [before, after] = at.between;
+    let (before, after) = all.get(before).zip(all.get(after))?;
     let mean = |a: Matrix3<f64>, b: Matrix3<f64>| a * (1.0 - at.share) + b * at.share;
     Some(PoseCovariance {
         position_m2: mean(before.position_m2, after.position_m2),

@@ -19,7 +19,10 @@ use super::ranking::{self, PairComparison};
 use super::unjudged::Unjudged;
 use super::varied_errors::{self, ErrorChange};
 use crate::findings::conventions::estimate_copy;
-use resect_core::deployment::{EstimatedTrajectory, Finding, Severity, names_of_trajectories};
+use crate::findings::kinds;
+use resect_core::deployment::{
+    EstimatedTrajectory, Finding, FindingKind, Severity, names_of_trajectories,
+};
 use resect_core::geometry::RigidTransform;
 
 /// All estimates, and the comparisons between them.
@@ -62,12 +65,20 @@ pub fn judge_motions(
     }
     let copies = copies(&mut compared);
     let sources = convention_checks::sources(&copies);
-    let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
-    let mut agreements = agreements(&by_sound);
+    // An estimate whose file seems to have another convention is no witness for another one.
+    let witnesses: Vec<&[EpochError]> = compared
+        .iter()
+        .map(|one| if one.has_other_convention { &[] } else { &one.by_sound[..] })
+        .collect();
+    let mut agreements = agreements(&witnesses);
     agreements.retain(|pair| pair.estimates.iter().all(|index| copies[*index].is_none()));
     let stations_m = truth.stations_m();
-    let mut odd: Vec<Vec<OddSpan>> = (0..by_sound.len())
-        .map(|own| odd::spans(own, (&by_sound, &sources), &compared[own].truths, &stations_m))
+    let mut odd: Vec<Vec<OddSpan>> = (0..compared.len())
+        .map(|own| {
+            let mut errors = witnesses.clone();
+            errors[own] = &compared[own].by_sound;
+            odd::spans(own, (&errors, &sources), &compared[own].truths, &stations_m)
+        })
         .collect();
     for (one, odd) in compared.iter().zip(&mut odd) {
         attribute_to_stations(truth, &one.judged, odd);
@@ -244,6 +255,46 @@ pub struct ConventionalFit {
     pub has_other_convention: bool,
 }
 
+/// Returns the convention that hinders the fit of a lever arm: that of orientations which do not follow the drive.
+fn by_convention(
+    truth: &GroundTruth<'_>,
+    estimate: &EstimatedTrajectory,
+    options: &Options,
+) -> Option<Unjudged> {
+    let same = Options { body: Body::Same, ..*options };
+    let (fit, matched) =
+        fit::fit(truth, estimate, &same).ok().filter(|_| options.body != Body::Same)?;
+    let found = convention_checks::after_fit(truth, estimate, (&matched, &fit), &same);
+    let is_warning = |finding: &&Finding| finding.severity == Severity::Warning;
+    let finding = found.iter().find(is_warning)?;
+    Some(Unjudged::OtherConvention(finding.to_string()))
+}
+
+/// Findings about the poses of a trajectory by themselves.
+const OF_POSES: [FindingKind; 3] =
+    [kinds::ESTIMATE_POSES_HELD, kinds::ESTIMATE_POSES_UNSET, kinds::ESTIMATE_JUMPS];
+
+/// Returns true if so many poses are wrong that the clock seems to change.
+fn hinders_clock(finding: &Finding) -> bool {
+    /// Most outliers that leave the clock as it is.
+    const FEW: f64 = 5.0;
+    let outliers = finding.quantities.iter().find(|quantity| quantity.name == "outliers");
+    match finding.kind {
+        kinds::ESTIMATE_POSES_HELD | kinds::ESTIMATE_POSES_UNSET => true,
+        kinds::ESTIMATE_JUMPS => outliers.is_some_and(|outliers| outliers.value > FEW),
+        _ => false,
+    }
+}
+
+/// Findings that such poses explain, and those of another convention.
+const BY_POSES: [FindingKind; 5] = [
+    kinds::ESTIMATE_STAMPS_JITTER,
+    kinds::ESTIMATE_CLOCK_WANDERS,
+    kinds::ESTIMATE_CLOCK_STEPPED,
+    kinds::ESTIMATE_CLOCK_DRIFTS,
+    kinds::ESTIMATE_ORIENTATIONS_LATE,
+];
+
 /// Applies the stated convention, fits the estimate, and adds findings about conventions that it seems to have besides.
 pub fn fit_with_convention(
     truth: &GroundTruth<'_>,
@@ -252,22 +303,40 @@ pub fn fit_with_convention(
 ) -> Result<ConventionalFit, Unjudged> {
     options.convention.apply(estimate);
     let early = convention_checks::before_fit(truth, estimate, options)?;
+    // Poses of the ground truth that were held or never set hinder the fit as well.
+    let of_truth = match truth {
+        GroundTruth::Trajectory(truth, _) => &truth.findings[..],
+        GroundTruth::Deployment { .. } => &[],
+    };
+    let causes: Vec<&Finding> = of_truth
+        .iter()
+        .filter(|finding| OF_POSES.contains(&finding.kind))
+        .chain(&early.findings)
+        .collect();
     let said = || {
-        let messages: Vec<String> = early.findings.iter().map(Finding::to_string).collect();
+        let messages: Vec<String> = causes.iter().map(ToString::to_string).collect();
         messages.join("; ")
     };
     // Options that leave nothing to estimate are those of evo, whose numbers are wanted as they are.
     let is_estimated = options.time_offset_s.is_none() || options.body == Body::Found;
-    if early.is_other_unit && is_estimated {
+    let has_unset_truth =
+        of_truth.iter().any(|finding| finding.kind == kinds::ESTIMATE_POSES_UNSET);
+    if (early.is_other_unit || has_unset_truth) && is_estimated {
         return Err(Unjudged::OtherConvention(said()));
     }
     let (mut fit, matched) = match fit::fit(truth, estimate, options) {
-        Err(why) if !early.findings.is_empty() => {
+        Err(why) if !causes.is_empty() => {
             return Err(Unjudged::OtherConvention(format!("{why}; {}", said())));
         }
-        fitted => fitted?,
+        Err(why) => return Err(by_convention(truth, estimate, options).unwrap_or(why)),
+        Ok(fitted) => fitted,
     };
-    let late = convention_checks::after_fit(estimate, &matched, &fit, options);
+    let mut late = convention_checks::after_fit(truth, estimate, (&matched, &fit), options);
+    let is_wrong_file = late.iter().any(|finding| finding.severity == Severity::Warning);
+    if is_wrong_file || causes.iter().any(|finding| hinders_clock(finding)) {
+        fit.findings.retain(|finding| !BY_POSES.contains(&finding.kind));
+        late.retain(|finding| !BY_POSES.contains(&finding.kind));
+    }
     let mut suspicions = early.findings.iter().chain(&late);
     let has_other_convention = suspicions.any(|finding| finding.severity == Severity::Warning);
     fit.findings.extend(early.findings.into_iter().chain(late));

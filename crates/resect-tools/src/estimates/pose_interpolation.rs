@@ -19,44 +19,65 @@ const HALVES_S: [f64; 3] = [0.25, 0.15, 0.05];
 /// neighbouring poses (Catmull & Rom 1974, for uneven times). The error is of fourth order in the interval.
 pub struct PoseInterpolation<'a> {
     poses: &'a [EstimatedPose],
+    /// Indices of the poses between which is interpolated.
+    knots: Vec<usize>,
     longest_gap_s: f64,
 }
+
+/// Least time between two knots, as a share of the usual interval. Nearer poses came together in a burst or twice.
+/// Effect: with a smaller share, the noise of two near poses becomes a large velocity beside them.
+const LEAST_APART: f64 = 0.3;
 
 /// A pose between two others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterpolatedPose {
     pub pose: EstimatedPose,
     pub twist: PoseTwist,
-    /// Index of the pose before, and the share of the interval after it (0 to 1).
-    pub before: usize,
+    /// Indices of the poses before and after, and the share of the interval between them (0 to 1).
+    pub between: [usize; 2],
     pub share: f64,
 }
 
 impl InterpolatedPose {
     /// Returns a pose of the trajectory itself. Its motion is unknown.
     pub fn at_pose(poses: &[EstimatedPose], index: usize) -> Self {
-        Self { pose: poses[index], twist: PoseTwist::default(), before: index, share: 0.0 }
+        Self { pose: poses[index], twist: PoseTwist::default(), between: [index; 2], share: 0.0 }
     }
 }
 
-/// Median time between consecutive poses (s); 0 with fewer than two.
+/// Number of intervals of which the mean counts, so that poses in bursts have their usual rate.
+const INTERVALS: usize = 8;
+
+/// Median time between poses (s), each the mean of some consecutive intervals; 0 with fewer than two poses.
 pub fn median_interval_s(poses: &[EstimatedPose]) -> f64 {
-    median(poses.windows(2).map(|pair| pair[1].time_s - pair[0].time_s)).unwrap_or_default()
+    let intervals = if poses.len() > 4 * INTERVALS { INTERVALS } else { 1 };
+    let means = poses
+        .windows(intervals + 1)
+        .map(|poses| (poses[intervals].time_s - poses[0].time_s) / intervals as f64);
+    median(means).unwrap_or_default()
 }
 
 impl<'a> PoseInterpolation<'a> {
     /// The poses are in strictly increasing order of time.
     pub fn new(poses: &'a [EstimatedPose]) -> Self {
-        let longest_gap_s = (GAP_INTERVALS * median_interval_s(poses)).max(SHORTEST_GAP_S);
-        Self { poses, longest_gap_s }
+        let usual_s = median_interval_s(poses);
+        let mut knots: Vec<usize> = Vec::with_capacity(poses.len());
+        for (index, pose) in poses.iter().enumerate() {
+            let is_apart =
+                |before: &usize| pose.time_s - poses[*before].time_s >= LEAST_APART * usual_s;
+            if knots.last().is_none_or(is_apart) || index + 1 == poses.len() {
+                knots.push(index);
+            }
+        }
+        Self { poses, knots, longest_gap_s: (GAP_INTERVALS * usual_s).max(SHORTEST_GAP_S) }
     }
 
     /// Returns the pose and its motion at a time (s); `None` outside the trajectory and in its gaps.
     pub fn at(&self, time_s: f64) -> Option<InterpolatedPose> {
-        let (before, pose) = self.pose_at(time_s)?;
-        let (start, end) = (self.poses[before].time_s, self.poses[before + 1].time_s);
+        let (between, pose) = self.between(time_s)?;
+        let [start, end] = between.map(|index| self.poses[index].time_s);
         let beside =
-            |half_s: f64| [time_s - half_s, time_s + half_s].map(|at_s| self.pose_at(at_s));
+            |half_s: f64| [time_s - half_s, time_s + half_s].map(|at_s| self.between(at_s));
         let both = HALVES_S.iter().find_map(|half_s| {
             let [earlier, later] = beside(*half_s);
             Some([earlier?.1, later?.1])
@@ -73,22 +94,28 @@ impl<'a> PoseInterpolation<'a> {
             }
         }
         let share = (time_s - start) / (end - start);
-        Some(InterpolatedPose { pose, twist, before, share })
+        Some(InterpolatedPose { pose, twist, between, share })
     }
 
-    /// Returns the index of the pose before, and the interpolated pose.
-    fn pose_at(&self, time_s: f64) -> Option<(usize, EstimatedPose)> {
-        let poses = self.poses;
-        let after = poses.partition_point(|pose| pose.time_s <= time_s);
+    /// Returns the pose at a time (s) without its motion; `None` outside the trajectory and in its gaps.
+    pub fn pose_at(&self, time_s: f64) -> Option<EstimatedPose> {
+        self.between(time_s).map(|(_, pose)| pose)
+    }
+
+    /// Returns the indices of the poses before and after, and the interpolated pose.
+    fn between(&self, time_s: f64) -> Option<([usize; 2], EstimatedPose)> {
+        let (poses, knots) = (self.poses, &self.knots);
+        let after = knots.partition_point(|index| poses[*index].time_s <= time_s);
         let after =
-            if after == poses.len() && poses.last()?.time_s == time_s { after - 1 } else { after };
+            if after == knots.len() && poses.last()?.time_s == time_s { after - 1 } else { after };
         let before = after.checked_sub(1)?;
-        let (start, end) = (poses.get(before)?, poses.get(after)?);
+        let between = [*knots.get(before)?, *knots.get(after)?];
+        let [start, end] = between.map(|index| &poses[index]);
         if end.time_s - start.time_s > self.longest_gap_s {
             return None;
         }
         let neighbour = |index: Option<usize>, beside: &EstimatedPose| {
-            let pose = poses.get(index?)?;
+            let pose = &poses[*knots.get(index?)?];
             ((pose.time_s - beside.time_s).abs() <= self.longest_gap_s).then_some(pose)
         };
         let earlier = neighbour(before.checked_sub(1), start);
@@ -105,7 +132,7 @@ impl<'a> PoseInterpolation<'a> {
             });
             first * UnitQuaternion::from_scaled_axis(turn)
         });
-        Some((before, EstimatedPose { time_s, position_m, orientation }))
+        Some((between, EstimatedPose { time_s, position_m, orientation }))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Reasons why an estimate cannot be aligned with the ground truth.
 
+use crate::estimates::conventions::Convention;
+
 /// Reason why an estimate cannot be aligned with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
@@ -43,20 +45,25 @@ pub enum Unfit {
     )]
     Undetermined,
     #[error(
+        "its best alignment with a scale is off by {0:.0} % of the size of the drive; check that both are of one drive, and the convention \
+         of its file"
+    )]
+    OtherShape(f64),
+    #[error(
         "its distances are {0:.3} times those of the ground truth; check that both are in metres (a factor of 3.281 means \
          feet), or align it with a scale"
     )]
     OtherScale(f64),
     #[error(
-        "its positions are mirrored: with one axis reversed they fit {0:.0} times better; check that x, y, z are right-handed, \
-         for example that east and north are not exchanged (--convention axes=yxz)"
+        "its poses are inverse: those of the world in the body fit {times_better:.0} times better; write the poses of the body in the world \
+         (--convention {convention})"
     )]
-    Mirrored(f64),
+    Inverse { times_better: f64, convention: Convention },
     #[error(
-        "its poses are inverse: those of the world in the body fit {0:.0} times better; write the poses of the body in the world \
-         (--convention inverse-poses)"
+        "the ground truth's poses are inverse: those of the world in the body fit {times_better:.0} times better; write the poses of the \
+         body in the world (--truth-convention inverse-poses)"
     )]
-    Inverse(f64),
+    TruthInverse { times_better: f64 },
     #[error("a lever arm needs orientations; neither the estimate nor the ground truth has any")]
     NoOrientation,
 }

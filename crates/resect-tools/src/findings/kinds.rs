@@ -9,6 +9,8 @@ resect_core::finding_kinds! {
     ESTIMATE_CLOCK_DRIFTS = "estimate-clock-drifts", Warning, TRAJECTORY;
     /// The stamps of a trajectory or of its ground truth jitter.
     ESTIMATE_STAMPS_JITTER = "estimate-stamps-jitter", Note;
+    /// The clock of a trajectory changes slowly to and fro during the drive.
+    ESTIMATE_CLOCK_WANDERS = "estimate-clock-wanders", Note;
     /// A trajectory has another scale than the ground truth.
     ESTIMATE_SCALE_OFF = "estimate-scale-off", Warning, TRAJECTORY;
     /// A trajectory has too few common times with the ground truth to estimate its clock and lever arm.
@@ -29,6 +31,14 @@ resect_core::finding_kinds! {
     ESTIMATE_POSES_INTERPOLATED = "estimate-poses-interpolated", Note;
     /// Poses of a trajectory are zeros that were never set.
     ESTIMATE_POSES_UNSET = "estimate-poses-unset", Warning;
+    /// Poses of a trajectory are far from those before and after, or it continues elsewhere.
+    ESTIMATE_JUMPS = "estimate-jumps", Note;
+    /// The positions of a trajectory are in a plane.
+    ESTIMATE_PLANAR = "estimate-planar", Note;
+    /// The positions of a trajectory are mirrored.
+    ESTIMATE_MIRRORED = "estimate-mirrored", Warning;
+    /// The orientations of a trajectory are later or earlier than its positions.
+    ESTIMATE_ORIENTATIONS_LATE = "estimate-orientations-late", Note;
     /// The poses of a trajectory are those of two bodies.
     ESTIMATE_BODIES_MIXED = "estimate-bodies-mixed", Warning;
     /// A trajectory is a copy of another one.

@@ -58,6 +58,20 @@ pub fn estimate_stamps_jitter(estimate: &str, sigma_s: f64) -> Finding {
     .quantity("jitter", sigma_s, Unit::Second)
 }
 
+/// `sigma_s` is the size of slow changes of the time offset (s).
+pub fn estimate_clock_wanders(estimate: &str, sigma_s: f64) -> Finding {
+    Finding::new(
+        kinds::ESTIMATE_CLOCK_WANDERS,
+        format!(
+            "{estimate}: its clock wanders by about {:.0} ms (1 σ) within minutes against that of the ground truth; the time offset is \
+             its mean",
+            1e3 * sigma_s
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("wander", sigma_s, Unit::Second)
+}
+
 /// `times_longer` is the ratio of the trajectory's length to the ground truth's; `why` states it in words.
 pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Finding {
     Finding::new(kinds::ESTIMATE_SCALE_OFF, format!("{estimate}: {why}"))
@@ -94,6 +108,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_clock_stepped("slam", 0.7, 214.0),
         estimate_clock_drifts("slam", 1e-3),
         estimate_stamps_jitter("slam", 0.05),
+        estimate_clock_wanders("slam", 0.2),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
         estimate_few_points("slam", 7),
         estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),

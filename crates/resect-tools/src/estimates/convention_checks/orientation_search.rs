@@ -10,8 +10,10 @@
 
 use nalgebra::{Matrix4, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
 
+use super::block_comparison::{SIGNIFICANT, block_sums, students_t};
+use super::lever_equations::{LEVER_UNKNOWNS, position_rows, solve};
 use super::travel_direction::{Travel, scatter_in_body_rad, travels};
-use crate::estimates::conventions::{Convention, Inverted, SignedAxes};
+use crate::estimates::conventions::{AngleConvention, Convention, Inverted, SignedAxes};
 use crate::estimates::fit::Fit;
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::deployment::EstimatedPose;
@@ -31,6 +33,8 @@ const SAME_SPREAD_RAD: f64 = 2e-3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SuspectedOrientation {
     pub convention: Convention,
+    /// Convention of a ground truth of poses that fits as well, or better: then that of the estimate is the stated one.
+    pub of_truth: Option<Convention>,
     /// Other conventions that fit as well: the drive does not distinguish them.
     pub alternatives: Vec<Convention>,
     /// Root mean square over the drive, as read and in the convention: an angle (rad), or an error of positions (m).
@@ -50,12 +54,13 @@ pub enum OrientationEvidence {
     Travel,
 }
 
-/// Returns the convention that fits much better than the stated one, with which the poses were read; `None` if there is none.
+/// Returns the convention that fits much better than the stated one, with which the poses were read; `None` if there is none. The file of
+/// a ground truth that is a trajectory may have the other one.
 pub fn suspected_orientation(
     poses: &[EstimatedPose],
     pairs: &[MatchedPose],
     fit: &Fit,
-    stated: &Convention,
+    (stated, is_trajectory): (&Convention, bool),
 ) -> Option<SuspectedOrientation> {
     let step = pairs.len().div_ceil(MOST_POSES).max(1);
     let pairs: Option<Vec<WrittenOrientation<'_>>> = pairs
@@ -68,7 +73,8 @@ pub fn suspected_orientation(
     let pairs =
         pairs.filter(|pairs| pairs.len() >= FEWEST && stated.inverted != Inverted::Poses)?;
     if pairs.iter().all(|each| each.pair.truth.rotation.is_some()) {
-        by_orientations(&pairs, &fit.truth_from_estimate.rotation, stated)
+        let frame = &fit.truth_from_estimate.rotation;
+        by_orientations(&pairs, frame, stated, is_trajectory)
     } else {
         by_lever_arm(&pairs, fit, stated)
             .or_else(|| by_travel(poses, stated))
@@ -82,18 +88,30 @@ struct WrittenOrientation<'a> {
     written: UnitQuaternion<f64>,
 }
 
+/// Operations on orientations: order of the numbers, inverse, and order or sense of angles.
+type Operation = (bool, Inverted, AngleConvention);
+
+/// Operations, the usual ones first.
+const OPERATIONS: [Operation; 6] = [
+    (false, Inverted::Nothing, AngleConvention::AsRead),
+    (true, Inverted::Nothing, AngleConvention::AsRead),
+    (false, Inverted::Orientations, AngleConvention::AsRead),
+    (true, Inverted::Orientations, AngleConvention::AsRead),
+    (false, Inverted::Nothing, AngleConvention::Xyz),
+    (false, Inverted::Nothing, AngleConvention::Clockwise),
+];
+
+fn operation(convention: &Convention) -> Operation {
+    (convention.has_w_first, convention.inverted, convention.angles)
+}
+
 /// Conventions of orientations, the usual ones first.
 fn candidates(stated: &Convention) -> Vec<Convention> {
-    let operations = [
-        (false, Inverted::Nothing),
-        (true, Inverted::Nothing),
-        (false, Inverted::Orientations),
-        (true, Inverted::Orientations),
-    ];
     let with = |world_axes| {
-        operations.map(|(has_w_first, inverted)| Convention {
+        OPERATIONS.map(|(has_w_first, inverted, angles)| Convention {
             has_w_first,
             inverted,
+            angles,
             world_axes,
             ..*stated
         })
@@ -105,15 +123,17 @@ fn by_orientations(
     pairs: &[WrittenOrientation<'_>],
     frame: &Rotation3<f64>,
     stated: &Convention,
+    is_trajectory: bool,
 ) -> Option<SuspectedOrientation> {
     let frame = UnitQuaternion::from_rotation_matrix(frame);
-    let spread_rad = |convention: &Convention| {
+    let spread_of_both_rad = |convention: &Convention, of_truth: &Convention| {
         let bodies = pairs.iter().filter_map(|each| {
-            let truth = each.pair.truth.rotation.as_ref()?.orientation;
+            let truth = of_truth.orientation(each.pair.truth.rotation.as_ref()?.orientation);
             Some(truth.inverse() * frame * convention.orientation(each.written))
         });
         spread_rad(&bodies.collect::<Vec<_>>())
     };
+    let spread_rad = |convention: &Convention| spread_of_both_rad(convention, &Convention::AS_READ);
     let scored: Vec<(Convention, f64)> = candidates(stated)
         .into_iter()
         .map(|candidate| (candidate, spread_rad(&candidate)))
@@ -121,8 +141,39 @@ fn by_orientations(
     let as_read = spread_rad(stated);
     let limit_rad = LARGEST_SPREAD_RAD.min(as_read / TIMES_BETTER);
     let tie = SAME_SPREAD_RAD + (SAME_SPREAD - 1.0) * least(&scored);
-    suspected(&scored, (as_read, tie), OrientationEvidence::Orientations)
-        .filter(|best| best.with_convention < limit_rad)
+    let of_estimate = suspected(&scored, (as_read, tie), OrientationEvidence::Orientations)?;
+    let limit = |best: &SuspectedOrientation| best.with_convention < limit_rad;
+    if !is_trajectory {
+        return Some(of_estimate).filter(limit);
+    }
+    let scored: Vec<(Convention, f64)> = candidates(&Convention::AS_READ)
+        .into_iter()
+        .map(|candidate| (candidate, spread_of_both_rad(stated, &candidate)))
+        .collect();
+    let tie = SAME_SPREAD_RAD + (SAME_SPREAD - 1.0) * least(&scored);
+    let of_truth = suspected(&scored, (as_read, tie), OrientationEvidence::Orientations)?;
+    let of_truth = Some(of_truth).filter(limit);
+    match (Some(of_estimate).filter(limit), of_truth) {
+        (Some(best), Some(truth)) if truth.with_convention <= best.with_convention + tie => {
+            let [is_usual, is_usual_truth] = [best.convention, truth.convention]
+                .map(|convention| convention.world_axes.has_name());
+            let is_as_good = best.with_convention <= truth.with_convention + tie;
+            match is_as_good && (is_usual || !is_usual_truth) {
+                true => Some(SuspectedOrientation { of_truth: Some(truth.convention), ..best }),
+                false => Some(truth.blamed_on_truth(stated)),
+            }
+        }
+        (None, Some(truth)) => Some(truth.blamed_on_truth(stated)),
+        (best, _) => best,
+    }
+}
+
+impl SuspectedOrientation {
+    /// Returns the convention as that of the ground truth; the estimate's is the stated one.
+    fn blamed_on_truth(self, stated: &Convention) -> Self {
+        let of_truth = Some(self.convention);
+        Self { convention: *stated, of_truth, alternatives: Vec::new(), ..self }
+    }
 }
 
 fn least(scored: &[(Convention, f64)]) -> f64 {
@@ -141,18 +192,24 @@ fn suspected(
     let (convention, with_convention) = *fitting.next()?;
     let mut alternatives: Vec<Convention> = Vec::new();
     // A rotation of the world about the axis of the drive changes nothing. Worlds without a name are not usual.
-    let operation = |convention: &Convention| (convention.has_w_first, convention.inverted);
     for (other, _) in fitting {
         let is_known = alternatives.iter().any(|known| operation(known) == operation(other));
         if operation(other) != operation(&convention) && other.world_axes.has_name() && !is_known {
             alternatives.push(*other);
         }
     }
-    Some(SuspectedOrientation { convention, alternatives, as_read, with_convention, evidence })
+    Some(SuspectedOrientation {
+        convention,
+        of_truth: None,
+        alternatives,
+        as_read,
+        with_convention,
+        evidence,
+    })
 }
 
 /// Root mean square angle from the mean rotation (rad).
-fn spread_rad(rotations: &[UnitQuaternion<f64>]) -> f64 {
+pub fn spread_rad(rotations: &[UnitQuaternion<f64>]) -> f64 {
     let sum: Matrix4<f64> =
         rotations.iter().map(|rotation| rotation.coords * rotation.coords.transpose()).sum();
     let eigen = sum.symmetric_eigen();
@@ -163,13 +220,9 @@ fn spread_rad(rotations: &[UnitQuaternion<f64>]) -> f64 {
 }
 
 /// A convention is reported by the lever arm if errors of positions are this many times larger as read, and if the blocks of the drive
-/// agree: Student's t of 11 degrees of freedom exceeds 5 once in 2500 drives.
+/// agree.
 /// Effect: a smaller ratio takes drift for another convention.
 const LEVER_TIMES_BETTER: f64 = 1.08;
-const LEVER_SIGNIFICANT: f64 = 5.0;
-const BLOCKS: usize = 12;
-/// Unknowns of the fit of a lever arm: lever arm, translation, small rotation, and clock.
-const LEVER_UNKNOWNS: usize = 10;
 /// Conventions whose errors of positions differ by less than this share are not distinguished.
 const SAME_ERROR: f64 = 0.02;
 
@@ -197,17 +250,7 @@ fn by_lever_arm(
         return None;
     }
     let with_best = lever_fit(pairs, fit, &best.convention)?;
-    (significance(&as_read, &with_best) > LEVER_SIGNIFICANT).then_some(best)
-}
-
-/// Returns Student's t of the logarithms of the ratios of squares, over the blocks of the drive.
-fn significance(as_read: &LeverFit, other: &LeverFit) -> f64 {
-    let blocks = as_read.blocks_m2.iter().zip(&other.blocks_m2);
-    let ratios: Vec<f64> = blocks.map(|(as_read, other)| (as_read / other).ln()).collect();
-    let count = ratios.len() as f64;
-    let mean = ratios.iter().sum::<f64>() / count;
-    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+    (students_t(&as_read.blocks_m2, &with_best.blocks_m2) > SIGNIFICANT).then_some(best)
 }
 
 /// An odometry begins without rotation. With the other order of numbers, that is a half turn about x: it is reported if the first rotation is
@@ -230,8 +273,9 @@ fn by_first_orientation(
     }
     let as_read = lever_fit(pairs, fit, stated)?;
     let other = lever_fit(pairs, fit, &convention)?;
-    (significance(&as_read, &other) > 0.0).then(|| SuspectedOrientation {
+    (students_t(&as_read.blocks_m2, &other.blocks_m2) > 0.0).then(|| SuspectedOrientation {
         convention,
+        of_truth: None,
         alternatives: Vec::new(),
         as_read: as_read.rmse_m,
         with_convention: other.rmse_m,
@@ -250,12 +294,8 @@ fn lever_fit(
     let equations = |WrittenOrientation { pair, written }: &WrittenOrientation<'_>| {
         let placed_m = fit.truth_from_estimate.apply(&(fit.scale * pair.pose.position_m));
         let turned = (frame * convention.orientation(*written)).to_rotation_matrix();
-        let mut rows = SMatrix::<f64, 3, LEVER_UNKNOWNS>::zeros();
-        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(turned.matrix());
-        rows.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
         let arm_m = pair.truth.position_m - centre_m;
-        rows.fixed_view_mut::<3, 3>(0, 6).copy_from(&arm_m.cross_matrix());
-        rows.fixed_view_mut::<3, 1>(0, 9).copy_from(&pair.truth.velocity_m_per_s);
+        let rows = position_rows(turned.matrix(), &arm_m, &pair.truth.velocity_m_per_s);
         (rows, pair.truth.position_m - placed_m)
     };
     let mut normal = SMatrix::<f64, LEVER_UNKNOWNS, LEVER_UNKNOWNS>::zeros();
@@ -264,19 +304,15 @@ fn lever_fit(
         normal += rows.transpose() * rows;
         right += rows.transpose() * residual_m;
     }
-    // A part of the unknowns is not determined by a level drive.
-    let ridge = 1e-9 * normal.trace();
-    (0..LEVER_UNKNOWNS).for_each(|k| normal[(k, k)] += ridge);
-    let solution = normal.cholesky()?.solve(&right);
+    let solution = solve(normal, &right)?;
     let squares_m2: Vec<f64> = pairs
         .iter()
         .map(equations)
         .map(|(rows, residual_m)| (residual_m - rows * solution).norm_squared())
         .collect();
-    let blocks = squares_m2.chunks(squares_m2.len().div_ceil(BLOCKS));
     Some(LeverFit {
         rmse_m: (squares_m2.iter().sum::<f64>() / squares_m2.len() as f64).sqrt(),
-        blocks_m2: blocks.map(|block| block.iter().sum()).collect(),
+        blocks_m2: block_sums(&squares_m2),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Poses that repeat others: held until the next, interpolated between others, or never set.
 
-use crate::estimates::conventions::{is_repeat, is_unset};
+use super::rounding::rounding_step_m;
+use crate::estimates::conventions::{HeldPart, is_unset};
 use resect_core::deployment::EstimatedPose;
 use resect_core::statistics::median;
 
@@ -10,26 +11,55 @@ const HELD_SHARE: f64 = 0.25;
 /// Fewest different poses by which holding or interpolation is recognised.
 const FEWEST: usize = 20;
 
-/// Poses that are held until the next.
+/// Least share of repeats of positions or orientations alone, and the least steps between different ones (rounding steps, rad): rounded poses
+/// of a slow drive repeat as well, and orientations of a straight one.
+const HELD_PART_SHARE: f64 = 0.5;
+const LEAST_STEPS: f64 = 20.0;
+const LEAST_TURN_RAD: f64 = 2e-3;
+
+/// Poses of which a part is held until the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldPoses {
+    pub part: HeldPart,
     pub poses: usize,
     pub different: usize,
-    /// Median time for which a pose is held (s).
+    /// Median time for which the part is held (s).
     pub held_s: f64,
 }
 
-/// Returns the size of repeated poses; `None` if poses are not held.
+/// Returns the size of repeated poses, positions or orientations; `None` if nothing is held.
 pub fn held(poses: &[EstimatedPose]) -> Option<HeldPoses> {
-    let runs: Vec<&[EstimatedPose]> = poses.chunk_by(is_repeat).collect();
+    held_part(poses, HeldPart::Pose, HELD_SHARE).or_else(|| {
+        let step_m = |two: &[EstimatedPose]| (two[1].position_m - two[0].position_m).norm();
+        let turn_rad = |two: &[EstimatedPose]| {
+            two[0].orientation.zip(two[1].orientation).map_or(0.0, |(a, b)| a.angle_to(&b))
+        };
+        // Most steps of a held part are zero, so the mean of the others counts.
+        let mean_of_changes = |steps: Vec<f64>| {
+            let changes: Vec<f64> = steps.into_iter().filter(|step| *step > 0.0).collect();
+            changes.iter().sum::<f64>() / changes.len().max(1) as f64
+        };
+        let moves = mean_of_changes(poses.windows(2).map(step_m).collect())
+            > LEAST_STEPS * rounding_step_m(poses);
+        let turns = mean_of_changes(poses.windows(2).map(turn_rad).collect()) > LEAST_TURN_RAD;
+        let of_positions = moves.then(|| held_part(poses, HeldPart::Position, HELD_PART_SHARE));
+        let of_orientations =
+            || turns.then(|| held_part(poses, HeldPart::Orientation, HELD_PART_SHARE)).flatten();
+        of_positions.flatten().or_else(of_orientations)
+    })
+}
+
+fn held_part(poses: &[EstimatedPose], part: HeldPart, share: f64) -> Option<HeldPoses> {
+    let runs: Vec<&[EstimatedPose]> =
+        poses.chunk_by(|before, pose| part.is_repeat(before, pose)).collect();
     let repeated: Vec<&[EstimatedPose]> =
         runs.iter().copied().filter(|run| run.len() > 1).collect();
-    if runs.len() < FEWEST || (repeated.len() as f64) < HELD_SHARE * runs.len() as f64 {
+    if runs.len() < FEWEST || (repeated.len() as f64) < share * runs.len() as f64 {
         return None;
     }
     let starts_s = runs.iter().map(|run| run[0].time_s);
     let held_s = median(starts_s.clone().skip(1).zip(starts_s).map(|(next, start)| next - start))?;
-    Some(HeldPoses { poses: poses.len(), different: runs.len(), held_s })
+    Some(HeldPoses { part, poses: poses.len(), different: runs.len(), held_s })
 }
 
 /// Poses on straight lines between others.
@@ -41,8 +71,6 @@ pub struct InterpolatedPoses {
     pub interval_s: f64,
 }
 
-/// A pose is on the line between its neighbours if it is off by less than this share of the usual bend at the others.
-const ON_LINE: f64 = 0.02;
 /// Bends are those of interpolated poses if this share of them stands alone or in pairs, between straight lines.
 const LONE_BENDS: f64 = 0.8;
 /// Least share of poses on lines, of those that move.
@@ -53,15 +81,27 @@ const LEAST_ON_LINE: f64 = 0.45;
 /// The bends of a measured trajectory follow each other; those of an interpolated one stand alone, because all poses between
 /// two measured ones lie on a line at even steps.
 pub fn interpolated(poses: &[EstimatedPose]) -> Option<InterpolatedPoses> {
+    MEASURED.iter().find_map(|shares| interpolated_with(poses, *shares))
+}
+
+/// Least share of the poses that are measured, for few and for many interpolated ones between two of them. A pose is on the line between its
+/// neighbours if it is off by less than the second share of the usual bend at the measured ones.
+/// Effect: a larger second share takes the noise between loop closures for interpolation.
+const MEASURED: [(f64, f64); 2] = [(0.025, 0.02), (0.0025, 0.002)];
+
+fn interpolated_with(
+    poses: &[EstimatedPose],
+    (measured, on_line): (f64, f64),
+) -> Option<InterpolatedPoses> {
     let moves = |index: &usize| poses[*index].position_m != poses[index - 1].position_m;
     let moving: Vec<usize> = (1..poses.len().saturating_sub(1)).filter(moves).collect();
     let bends_m: Vec<f64> =
         moving.iter().map(|index| bend_m(&poses[index - 1..=index + 1])).collect();
     let mut sorted_m = bends_m.clone();
     sorted_m.sort_by(f64::total_cmp);
-    // At least a twentieth of the poses is measured, or the interpolation does not matter.
-    let usual_m = sorted_m.get(sorted_m.len().checked_sub(1 + sorted_m.len() / 40)?)?;
-    let is_bent: Vec<bool> = bends_m.iter().map(|bend_m| *bend_m > ON_LINE * usual_m).collect();
+    let measured = (measured * sorted_m.len() as f64) as usize;
+    let usual_m = sorted_m.get(sorted_m.len().checked_sub(1 + measured)?)?;
+    let is_bent: Vec<bool> = bends_m.iter().map(|bend_m| *bend_m > on_line * usual_m).collect();
     let bent = is_bent.iter().filter(|is_bent| **is_bent).count();
     let on_line = is_bent.len() - bent;
     let in_short_runs: usize = is_bent

@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
+use super::lever_equations::{LEVER_UNKNOWNS, position_rows, solve};
 use crate::estimates::fit::Fit;
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::Estimate;
@@ -14,6 +15,9 @@ const FEWEST: usize = 15;
 const SIGNIFICANT: f64 = 4.0;
 /// Smallest scale that is reported: a map grid differs by several hundred parts per million, and temperatures by tens.
 const SMALLEST: f64 = 1e-4;
+
+/// Largest scale that segments show: the path lengths of the whole drive show larger ones, which on a circle a lever arm seems to explain.
+const LARGEST: f64 = 0.1;
 
 /// Returns the scale of the estimate relative to the ground truth, minus one, with σ; `None` if it is not significant.
 ///
@@ -51,14 +55,12 @@ pub fn significant_scale(pairs: &[MatchedPose], fit: &Fit) -> Option<Estimate> {
     let count = scales.len() as f64;
     let sigma = (scatter * count / (count - 1.0)).sqrt() / weight;
     let noise = mean(&|(_, _, noise)| *noise);
-    (value.abs() > SMALLEST && value.abs() > SIGNIFICANT * sigma + noise)
-        .then_some(Estimate { value, sigma })
+    let is_significant = value.abs() > SMALLEST && value.abs() > SIGNIFICANT * sigma + noise;
+    (is_significant && value.abs() < LARGEST).then_some(Estimate { value, sigma })
 }
 
-/// Unknowns beside the scale: lever arm, translation, small rotation, clock; the scale is the last.
-const UNKNOWNS: usize = 11;
-/// Share of the normal matrix that constrains directions which the drive does not determine.
-const RIDGE: f64 = 1e-9;
+/// The scale is the last unknown.
+const UNKNOWNS: usize = LEVER_UNKNOWNS + 1;
 
 /// Returns the change of the lever arm if the scale is free; `None` if the lever arm was not estimated. A fit without a scale shifts the
 /// lever arm to explain it.
@@ -78,15 +80,11 @@ fn lever_step_m(pairs: &[MatchedPose], fit: &Fit) -> Option<Vector3<f64>> {
             None => fit.placed_orientation(&pair.pose)?.to_rotation_matrix().into_inner(),
         };
         let mut rows = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever);
-        rows.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
-        rows.fixed_view_mut::<3, 3>(0, 6).copy_from(&arm_m.cross_matrix());
-        rows.fixed_view_mut::<3, 1>(0, 9).copy_from(&pair.truth.velocity_m_per_s);
-        rows.fixed_view_mut::<3, 1>(0, 10).copy_from(&arm_m);
+        let of_lever = position_rows(&lever, &arm_m, &pair.truth.velocity_m_per_s);
+        rows.fixed_view_mut::<3, LEVER_UNKNOWNS>(0, 0).copy_from(&of_lever);
+        rows.fixed_view_mut::<3, 1>(0, LEVER_UNKNOWNS).copy_from(&arm_m);
         normal += rows.transpose() * rows;
         right += rows.transpose() * (true_m - placed_m);
     }
-    let ridge = RIDGE * normal.trace();
-    (0..UNKNOWNS).for_each(|k| normal[(k, k)] += ridge);
-    Some(normal.cholesky()?.solve(&right).fixed_rows::<3>(0).into_owned())
+    Some(solve(normal, &right)?.fixed_rows::<3>(0).into_owned())
 }

@@ -1,5 +1,7 @@
 //! Conventions of simulated drives: each is recognised with its flag, and sound estimates have no suspicion.
 
+mod axes_and_jumps;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -155,7 +157,15 @@ fn orders_inverses_and_worlds_of_orientations_are_recognised() {
     let turned = |change: &dyn Fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| {
         changed(|pose| EstimatedPose { orientation: pose.orientation.map(change), ..pose })
     };
-    for flag in ["wxyz", "inverse", "wxyz,inverse", "world=ned", "inverse,world=optical"] {
+    for flag in [
+        "wxyz",
+        "inverse",
+        "wxyz,inverse",
+        "world=ned",
+        "inverse,world=optical",
+        "euler=xyz",
+        "euler=clockwise",
+    ] {
         let convention: Convention = flag.parse().expect(flag);
         assert_recognised(turned(&|orientation| convention.as_written(orientation)), flag);
     }
@@ -293,9 +303,9 @@ fn repeated_interpolated_and_unset_poses_are_recognised() {
             pose.position_m = Vector3::zeros();
             pose.orientation = Some(UnitQuaternion::identity());
         }
-        let (kinds, message) = said(unset.clone(), "");
-        assert!(kinds.contains(&kinds::ESTIMATE_POSES_UNSET), "{message}");
+        let (_, message) = said(unset.clone(), "");
         assert!(message.contains(&format!("{} poses", zeros.len())), "{message}");
+        assert!(message.contains("never set (--convention unset"), "{message}");
         assert_eq!(message.contains("before the start"), zeros.start == 0);
         assert_eq!(said(unset, "unset").0, []);
     }

@@ -30,17 +30,23 @@ impl SuspectedRate {
 /// Units of stamps that are read as seconds.
 const UNITS: [(f64, &str); 3] = [(1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")];
 /// Rates of recordings: frame rates that are confused, and bags that are played slower or faster.
-const RATES: [f64; 16] = [
+const RATES: [f64; 22] = [
     1000.0 / 1001.0,
     1001.0 / 1000.0,
     0.99,
+    1.0 / 0.99,
     1.01,
-    0.96,
+    1.0 / 1.01,
+    24.0 / 25.0,
     25.0 / 24.0,
     0.95,
+    1.0 / 0.95,
     1.05,
+    1.0 / 1.05,
     0.9,
+    1.0 / 0.9,
     1.1,
+    1.0 / 1.1,
     0.8,
     1.25,
     0.5,
@@ -57,6 +63,8 @@ const GOOD_FIT: f64 = 0.01;
 const NEAR_MISFIT: f64 = 0.2;
 /// Above this misfit the numbers with the clock as read have no meaning.
 const MEANINGLESS: f64 = 0.3;
+/// Relative difference within which a rate is the one of the list.
+const SAME_RATE: f64 = 3e-4;
 /// Number of steps of the search around a rate.
 const STEPS: usize = 12;
 
@@ -115,11 +123,12 @@ pub fn suspected_rate(
     let is_sparse = |poses: &[EstimatedPose]| median_interval_s(poses) > SPARSE_S;
     let ratio = duration_s(poses) / duration_s(&truth.poses);
     let is_comparable = (LONGEST_RATIO.recip()..LONGEST_RATIO).contains(&ratio);
-    if is_good || !is_comparable || is_sparse(poses) || is_sparse(&truth.poses) {
+    if is_good || !is_comparable || is_sparse(&truth.poses) {
         return Ok(None);
     }
     let (mut factor, mut value) = (1.0, f64::INFINITY);
-    for rate in RATES {
+    let interval_s = median_interval_s(poses);
+    for rate in RATES.into_iter().filter(|rate| rate * interval_s <= SPARSE_S) {
         let misfit = misfit(truth, poses, rate)?;
         if misfit < value {
             (factor, value) = (rate, misfit);
@@ -139,6 +148,10 @@ pub fn suspected_rate(
         } else {
             step *= 0.5;
         }
+    }
+    // Recordings are played at simple rates; lever arms make the search less exact.
+    if let Some(rate) = RATES.into_iter().find(|rate| (factor / rate - 1.0).abs() < SAME_RATE) {
+        (factor, value) = (rate, misfit(truth, poses, rate)?);
     }
     let as_read = as_read.map(|fit| fit.relative_misfit);
     let limit =

@@ -33,6 +33,8 @@ pub struct ShapeFit {
     pub times_longer: f64,
     /// Median error relative to the extent of the ground truth; lever arms and drift add to it.
     pub relative_misfit: f64,
+    /// Offset that was added to the estimate's times (s).
+    pub offset_s: f64,
 }
 
 impl ShapeFit {
@@ -55,10 +57,14 @@ pub fn compare_shapes(
     let pairs = truth.matched(poses, offset_s, (Association::Interpolated, MOST_POSES))?;
     let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.truth.position_m).collect();
     let estimate_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.pose.position_m).collect();
-    Ok(shape_fit(&truth_m, &estimate_m))
+    Ok(shape_fit(&truth_m, &estimate_m, offset_s))
 }
 
-fn shape_fit(truth_m: &[Vector3<f64>], estimate_m: &[Vector3<f64>]) -> Option<ShapeFit> {
+fn shape_fit(
+    truth_m: &[Vector3<f64>],
+    estimate_m: &[Vector3<f64>],
+    offset_s: f64,
+) -> Option<ShapeFit> {
     if truth_m.len() < FEWEST {
         return None;
     }
@@ -69,8 +75,11 @@ fn shape_fit(truth_m: &[Vector3<f64>], estimate_m: &[Vector3<f64>]) -> Option<Sh
         (truth_m - transform.apply(&(scale * estimate_m))).norm()
     };
     let misfit_m = median(truth_m.iter().zip(estimate_m).map(error_m))?;
-    (scale > 0.0 && extent_m > 0.0)
-        .then(|| ShapeFit { times_longer: scale.recip(), relative_misfit: misfit_m / extent_m })
+    (scale > 0.0 && extent_m > 0.0).then(|| ShapeFit {
+        times_longer: scale.recip(),
+        relative_misfit: misfit_m / extent_m,
+        offset_s,
+    })
 }
 
 /// A unit of length that explains a ratio of lengths.
@@ -106,7 +115,7 @@ mod tests {
     #[test]
     fn a_ratio_of_lengths_names_the_unit_and_the_trajectory_that_has_it() {
         let unit = |times_longer, relative_misfit| {
-            suspected_unit(&ShapeFit { times_longer, relative_misfit })
+            suspected_unit(&ShapeFit { times_longer, relative_misfit, offset_s: 0.0 })
                 .map(|unit| (unit.word, unit.is_of_truth))
         };
         assert_eq!(unit(100.3, 0.01), Some(("cm", false)));

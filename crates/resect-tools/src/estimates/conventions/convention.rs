@@ -1,9 +1,9 @@
 //! Stated conventions of an estimate's file, and their effect on its poses.
 
-use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::left_out_poses::{is_repeat, is_unset, leave_out};
+use super::left_out_poses::{HeldPart, is_unset, leave_out};
 use super::signed_axes::SignedAxes;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 
@@ -17,12 +17,59 @@ pub enum Inverted {
     Poses,
 }
 
+/// Angles of roll, pitch and yaw that a file has in another order or sense. The reader composes R = Rz(yaw) Ry(pitch) Rx(roll).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AngleConvention {
+    #[default]
+    AsRead,
+    /// R = Rx(roll) Ry(pitch) Rz(yaw): rotations about the axes of the moving body in the order x, y, z.
+    Xyz,
+    /// The yaw is a heading: it grows clockwise, while roll and pitch are as usual.
+    Clockwise,
+}
+
+impl AngleConvention {
+    /// Returns the orientation of the angles from which the reader composed another one.
+    fn orientation(self, read: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        let (roll, pitch, yaw) = read.euler_angles();
+        match self {
+            Self::AsRead => read,
+            Self::Xyz => {
+                let [x, y, z] = [
+                    (Vector3::x_axis(), roll),
+                    (Vector3::y_axis(), pitch),
+                    (Vector3::z_axis(), yaw),
+                ]
+                .map(|(axis, angle)| UnitQuaternion::from_axis_angle(&axis, angle));
+                x * y * z
+            }
+            Self::Clockwise => UnitQuaternion::from_euler_angles(roll, pitch, -yaw),
+        }
+    }
+
+    /// Returns the orientation that the reader composes: the inverse of [`Self::orientation`].
+    fn as_written(self, orientation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        match self {
+            Self::AsRead => orientation,
+            Self::Xyz => {
+                // The inverse of Rx Ry Rz is Rz(-yaw) Ry(-pitch) Rx(-roll).
+                let (roll, pitch, yaw) = orientation.inverse().euler_angles();
+                UnitQuaternion::from_euler_angles(-roll, -pitch, -yaw)
+            }
+            Self::Clockwise => self.orientation(orientation),
+        }
+    }
+}
+
 /// Conventions of a file that differ from those of this program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Convention {
     /// The four numbers that were read as x, y, z, w are w, x, y, z.
     pub has_w_first: bool,
+    pub angles: AngleConvention,
+    /// The axes are left-handed, as in Unreal and Unity: y of the positions is reversed, and orientations turn the other way.
+    pub is_left_handed: bool,
     pub inverted: Inverted,
     /// Axes of the positions; they may be left-handed.
     pub position_axes: SignedAxes,
@@ -32,8 +79,8 @@ pub struct Convention {
     pub length_m: f64,
     /// Seconds per unit of time.
     pub time_s: f64,
-    /// Leaves out poses that repeat the one before: it was held until the next.
-    pub is_held: bool,
+    /// Leaves out poses that repeat this part of the one before: it was held until the next.
+    pub held: Option<HeldPart>,
     /// Leaves out poses at the origin without rotation, which were never set.
     pub has_unset_poses: bool,
 }
@@ -41,12 +88,14 @@ pub struct Convention {
 impl Convention {
     pub const AS_READ: Self = Self {
         has_w_first: false,
+        angles: AngleConvention::AsRead,
+        is_left_handed: false,
         inverted: Inverted::Nothing,
         position_axes: SignedAxes::AS_READ,
         world_axes: SignedAxes::AS_READ,
         length_m: 1.0,
         time_s: 1.0,
-        is_held: false,
+        held: None,
         has_unset_poses: false,
     };
 
@@ -61,6 +110,7 @@ impl Convention {
         } else {
             read
         };
+        let ordered = self.mirrored(self.angles.orientation(ordered));
         let of_body = match self.inverted {
             Inverted::Nothing => ordered,
             Inverted::Orientations | Inverted::Poses => ordered.inverse(),
@@ -77,6 +127,7 @@ impl Convention {
             Inverted::Nothing => of_body,
             Inverted::Orientations | Inverted::Poses => of_body.inverse(),
         };
+        let ordered = self.angles.as_written(self.mirrored(ordered));
         if self.has_w_first {
             UnitQuaternion::from_quaternion(Quaternion::new(
                 ordered.k, ordered.w, ordered.i, ordered.j,
@@ -86,14 +137,29 @@ impl Convention {
         }
     }
 
-    fn pose(&self, read: &EstimatedPose) -> EstimatedPose {
+    /// Returns the orientation with y reversed in world and body, if the axes are left-handed. It is its own inverse.
+    fn mirrored(&self, read: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        match self.is_left_handed {
+            true => {
+                UnitQuaternion::from_quaternion(Quaternion::new(read.w, -read.i, read.j, -read.k))
+            }
+            false => read,
+        }
+    }
+
+    /// Returns a pose of the body in the world, in metres and seconds.
+    pub fn pose(&self, read: &EstimatedPose) -> EstimatedPose {
         let orientation = read.orientation.map(|read| self.orientation(read));
+        let mut position_m = read.position_m;
+        if self.is_left_handed {
+            position_m.y = -position_m.y;
+        }
         let inverse_m = match (self.inverted, read.orientation) {
             (Inverted::Poses, Some(read_orientation)) => {
                 let world = Convention { world_axes: SignedAxes::AS_READ, ..*self };
-                -(world.orientation(read_orientation) * read.position_m)
+                -(world.orientation(read_orientation) * position_m)
             }
-            _ => read.position_m,
+            _ => position_m,
         };
         EstimatedPose {
             time_s: self.time_s * read.time_s,
@@ -111,15 +177,14 @@ impl Convention {
         if self.has_unset_poses {
             leave_out(estimate, |_, pose| is_unset(pose));
         }
-        if self.is_held {
+        if let Some(part) = self.held {
             leave_out(estimate, |before, pose| {
-                before.is_some_and(|before| is_repeat(before, pose))
+                before.is_some_and(|before| part.is_repeat(before, pose))
             });
         }
         estimate.poses.iter_mut().for_each(|pose| *pose = self.pose(pose));
         let scaled = Self { length_m: self.length_m, time_s: self.time_s, ..Self::AS_READ };
-        let left_out =
-            Self { is_held: self.is_held, has_unset_poses: self.has_unset_poses, ..scaled };
+        let left_out = Self { held: self.held, has_unset_poses: self.has_unset_poses, ..scaled };
         if *self != left_out {
             estimate.covariances.clear();
         }
@@ -139,7 +204,7 @@ impl Default for Convention {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::Matrix3;
     use resect_core::deployment::PoseCovariance;
 
     fn pose(orientation: UnitQuaternion<f64>) -> EstimatedPose {
@@ -156,11 +221,22 @@ mod tests {
         let all = Convention::AS_READ;
         let swapped =
             UnitQuaternion::from_quaternion(Quaternion::new(turn.k, turn.w, turn.i, turn.j));
+        let clockwise = UnitQuaternion::from_euler_angles(0.1, -0.4, -2.0);
+        // The angles about the moving axes x, y, z of the same orientation, composed in the order of the reader.
+        let angles = AngleConvention::Xyz;
+        let xyz = angles.as_written(turn);
+        let (roll, pitch, yaw) = xyz.euler_angles();
+        let about = |axis: Vector3<f64>, angle: f64| UnitQuaternion::from_scaled_axis(angle * axis);
+        let composed =
+            about(Vector3::x(), roll) * about(Vector3::y(), pitch) * about(Vector3::z(), yaw);
+        assert!(composed.angle_to(&turn) < 1e-9);
         let ned = SignedAxes::parse("ned").expect("axes");
         let world = UnitQuaternion::from_matrix(&ned.matrix());
         for (convention, written) in [
             (Convention { has_w_first: true, ..all }, swapped),
             (Convention { inverted: Inverted::Orientations, ..all }, turn.inverse()),
+            (Convention { angles: AngleConvention::Clockwise, ..all }, clockwise),
+            (Convention { angles: AngleConvention::Xyz, ..all }, xyz),
             (Convention { world_axes: ned, ..all }, world.inverse() * turn),
         ] {
             let read = convention.pose(&pose(written));
@@ -174,6 +250,16 @@ mod tests {
         };
         let read = Convention { inverted: Inverted::Poses, ..all }.pose(&inverse);
         assert!((read.position_m - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn left_handed_poses_are_those_of_a_mirror() {
+        // A body at y = -2 that is turned by -2 about z, and by 0.1 about y.
+        let turn = UnitQuaternion::from_euler_angles(0.0, 0.1, -2.0);
+        let convention = Convention { is_left_handed: true, ..Convention::AS_READ };
+        let read = convention.pose(&pose(UnitQuaternion::from_euler_angles(0.0, 0.1, 2.0)));
+        assert_eq!(read.position_m, Vector3::new(1.0, -2.0, 3.0));
+        assert!(read.orientation.expect("stated").angle_to(&turn) < 1e-9);
     }
 
     #[test]

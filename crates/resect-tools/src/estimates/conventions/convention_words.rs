@@ -3,7 +3,8 @@
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
-use super::convention::{Convention, Inverted};
+use super::convention::{AngleConvention, Convention, Inverted};
+use super::left_out_poses::HeldPart;
 use super::signed_axes::SignedAxes;
 
 /// Units of length (m).
@@ -12,8 +13,8 @@ const LENGTHS: [(&str, f64); 5] =
 /// Units of time (s).
 const TIMES: [(&str, f64); 3] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 /// The words that a message offers.
-pub const WORDS: &str = "give words separated by commas: wxyz, inverse, inverse-poses, world=ned|nwu|optical|AXES, axes=AXES, \
-    mm|cm|km|in|ft, length=FACTOR, ms|us|ns, time=FACTOR, held, unset; AXES are letters such as yx-z";
+pub const WORDS: &str = "give words separated by commas: wxyz, euler=xyz|clockwise, left-handed, inverse, inverse-poses, world=ned|nwu|optical|AXES, axes=AXES, \
+    mm|cm|km|in|ft, length=FACTOR, ms|us|ns, time=FACTOR, held|held=positions|held=orientations, unset; AXES are letters such as yx-z";
 
 impl FromStr for Convention {
     type Err = String;
@@ -38,14 +39,19 @@ impl Convention {
         match word.split_once('=') {
             None if word == "xyzw" => {}
             None if word == "wxyz" => self.has_w_first = true,
+            None if word == "left-handed" => self.is_left_handed = true,
             None if word == "inverse" => self.inverted = Inverted::Orientations,
             None if word == "inverse-poses" => self.inverted = Inverted::Poses,
-            None if word == "held" => self.is_held = true,
+            None if word == HeldPart::Pose.word() => self.held = Some(HeldPart::Pose),
             None if word == "unset" => self.has_unset_poses = true,
             None => match (unit(&LENGTHS, word), unit(&TIMES, word)) {
                 (Some(length_m), _) => self.length_m = length_m,
                 (None, time_s) => self.time_s = time_s?,
             },
+            Some(("held", "positions")) => self.held = Some(HeldPart::Position),
+            Some(("held", "orientations")) => self.held = Some(HeldPart::Orientation),
+            Some(("euler", "xyz")) => self.angles = AngleConvention::Xyz,
+            Some(("euler", "clockwise")) => self.angles = AngleConvention::Clockwise,
             Some(("world", axes)) => {
                 self.world_axes = SignedAxes::parse(axes).filter(|axes| axes.is_rotation())?;
             }
@@ -73,6 +79,12 @@ impl Display for Convention {
         };
         let mut words: Vec<String> = Vec::new();
         words.extend(self.has_w_first.then(|| "wxyz".to_owned()));
+        words.extend(match self.angles {
+            AngleConvention::AsRead => None,
+            AngleConvention::Xyz => Some("euler=xyz".to_owned()),
+            AngleConvention::Clockwise => Some("euler=clockwise".to_owned()),
+        });
+        words.extend(self.is_left_handed.then(|| "left-handed".to_owned()));
         words.extend(match self.inverted {
             Inverted::Nothing => None,
             Inverted::Orientations => Some("inverse".to_owned()),
@@ -85,8 +97,8 @@ impl Display for Convention {
         words.extend(
             (self.length_m != 1.0).then(|| unit(&LENGTHS, "length", rounded(self.length_m))),
         );
-        words.extend((self.time_s != 1.0).then(|| unit(&TIMES, "time", self.time_s)));
-        words.extend(self.is_held.then(|| "held".to_owned()));
+        words.extend((self.time_s != 1.0).then(|| unit(&TIMES, "time", rounded(self.time_s))));
+        words.extend(self.held.map(|part| part.word().to_owned()));
         words.extend(self.has_unset_poses.then(|| "unset".to_owned()));
         formatter.write_str(&words.join(","))
     }
@@ -108,7 +120,12 @@ impl TryFrom<String> for Convention {
 
 /// States a convention of orientations for a message: "read as w x y z in a world of axes ned".
 pub fn orientation_in_words(convention: &Convention) -> String {
-    let order = if convention.has_w_first { "read as w x y z" } else { "read as x y z w" };
+    let order = match convention.angles {
+        AngleConvention::AsRead if convention.has_w_first => "read as w x y z",
+        AngleConvention::AsRead => "read as x y z w",
+        AngleConvention::Xyz => "read as roll, pitch and yaw about the moving axes x, y, z",
+        AngleConvention::Clockwise => "read with a yaw that grows clockwise",
+    };
     let inverse = match convention.inverted {
         Inverted::Nothing => "",
         Inverted::Orientations | Inverted::Poses => " of the world in the body",
@@ -132,6 +149,9 @@ mod tests {
             "wxyz,inverse,world=ned,cm,ns",
             "inverse-poses,axes=yxz,length=0.9996,time=2,held,unset",
             "world=-zyx",
+            "euler=xyz,left-handed,cm",
+            "euler=clockwise,held=positions",
+            "held=orientations,unset",
         ] {
             let convention: Convention = text.parse().expect(text);
             assert_eq!(convention.to_string(), text);

@@ -4,9 +4,34 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 
-/// Returns true if a pose has the position and the orientation of the one before.
-pub fn is_repeat(before: &EstimatedPose, pose: &EstimatedPose) -> bool {
-    before.position_m == pose.position_m && before.orientation == pose.orientation
+/// Part of a pose that is held until the next one is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeldPart {
+    Pose,
+    Position,
+    Orientation,
+}
+
+impl HeldPart {
+    /// Returns true if a pose has this part of the one before.
+    pub fn is_repeat(self, before: &EstimatedPose, pose: &EstimatedPose) -> bool {
+        let is_position = before.position_m == pose.position_m;
+        let is_orientation = before.orientation == pose.orientation;
+        match self {
+            Self::Pose => is_position && is_orientation,
+            Self::Position => is_position,
+            Self::Orientation => is_orientation && pose.orientation.is_some(),
+        }
+    }
+
+    /// Returns the word of a convention that leaves out the repeats.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pose => "held",
+            Self::Position => "held=positions",
+            Self::Orientation => "held=orientations",
+        }
+    }
 }
 
 /// Returns true if a pose is at the origin without rotation, as before it is set.

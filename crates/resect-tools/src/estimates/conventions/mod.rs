@@ -7,7 +7,7 @@ mod convention_words;
 mod left_out_poses;
 mod signed_axes;
 
-pub use convention::{Convention, Inverted};
+pub use convention::{AngleConvention, Convention, Inverted};
 pub use convention_words::{WORDS, orientation_in_words};
-pub use left_out_poses::{is_repeat, is_unset};
+pub use left_out_poses::{HeldPart, is_unset};
 pub use signed_axes::SignedAxes;

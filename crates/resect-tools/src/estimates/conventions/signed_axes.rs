@@ -67,6 +67,12 @@ impl SignedAxes {
         Matrix3::from_rows(&self.axes.map(row))
     }
 
+    /// Returns these axes, and then others in terms of them.
+    pub fn then(self, other: Self) -> Self {
+        let axis = |axis: i8| axis.signum() * self.axes[axis.unsigned_abs() as usize - 1];
+        Self { axes: other.axes.map(axis) }
+    }
+
     /// Returns true if the axes remain right-handed.
     pub fn is_rotation(self) -> bool {
         self.matrix().determinant() > 0.0
@@ -102,6 +108,8 @@ mod tests {
             assert_eq!(axes.in_letters(), "ned");
         }
         assert_eq!(SignedAxes::parse("-zy+x").expect("axes").in_letters(), "-zyx");
+        let [first, second] = ["yx-z", "-zyx"].map(|text| SignedAxes::parse(text).expect("axes"));
+        assert_eq!(first.then(second).matrix(), second.matrix() * first.matrix());
         for text in ["", "xy", "xxy", "xyzx", "x-xz", "enu?"] {
             assert_eq!(SignedAxes::parse(text), None, "{text}");
         }

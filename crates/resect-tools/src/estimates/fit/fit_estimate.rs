@@ -7,6 +7,7 @@ use super::clock_change::ClockChange;
 use super::fit::{Fit, FitCovariance};
 use super::refine::{FEWEST_EPOCHS, Sought, mean_turn, orientations_follow, refine};
 use super::state::FitState;
+use crate::estimates::conventions::{Convention, Inverted};
 use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::{MatchedPose, consistent};
 use crate::estimates::options::{Body, Options, TrajectoryAlignment};
@@ -14,8 +15,8 @@ use crate::estimates::time_offset::{self, CoarseOffset};
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
 use crate::findings::studies::{
-    estimate_clock_drifts, estimate_clock_far_off, estimate_clock_stepped, estimate_few_points,
-    estimate_scale_off, estimate_stamps_jitter,
+    estimate_clock_drifts, estimate_clock_far_off, estimate_clock_stepped, estimate_clock_wanders,
+    estimate_few_points, estimate_scale_off, estimate_stamps_jitter,
 };
 use resect_core::calibration::Estimate;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory, Finding};
@@ -26,6 +27,8 @@ use resect_core::statistics::median;
 const MOST_EPOCHS: usize = 4000;
 /// Clocks that differ by more than this (s) have different origins, such as 1970 and the start.
 const FAR_S: f64 = 60.0;
+/// Clocks that differ by less are those of the stamps (s).
+const NEAR_S: f64 = 0.5;
 /// Relative misfit beyond which an estimate with times elsewhere is of another drive. Aligned paths of two drives differ by half of their
 /// size; a drift of a fifth is rare.
 const OTHER_DRIVE: f64 = 0.2;
@@ -129,7 +132,14 @@ fn estimate_unknowns(
     let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
     let (poses, association) = (&estimate.poses, options.association);
     let pairs = truth.matched(poses, state.fit.time_offset_s, (association, MOST_EPOCHS))?;
-    refuse_other_conventions(&pairs, options.alignment).map_err(unfit)?;
+    refuse_other_conventions(truth, &pairs, options).map_err(unfit)?;
+    // Speeds of inverse poses are others, so that their time offset may be wrong.
+    if options.time_offset_s.is_none() && state.fit.time_offset_s.abs() > NEAR_S {
+        let as_stamped = truth.matched(poses, 0.0, (association, MOST_EPOCHS))?;
+        if as_stamped.len() >= FEWEST_EPOCHS {
+            refuse_other_conventions(truth, &as_stamped, options).map_err(unfit)?;
+        }
+    }
     if pairs.len() < FEWEST_EPOCHS && pairs.len() >= FEWEST_POINTS {
         state.fit.findings.push(estimate_few_points(&estimate.name, pairs.len()));
         return Ok(());
@@ -143,17 +153,18 @@ fn estimate_unknowns(
         GroundTruth::Trajectory(..) => poses.clone(),
     };
     let longer = times_longer(&pairs).filter(|_| sought.frame == TrajectoryAlignment::Rigid);
-    let is_given = options.time_offset_s.is_some();
-    let misfit =
-        (!is_given && are_apart(poses, &pairs)).then(|| misfit_with_scale(&state.fit, &pairs));
-    refine(state, (truth, association), &chosen, sought, estimate).map_err(|why| match why {
-        Unjudged::Unfit { why: Unfit::Undetermined, .. } => unfit(match (misfit, longer) {
-            (Some(misfit), _) if misfit > OTHER_DRIVE => Unfit::OtherDrive(100.0 * misfit),
-            (_, Some(longer)) => Unfit::OtherScale(longer),
-            _ => Unfit::Undetermined,
-        }),
-        why => why,
-    })
+    let misfit = misfit_with_scale(&state.fit, &pairs);
+    let is_apart = options.time_offset_s.is_none() && are_apart(poses, &pairs);
+    let refined = refine(state, (truth, association), &chosen, sought, estimate);
+    if !matches!(refined, Err(Unjudged::Unfit { why: Unfit::Undetermined, .. })) {
+        return refined;
+    }
+    Err(unfit(match longer {
+        _ if misfit > OTHER_DRIVE && is_apart => Unfit::OtherDrive(100.0 * misfit),
+        Some(longer) if misfit < OTHER_DRIVE => Unfit::OtherScale(longer),
+        _ if misfit > OTHER_DRIVE => Unfit::OtherShape(100.0 * misfit),
+        _ => Unfit::Undetermined,
+    }))
 }
 
 /// Returns the relative misfit of the pairs after an alignment with a scale.
@@ -171,6 +182,7 @@ fn clock_finding(name: &str, change: ClockChange, start_s: f64) -> Finding {
         ClockChange::Step { time_s, by_s } => estimate_clock_stepped(name, -by_s, time_s - start_s),
         ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
         ClockChange::Jitter { sigma_s } => estimate_stamps_jitter(name, sigma_s),
+        ClockChange::Wander { sigma_s } => estimate_clock_wanders(name, sigma_s),
     }
 }
 
@@ -286,39 +298,62 @@ fn initial(time_offset_s: f64, body: Body, turning: bool) -> Fit {
     }
 }
 
-/// Returns an error if the positions fit much better with one axis reversed (they are left-handed) or with the inverse of each pose
-/// (they are those of the world in the body). The fits ignore the lever arm.
+/// Returns an error if the positions fit much better with the inverse of each pose (they are those of the world in the body). The fits
+/// ignore the lever arm.
 fn refuse_other_conventions(
+    truth: &GroundTruth<'_>,
     pairs: &[MatchedPose],
-    alignment: TrajectoryAlignment,
+    options: &Options,
 ) -> Result<(), Unfit> {
-    if alignment == TrajectoryAlignment::None {
+    if options.alignment == TrajectoryAlignment::None {
         return Ok(());
     }
     let truth_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.truth.position_m).collect();
-    let misfit_m = |position: &dyn Fn(&EstimatedPose) -> Option<Vector3<f64>>| {
-        let own_m: Option<Vec<Vector3<f64>>> =
-            pairs.iter().map(|pair| position(&pair.pose)).collect();
-        let own_m = own_m?;
-        let (transform, scale) = align_similar(&truth_m, &own_m)?;
-        let off_m = |(truth_m, own_m): (&Vector3<f64>, &Vector3<f64>)| {
-            (truth_m - transform.apply(&(own_m * scale))).norm()
-        };
-        median(truth_m.iter().zip(&own_m).map(off_m))
-    };
-    let Some(as_read_m) = misfit_m(&|pose| Some(pose.position_m)) else { return Ok(()) };
+    let own_m: Vec<Vector3<f64>> = pairs.iter().map(|pair| pair.pose.position_m).collect();
+    let Some(as_read_m) = misfit_m(&truth_m, &own_m) else { return Ok(()) };
     let is_better = |other_m: &f64| as_read_m > OTHER_CONVENTION * other_m;
-    let up = Vector3::new(1.0, 1.0, -1.0);
-    if let Some(mirrored_m) =
-        misfit_m(&|pose| Some(pose.position_m.component_mul(&up))).filter(is_better)
-    {
-        return Err(Unfit::Mirrored(as_read_m / mirrored_m));
+    let stated = options.convention;
+    if stated.inverted == Inverted::Poses {
+        return Ok(());
     }
-    match misfit_m(&|pose| Some(-(pose.orientation?.inverse() * pose.position_m))).filter(is_better)
-    {
-        Some(inverse_m) => Err(Unfit::Inverse(as_read_m / inverse_m)),
-        None => Ok(()),
-    }
+    let of_estimate = [stated.has_w_first, !stated.has_w_first].map(|has_w_first| {
+        let convention = Convention { has_w_first, inverted: Inverted::Poses, ..stated };
+        let inverse_m: Option<Vec<Vector3<f64>>> = pairs
+            .iter()
+            .map(|MatchedPose { pose, .. }| {
+                let body = convention.orientation(stated.as_written(pose.orientation?));
+                Some(-(body * pose.position_m))
+            })
+            .collect();
+        let misfit_m = misfit_m(&truth_m, &inverse_m?).filter(is_better)?;
+        let times_better = as_read_m / misfit_m;
+        Some((times_better, Unfit::Inverse { times_better, convention }))
+    });
+    let of_truth = || {
+        let inverse_m: Option<Vec<Vector3<f64>>> = pairs
+            .iter()
+            .map(|MatchedPose { truth, .. }| {
+                let orientation = truth.rotation.as_ref()?.orientation;
+                Some(-(orientation.inverse() * truth.position_m))
+            })
+            .collect();
+        let times_better = as_read_m / misfit_m(&inverse_m?, &own_m).filter(is_better)?;
+        Some((times_better, Unfit::TruthInverse { times_better }))
+    };
+    let is_trajectory = matches!(truth, GroundTruth::Trajectory(..));
+    let of_truth = is_trajectory.then(of_truth).flatten();
+    let best =
+        of_estimate.into_iter().chain([of_truth]).flatten().max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(Ok(()), |(_, why)| Err(why))
+}
+
+/// Returns the median distance of positions after an alignment with a scale (m); `None` if they lie on a line.
+fn misfit_m(truth_m: &[Vector3<f64>], own_m: &[Vector3<f64>]) -> Option<f64> {
+    let (transform, scale) = align_similar(truth_m, own_m)?;
+    let off_m = |(truth_m, own_m): (&Vector3<f64>, &Vector3<f64>)| {
+        (truth_m - transform.apply(&(own_m * scale))).norm()
+    };
+    median(truth_m.iter().zip(own_m).map(off_m))
 }
 
 /// Returns the ratio of the estimate's path lengths to the ground truth's; `None` if it is within drift. A larger ratio is

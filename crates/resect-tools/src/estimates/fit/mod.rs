@@ -8,6 +8,7 @@
 
 mod alignment;
 mod clock_change;
+mod clock_evidence;
 mod drift_sizes;
 mod epoch_rows;
 mod fit;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::alignment::align_rigidly;
-use super::clock_change::clock_change;
+use super::clock_evidence::significant_clock_change;
 use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
 use super::likelihood::{Equations, search};
@@ -94,10 +94,6 @@ impl StepSizes {
 /// still, they may go to and fro for ever.
 const MOST_RENEWALS: usize = 12;
 const DAMPED: f64 = 0.8;
-
-/// Least cost of a constant clock by which it is said to change.
-/// Effect: a smaller one takes lasting errors along the motion for wander. Textbook: χ² of 2 exceeds 20 once in 20,000.
-const DECISIVE_COST: f64 = 20.0;
 
 /// Unknowns to estimate.
 pub struct Sought {
@@ -269,20 +265,8 @@ fn take_sigmas(
         covariance[(clock, clock)] += state.later_s.powi(2);
     }
     state.take_sigmas(open, &covariance);
-    // A clock that returns to its mean would show a step too small.
-    let followed = || pass(pairs, state, &sizes.with_walking_clock(), None);
-    let constant = DriftSizes { clock_s: 1e-5, slow_clock_s: 1e-5, ..*sizes };
-    // The other sizes stay: with their own best ones, the cost without wander would be smaller.
-    let is_changing = || {
-        let without = pass(pairs, state, &constant, None);
-        let Equations { information, gradient, .. } = Equations::of(&without, state, open);
-        // The unknowns follow: their offset is another one without wander.
-        let gain = information.cholesky().map_or(0.0, |root| gradient.dot(&root.solve(&gradient)));
-        without.cost - gain - filtered.cost > DECISIVE_COST
-    };
-    state.fit.clock_change = clock
-        .filter(|_| is_changing())
-        .and_then(|_| clock_change(&followed().clock, [sizes.clock_s, sizes.clock_time_s]));
+    state.fit.clock_change =
+        clock.and_then(|_| significant_clock_change(filtered.cost, pairs, state, sizes, open));
     Some(())
 }
 
