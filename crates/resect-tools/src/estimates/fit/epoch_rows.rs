@@ -5,11 +5,11 @@ use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::{BODY, CLOCK, SCALE, UNKNOWNS};
+use super::unknowns::{BODY, CLOCK, COLUMNS, LEVER_BY_TRUTH, SCALE};
 use crate::estimates::matched_pose::MatchedPose;
 
-/// Derivatives of three residuals by the unknowns, and by what wanders.
-pub type ByUnknowns = SMatrix<f64, 3, UNKNOWNS>;
+/// Derivatives of three residuals by the unknowns and the lever arm again, and by what wanders.
+pub type ByUnknowns = SMatrix<f64, 3, COLUMNS>;
 pub type ByWandering = SMatrix<f64, 3, WANDERING>;
 
 /// Three residuals, ground truth minus estimate, with their derivatives.
@@ -39,17 +39,20 @@ pub fn epoch_rows(
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
     let mut velocity = truth.velocity_m_per_s;
     let mut rate = truth.rotation.as_ref().map(|rotation| rotation.rate_rad_per_s);
-    let mut lever_axes = Matrix3::zeros();
+    let [mut lever_axes, mut lever_by_truth] = [Matrix3::zeros(); 2];
     let orientation = fit.placed_orientation(pose);
     if let Some(rotation) = &truth.rotation {
-        // By the estimate: the noise of the ground truth's orientation is in the residual too, and would shorten the lever arm.
+        // By the estimate: the noise of the ground truth's orientation is in the residual too, and would shorten the lever arm. The noise of the
+        // estimate's seems to be information, so both are needed.
         let by_estimate = orientation.zip(fit.body_rotation);
         let vehicle =
             by_estimate.map_or(rotation.orientation, |(body, turn)| body * turn.inverse());
         lever_axes = vehicle.to_rotation_matrix().into_inner();
+        lever_by_truth = rotation.orientation.to_rotation_matrix().into_inner();
         velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
     } else if let Some(orientation) = pose.orientation {
         lever_axes = -(state.aligned * orientation.to_rotation_matrix()).into_inner();
+        lever_by_truth = lever_axes;
     }
     if let Some(twist) = pose_twist {
         // The estimate is interpolated: a later ground truth is an earlier estimate.
@@ -73,6 +76,8 @@ pub fn epoch_rows(
         position.by_wandering.set_column(clock, &velocity);
     }
     position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
+    let mut by_truth = position.by_unknowns.fixed_view_mut::<3, 3>(0, LEVER_BY_TRUTH);
+    by_truth.copy_from(&lever_by_truth);
     position.by_unknowns.set_column(CLOCK, &velocity);
     // Between the positions of both, by the noise of each: noise would count as motion, and make the other seem too short.
     let own_m = fit.truth_from_estimate.rotate(&(fit.scale * (pose.position_m - state.pivot_m)));

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::drift_sizes::DriftSizes;
+use super::instruments::by_instruments;
 use super::state::FitState;
-use super::unknowns::UNKNOWNS;
 use super::wandering_frame::{WanderingPass, pass};
 use crate::estimates::matched_pose::MatchedPose;
 
@@ -81,16 +81,14 @@ pub struct Equations {
 
 impl Equations {
     pub fn of(pass: &WanderingPass, state: &FitState, open: &[usize]) -> Self {
-        let mut information = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
-        let mut gradient = DVector::zeros(UNKNOWNS);
-        for block in &pass.blocks {
+        let (blocks, _) = by_instruments(&pass.blocks, open);
+        let prior = state.prior_precision(open);
+        let mut information = DMatrix::from_diagonal(&prior);
+        let mut gradient = -prior.component_mul(&state.values(open));
+        for block in &blocks {
             information += &block.information;
             gradient += &block.gradient;
         }
-        let prior = state.prior_precision(open);
-        let information =
-            information.select_rows(open).select_columns(open) + DMatrix::from_diagonal(&prior);
-        let gradient = gradient.select_rows(open) - prior.component_mul(&state.values(open));
         Self { information, gradient, prior }
     }
 }

@@ -13,6 +13,7 @@ mod drift_sizes;
 mod epoch_rows;
 mod fit;
 mod fit_estimate;
+mod instruments;
 mod likelihood;
 mod refine;
 mod state;

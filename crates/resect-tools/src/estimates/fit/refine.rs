@@ -6,6 +6,7 @@ use super::alignment::align_rigidly;
 use super::clock_evidence::significant_clock_change;
 use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
+use super::instruments::by_instruments;
 use super::likelihood::{Equations, search};
 use super::state::FitState;
 use super::unknowns::{BODY, CLOCK, SCALE, UNKNOWNS};
@@ -229,14 +230,7 @@ fn take_sigmas(
     let filtered = pass(pairs, state, sizes, common.as_ref());
     let Equations { information, prior: precision, .. } = Equations::of(&filtered, state, open);
     let prior = sandwich::Prior { precision, weight: 1.0 };
-    let blocks: Vec<sandwich::Block> = filtered
-        .blocks
-        .iter()
-        .map(|block| sandwich::Block {
-            information: block.information.select_rows(open).select_columns(open),
-            gradient: block.gradient.select_rows(open),
-        })
-        .collect();
+    let (blocks, transform) = by_instruments(&filtered.blocks, open);
     let [twos, fours] =
         [2, 4].map(|count| blocks.chunks(count).map(sandwich::Block::sum).collect::<Vec<_>>());
     let root = information.cholesky()?;
@@ -254,7 +248,7 @@ fn take_sigmas(
     let widened = DMatrix::from_diagonal(&widened);
     covariance = &widened * covariance * &widened;
     if let Some(common) = common {
-        let moved = root.solve(&filtered.by_common.select_rows(open));
+        let moved = root.solve(&(transform * filtered.by_common.select_rows(open)));
         covariance += &moved * &common.covariance * moved.transpose();
     }
     if let Some(step) = last_step {

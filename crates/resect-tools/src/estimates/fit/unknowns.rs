@@ -6,3 +6,7 @@ pub const UNKNOWNS: usize = 8;
 pub const CLOCK: usize = 3;
 pub const BODY: usize = 4;
 pub const SCALE: usize = 7;
+
+/// Columns of derivatives: the unknowns, and the lever arm by the ground truth's orientations.
+pub const LEVER_BY_TRUTH: usize = UNKNOWNS;
+pub const COLUMNS: usize = UNKNOWNS + 3;

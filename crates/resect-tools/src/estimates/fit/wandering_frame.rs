@@ -14,15 +14,15 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
 use super::fit::LEVER_SIGMA_M;
+use super::instruments::FilteredBlock;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::UNKNOWNS;
+use super::unknowns::{COLUMNS, LEVER_BY_TRUTH, UNKNOWNS};
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::geometry::RigidTransform;
 use resect_core::statistics::robust::huber;
-use resect_core::statistics::sandwich;
 
 /// Number of blocks of time for σ, and the shortest one (s). Innovations are independent only if the model holds.
 /// Simulated: with 24 blocks the regions of clock, lever arm and body cover the truth as stated.
@@ -45,7 +45,7 @@ type Gain = SMatrix<f64, WANDERING, 3>;
 /// Normal equations of the unknowns by a pass over the epochs.
 pub struct WanderingPass {
     /// By block of time.
-    pub blocks: Vec<sandwich::Block>,
+    pub blocks: Vec<FilteredBlock>,
     /// Twice the negative logarithm of the likelihood of the innovations at the unknowns.
     pub cost: f64,
     /// Time of each epoch, and the change of the time offset that the filter follows (s).
@@ -62,14 +62,14 @@ struct Filter {
     /// Errors that last; zero for the frame, which is part of the state.
     lasting: SVector<f64, WANDERING>,
     covariance: Covariance,
-    by_unknowns: SMatrix<f64, WANDERING, UNKNOWNS>,
+    by_unknowns: SMatrix<f64, WANDERING, COLUMNS>,
     by_common: DMatrix<f64>,
 }
 
 /// An innovation with its weight.
 struct Innovation {
     value: Vector3<f64>,
-    by_unknowns: SMatrix<f64, 3, UNKNOWNS>,
+    by_unknowns: SMatrix<f64, 3, COLUMNS>,
     by_common: DMatrix<f64>,
     information: Matrix3<f64>,
     cost: f64,
@@ -94,8 +94,8 @@ pub fn pass(
     let mut filter = Filter::new(pairs, state, sizes, (FIRST_RAD, columns));
     let mut instants = common.map(|common| common.instants.iter().peekable());
     let mut block = usize::MAX;
-    let mut information = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    let mut gradient = SVector::<f64, UNKNOWNS>::zeros();
+    let mut information = SMatrix::<f64, COLUMNS, COLUMNS>::zeros();
+    let mut gradient = SVector::<f64, COLUMNS>::zeros();
     for pair in pairs {
         let time_s = pair.truth.time_s;
         let index = ((time_s - from_s) / block_s) as usize;
@@ -115,7 +115,7 @@ pub fn pass(
             gradient += weighted * innovation.value;
             pass.cost += innovation.cost;
             if columns > 0 {
-                pass.by_common += weighted * innovation.by_common;
+                pass.by_common += weighted.fixed_rows::<UNKNOWNS>(0) * innovation.by_common;
             }
         }
         pass.clock.push((time_s, filter.later_s()));
@@ -134,12 +134,18 @@ pub fn first_frame(pairs: &[MatchedPose], state: &FitState, sizes: &DriftSizes) 
 }
 
 fn block_of(
-    information: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    gradient: &SVector<f64, UNKNOWNS>,
-) -> sandwich::Block {
-    sandwich::Block {
-        information: DMatrix::from_column_slice(UNKNOWNS, UNKNOWNS, information.as_slice()),
-        gradient: DVector::from_column_slice(gradient.as_slice()),
+    information: &SMatrix<f64, COLUMNS, COLUMNS>,
+    gradient: &SVector<f64, COLUMNS>,
+) -> FilteredBlock {
+    let of_unknowns = information.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0);
+    let by_truth = information.fixed_view::<UNKNOWNS, 3>(0, LEVER_BY_TRUTH);
+    FilteredBlock {
+        information: DMatrix::from_iterator(UNKNOWNS, UNKNOWNS, of_unknowns.iter().copied()),
+        by_truth: DMatrix::from_iterator(UNKNOWNS, 3, by_truth.iter().copied()),
+        gradient: DVector::from_iterator(
+            UNKNOWNS,
+            gradient.fixed_rows::<UNKNOWNS>(0).iter().copied(),
+        ),
     }
 }
 
