@@ -1,5 +1,4 @@
-//! Sets the cfg `field_data` where the field data is beside the project, names the build for `resect --version`, packs the JSON Schema, and
-//! gives the program for Windows its icon, version and manifest.
+//! Sets the cfg `field_data` where the field data is beside the project, names the build for `resect --version`, and gives the program for Windows its icon, version and manifest.
 
 #![allow(clippy::print_stdout, reason = "cargo reads the standard output")]
 
@@ -8,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 fn main() {
     name_build();
-    pack_schema();
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "windows")
         && let Err(error) = add_windows_resources()
     {
@@ -25,22 +23,6 @@ fn main() {
         // Cargo runs the script at every build if the path does not exist.
         println!("cargo::rerun-if-changed=build.rs");
     }
-}
-
-/// Writes the JSON Schema without the blanks between its tokens, a quarter of the file: the program may have 40 MB.
-fn pack_schema() {
-    const SCHEMA: &str = "assets/schema.json";
-    println!("cargo::rerun-if-changed={SCHEMA}");
-    let schema = std::fs::read_to_string(SCHEMA).expect("the schema");
-    // No string of the schema has an escaped quotation mark.
-    let is_text = |part: usize| part % 2 == 1;
-    let parts = schema.split('"').enumerate().map(|(part, text)| match is_text(part) {
-        true => text.to_owned(),
-        false => text.split_whitespace().collect(),
-    });
-    let packed = parts.collect::<Vec<_>>().join("\"");
-    let folder = std::env::var_os("OUT_DIR").expect("cargo sets it");
-    std::fs::write(Path::new(&folder).join("schema.json"), packed).expect("written");
 }
 
 /// Sets `RESECT_BUILD` to the commit and the features. Scripts that build releases give the commit as `RESECT_COMMIT`; reading it from the

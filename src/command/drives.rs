@@ -10,13 +10,15 @@ use super::picture_file::picture;
 use super::{Failure, print};
 use resect_io::drives_file::{self, Drive};
 use resect_report::box_chart;
-use resect_report::estimates::{DriveErrors, drives_json, drives_study, drives_text};
+use resect_report::estimates::{
+    DriveErrors, drives_csv, drives_json, drives_latex, drives_study, drives_text,
+};
 
 /// Help of `--drives`.
 pub const DRIVES_HELP: &str = "\
 Evaluate several drives, which this TOML file lists with their options. Each [[drive]] has a truth, estimates (a list of files, or a
 table of names and files) and perhaps a name. Options are named as the flags without dashes, for all drives or for one of them. The
-result is one table; --plot draws a box for each drive and estimate";
+result is one table, also as --csv and --latex; --plot draws a box for each drive and estimate";
 
 /// Size of the box plot (points).
 const SIZE: [f32; 2] = [1000.0, 600.0];
@@ -32,8 +34,36 @@ struct DriveCommand {
     drives: bool,
 }
 
-/// Evaluates the drives of a file, writes the box plot, and prints the table or one JSON object.
-pub fn write_drives(file: &Path, plot: Option<&Path>, json: bool) -> Result<(), Failure> {
+/// Files with the errors of all drives.
+pub struct DrivesFiles<'a> {
+    pub csv: Option<&'a Path>,
+    pub latex: Option<&'a Path>,
+    pub plot: Option<&'a Path>,
+}
+
+impl DrivesFiles<'_> {
+    /// Writes the files; returns true if one of them is the standard output.
+    fn write(&self, evaluated: &[DriveErrors], read: &[&Path]) -> Result<bool, Failure> {
+        let all: Vec<&Path> = [self.csv, self.latex, self.plot].into_iter().flatten().collect();
+        for file in &all {
+            spare(file, read.iter().copied())?;
+        }
+        if let Some(csv) = self.csv {
+            write(csv, drives_csv(evaluated).into_bytes())?;
+        }
+        if let Some(latex) = self.latex {
+            write(latex, drives_latex(evaluated).into_bytes())?;
+        }
+        if let Some(plot) = self.plot {
+            let drawing = box_chart::draw(&drives_study(evaluated), SIZE);
+            write(plot, picture(plot, &drawing)?)?;
+        }
+        Ok(all.iter().any(|file| is_standard_output(file)))
+    }
+}
+
+/// Evaluates the drives of a file, writes the files, and prints the table or one JSON object.
+pub fn write_drives(file: &Path, files: &DrivesFiles<'_>, json: bool) -> Result<(), Failure> {
     let drives = drives_file::read(file)?;
     // All options are checked before the first drive is evaluated.
     let commands: Vec<DriveCommand> = drives
@@ -42,14 +72,10 @@ pub fn write_drives(file: &Path, plot: Option<&Path>, json: bool) -> Result<(), 
         .collect::<Result<_, _>>()?;
     let evaluated: Vec<DriveErrors> =
         drives.iter().zip(&commands).map(|(drive, command)| evaluate(drive, command)).collect();
-    if let Some(plot) = plot {
-        let read = drives.iter().flat_map(|drive| drive.truths.iter().chain(&drive.estimates));
-        spare(plot, read.map(|path| &**path).chain([file]))?;
-        let drawing = box_chart::draw(&drives_study(&evaluated), SIZE);
-        write(plot, picture(plot, &drawing)?)?;
-        if is_standard_output(plot) {
-            return Ok(());
-        }
+    let read = drives.iter().flat_map(|drive| drive.truths.iter().chain(&drive.estimates));
+    let read: Vec<&Path> = read.map(|path| &**path).chain([file]).collect();
+    if files.write(&evaluated, &read)? {
+        return Ok(());
     }
     print(&match json {
         true => format!("{:#}\n", drives_json(&evaluated)),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::comparison_args::ComparisonArguments;
-use super::drives::{DRIVES_HELP, write_drives};
+use super::drives::{DRIVES_HELP, DrivesFiles, write_drives};
 use super::output::{advised, is_standard_output, spare, write};
 use super::picture_file::{picture, picture_file};
 use super::remedy_flags::unjudged_flag;
@@ -24,14 +24,14 @@ pub struct EvaluateArguments {
         long, value_name = "FILE", long_help = DRIVES_HELP,
         // The group of flattened arguments does not contain those around it.
         conflicts_with_all = [
-            "trajectory", "topic", "against", "delta", "all_pairs", "rate", "from", "to", "JudgingArguments", "TruthArguments", "AnswerArguments", "csv", "latex", "map"
+            "trajectory", "topic", "against", "delta", "all_pairs", "rate", "from", "to", "JudgingArguments", "TruthArguments", "AnswerArguments", "map"
         ]
     )]
     drives: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write a line for each epoch: its error, and σ of the ground truth
+    /// Write a line for each epoch: its error, and σ of the ground truth; of several drives a line for each number, with σ
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write the table of errors for LaTeX
@@ -50,7 +50,12 @@ const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &EvaluateArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.drives {
-        return write_drives(file, arguments.plot.as_deref(), arguments.json);
+        let files = DrivesFiles {
+            csv: arguments.csv.as_deref(),
+            latex: arguments.latex.as_deref(),
+            plot: arguments.plot.as_deref(),
+        };
+        return write_drives(file, &files, arguments.json);
     }
     arguments.comparison.judge(None, &mut |truth, judgement, deployment| {
         if judgement.judged.is_empty() {

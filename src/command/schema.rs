@@ -5,8 +5,9 @@ use serde_json::{Map, Value, json};
 
 use super::{Failure, print};
 
-/// The schema of all outputs, `assets/schema.json` as packed by `build.rs`; each command is one of its definitions.
-const SCHEMA: &str = include_str!(concat!(env!("OUT_DIR"), "/schema.json"));
+/// The schema of all outputs, `assets/schema.json` as packed by the test `tests/structure/packed_schema.rs`; each command is one of its
+/// definitions.
+const SCHEMA: &[u8] = include_bytes!("../../assets/schema.json.zst");
 /// Commands with JSON outputs.
 const COMMANDS: [&str; 10] = [
     "calibrate",
@@ -29,7 +30,8 @@ pub struct SchemaArguments {
 }
 
 pub fn run(arguments: &SchemaArguments) -> Result<(), Failure> {
-    let mut schema: Map<String, Value> = serde_json::from_str(SCHEMA)?;
+    let packed = zstd::decode_all(SCHEMA).expect("a test reads it");
+    let mut schema: Map<String, Value> = serde_json::from_slice(&packed)?;
     if let Some(command) = &arguments.command {
         schema.remove("anyOf");
         schema.insert("$ref".to_owned(), json!(format!("#/$defs/{command}")));

@@ -863,6 +863,18 @@ fn several_drives_are_one_table_with_a_row_for_each_estimate() {
     for name in ["yard", "street", "tunnel", "lio", "vio", "position error (mm)"] {
         assert!(svg.contains(name), "{name}");
     }
+    let [csv, latex] = ["all.csv", "all.tex"].map(|name| folder.at(name));
+    let [csv_path, latex_path] = [&csv, &latex].map(|path| path.to_str().expect("UTF-8"));
+    said(&["evaluate", "--drives", &file, "--csv", csv_path, "--latex", latex_path]);
+    let csv = std::fs::read_to_string(&csv).expect("written");
+    assert!(csv.starts_with("drive,estimate,quantity,value,sigma,why_empty\n"), "{csv}");
+    let line = |start: &str| csv.lines().find(|line| line.starts_with(start)).expect(start);
+    let offset = line("\"yard\",\"lio\",\"time offset (ms)\",");
+    let numbers: Vec<f64> = offset.split(',').skip(3).take(2).flat_map(str::parse).collect();
+    assert!(numbers.len() == 2 && numbers[1] > 0.0, "value and σ: {offset}");
+    assert!(line("\"tunnel\",\"lio\",,,,\"").contains("missing.tum"), "{csv}");
+    let latex = std::fs::read_to_string(&latex).expect("written");
+    assert!(latex.contains("yard & lio & ") && latex.contains(" $\\pm$ "), "{latex}");
     // A wrong option is an error before the first drive, and options beside the file are refused.
     folder.write(
         "drives.toml",

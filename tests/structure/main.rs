@@ -7,6 +7,7 @@ mod documents;
 mod findings_page;
 mod licences;
 mod names;
+mod packed_schema;
 mod settings_page;
 mod sizes;
 

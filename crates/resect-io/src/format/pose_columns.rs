@@ -58,9 +58,9 @@ const HEIGHTS: [&str; 7] = ["elevation", "height", "up", "altitude", "u", "h", "
 const DEPTHS: [&str; 3] = ["down", "depth", "d"];
 
 /// Columns of a position: x and y, and the height if there is one.
-type PositionColumns = ([usize; 2], Option<usize>);
+type CoordinateColumns = ([usize; 2], Option<usize>);
 
-fn position_columns(names: &[String]) -> Option<PositionColumns> {
+fn position_columns(names: &[String]) -> Option<CoordinateColumns> {
     let find = |wanted: &str| names.iter().position(|name| name == wanted);
     // Without a height, the names of x and y alone decide, so those with one come first.
     let columns = |prefixes: &[&str]| {
@@ -68,7 +68,7 @@ fn position_columns(names: &[String]) -> Option<PositionColumns> {
             let axis = |axis: &str| find(&format!("{prefix}{axis}"));
             Some(([axis("x")?, axis("y")?], axis("z")))
         });
-        let all: Vec<PositionColumns> = all.collect();
+        let all: Vec<CoordinateColumns> = all.collect();
         all.iter().find(|(_, height)| height.is_some()).or(all.first()).copied()
     };
     // Beside w, plain letters are a quaternion if another name is a position.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::json::json as judgement_json;
-use super::rows::{Angles, EMPTY, rows};
+use super::latex::escaped;
+use super::rows::{Angles, EMPTY, ErrorRow, rows};
 use crate::json::SCHEMA;
 use resect_core::analysis::Settings;
 use resect_tools::estimates::{EstimatesJudgement, GroundTruth, Judged};
@@ -27,8 +28,18 @@ struct DriveRow {
     estimate: String,
     /// The cell of each column, or the reason why it is empty; the reason why there are no errors.
     cells: Result<Vec<LabelledCell>, String>,
+    /// All rows of the estimate's own table.
+    numbers: Vec<DriveNumber>,
     /// Position errors (mm); `None` without any.
     errors_mm: Option<Quantiles>,
+}
+
+/// A number of an estimate's own table, or the reason why there is none.
+struct DriveNumber {
+    label: String,
+    /// With its σ, as in the table.
+    cell: String,
+    why_empty: String,
 }
 
 /// Rows of an estimate's table that are columns here.
@@ -49,7 +60,7 @@ impl DriveErrors {
         let table = rows(judgement, Angles::DEGREES);
         let shown = || table.iter().filter(|row| COLUMNS.iter().any(|c| row.label.starts_with(c)));
         for (index, judged) in judgement.judged.iter().enumerate() {
-            let cell = |row: &super::rows::ErrorRow| {
+            let cell = |row: &ErrorRow| {
                 let cell = match row.why_empty[index].is_empty() {
                     true => Ok(row.values[index].clone()),
                     false => Err(row.why_empty[index].clone()),
@@ -59,6 +70,7 @@ impl DriveErrors {
             self.rows.push(DriveRow {
                 estimate: judged.estimate.name.clone(),
                 cells: Ok(shown().map(cell).collect()),
+                numbers: table.iter().map(|row| DriveNumber::of(row, index)).collect(),
                 errors_mm: errors_mm(judged),
             });
         }
@@ -78,8 +90,28 @@ impl DriveErrors {
         self.rows.extend(estimates.iter().map(|estimate| DriveRow {
             estimate: estimate.clone(),
             cells: Err(why.to_owned()),
+            numbers: Vec::new(),
             errors_mm: None,
         }));
+    }
+}
+
+impl DriveNumber {
+    fn of(row: &ErrorRow, index: usize) -> Self {
+        Self {
+            label: row.label.trim().to_owned(),
+            cell: row.cells[index].clone(),
+            why_empty: row.why_empty[index].clone(),
+        }
+    }
+
+    /// Returns the number and its σ; empty without them.
+    fn value_and_sigma(&self) -> [&str; 2] {
+        if !self.why_empty.is_empty() {
+            return ["", ""];
+        }
+        let (value, sigma) = self.cell.split_once(" ± ").unwrap_or((&self.cell, ""));
+        [value, sigma].map(|text| if text.parse::<f64>().is_ok() { text } else { "" })
     }
 }
 
@@ -97,13 +129,7 @@ fn column(label: &str) -> String {
 /// Formats a row for each drive and estimate; below are the reasons of empty cells.
 pub fn drives_text(drives: &[DriveErrors]) -> String {
     let all = || drives.iter().flat_map(|drive| drive.rows.iter().map(move |row| (drive, row)));
-    let mut columns: Vec<&String> = Vec::new();
-    for (label, _) in all().filter_map(|(_, row)| row.cells.as_ref().ok()).flatten() {
-        if !columns.contains(&label) {
-            columns.push(label);
-        }
-    }
-    let columns = in_order(&columns);
+    let columns = columns_of(drives);
     let mut lines: Vec<Vec<String>> = [0, 1]
         .map(|line| {
             let heads = [["drive", "estimate"], ["", ""]][line].map(str::to_owned).into_iter();
@@ -155,6 +181,64 @@ pub fn drives_text(drives: &[DriveErrors]) -> String {
         _ = writeln!(text, "{EMPTY} of {}{key}", names.join("; "));
     }
     text
+}
+
+/// Returns the columns of all drives.
+fn columns_of(drives: &[DriveErrors]) -> Vec<&String> {
+    let mut columns: Vec<&String> = Vec::new();
+    let rows = drives.iter().flat_map(|drive| &drive.rows);
+    for (label, _) in rows.filter_map(|row| row.cells.as_ref().ok()).flatten() {
+        if !columns.contains(&label) {
+            columns.push(label);
+        }
+    }
+    in_order(&columns)
+}
+
+/// Formats a line for each number of each estimate and drive: value, σ, and the reason why it is empty.
+pub fn drives_csv(drives: &[DriveErrors]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let mut text = "drive,estimate,quantity,value,sigma,why_empty\n".to_owned();
+    for (drive, row) in
+        drives.iter().flat_map(|drive| drive.rows.iter().map(move |row| (drive, row)))
+    {
+        let names = format!("{},{}", quoted(&drive.name), quoted(&row.estimate));
+        if let Err(why) = &row.cells {
+            _ = writeln!(text, "{names},,,,{}", quoted(why));
+        }
+        for number in &row.numbers {
+            let [value, sigma] = number.value_and_sigma();
+            let why = match (value.is_empty(), number.why_empty.is_empty()) {
+                (false, _) => String::new(),
+                (true, true) => quoted(&number.cell),
+                (true, false) => quoted(&number.why_empty),
+            };
+            _ = writeln!(text, "{names},{},{value},{sigma},{why}", quoted(&number.label));
+        }
+    }
+    text
+}
+
+/// Formats the table for LaTeX, with σ (package `booktabs`).
+pub fn drives_latex(drives: &[DriveErrors]) -> String {
+    let columns = columns_of(drives);
+    let heads = columns.iter().map(|label| escaped(&(label.replace('\n', " (") + ")")));
+    let mut text = format!("\\begin{{tabular}}{{ll{}}}\n\\toprule\n", "r".repeat(columns.len()));
+    let heads: Vec<String> =
+        ["drive", "estimate"].map(str::to_owned).into_iter().chain(heads).collect();
+    _ = writeln!(text, "{} \\\\\n\\midrule", heads.join(" & "));
+    for (drive, row) in
+        drives.iter().flat_map(|drive| drive.rows.iter().map(move |row| (drive, row)))
+    {
+        let cell = |label: &&String| {
+            let number = row.numbers.iter().find(|number| column(&number.label) == **label);
+            number.map_or_else(|| escaped(EMPTY), |number| escaped(&number.cell))
+        };
+        let names = [&drive.name, &row.estimate].map(|name| escaped(name));
+        let cells: Vec<String> = names.into_iter().chain(columns.iter().map(cell)).collect();
+        _ = writeln!(text, "{} \\\\", cells.join(" & "));
+    }
+    text + "\\bottomrule\n\\end{tabular}\n"
 }
 
 /// Returns columns of one error side by side, also if the first drive does not have all of them: mm, °, distance.

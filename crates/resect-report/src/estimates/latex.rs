@@ -21,7 +21,7 @@ pub fn latex(judgement: &EstimatesJudgement) -> String {
 }
 
 /// Returns text with LaTeX's special characters escaped, and symbols as commands that every font has.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -14,7 +14,7 @@ mod verdicts;
 
 pub use chart::draw;
 pub use csv::csv;
-pub use drives::{DriveErrors, drives_json, drives_study, drives_text};
+pub use drives::{DriveErrors, drives_csv, drives_json, drives_latex, drives_study, drives_text};
 pub use json::json;
 pub use latex::latex;
 pub use map::draw_map;

@@ -42,7 +42,6 @@ mod varied_errors;
 
 pub use agreement::AgreeingPair;
 pub use convention_checks::add_findings_of_truth;
-pub use conventions::HeldPart;
 pub use delta::{Delta, RelativeOptions};
 pub use ground_truth::GroundTruth;
 pub use judge::{ConventionalFit, EstimatesJudgement, fit_with_convention, judge, judge_motions};

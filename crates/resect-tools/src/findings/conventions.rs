@@ -1,6 +1,5 @@
 //! Findings about the conventions of a trajectory's file. The flags are those of `resect evaluate`.
 
-use crate::estimates::HeldPart;
 use crate::findings::kinds;
 use resect_core::calibration::Estimate;
 use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
@@ -105,20 +104,15 @@ pub fn estimate_clock_rate(
     finding(kinds::ESTIMATE_CLOCK_RATE, estimate, &message).quantity("factor", factor, Unit::Ratio)
 }
 
-/// `different` of `poses` poses are different in a part that is held for a time (s); `flag` leaves out the repeats.
+/// `different` of `poses` poses are different in their `parts`, which are held for a time (s); `flag` leaves out the repeats.
 pub fn estimate_poses_held(
     estimate: &str,
-    part: HeldPart,
+    parts: &str,
     [different, poses]: [usize; 2],
     (held_s, flag): (f64, &str),
 ) -> Finding {
-    let part = match part {
-        HeldPart::Pose => "poses",
-        HeldPart::Position => "positions",
-        HeldPart::Orientation => "orientations",
-    };
     let message = format!(
-        "{poses} stamps have {different} different {part}, each held for {held_s:.2} s: the repeats are late by up to that \
+        "{poses} stamps have {different} different {parts}, each held for {held_s:.2} s: the repeats are late by up to that \
          ({flag} leaves them out)"
     );
     finding(kinds::ESTIMATE_POSES_HELD, estimate, &message)
@@ -317,7 +311,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_unit("slam", 100.02, ["it", "centimetres"], "--convention cm"),
         estimate_scale_differs("slam", &Estimate { value: 0.05, sigma: 0.001 }, "length=0.9524"),
         estimate_clock_rate("slam", 0.5, "time=0.5", [Some(0.4), Some(0.002)]),
-        estimate_poses_held("slam", HeldPart::Pose, [710, 7088], (0.5, "--convention held")),
+        estimate_poses_held("slam", "poses", [710, 7088], (0.5, "--convention held")),
         estimate_poses_interpolated("slam", [6378, 7088], 0.5),
         estimate_poses_unset("slam", (12, true), 14.3, "--convention unset"),
         estimate_outliers("slam", 42, (17_320.5, 1_760_000_012.3)),

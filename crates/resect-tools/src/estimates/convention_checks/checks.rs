@@ -145,7 +145,7 @@ fn of_poses(
     let repeats = held(poses).map(|poses| {
         let flag = format!("{name_of_flag} {}", Convention { held: Some(poses.part), ..*stated });
         let counts = [poses.different, poses.poses];
-        findings::estimate_poses_held(name, poses.part, counts, (poses.held_s, &flag))
+        findings::estimate_poses_held(name, poses.part.in_words(), counts, (poses.held_s, &flag))
     });
     let interpolated = interpolated(poses).map(|all| {
         let counts = [all.interpolated, all.poses];

@@ -60,15 +60,15 @@ pub fn suspected_handedness(
 }
 
 fn best_mirrored(pairs: &[MatchedPose], stated: &Convention) -> Option<SuspectedHandedness> {
-    let as_read = LeverFit::of(pairs, &Convention::AS_READ)?;
+    let as_read = MirroringFit::of(pairs, &Convention::AS_READ)?;
     let has_orientations = pairs.iter().all(|pair| pair.pose.orientation.is_some());
-    let fits: Vec<(MirroringCandidate, LeverFit)> = candidates(has_orientations, stated)
+    let fits: Vec<(MirroringCandidate, MirroringFit)> = candidates(has_orientations, stated)
         .into_iter()
-        .filter_map(|candidate| Some((LeverFit::of(pairs, &candidate.added)?, candidate)))
+        .filter_map(|candidate| Some((MirroringFit::of(pairs, &candidate.added)?, candidate)))
         .map(|(fit, candidate)| (candidate, fit))
         .collect();
     let has_angle = fits.iter().all(|(_, fit)| fit.spread_rad.is_some());
-    let score = |fit: &LeverFit| fit.spread_rad.filter(|_| has_angle).unwrap_or(fit.rmse_m);
+    let score = |fit: &MirroringFit| fit.spread_rad.filter(|_| has_angle).unwrap_or(fit.rmse_m);
     let least = fits.iter().map(|(_, fit)| score(fit)).fold(f64::INFINITY, f64::min);
     let tolerance = if has_angle { SAME_ANGLE } else { SAME_ERROR };
     let same = || fits.iter().filter(|(_, fit)| score(fit) <= tolerance * least);
@@ -112,7 +112,7 @@ fn candidates(has_orientations: bool, stated: &Convention) -> Vec<MirroringCandi
 }
 
 /// Fit of positions with a scale, a lever arm and a time offset.
-struct LeverFit {
+struct MirroringFit {
     rmse_m: f64,
     /// Sum of squared errors in each block of the drive (m²).
     blocks_m2: Vec<f64>,
@@ -121,7 +121,7 @@ struct LeverFit {
     is_upright: bool,
 }
 
-impl LeverFit {
+impl MirroringFit {
     fn of(pairs: &[MatchedPose], convention: &Convention) -> Option<Self> {
         let poses: Vec<EstimatedPose> =
             pairs.iter().map(|pair| convention.pose(&pair.pose)).collect();

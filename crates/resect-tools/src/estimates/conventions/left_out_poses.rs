@@ -24,6 +24,15 @@ impl HeldPart {
         }
     }
 
+    /// Returns the plural for a message.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Pose => "poses",
+            Self::Position => "positions",
+            Self::Orientation => "orientations",
+        }
+    }
+
     /// Returns the word of a convention that leaves out the repeats.
     pub fn word(self) -> &'static str {
         match self {

@@ -29,11 +29,13 @@ pub struct EpochRows {
     pub placed_m: Vector3<f64>,
 }
 
-/// Returns the residuals with the frame of the state, and a clock that is later by some time (s).
+/// Returns the residuals with the frame of the state, and a clock that is later by some time (s). `instrument` is the orientation between the
+/// poses before and after, whose noise is independent of this one's.
 pub fn epoch_rows(
     MatchedPose { pose, truth, pose_twist }: &MatchedPose,
     state: &FitState,
     later_s: f64,
+    instrument: Option<UnitQuaternion<f64>>,
 ) -> EpochRows {
     let fit = &state.fit;
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
@@ -51,8 +53,11 @@ pub fn epoch_rows(
         lever_by_truth = rotation.orientation.to_rotation_matrix().into_inner();
         velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
     } else if let Some(orientation) = pose.orientation {
-        lever_axes = -(state.aligned * orientation.to_rotation_matrix()).into_inner();
-        lever_by_truth = lever_axes;
+        let axes = |orientation: UnitQuaternion<f64>| {
+            -(state.aligned * orientation.to_rotation_matrix()).into_inner()
+        };
+        lever_axes = axes(instrument.unwrap_or(orientation));
+        lever_by_truth = axes(orientation);
     }
     if let Some(twist) = pose_twist {
         // The estimate is interpolated: a later ground truth is an earlier estimate.

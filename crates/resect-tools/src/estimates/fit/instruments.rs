@@ -2,7 +2,8 @@
 //!
 //! The lever arm turns with the body. Derivatives by the orientations of the estimate contain their noise, which looks like motion: on a
 //! flat drive it would determine a lever arm alone. The ground truth has its own noise, which is in the residuals. The noise of one is
-//! independent of the other, so the estimate's derivatives Z are instruments for the ground truth's J. With the residual r and its
+//! independent of the other, so the estimate's derivatives Z are instruments for the ground truth's J. Against positions, Z has the orientations
+//! between the poses before and after, and J that of the pose. With the residual r and its
 //! information W, and N = Zᵀ W Z and M = Zᵀ W J, the information is Mᵀ N⁻¹ M, and the gradient Mᵀ N⁻¹ Zᵀ W r (two-stage least squares:
 //! Theil 1953, Fuller 1987 section 2.4).
 

@@ -244,6 +244,7 @@ fn take_sigmas(
             *widened = widened.max(ratio.sqrt());
         }
     }
+    widened.component_mul_assign(&by_free_frame(&covariance, (pairs, state), sizes, open)?);
     // Correlations stay: without them, combinations that the drive determines well would have the σ of their parts.
     let widened = DMatrix::from_diagonal(&widened);
     covariance = &widened * covariance * &widened;
@@ -262,6 +263,23 @@ fn take_sigmas(
     state.fit.clock_change =
         clock.and_then(|_| significant_clock_change(filtered.cost, pairs, state, sizes, open));
     Some(())
+}
+
+/// Least ratio of σ with and without a frame that may be turned at the first epoch, from which that frame determines an unknown.
+const BY_FIRST_FRAME: f64 = 2.0;
+
+/// Returns the factors of σ without the frame at the first epoch, where that alone determines the unknowns; 1 elsewhere.
+fn by_free_frame(
+    covariance: &DMatrix<f64>,
+    (pairs, state): (&[MatchedPose], &FitState),
+    sizes: &DriftSizes,
+    open: &[usize],
+) -> Option<DVector<f64>> {
+    let free = pass(pairs, state, &sizes.with_free_frame(), None);
+    let free = Equations::of(&free, state, open).information.cholesky()?.inverse();
+    let ratio = |index: usize| (free[(index, index)] / covariance[(index, index)]).sqrt();
+    let factor = |ratio: f64| if ratio > BY_FIRST_FRAME { ratio } else { 1.0 };
+    Some(DVector::from_fn(open.len(), |index, _| factor(ratio(index))))
 }
 
 /// Largest root mean square angle of orientations about the mean rotation of the body (rad). Beyond, they do not follow the drive: their

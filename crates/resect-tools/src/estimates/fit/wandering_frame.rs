@@ -9,7 +9,7 @@
 //! With the residual e + H x + J θ of an epoch, x what wanders and θ the unknowns, an innovation is −e − E θ, where E = J + H X and X is
 //! the derivative of the filtered x by θ.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
 
 use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
@@ -30,12 +30,9 @@ const BLOCKS: f64 = 24.0;
 const SHORTEST_BLOCK_S: f64 = 2.0;
 /// Bend of Huber's loss, in σ of an innovation. Textbook: 2 to 3 leaves normal errors their weight.
 const BEND: f64 = 2.5;
-/// Standard deviations of the frame at the epoch where a filter begins: rotation (rad), after a filter that ran back and before it, and
-/// translation relative to the misfit of the alignment and to the lever arm, from which a translation does not differ without rotations. They
-/// decide nothing as long as they are larger than the errors of that frame.
-/// Effect: with a large one, the first epochs turn the frame by their noise, and the derivatives there are wrong. Simulated: on flat ground the
-/// lever arm was wrong by up to 6 σ with 0.3 rad.
-const FIRST_RAD: f64 = 0.005;
+/// Standard deviations of the frame at the last epoch, where the filter begins that runs back (rad), and of its translation relative to the
+/// misfit of the alignment and to the lever arm, from which a translation does not differ without rotations. They decide nothing as long as
+/// they are larger than the errors of that frame.
 const LAST_RAD: f64 = 0.3;
 const FIRST_MISFITS: f64 = 10.0;
 
@@ -62,6 +59,8 @@ struct Filter {
     /// Errors that last; zero for the frame, which is part of the state.
     lasting: SVector<f64, WANDERING>,
     covariance: Covariance,
+    /// Orientation between the poses before and after the epoch; `None` for that of the epoch.
+    instrument: Option<UnitQuaternion<f64>>,
     by_unknowns: SMatrix<f64, WANDERING, COLUMNS>,
     by_common: DMatrix<f64>,
 }
@@ -91,13 +90,14 @@ pub fn pass(
         clock: Vec::with_capacity(pairs.len()),
         by_common: DMatrix::zeros(UNKNOWNS, columns),
     };
-    let mut filter = Filter::new(pairs, state, sizes, (FIRST_RAD, columns));
+    let mut filter = Filter::new(pairs, state, sizes, (sizes.first_rad, columns));
     let mut instants = common.map(|common| common.instants.iter().peekable());
     let mut block = usize::MAX;
     let mut information = SMatrix::<f64, COLUMNS, COLUMNS>::zeros();
     let mut gradient = SVector::<f64, COLUMNS>::zeros();
-    for pair in pairs {
+    for (number, pair) in pairs.iter().enumerate() {
         let time_s = pair.truth.time_s;
+        filter.instrument = instrument(pairs, number);
         let index = ((time_s - from_s) / block_s) as usize;
         if index != block && block != usize::MAX {
             pass.blocks.push(block_of(&information, &gradient));
@@ -122,6 +122,19 @@ pub fn pass(
     }
     pass.blocks.push(block_of(&information, &gradient));
     pass
+}
+
+/// Longest time between the neighbours of an epoch (s), between which the body hardly turns otherwise than steadily.
+/// Effect: a longer one makes orientations between them useless, a shorter one leaves the noise of sparse poses in the information.
+const LONGEST_BETWEEN_S: f64 = 1.0;
+
+/// Returns the estimate's orientation between the poses before and after, if these are near.
+fn instrument(pairs: &[MatchedPose], number: usize) -> Option<UnitQuaternion<f64>> {
+    let (before, after) = (pairs.get(number.checked_sub(1)?)?, pairs.get(number + 1)?);
+    let between_s = after.truth.time_s - before.truth.time_s;
+    let share = (pairs[number].truth.time_s - before.truth.time_s) / between_s;
+    let (from, to) = before.pose.orientation.zip(after.pose.orientation)?;
+    (between_s < LONGEST_BETWEEN_S).then(|| from.try_slerp(&to, share, f64::EPSILON)).flatten()
 }
 
 /// Returns the frame at the first epoch, by a filter that runs back from the last one.
@@ -181,6 +194,7 @@ impl Filter {
             before: None,
             lasting: SVector::zeros(),
             covariance,
+            instrument: None,
             by_unknowns: SMatrix::zeros(),
             by_common: DMatrix::zeros(WANDERING, columns),
         }
@@ -278,7 +292,8 @@ impl Filter {
     }
 
     fn rows(&self, pair: &MatchedPose) -> EpochRows {
-        let mut rows = epoch_rows(pair, &self.state, self.state.later_s + self.later_s());
+        let mut rows =
+            epoch_rows(pair, &self.state, self.state.later_s + self.later_s(), self.instrument);
         rows.position.residual -= self.lasting.fixed_rows::<3>(BY_POSITION);
         if let Some(row) = &mut rows.rotation {
             row.residual -= self.lasting.fixed_rows::<3>(BY_ORIENTATION);
