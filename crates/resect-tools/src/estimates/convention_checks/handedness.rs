@@ -3,10 +3,10 @@
 //! On a flat drive, a rotation by half a turn hides a reversed axis: only heights and tilts contradict. So a lever arm is estimated, and
 //! the blocks of the drive decide.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::block_comparison::{SIGNIFICANT, block_sums, students_t};
-use super::lever_equations::{LEVER_UNKNOWNS, motion, position_rows, solve};
+use super::lever_equations::{LeverNormal, LeverVector, motion, position_rows, solve};
 use super::orientation_search::spread_rad;
 use crate::estimates::conventions::{Convention, SignedAxes};
 use crate::estimates::ground_truth::GroundTruth;
@@ -141,8 +141,7 @@ impl MirroringFit {
             let rows = position_rows(&axes, &(placed_m - centre_m), &velocity);
             (rows, pair.truth.position_m - placed_m)
         };
-        let mut normal = SMatrix::<f64, LEVER_UNKNOWNS, LEVER_UNKNOWNS>::zeros();
-        let mut right = SVector::<f64, LEVER_UNKNOWNS>::zeros();
+        let (mut normal, mut right) = (LeverNormal::zeros(), LeverVector::zeros());
         for (rows, error_m) in pairs.iter().zip(&poses).map(equations) {
             normal += rows.transpose() * rows;
             right += rows.transpose() * error_m;

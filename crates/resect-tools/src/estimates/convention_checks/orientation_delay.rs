@@ -1,9 +1,11 @@
 //! Orientations that are later or earlier than the positions of the same poses.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::Vector3;
 
 use super::block_comparison::{BLOCKS, SIGNIFICANT};
-use super::lever_equations::{LEVER_UNKNOWNS, TIME_OFFSET, motion, position_rows, solve};
+use super::lever_equations::{
+    FURTHER, LeverNormal, LeverRows, LeverVector, TIME_OFFSET, motion, position_rows, solve,
+};
 use crate::estimates::fit::Fit;
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::Estimate;
@@ -13,14 +15,16 @@ use resect_core::calibration::Estimate;
 const SHORTEST_S: f64 = 0.01;
 const TIMES_BETTER: f64 = 1.3;
 const FEWEST: usize = 10 * BLOCKS;
-/// Unknowns of the positions, and the time offset of the orientations.
-const UNKNOWNS: usize = LEVER_UNKNOWNS + 1;
+/// The further unknown is the time offset of the orientations.
+const OF_ORIENTATIONS: usize = FURTHER;
+/// Weight that makes both time offsets one, relative to the information on them.
+const ONE_OFFSET: f64 = 1e3;
 
 /// Normal equations of a block of the drive.
 #[derive(Clone)]
 struct BlockEquations {
-    normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    right: SVector<f64, UNKNOWNS>,
+    normal: LeverNormal,
+    right: LeverVector,
     squares: f64,
 }
 
@@ -71,23 +75,21 @@ pub fn orientation_delay_s(pairs: &[MatchedPose], fit: &Fit) -> Option<Estimate>
 /// Normal equations of positions (m) and orientations (rad) of equal weight for each of the two.
 fn equations(pairs: &[MatchedPose], fit: &Fit, centre_m: Vector3<f64>) -> Option<BlockEquations> {
     let mut equations =
-        BlockEquations { normal: SMatrix::zeros(), right: SVector::zeros(), squares: 0.0 };
+        BlockEquations { normal: LeverNormal::zeros(), right: LeverVector::zeros(), squares: 0.0 };
     for pair in pairs {
         let [placed_m, true_m] = fit.both_positions_m(&pair.pose, &pair.truth);
         let [placed, true_orientation] = fit.both_orientations(&pair.pose, &pair.truth)?;
         let axes = -pair.truth.rotation.as_ref()?.orientation.to_rotation_matrix().into_inner();
         let [velocity, rate] = motion(pair, &fit.truth_from_estimate, fit.scale);
-        let mut rows = SMatrix::<f64, 6, UNKNOWNS>::zeros();
         let of_position = position_rows(&axes, &(placed_m - centre_m), &velocity);
-        rows.fixed_view_mut::<3, LEVER_UNKNOWNS>(0, 0).copy_from(&of_position);
-        rows.fixed_view_mut::<3, 1>(3, LEVER_UNKNOWNS).copy_from(&rate);
-        let mut error = SVector::<f64, 6>::zeros();
-        error.fixed_rows_mut::<3>(0).copy_from(&(true_m - placed_m));
+        let mut of_orientation = LeverRows::zeros();
+        of_orientation.set_column(OF_ORIENTATIONS, &rate);
         let turn = (true_orientation * placed.inverse()).scaled_axis();
-        error.fixed_rows_mut::<3>(3).copy_from(&turn);
-        equations.normal += rows.transpose() * rows;
-        equations.right += rows.transpose() * error;
-        equations.squares += error.norm_squared();
+        for (rows, error) in [(of_position, true_m - placed_m), (of_orientation, turn)] {
+            equations.normal += rows.transpose() * rows;
+            equations.right += rows.transpose() * error;
+            equations.squares += error.norm_squared();
+        }
     }
     Some(equations)
 }
@@ -96,16 +98,21 @@ fn equations(pairs: &[MatchedPose], fit: &Fit, centre_m: Vector3<f64>) -> Option
 fn delay_s(equations: &BlockEquations) -> Option<(f64, f64)> {
     let solution = solve(equations.normal, &equations.right)?;
     // Each is the time by which the estimate is behind: late orientations belong to an earlier time than late positions.
-    let delay_s = solution[LEVER_UNKNOWNS] - solution[TIME_OFFSET];
+    let delay_s = solution[OF_ORIENTATIONS] - solution[TIME_OFFSET];
     Some((delay_s, equations.squares - solution.dot(&equations.right)))
 }
 
 /// Returns the squared errors that one time offset of both leaves.
 fn squares_without_delay(equations: &BlockEquations) -> Option<f64> {
-    let mut common = SMatrix::<f64, UNKNOWNS, LEVER_UNKNOWNS>::zeros();
-    common.fixed_view_mut::<LEVER_UNKNOWNS, LEVER_UNKNOWNS>(0, 0).fill_with_identity();
-    common[(LEVER_UNKNOWNS, TIME_OFFSET)] = 1.0;
-    let right = common.transpose() * equations.right;
-    let solution = solve(common.transpose() * equations.normal * common, &right)?;
-    Some(equations.squares - solution.dot(&right))
+    let mut normal = equations.normal;
+    let weight = ONE_OFFSET * normal[(TIME_OFFSET, TIME_OFFSET)];
+    for (row, column, sign) in [
+        (TIME_OFFSET, TIME_OFFSET, 1.0),
+        (OF_ORIENTATIONS, OF_ORIENTATIONS, 1.0),
+        (TIME_OFFSET, OF_ORIENTATIONS, -1.0),
+        (OF_ORIENTATIONS, TIME_OFFSET, -1.0),
+    ] {
+        normal[(row, column)] += sign * weight;
+    }
+    Some(equations.squares - solve(normal, &equations.right)?.dot(&equations.right))
 }

@@ -8,10 +8,10 @@
 //! A single prism has no orientation. The lever arm to it turns as the body turns, and most bodies travel forward
 //! ([`super::travel_direction`]).
 
-use nalgebra::{Matrix4, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
+use nalgebra::{Matrix4, Rotation3, UnitQuaternion, Vector3};
 
 use super::block_comparison::{SIGNIFICANT, block_sums, students_t};
-use super::lever_equations::{LEVER_UNKNOWNS, position_rows, solve};
+use super::lever_equations::{LeverNormal, LeverVector, position_rows, solve};
 use super::travel_direction::{Travel, scatter_in_body_rad, travels};
 use crate::estimates::conventions::{AngleConvention, Convention, Inverted, SignedAxes};
 use crate::estimates::fit::Fit;
@@ -298,8 +298,7 @@ fn lever_fit(
         let rows = position_rows(turned.matrix(), &arm_m, &pair.truth.velocity_m_per_s);
         (rows, pair.truth.position_m - placed_m)
     };
-    let mut normal = SMatrix::<f64, LEVER_UNKNOWNS, LEVER_UNKNOWNS>::zeros();
-    let mut right = SVector::<f64, LEVER_UNKNOWNS>::zeros();
+    let (mut normal, mut right) = (LeverNormal::zeros(), LeverVector::zeros());
     for (rows, residual_m) in pairs.iter().map(equations) {
         normal += rows.transpose() * rows;
         right += rows.transpose() * residual_m;

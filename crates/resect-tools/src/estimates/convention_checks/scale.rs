@@ -1,8 +1,8 @@
 //! A scale of an estimate that is the same in each segment of the drive.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::Vector3;
 
-use super::lever_equations::{LEVER_UNKNOWNS, position_rows, solve};
+use super::lever_equations::{FURTHER, LeverNormal, LeverVector, position_rows, solve};
 use crate::estimates::fit::Fit;
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::Estimate;
@@ -59,9 +59,6 @@ pub fn significant_scale(pairs: &[MatchedPose], fit: &Fit) -> Option<Estimate> {
     (is_significant && value.abs() < LARGEST).then_some(Estimate { value, sigma })
 }
 
-/// The scale is the last unknown.
-const UNKNOWNS: usize = LEVER_UNKNOWNS + 1;
-
 /// Returns the change of the lever arm if the scale is free; `None` if the lever arm was not estimated. A fit without a scale shifts the
 /// lever arm to explain it.
 fn lever_step_m(pairs: &[MatchedPose], fit: &Fit) -> Option<Vector3<f64>> {
@@ -69,8 +66,7 @@ fn lever_step_m(pairs: &[MatchedPose], fit: &Fit) -> Option<Vector3<f64>> {
     let both_m = |pair: &MatchedPose| fit.both_positions_m(&pair.pose, &pair.truth);
     let centre_m =
         pairs.iter().map(|pair| both_m(pair)[0]).sum::<Vector3<f64>>() / pairs.len() as f64;
-    let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    let mut right = SVector::<f64, UNKNOWNS>::zeros();
+    let (mut normal, mut right) = (LeverNormal::zeros(), LeverVector::zeros());
     for pair in pairs {
         let [placed_m, true_m] = both_m(pair);
         let arm_m = placed_m - centre_m;
@@ -79,10 +75,8 @@ fn lever_step_m(pairs: &[MatchedPose], fit: &Fit) -> Option<Vector3<f64>> {
             Some(rotation) => -rotation.orientation.to_rotation_matrix().into_inner(),
             None => fit.placed_orientation(&pair.pose)?.to_rotation_matrix().into_inner(),
         };
-        let mut rows = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-        let of_lever = position_rows(&lever, &arm_m, &pair.truth.velocity_m_per_s);
-        rows.fixed_view_mut::<3, LEVER_UNKNOWNS>(0, 0).copy_from(&of_lever);
-        rows.fixed_view_mut::<3, 1>(0, LEVER_UNKNOWNS).copy_from(&arm_m);
+        let mut rows = position_rows(&lever, &arm_m, &pair.truth.velocity_m_per_s);
+        rows.set_column(FURTHER, &arm_m);
         normal += rows.transpose() * rows;
         right += rows.transpose() * (true_m - placed_m);
     }
