@@ -74,10 +74,10 @@ pub fn judge_motions(
     agreements.retain(|pair| pair.estimates.iter().all(|index| copies[*index].is_none()));
     let stations_m = truth.stations_m();
     let mut odd: Vec<Vec<OddSpan>> = (0..compared.len())
-        .map(|own| {
+        .map(|number| {
             let mut errors = witnesses.clone();
-            errors[own] = &compared[own].by_sound;
-            odd::spans(own, (&errors, &sources), &compared[own].truths, &stations_m)
+            errors[number] = &compared[number].by_sound;
+            odd::spans(number, (&errors, &sources), &compared[number].truths, &stations_m)
         })
         .collect();
     for (one, odd) in compared.iter().zip(&mut odd) {
@@ -264,9 +264,9 @@ fn by_convention(
     let same = Options { body: Body::Same, ..*options };
     let (fit, matched) =
         fit::fit(truth, estimate, &same).ok().filter(|_| options.body != Body::Same)?;
-    let found = convention_checks::after_fit(truth, estimate, (&matched, &fit), &same);
+    let late = convention_checks::after_fit(truth, estimate, (&matched, &fit), &same);
     let is_warning = |finding: &&Finding| finding.severity == Severity::Warning;
-    let finding = found.iter().find(is_warning)?;
+    let finding = late.iter().find(is_warning)?;
     Some(Unjudged::OtherConvention(finding.to_string()))
 }
 
@@ -321,14 +321,17 @@ pub fn fit_with_convention(
     let is_estimated = options.time_offset_s.is_none() || options.body == Body::Found;
     let has_unset_truth =
         of_truth.iter().any(|finding| finding.kind == kinds::ESTIMATE_POSES_UNSET);
-    if (early.is_other_unit || has_unset_truth) && is_estimated {
+    if (early.excludes_judgement || has_unset_truth) && is_estimated {
         return Err(Unjudged::OtherConvention(said()));
     }
     let (mut fit, matched) = match fit::fit(truth, estimate, options) {
-        Err(why) if !causes.is_empty() => {
-            return Err(Unjudged::OtherConvention(format!("{why}; {}", said())));
+        Err(why) => {
+            let by_poses = || match causes.is_empty() {
+                true => why,
+                false => Unjudged::OtherConvention(format!("{why}; {}", said())),
+            };
+            return Err(by_convention(truth, estimate, options).unwrap_or_else(by_poses));
         }
-        Err(why) => return Err(by_convention(truth, estimate, options).unwrap_or(why)),
         Ok(fitted) => fitted,
     };
     let mut late = convention_checks::after_fit(truth, estimate, (&matched, &fit), options);

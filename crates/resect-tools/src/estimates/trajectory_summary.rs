@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use resect_core::deployment::EstimatedTrajectory;
+use resect_core::deployment::{EstimatedPose, EstimatedTrajectory};
 use resect_core::statistics::{median, quantiles};
 
 /// An interval longer than this multiple of the median is a gap.
@@ -92,10 +92,17 @@ pub fn summarise(trajectory: &EstimatedTrajectory) -> TrajectorySummary {
     }
 }
 
+/// Root mean square distance of poses from their mean (m); 0 without any.
+pub fn extent_m(poses: &[EstimatedPose]) -> f64 {
+    let count = poses.len().max(1) as f64;
+    let mean_m = poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>() / count;
+    let squares = poses.iter().map(|pose| (pose.position_m - mean_m).norm_squared());
+    (squares.sum::<f64>() / count).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::EstimatedPose;
 
     #[test]
     fn gaps_and_jumps_have_their_times() {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::exchanged::exchanged;
 use super::handedness::{SuspectedHandedness, suspected_handedness};
-use super::jumps::{bursts_s, extent_m, jumps};
+use super::jumps::{bursts_s, jumps};
 use super::misread_positions::{MisreadPositions, misread_positions};
 use super::mixed_bodies::mixed_bodies;
 use super::orientation_delay::orientation_delay_s;
@@ -19,6 +19,7 @@ use crate::estimates::fit::Fit;
 use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::MatchedPose;
 use crate::estimates::options::{Options, TrajectoryAlignment};
+use crate::estimates::trajectory_summary::extent_m;
 use crate::findings::conventions as findings;
 use crate::findings::kinds;
 use resect_core::deployment::{EstimatedPose, EstimatedTrajectory, Finding, Unit};
@@ -28,8 +29,8 @@ use resect_core::evaluation::no_trajectory::NoTrajectory;
 #[derive(Clone, Debug, Default)]
 pub struct EarlyFindings {
     pub findings: Vec<Finding>,
-    /// True if another unit of length or time makes every further number meaningless.
-    pub is_other_unit: bool,
+    /// True if numbers would be meaningless: in another unit, with mirrored axes, or of poses that are torn apart.
+    pub excludes_judgement: bool,
 }
 
 /// Checks the poses by themselves, then unit and clock against the ground truth.
@@ -60,18 +61,18 @@ pub fn before_fit(
         let shapes = compare_shapes(&of_positions, poses, options.time_offset_s)?;
         if let Some(unit) = shapes.as_ref().and_then(suspected_unit) {
             early.findings.push(unit_finding(estimate, truth, &unit, &options.convention));
-            early.is_other_unit = options.alignment != TrajectoryAlignment::Similarity;
+            early.excludes_judgement |= options.alignment != TrajectoryAlignment::Similarity;
         } else if let Some(misread) = misread_positions(&of_positions, poses)? {
             early.findings.push(match misread {
                 MisreadPositions::Degrees(names) => findings::estimate_geographic(name, names),
                 MisreadPositions::Motions => findings::estimate_motions(name),
             });
-            early.is_other_unit = true;
+            early.excludes_judgement = true;
         } else if let Some(shapes) = shapes
             && let Some(suspected) = suspected_handedness(truth, poses, shapes.offset_s, options)?
         {
             early.findings.push(mirrored_finding(name, truth, &suspected));
-            early.is_other_unit = true;
+            early.excludes_judgement = true;
         } else if has_shape && options.time_offset_s.is_none() {
             rate = suspected_rate(&positions, poses, shapes)?;
         }
@@ -81,7 +82,7 @@ pub fn before_fit(
         let time_s = options.convention.time_s * rate.factor;
         let flag = Convention { time_s, ..options.convention }.to_string();
         early.findings.push(findings::estimate_clock_rate(name, rate.factor, &flag, misfits));
-        early.is_other_unit = rate.excludes_judgement();
+        early.excludes_judgement |= rate.excludes_judgement();
     }
     Ok(early)
 }
@@ -127,8 +128,8 @@ const LARGEST_RESET: f64 = 0.5;
 
 /// Adds findings about the poses of a ground truth, which was read with a convention.
 pub fn add_findings_of_truth(truth: &mut EstimatedTrajectory, stated: &Convention) {
-    let found = of_poses(truth, ("--truth-convention", stated));
-    truth.findings.extend(found.findings);
+    let early = of_poses(truth, ("--truth-convention", stated));
+    truth.findings.extend(early.findings);
 }
 
 /// Checks the poses by themselves; `stated` is the convention with which they were read, by a flag of this name.
@@ -159,8 +160,8 @@ fn of_poses(
     let jumps = jumps(poses).filter(|_| unset.is_none() && mixed.is_none());
     let of_jumps = jumps.iter().flat_map(|jumps| {
         let outliers = (jumps.outliers > 0).then(|| {
-            let of = (jumps.outlier_m, jumps.outlier_s);
-            findings::estimate_outliers(name, jumps.outliers, of)
+            let largest = (jumps.outlier_m, jumps.outlier_s);
+            findings::estimate_outliers(name, jumps.outliers, largest)
         });
         let resets = (jumps.resets > 0)
             .then(|| findings::estimate_jumps(name, jumps.resets, (jumps.reset_m, jumps.reset_s)));
@@ -177,7 +178,7 @@ fn of_poses(
         .filter(|_| mixed.is_none())
         .map(|intervals_s| findings::estimate_bursts(name, intervals_s));
     let all = [unset, repeats, interpolated, mixed, bursts].into_iter().flatten();
-    EarlyFindings { findings: all.chain(of_jumps).collect(), is_other_unit: is_torn }
+    EarlyFindings { findings: all.chain(of_jumps).collect(), excludes_judgement: is_torn }
 }
 
 /// Returns true if all heights are equal and the positions are not.

@@ -134,7 +134,7 @@ impl MirroringFit {
             // The lever arm is that of the body with orientations: added to the estimate, or subtracted from the ground truth.
             let axes = match (&pair.truth.rotation, pose.orientation) {
                 (Some(rotation), _) => -rotation.orientation.to_rotation_matrix().into_inner(),
-                (None, Some(own)) => (frame.rotation * own.to_rotation_matrix()).into_inner(),
+                (None, Some(body)) => (frame.rotation * body.to_rotation_matrix()).into_inner(),
                 (None, None) => Matrix3::zeros(),
             };
             let [velocity, _] = motion(pair, &frame, scale);

@@ -1,8 +1,7 @@
 //! Jumps of a trajectory, in place and in time: poses far from both neighbours, frames that change during the drive, and bursts.
 
-use nalgebra::Vector3;
-
 use crate::estimates::pose_interpolation::median_interval_s;
+use crate::estimates::trajectory_summary::extent_m;
 use resect_core::deployment::EstimatedPose;
 use resect_core::statistics::{median, quantiles};
 
@@ -96,17 +95,10 @@ pub fn bursts_s(poses: &[EstimatedPose]) -> Option<[f64; 2]> {
     Some([usual_s, median(short_s)?]).filter(|_| are_bursts)
 }
 
-/// Root mean square distance of poses from their mean (m); 0 without any.
-pub fn extent_m(poses: &[EstimatedPose]) -> f64 {
-    let count = poses.len().max(1) as f64;
-    let mean_m = poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>() / count;
-    let squares = poses.iter().map(|pose| (pose.position_m - mean_m).norm_squared());
-    (squares.sum::<f64>() / count).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     /// A drive at 1 m/s and 10 Hz with a jump for the poses of a range.
     fn driven(away: std::ops::Range<usize>, by_m: f64) -> Vec<EstimatedPose> {

@@ -64,11 +64,7 @@ impl ClockChange {
 
     /// Returns pairs as they would be matched with the change. The mean offset stays.
     pub fn applied(self, pairs: &[MatchedPose]) -> Vec<MatchedPose> {
-        let Some(first_s) = pairs.first().map(|pair| pair.truth.time_s) else { return Vec::new() };
-        let change_s = |pair: &MatchedPose| match self {
-            Self::Drift { .. } => self.change_s(pair.truth.time_s - first_s),
-            _ => self.change_s(pair.truth.time_s),
-        };
+        let change_s = |pair: &MatchedPose| self.change_s(pair.truth.time_s);
         let mean_s = pairs.iter().map(change_s).sum::<f64>() / pairs.len() as f64;
         // The one of the two that was interpolated.
         let other = |pair: &MatchedPose| EstimatedPose {

@@ -12,6 +12,7 @@ use crate::estimates::ground_truth::GroundTruth;
 use crate::estimates::matched_pose::{MatchedPose, consistent};
 use crate::estimates::options::{Body, Options, TrajectoryAlignment};
 use crate::estimates::time_offset::{self, CoarseOffset};
+use crate::estimates::trajectory_summary::extent_m;
 use crate::estimates::unfit::Unfit;
 use crate::estimates::unjudged::Unjudged;
 use crate::findings::studies::{
@@ -241,14 +242,6 @@ fn best_by_positions(
         [(_, best_s, _), ..] => Ok(best_s),
         [] => Ok(offset_s),
     }
-}
-
-/// Root mean square distance of poses from their mean (m).
-fn extent_m(poses: &[EstimatedPose]) -> f64 {
-    let count = poses.len() as f64;
-    let mean_m = poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>() / count;
-    let squares = poses.iter().map(|pose| (pose.position_m - mean_m).norm_squared());
-    (squares.sum::<f64>() / count).sqrt()
 }
 
 /// Returns true if the estimate's own stamps do not overlap the times of the ground truth.
