@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _arguments as arguments
+from ._answer import Answer
 from ._finding import Finding, findings_by_code, lines
 from ._keywords import plain
 from ._tables import Array, Table, columns, html_page, text_table, with_sigma
@@ -99,7 +100,7 @@ def significance(row: dict[str, Any]) -> bool | None:
 TRANSFORM_HEADER = ["", "x (m)", "y (m)", "z (m)", "yaw (mrad)"]
 
 
-class Calibration:
+class Calibration(Answer):
     """A calibration by one method, with its uncertainty, verdict and findings. `Deployment.calibrate` returns it.
 
     `str(calibration)` is the text that `resect calibrate` prints.
@@ -109,12 +110,12 @@ class Calibration:
         self._handle = handle
 
     @cached_property
-    def _json(self) -> dict[str, Any]:
+    def _json(self) -> dict[str, Any]:  # type: ignore[override]
         return self._handle.json()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the object that `resect calibrate --json` prints."""
-        return self._handle.json()
+    @cached_property
+    def _text(self) -> str:  # type: ignore[override]
+        return self._handle.text()
 
     @property
     def deployment(self) -> str:
@@ -267,18 +268,11 @@ class Calibration:
         }
         return Trajectory._of(self._handle.trajectory(options))
 
-    def _title(self) -> str:
-        # The program's own words for a caveat and for a joint estimate that failed.
-        return str(self).partition("\n")[0]
-
     def _rows(self) -> list[list[str]]:
         return [TRANSFORM_HEADER, *(transform._cells() for transform in self.transforms)]
 
+    def _remarks(self) -> list[str]:
+        return [self.recommendation, *lines(self.findings)]
+
     def __repr__(self) -> str:
-        return "\n".join([self._title(), text_table(self._rows()), self.recommendation])
-
-    def __str__(self) -> str:
-        return self._handle.text()
-
-    def _repr_html_(self) -> str:
-        return html_page(self._title(), self._rows(), [self.recommendation, *lines(self.findings)])
+        return f"{super().__repr__()}\n{self.recommendation}"

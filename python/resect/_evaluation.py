@@ -5,28 +5,24 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+from ._answer import Answer
 from ._finding import Finding, findings_by_code, lines
-from ._tables import Array, Table, columns, html_page, text_table
+from ._tables import Array, Table, columns
 
 __all__ = ["Evaluation"]
 
 SIZES = ("rmse", "mean", "median", "std", "min", "max")
 
 
-class Evaluation:
+class Evaluation(Answer):
     """Errors of estimates against a ground truth. `resect.evaluate` returns it.
 
     `str(evaluation)` is the text that `resect evaluate` prints.
     """
 
     def __init__(self, values: dict[str, Any]) -> None:
-        self._json: dict[str, Any] = values["json"]
-        self._text: str = values["text"]
+        super().__init__(values)
         self._errors: dict[str, dict[str, Array]] = values["errors"]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the object that `resect evaluate --json` prints."""
-        return self._json
 
     @property
     def names(self) -> list[str]:
@@ -74,11 +70,5 @@ class Evaluation:
         suffix = "" if verdict is None else f" · verdict: {verdict}"
         return f"Evaluation against {self._json['ground_truth']['name']}{suffix}"
 
-    def __repr__(self) -> str:
-        return f"{self._title()}\n{text_table(self._rows())}"
-
-    def __str__(self) -> str:
-        return self._text
-
-    def _repr_html_(self) -> str:
-        return html_page(self._title(), self._rows(), lines(self.findings))
+    def _remarks(self) -> list[str]:
+        return lines(self.findings)

@@ -3,33 +3,26 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from . import _arguments as arguments
+from ._answer import Answer
 from ._finding import Finding, findings_by_code, lines
-from ._tables import Array, html_page, text_table
+from ._tables import Array
 
 __all__ = ["Extrinsics"]
 
-FORMATS = ("urdf", "ros2", "ros1", "matrix", "numpy", "quaternion")
 
-
-class Extrinsics:
+class Extrinsics(Answer):
     """Pose of a body or an antenna in another body, with σ and verdict. `resect.extrinsics` returns it.
 
     `str(extrinsics)` is the text that `resect extrinsics` prints.
     """
 
     def __init__(self, values: dict[str, Any]) -> None:
-        self._json: dict[str, Any] = values["json"]
-        self._text: str = values["text"]
+        super().__init__(values)
         self._copies: dict[str, str] = values["copies"]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the object that `resect extrinsics --json` prints."""
-        return self._json
 
     @property
     def verdict(self) -> str:
@@ -95,9 +88,10 @@ class Extrinsics:
         """Findings about both trajectories, by their code."""
         return findings_by_code(self._json["findings"])
 
-    def copy(self, form: Literal["urdf", "ros2", "ros1", "matrix", "numpy", "quaternion"]) -> str:
-        """Returns the transform as text for another program."""
-        return self._copies[arguments.choice("form", form, FORMATS)]
+    @property
+    def copies(self) -> dict[str, str]:
+        """The transform as text for other programs: `urdf`, `ros2`, `ros1`, `matrix`, `numpy` and `quaternion`."""
+        return self._copies
 
     def _title(self) -> str:
         return f"{self._json['other']} in {self._json['body']} · verdict: {self.verdict}"
@@ -113,11 +107,5 @@ class Extrinsics:
         rows.append(["time offset (ms)", f"{1e3 * self.time_offset_s:+.2f}", sigma])
         return rows
 
-    def __repr__(self) -> str:
-        return f"{self._title()}\n{text_table(self._rows())}"
-
-    def __str__(self) -> str:
-        return self._text
-
-    def _repr_html_(self) -> str:
-        return html_page(self._title(), self._rows(), lines(self.findings))
+    def _remarks(self) -> list[str]:
+        return lines(self.findings)

@@ -7,25 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from ._answer import Answer
 from ._finding import Finding, findings_by_code, lines
-from ._tables import Array, Table, columns, html_page, text_table
+from ._tables import Array, Table, columns
 
 __all__ = ["Prediction"]
 
 
-class Prediction:
+class Prediction(Answer):
     """Expected accuracy of a planned drive, and its improvements. `resect.plan` returns it.
 
     `str(prediction)` is the text that `resect plan` prints.
     """
-
-    def __init__(self, values: dict[str, Any]) -> None:
-        self._json: dict[str, Any] = values["json"]
-        self._text: str = values["text"]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the object that `resect plan --json` prints."""
-        return self._json
 
     @property
     def verdict(self) -> str:
@@ -67,15 +60,5 @@ class Prediction:
             rows.append([f"T1{station}", *(f"{1e3 * number:.2g}" for number in numbers)])
         return rows
 
-    def _title(self) -> str:
-        return self._text.partition("\n")[0]
-
-    def __repr__(self) -> str:
-        return f"{self._title()}\n{text_table(self._rows())}"
-
-    def __str__(self) -> str:
-        return self._text
-
-    def _repr_html_(self) -> str:
-        improvements = [one["sentence"] for one in self._json["improvements"]]
-        return html_page(self._title(), self._rows(), [*lines(self.findings), *improvements])
+    def _remarks(self) -> list[str]:
+        return [*lines(self.findings), *(one["sentence"] for one in self._json["improvements"])]

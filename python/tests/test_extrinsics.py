@@ -59,7 +59,7 @@ def test_the_antenna_of_a_body_is_found_within_sigma(files: dict[str, Path]) -> 
     assert offset_sigma is not None and abs(extrinsics.time_offset_s - OFFSET_S) < 4 * offset_sigma
     assert np.allclose(extrinsics.matrix[:3, 3], extrinsics.translation_m) and np.allclose(extrinsics.matrix[:3, :3], np.eye(3))
     assert extrinsics.rotation_sigma_rad is None
-    assert "<joint" in extrinsics.copy("urdf") and extrinsics.because
+    assert "<joint" in extrinsics.copies["urdf"] and extrinsics.because
     assert str(extrinsics).startswith("pose of antenna")
 
 
@@ -79,7 +79,6 @@ def test_errors_name_the_argument(files: dict[str, Path]) -> None:
         (lambda: resect.extrinsics(body, antenna, conventions=("wxzy", "xyzw")), "conventions"),
         (lambda: resect.extrinsics(body, antenna, topics=("/odom", None)), "no topics"),
         (lambda: resect.extrinsics(body, antenna, time_offset_s=float("nan")), "time_offset_s"),
-        (lambda: resect.extrinsics(body, antenna).copy("png"), "form"),  # type: ignore[arg-type]
         (lambda: resect.evaluate(body, antenna, truth_solutions="fixed"), "truth_solutions"),  # type: ignore[arg-type]
     ]:
         with pytest.raises(resect.ResectError, match=words):
