@@ -280,6 +280,7 @@ fn no_name_can_break_the_page() {
         frames: None,
         poses: Vec::new(),
         covariances: Vec::new(),
+        origin: None,
         findings: Vec::new(),
     };
     let few = judge(

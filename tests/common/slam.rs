@@ -69,6 +69,7 @@ impl Slam {
             frames: None,
             poses: poses.collect(),
             covariances: Vec::new(),
+            origin: None,
             findings: Vec::new(),
         }
     }

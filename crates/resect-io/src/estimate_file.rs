@@ -151,11 +151,12 @@ fn read_wanted(path: &Path, wanted: Wanted) -> Result<Vec<EstimatedTrajectory>, 
     if motion_capture::looks_like(&text) {
         return read_motion_capture(path, &name, &text);
     }
-    let mut findings = Vec::new();
+    let (mut findings, mut origin) = (Vec::new(), None);
     let poses = match gnss_track(&file, &text)? {
         Some(track) => {
             let local = local_positions(&file, track, wanted.solutions, None)?;
             findings.extend(local.findings);
+            origin = local.origin;
             local.poses
         }
         None => poses(&file, path, &text, &mut findings)?,
@@ -163,7 +164,8 @@ fn read_wanted(path: &Path, wanted: Wanted) -> Result<Vec<EstimatedTrajectory>, 
     if poses.is_empty() {
         return Err(OpenError::file(&file, "no pose in this file", FORMATS));
     }
-    Ok(vec![put_in_order((name, None), path, poses, findings)?])
+    let trajectory = put_in_order((name, None), path, poses, findings)?;
+    Ok(vec![EstimatedTrajectory { origin, ..trajectory }])
 }
 
 /// Returns the files of a bag, if the path is one or a folder of one; otherwise none.
@@ -250,19 +252,20 @@ fn read_bag(
     let several = topics.len() > 1;
     let estimates = topics.into_iter().map(|messages| {
         let name = if several { format!("{name} {}", messages.name) } else { name.to_owned() };
-        let mut findings = findings.clone();
+        let (mut findings, mut origin) = (findings.clone(), None);
         let poses = if messages.fixes.is_empty() {
             poses_of_topic(&file, &messages, &mut findings)?
         } else {
             let track = nav_sat_fix::track(&file, &messages.fixes);
             let local = local_positions(&file, track, wanted.solutions, None)?;
             findings.extend(local.findings);
+            origin = local.origin;
             local.poses
         };
         let topic = several.then(|| messages.name.clone());
         let frames = messages.poses.first().and_then(|pose| pose.frames.clone());
         let trajectory = put_in_order((name, topic), path, poses, findings)?;
-        Ok(EstimatedTrajectory { frames, ..trajectory })
+        Ok(EstimatedTrajectory { frames, origin, ..trajectory })
     });
     estimates.collect()
 }
@@ -369,7 +372,16 @@ pub fn put_in_order(
     }
     let covariances = if complete { covariances } else { Vec::new() };
     let path = path.to_owned();
-    Ok(EstimatedTrajectory { name, path, topic, frames: None, poses, covariances, findings })
+    Ok(EstimatedTrajectory {
+        name,
+        path,
+        topic,
+        frames: None,
+        poses,
+        covariances,
+        origin: None,
+        findings,
+    })
 }
 
 /// Shortest span of a trajectory (s).

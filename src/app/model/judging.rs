@@ -250,6 +250,7 @@ mod tests {
             frames: None,
             poses: vec![],
             covariances: vec![],
+            origin: None,
             findings: vec![],
         })
     }

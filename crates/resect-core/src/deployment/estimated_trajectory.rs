@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::finding::Finding;
 use super::names::told_apart;
+use crate::geometry::Geodetic;
 
 /// A trajectory estimated by another system.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub struct EstimatedTrajectory {
     pub poses: Vec<EstimatedPose>,
     /// Covariance of each pose; empty if the file states none.
     pub covariances: Vec<PoseCovariance>,
+    /// Position on the Earth from which the positions count east, north and up, if they were latitudes and longitudes.
+    pub origin: Option<Geodetic>,
     pub findings: Vec<Finding>,
 }
 

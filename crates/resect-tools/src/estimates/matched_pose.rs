@@ -20,6 +20,17 @@ pub struct TruePose {
     pub contradiction_m: Option<f64>,
 }
 
+impl TruePose {
+    /// Its motion; rates are zero without orientations.
+    pub fn twist(&self) -> PoseTwist {
+        let rate = self.rotation.as_ref().map(|rotation| rotation.rate_rad_per_s);
+        PoseTwist {
+            velocity_m_per_s: self.velocity_m_per_s,
+            rate_rad_per_s: rate.unwrap_or_default(),
+        }
+    }
+}
+
 /// Orientation of the ground truth at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueRotation {

@@ -82,6 +82,7 @@ pub fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory 
         frames: None,
         poses,
         covariances: Vec::new(),
+        origin: None,
         findings: Vec::new(),
     }
 }

@@ -85,6 +85,7 @@ pub fn station_trajectory(
         frames: None,
         poses,
         covariances,
+        origin: None,
         findings: Vec::new(),
     }
 }

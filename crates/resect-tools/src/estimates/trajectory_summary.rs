@@ -119,6 +119,7 @@ mod tests {
             frames: None,
             poses: (0..=100).map(pose).collect(),
             covariances: Vec::new(),
+            origin: None,
             findings: Vec::new(),
         };
         let summary = summarise(&trajectory);

@@ -100,6 +100,7 @@ mod tests {
             frames: None,
             poses: vec![EstimatedPose { time_s: 0.0, position_m: Vector3::zeros(), orientation }],
             covariances: if states_sigma { vec![covariance] } else { Vec::new() },
+            origin: None,
             findings: Vec::new(),
         }
     }

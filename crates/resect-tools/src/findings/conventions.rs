@@ -223,6 +223,13 @@ pub fn estimate_geographic(estimate: &str, [x, y]: [&str; 2]) -> Finding {
     finding(kinds::ESTIMATE_UNIT, estimate, &message)
 }
 
+/// `words` state what is wrong with the degrees in a file, and the remedy.
+pub fn estimate_degrees(estimate: &str, file: &str, [what, remedy]: [&str; 2]) -> Finding {
+    let message =
+        format!("in {file}, {what}: so the two trajectories have the same shape; {remedy}");
+    finding(kinds::ESTIMATE_UNIT, estimate, &message)
+}
+
 /// `words` state the error, and `convention` corrects it; the numbers are root mean square errors of positions as read and with it (m).
 /// `of_truth` corrects a ground truth that is mirrored instead.
 pub fn estimate_mirrored(
@@ -320,6 +327,11 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_planar("slam"),
         estimate_motions("slam"),
         estimate_geographic("slam", ["latitude", "longitude"]),
+        estimate_degrees(
+            "slam",
+            "rtk",
+            ["latitude and longitude are exchanged", "exchange their names in the header"],
+        ),
         estimate_mirrored(
             "slam",
             ["all axes are left-handed", "left-handed"],

@@ -32,12 +32,13 @@ pub fn estimate_clock_stepped(estimate: &str, by_s: f64, after_s: f64) -> Findin
     .quantity("time", after_s, Unit::Second)
 }
 
-/// `per_s` is the change of the trajectory's clock against that of the ground truth in each second.
-pub fn estimate_clock_drifts(estimate: &str, per_s: f64) -> Finding {
+/// `per_s` is the change of the trajectory's clock against that of the ground truth in each second; `convention` corrects it.
+pub fn estimate_clock_drifts(estimate: &str, per_s: f64, convention: &str) -> Finding {
     Finding::new(
         kinds::ESTIMATE_CLOCK_DRIFTS,
         format!(
-            "{estimate}: its clock gains {:+.2} ms each second on that of the ground truth; one time offset does not fit",
+            "{estimate}: its clock gains {:+.2} ms each second on that of the ground truth; one time offset does not fit \
+             (--convention {convention})",
             1e3 * per_s
         ),
     )
@@ -106,7 +107,7 @@ pub(super) fn examples() -> Vec<Finding> {
     vec![
         estimate_clock_far_off("slam", 120.0),
         estimate_clock_stepped("slam", 0.7, 214.0),
-        estimate_clock_drifts("slam", 1e-3),
+        estimate_clock_drifts("slam", 1e-3, "time=0.999001"),
         estimate_stamps_jitter("slam", 0.05),
         estimate_clock_wanders("slam", 0.2),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::exchanged::exchanged;
 use super::handedness::{SuspectedHandedness, suspected_handedness};
 use super::jumps::{bursts_s, jumps};
+use super::misread_degrees::misread_degrees;
 use super::misread_positions::{MisreadPositions, misread_positions};
 use super::mixed_bodies::mixed_bodies;
 use super::orientation_delay::orientation_delay_s;
@@ -62,6 +63,12 @@ pub fn before_fit(
         if let Some(unit) = shapes.as_ref().and_then(suspected_unit) {
             early.findings.push(unit_finding(estimate, truth, &unit, &options.convention));
             early.excludes_judgement |= options.alignment != TrajectoryAlignment::Similarity;
+        } else if let Some((meaning, is_of_truth)) =
+            misread_degrees(&positions, estimate, shapes.as_ref())?
+        {
+            let file = if is_of_truth { truth.name() } else { name };
+            early.findings.push(findings::estimate_degrees(name, file, meaning.in_words()));
+            early.excludes_judgement = true;
         } else if let Some(misread) = misread_positions(&of_positions, poses)? {
             early.findings.push(match misread {
                 MisreadPositions::Degrees(names) => findings::estimate_geographic(name, names),

@@ -72,6 +72,7 @@ mod tests {
             frames: None,
             poses: Vec::new(),
             covariances: Vec::new(),
+            origin: None,
             findings: Vec::new(),
         }
     }

@@ -12,8 +12,6 @@ const PER_LATITUDE_M: f64 = 111_130.0;
 const PER_LONGITUDE_M: f64 = 111_320.0;
 /// Largest size of a drive (degrees): 20 km.
 const LARGEST_DRIVE_DEGREES: f64 = 0.2;
-/// Largest relative difference of the lengths from those of the ground truth.
-const SAME_LENGTH: f64 = 0.03;
 /// Largest coordinate of a motion since the pose before (m).
 const LARGEST_MOTION_M: f64 = 5.0;
 
@@ -39,7 +37,7 @@ pub fn misread_positions(
     for (converted, meaning) in candidates {
         let Some(converted) = converted else { continue };
         let Some(shapes) = compare_shapes(truth, &converted, None)? else { continue };
-        if shapes.is_same_shape() && (shapes.times_longer - 1.0).abs() < SAME_LENGTH {
+        if shapes.is_alike() {
             return Ok(Some(meaning));
         }
     }
@@ -82,10 +80,11 @@ fn in_one_frame(poses: &[EstimatedPose]) -> Option<Vec<EstimatedPose>> {
     let (mut position_m, mut orientation) = (Vector3::zeros(), UnitQuaternion::identity());
     let next = |pose: &EstimatedPose| {
         position_m += orientation * pose.position_m;
-        orientation *= pose.orientation?;
-        Some(EstimatedPose { position_m, orientation: Some(orientation), ..*pose })
+        // Without orientations, they are along the axes of one frame.
+        orientation *= pose.orientation.unwrap_or_else(UnitQuaternion::identity);
+        EstimatedPose { position_m, orientation: Some(orientation), ..*pose }
     };
-    poses.iter().map(next).collect()
+    Some(poses.iter().map(next).collect())
 }
 
 #[cfg(test)]
@@ -117,6 +116,7 @@ mod tests {
             frames: None,
             poses: poses.clone(),
             covariances: Vec::new(),
+            origin: None,
             findings: Vec::new(),
         };
         let truth = GroundTruth::Trajectory(Arc::new(truth), None);

@@ -4,8 +4,8 @@
 //! sets it. Data is changed only by a stated [`Convention`](super::conventions::Convention).
 //!
 //! ```text
-//! poses ──before the fit──▶ repeated_poses, jumps, mixed_bodies, exchanged, unit_of_length, misread_positions,
-//!                           time_scale, handedness
+//! poses ──before the fit──▶ repeated_poses, jumps, mixed_bodies, exchanged, unit_of_length, misread_degrees,
+//!                           misread_positions, time_scale, handedness
 //!       ──after the fit───▶ orientation_search, orientation_delay, scale, copies (between estimates)
 //! ```
 
@@ -16,6 +16,7 @@ mod exchanged;
 mod handedness;
 mod jumps;
 mod lever_equations;
+mod misread_degrees;
 mod misread_positions;
 mod mixed_bodies;
 mod orientation_delay;

@@ -34,6 +34,7 @@ pub fn position_truth(
         frames: None,
         poses,
         covariances: Vec::new(),
+        origin: None,
         findings: Vec::new(),
     };
     Ok((!trajectory.poses.is_empty()).then(|| Arc::new(trajectory)))

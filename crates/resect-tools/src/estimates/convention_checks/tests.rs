@@ -29,6 +29,7 @@ fn trajectory(name: &str, poses: Vec<EstimatedPose>) -> EstimatedTrajectory {
         frames: None,
         poses,
         covariances: Vec::new(),
+        origin: None,
         findings: Vec::new(),
     }
 }

@@ -41,6 +41,11 @@ impl ShapeFit {
     pub fn is_same_shape(&self) -> bool {
         self.relative_misfit < SAME_SHAPE
     }
+
+    /// Returns true if shape and size are the same.
+    pub fn is_alike(&self) -> bool {
+        self.is_same_shape() && (self.times_longer - 1.0).abs() < UNIT_TOLERANCE
+    }
 }
 
 /// Compares the shapes at a given offset, or at that of the speeds; `None` if the times do not overlap.

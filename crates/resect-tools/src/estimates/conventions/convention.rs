@@ -271,6 +271,7 @@ mod tests {
             frames: None,
             poses: vec![pose(UnitQuaternion::identity())],
             covariances: vec![PoseCovariance::of_position(&Vector3::repeat(10.0))],
+            origin: None,
             findings: Vec::new(),
         };
         let mut scaled = estimate.clone();

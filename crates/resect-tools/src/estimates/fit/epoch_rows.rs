@@ -2,13 +2,16 @@
 
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
+use super::fit::Fit;
+use super::neighbours::Neighbours;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::{BODY, CLOCK, COLUMNS, LEVER_BY_TRUTH, SCALE};
-use crate::estimates::matched_pose::MatchedPose;
+use super::unknowns::{BODY, BY_RESIDUAL, CLOCK, COLUMNS, SCALE};
+use crate::estimates::matched_pose::{MatchedPose, PoseTwist};
 
-/// Derivatives of three residuals by the unknowns and the lever arm again, and by what wanders.
+/// Derivatives of three residuals by the unknowns and by what wanders. Those by lever arm and clock come twice: by the instruments, and by the
+/// residuals.
 pub type ByUnknowns = SMatrix<f64, 3, COLUMNS>;
 pub type ByWandering = SMatrix<f64, 3, WANDERING>;
 
@@ -29,19 +32,16 @@ pub struct EpochRows {
     pub placed_m: Vector3<f64>,
 }
 
-/// Returns the residuals with the frame of the state, and a clock that is later by some time (s). `instrument` is the orientation between the
-/// poses before and after, whose noise is independent of this one's.
+/// Returns the residuals with the frame of the state, and a clock that is later by some time (s).
 pub fn epoch_rows(
-    MatchedPose { pose, truth, pose_twist }: &MatchedPose,
+    pair: &MatchedPose,
     state: &FitState,
     later_s: f64,
-    instrument: Option<UnitQuaternion<f64>>,
+    neighbours: &Neighbours,
 ) -> EpochRows {
-    let fit = &state.fit;
+    let (MatchedPose { pose, truth, .. }, fit) = (pair, &state.fit);
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
-    let mut velocity = truth.velocity_m_per_s;
-    let mut rate = truth.rotation.as_ref().map(|rotation| rotation.rate_rad_per_s);
-    let [mut lever_axes, mut lever_by_truth] = [Matrix3::zeros(); 2];
+    let [mut lever_axes, mut lever_by_residual] = [Matrix3::zeros(); 2];
     let orientation = fit.placed_orientation(pose);
     if let Some(rotation) = &truth.rotation {
         // By the estimate: the noise of the ground truth's orientation is in the residual too, and would shorten the lever arm. The noise of the
@@ -50,24 +50,16 @@ pub fn epoch_rows(
         let vehicle =
             by_estimate.map_or(rotation.orientation, |(body, turn)| body * turn.inverse());
         lever_axes = vehicle.to_rotation_matrix().into_inner();
-        lever_by_truth = rotation.orientation.to_rotation_matrix().into_inner();
-        velocity += rotation.rate_rad_per_s.cross(&(true_m - truth.position_m));
+        lever_by_residual = rotation.orientation.to_rotation_matrix().into_inner();
     } else if let Some(orientation) = pose.orientation {
         let axes = |orientation: UnitQuaternion<f64>| {
             -(state.aligned * orientation.to_rotation_matrix()).into_inner()
         };
-        lever_axes = axes(instrument.unwrap_or(orientation));
-        lever_by_truth = axes(orientation);
+        lever_axes = axes(neighbours.orientation.unwrap_or(orientation));
+        lever_by_residual = axes(orientation);
     }
-    if let Some(twist) = pose_twist {
-        // The estimate is interpolated: a later ground truth is an earlier estimate.
-        let by_turn = fit.truth_from_estimate.rotate(&twist.rate_rad_per_s);
-        velocity = fit.truth_from_estimate.rotate(&(fit.scale * twist.velocity_m_per_s));
-        if let (None, Some(orientation)) = (&truth.rotation, orientation) {
-            velocity += by_turn.cross(&(orientation * fit.lever_arm_m.unwrap_or_default()));
-        }
-        rate = rate.map(|_| by_turn);
-    }
+    let twist = compared_twist(pair, state, neighbours.twist);
+    let velocity = twist.velocity_m_per_s;
     true_m += velocity * later_s;
     let mut position = EpochRow {
         residual: true_m - placed_m,
@@ -81,15 +73,16 @@ pub fn epoch_rows(
         position.by_wandering.set_column(clock, &velocity);
     }
     position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
-    let mut by_truth = position.by_unknowns.fixed_view_mut::<3, 3>(0, LEVER_BY_TRUTH);
-    by_truth.copy_from(&lever_by_truth);
+    let mut by_residual = position.by_unknowns.fixed_view_mut::<3, 3>(0, BY_RESIDUAL);
+    by_residual.copy_from(&lever_by_residual);
     position.by_unknowns.set_column(CLOCK, &velocity);
     // Between the positions of both, by the noise of each: noise would count as motion, and make the other seem too short.
     let own_m = fit.truth_from_estimate.rotate(&(fit.scale * (pose.position_m - state.pivot_m)));
     let from_pivot_m = own_m + state.share_of_estimate * position.residual;
     position.by_unknowns.set_column(SCALE, &-from_pivot_m);
-    let turned = truth.rotation.as_ref().zip(fit.body_rotation).zip(orientation.zip(rate));
-    let rotation = turned.map(|((rotation, body), (orientation, rate))| {
+    let turned = truth.rotation.as_ref().zip(fit.body_rotation).zip(orientation);
+    let rotation = turned.map(|((rotation, body), orientation)| {
+        let rate = twist.rate_rad_per_s;
         let later = UnitQuaternion::from_scaled_axis(rate * later_s) * rotation.orientation;
         let mut row = EpochRow {
             residual: (later * body * orientation.inverse()).scaled_axis(),
@@ -107,4 +100,45 @@ pub fn epoch_rows(
         row
     });
     EpochRows { position, rotation, placed_m }
+}
+
+/// Motion of the compared point in the ground truth's frame, by both trajectories. If the estimate is interpolated, a later ground truth is an earlier
+/// estimate.
+fn compared_twist(pair: &MatchedPose, state: &FitState, stamped: Option<PoseTwist>) -> PoseTwist {
+    let (of_truth, of_estimate) = match pair.pose_twist {
+        Some(twist) => (stamped, Some(twist)),
+        None => (Some(pair.truth.twist()), stamped),
+    };
+    let of_truth = of_truth.map(|twist| twist_by_truth(pair, &state.fit, twist));
+    let of_estimate = of_estimate.map(|twist| twist_by_estimate(pair, &state.fit, twist));
+    let (stamped, interpolated) = match pair.pose_twist {
+        Some(_) => (of_truth, of_estimate),
+        None => (of_estimate, of_truth),
+    };
+    let interpolated = interpolated.unwrap_or_default();
+    let stamped = stamped.unwrap_or(interpolated);
+    let mean = |stamped: Vector3<f64>, interpolated: Vector3<f64>| {
+        interpolated.lerp(&stamped, state.share_of_stamped)
+    };
+    PoseTwist {
+        velocity_m_per_s: mean(stamped.velocity_m_per_s, interpolated.velocity_m_per_s),
+        rate_rad_per_s: mean(stamped.rate_rad_per_s, interpolated.rate_rad_per_s),
+    }
+}
+
+fn twist_by_truth(pair: &MatchedPose, fit: &Fit, twist: PoseTwist) -> PoseTwist {
+    let [_, true_m] = fit.both_positions_m(&pair.pose, &pair.truth);
+    let by_turn = twist.rate_rad_per_s.cross(&(true_m - pair.truth.position_m));
+    PoseTwist { velocity_m_per_s: twist.velocity_m_per_s + by_turn, ..twist }
+}
+
+fn twist_by_estimate(pair: &MatchedPose, fit: &Fit, twist: PoseTwist) -> PoseTwist {
+    let rate_rad_per_s = fit.truth_from_estimate.rotate(&twist.rate_rad_per_s);
+    let mut velocity_m_per_s =
+        fit.truth_from_estimate.rotate(&(fit.scale * twist.velocity_m_per_s));
+    if let (None, Some(orientation)) = (&pair.truth.rotation, fit.placed_orientation(&pair.pose)) {
+        let arm_m = orientation * fit.lever_arm_m.unwrap_or_default();
+        velocity_m_per_s += rate_rad_per_s.cross(&arm_m);
+    }
+    PoseTwist { velocity_m_per_s, rate_rad_per_s }
 }

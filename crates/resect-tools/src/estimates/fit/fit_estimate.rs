@@ -74,6 +74,7 @@ pub fn fit(
         is_scaled: options.alignment == TrajectoryAlignment::Similarity,
         aligned: Rotation3::identity(),
         share_of_estimate: 1.0,
+        share_of_stamped: 1.0,
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,
     };
@@ -88,7 +89,8 @@ pub fn fit(
     }
     if let Some(change) = fit.clock_change {
         let start_s = truth.start_s().unwrap_or_default();
-        fit.findings.push(clock_finding(&estimate.name, change, start_s));
+        let convention = &options.convention;
+        fit.findings.push(clock_finding(&estimate.name, change, (start_s, convention)));
     }
     let mut pairs = truth.matched(poses, fit.time_offset_s, (options.association, usize::MAX))?;
     let whole = pairs.len();
@@ -177,11 +179,22 @@ fn misfit_with_scale(fit: &Fit, pairs: &[MatchedPose]) -> f64 {
     }
 }
 
-/// Finding about a time offset that is not constant; `start_s` is the first time of the ground truth.
-fn clock_finding(name: &str, change: ClockChange, start_s: f64) -> Finding {
+/// Digits of a factor on times. Effect: a millionth is a millisecond in a quarter of an hour.
+const RATE_STEPS: f64 = 1e6;
+
+/// Finding about a time offset that is not constant; `start_s` is the first time of the ground truth, and the convention that of the estimate.
+fn clock_finding(
+    name: &str,
+    change: ClockChange,
+    (start_s, stated): (f64, &Convention),
+) -> Finding {
     match change {
         ClockChange::Step { time_s, by_s } => estimate_clock_stepped(name, -by_s, time_s - start_s),
-        ClockChange::Drift { per_s } => estimate_clock_drifts(name, -per_s),
+        ClockChange::Drift { per_s } => {
+            let factor = stated.time_s * ((RATE_STEPS * (1.0 + per_s)).round() / RATE_STEPS);
+            let flag = Convention { time_s: factor, ..*stated }.to_string();
+            estimate_clock_drifts(name, -per_s, &flag)
+        }
         ClockChange::Jitter { sigma_s } => estimate_stamps_jitter(name, sigma_s),
         ClockChange::Wander { sigma_s } => estimate_clock_wanders(name, sigma_s),
     }

@@ -15,24 +15,24 @@ use resect_core::statistics::sandwich;
 /// Sums of a block of time over the innovations.
 #[derive(Clone)]
 pub struct FilteredBlock {
-    /// By the unknowns twice.
+    /// By the instruments twice.
     pub information: DMatrix<f64>,
-    /// By the unknowns, and by the lever arm with the ground truth's orientations.
-    pub by_truth: DMatrix<f64>,
+    /// By the instruments, and by the lever arm with the derivatives of the residuals.
+    pub by_residual: DMatrix<f64>,
     pub gradient: DVector<f64>,
 }
 
 /// Share of a diagonal element that is added to it, so that an unknown which nothing determines does not matter.
 const RIDGE: f64 = 1e-9;
 
-/// Returns the blocks of the open unknowns by the instruments, and the matrix Mᵀ N⁻¹ that transforms gradients.
+/// Returns the blocks of the open unknowns by their instruments, and the matrix Mᵀ N⁻¹ that transforms gradients.
 pub fn by_instruments(
     blocks: &[FilteredBlock],
     open: &[usize],
 ) -> (Vec<sandwich::Block>, DMatrix<f64>) {
     let cross = |block: &FilteredBlock| {
         let mut cross = block.information.clone();
-        cross.columns_mut(0, CLOCK).copy_from(&block.by_truth);
+        cross.columns_mut(0, CLOCK).copy_from(&block.by_residual);
         cross.select_rows(open).select_columns(open)
     };
     let mut instruments = DMatrix::zeros(UNKNOWNS, UNKNOWNS);

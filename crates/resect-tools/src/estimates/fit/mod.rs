@@ -9,12 +9,14 @@
 mod alignment;
 mod clock_change;
 mod clock_evidence;
+mod clock_information;
 mod drift_sizes;
 mod epoch_rows;
 mod fit;
 mod fit_estimate;
 mod instruments;
 mod likelihood;
+mod neighbours;
 mod refine;
 mod state;
 mod unknowns;

@@ -4,10 +4,12 @@ use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::alignment::align_rigidly;
 use super::clock_evidence::significant_clock_change;
+use super::clock_information;
 use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
-use super::instruments::by_instruments;
+use super::instruments::{FilteredBlock, by_instruments};
 use super::likelihood::{Equations, search};
+use super::neighbours::share_of_stamped;
 use super::state::FitState;
 use super::unknowns::{BODY, CLOCK, SCALE, UNKNOWNS};
 use super::wandering_frame::{first_frame, pass};
@@ -143,6 +145,7 @@ pub fn refine(
         None => DriftSizes::usual(is_aligned, misfit_m),
         Some(_) => DriftSizes::of_points(is_aligned, misfit_m),
     };
+    state.share_of_stamped = share_of_stamped(&pairs);
     let mut sizes = usual;
     let (mut steps, mut searches) = (StepSizes::default(), 0);
     let mut last_step = None;
@@ -217,7 +220,8 @@ fn samples(pairs: &[MatchedPose]) -> Vec<Vec<MatchedPose>> {
     vec![thinned(pairs, MOST_SEARCHED).cloned().collect(), groups.cloned().collect()]
 }
 
-/// Stores σ by blocks of time, with the errors that the ground truth shares; `last_step` is that of an iteration that did not settle.
+/// Stores σ by blocks of time, with the errors that the ground truth shares; `last_step` is that of an iteration that did not settle. `None` if
+/// the drive does not determine the unknowns.
 fn take_sigmas(
     state: &mut FitState,
     truth: &GroundTruth<'_>,
@@ -228,23 +232,14 @@ fn take_sigmas(
     let times_s: Vec<f64> = pairs.iter().map(|pair| pair.truth.time_s).collect();
     let common = truth.common_errors(&times_s);
     let filtered = pass(pairs, state, sizes, common.as_ref());
-    let Equations { information, prior: precision, .. } = Equations::of(&filtered, state, open);
-    let prior = sandwich::Prior { precision, weight: 1.0 };
-    let (blocks, transform) = by_instruments(&filtered.blocks, open);
-    let [twos, fours] =
-        [2, 4].map(|count| blocks.chunks(count).map(sandwich::Block::sum).collect::<Vec<_>>());
-    let root = information.cholesky()?;
-    let mut covariance = root.inverse();
-    // Innovations that are correlated after all, or larger than their model, widen σ.
-    let mut widened = DVector::repeat(open.len(), 1.0_f64);
-    for blocks in [&blocks, &twos, &fours] {
-        let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
-        for (index, widened) in widened.iter_mut().enumerate() {
-            let ratio = by_blocks[(index, index)] / covariance[(index, index)];
-            *widened = widened.max(ratio.sqrt());
-        }
-    }
-    widened.component_mul_assign(&by_free_frame(&covariance, (pairs, state), sizes, open)?);
+    let equations = Equations::of(&filtered, state, open);
+    let (_, transform) = by_instruments(&filtered.blocks, open);
+    let mut covariance =
+        clock_information::covariance(&equations, &transform, pairs, (state, sizes), open)?;
+    let root = equations.information.cholesky()?;
+    let by_model = root.inverse();
+    let mut widened = by_blocks(&by_model, &filtered.blocks, equations.prior, open)?;
+    widened.component_mul_assign(&by_free_frame(&by_model, (pairs, state), sizes, open)?);
     // Correlations stay: without them, combinations that the drive determines well would have the σ of their parts.
     let widened = DMatrix::from_diagonal(&widened);
     covariance = &widened * covariance * &widened;
@@ -263,6 +258,32 @@ fn take_sigmas(
     state.fit.clock_change =
         clock.and_then(|_| significant_clock_change(filtered.cost, pairs, state, sizes, open));
     Some(())
+}
+
+/// Returns the factors of σ by innovations that are correlated after all, or larger than their model.
+fn by_blocks(
+    covariance: &DMatrix<f64>,
+    blocks: &[FilteredBlock],
+    precision: DVector<f64>,
+    open: &[usize],
+) -> Option<DVector<f64>> {
+    let prior = sandwich::Prior { precision, weight: 1.0 };
+    let (blocks, _) = by_instruments(blocks, open);
+    let [twos, fours] =
+        [2, 4].map(|count| blocks.chunks(count).map(sandwich::Block::sum).collect::<Vec<_>>());
+    let mut widened = DVector::repeat(open.len(), 1.0_f64);
+    for blocks in [&blocks, &twos, &fours] {
+        let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
+        // Of so many blocks, the variance has this σ relative to itself.
+        let significant = 1.0 + (2.0 / blocks.len() as f64).sqrt();
+        for (index, widened) in widened.iter_mut().enumerate() {
+            let ratio = by_blocks[(index, index)] / covariance[(index, index)];
+            if ratio > significant {
+                *widened = widened.max(ratio.sqrt());
+            }
+        }
+    }
+    Some(widened)
 }
 
 /// Least ratio of σ with and without a frame that may be turned at the first epoch, from which that frame determines an unknown.

@@ -7,6 +7,6 @@ pub const CLOCK: usize = 3;
 pub const BODY: usize = 4;
 pub const SCALE: usize = 7;
 
-/// Columns of derivatives: the unknowns, and the lever arm by the ground truth's orientations.
-pub const LEVER_BY_TRUTH: usize = UNKNOWNS;
+/// Columns of derivatives: the unknowns, of which the lever arm is by its instruments, and the lever arm by the residuals.
+pub const BY_RESIDUAL: usize = UNKNOWNS;
 pub const COLUMNS: usize = UNKNOWNS + 3;

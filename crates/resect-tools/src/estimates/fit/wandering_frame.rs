@@ -9,16 +9,17 @@
 //! With the residual e + H x + J θ of an epoch, x what wanders and θ the unknowns, an innovation is −e − E θ, where E = J + H X and X is
 //! the derivative of the filtered x by θ.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use super::drift_sizes::DriftSizes;
 use super::epoch_rows::{EpochRow, EpochRows, epoch_rows};
 use super::fit::LEVER_SIGMA_M;
 use super::instruments::FilteredBlock;
+use super::neighbours::Neighbours;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::{COLUMNS, LEVER_BY_TRUTH, UNKNOWNS};
+use super::unknowns::{BY_RESIDUAL, CLOCK, COLUMNS, UNKNOWNS};
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::geometry::RigidTransform;
@@ -59,8 +60,7 @@ struct Filter {
     /// Errors that last; zero for the frame, which is part of the state.
     lasting: SVector<f64, WANDERING>,
     covariance: Covariance,
-    /// Orientation between the poses before and after the epoch; `None` for that of the epoch.
-    instrument: Option<UnitQuaternion<f64>>,
+    neighbours: Neighbours,
     by_unknowns: SMatrix<f64, WANDERING, COLUMNS>,
     by_common: DMatrix<f64>,
 }
@@ -97,7 +97,7 @@ pub fn pass(
     let mut gradient = SVector::<f64, COLUMNS>::zeros();
     for (number, pair) in pairs.iter().enumerate() {
         let time_s = pair.truth.time_s;
-        filter.instrument = instrument(pairs, number);
+        filter.neighbours = Neighbours::at(pairs, number);
         let index = ((time_s - from_s) / block_s) as usize;
         if index != block && block != usize::MAX {
             pass.blocks.push(block_of(&information, &gradient));
@@ -124,19 +124,6 @@ pub fn pass(
     pass
 }
 
-/// Longest time between the neighbours of an epoch (s), between which the body hardly turns otherwise than steadily.
-/// Effect: a longer one makes orientations between them useless, a shorter one leaves the noise of sparse poses in the information.
-const LONGEST_BETWEEN_S: f64 = 1.0;
-
-/// Returns the estimate's orientation between the poses before and after, if these are near.
-fn instrument(pairs: &[MatchedPose], number: usize) -> Option<UnitQuaternion<f64>> {
-    let (before, after) = (pairs.get(number.checked_sub(1)?)?, pairs.get(number + 1)?);
-    let between_s = after.truth.time_s - before.truth.time_s;
-    let share = (pairs[number].truth.time_s - before.truth.time_s) / between_s;
-    let (from, to) = before.pose.orientation.zip(after.pose.orientation)?;
-    (between_s < LONGEST_BETWEEN_S).then(|| from.try_slerp(&to, share, f64::EPSILON)).flatten()
-}
-
 /// Returns the frame at the first epoch, by a filter that runs back from the last one.
 pub fn first_frame(pairs: &[MatchedPose], state: &FitState, sizes: &DriftSizes) -> RigidTransform {
     let mut filter = Filter::new(pairs, state, sizes, (LAST_RAD, 0));
@@ -146,19 +133,41 @@ pub fn first_frame(pairs: &[MatchedPose], state: &FitState, sizes: &DriftSizes) 
     filter.state.fit.truth_from_estimate
 }
 
+/// Returns the information between the unknowns, by their rows, and the clock by the velocities of the one trajectory, by the columns, and
+/// those of the other.
+pub fn clock_by_both_motions(
+    pairs: &[MatchedPose],
+    state: &FitState,
+    sizes: &DriftSizes,
+) -> DVector<f64> {
+    let mut filters = [1.0, 0.0].map(|share_of_stamped| {
+        let state = FitState { share_of_stamped, ..state.clone() };
+        Filter::new(pairs, &state, sizes, (sizes.first_rad, 0))
+    });
+    let mut sum = DVector::zeros(UNKNOWNS);
+    for (number, pair) in pairs.iter().enumerate() {
+        filters[0].neighbours = Neighbours::at(pairs, number);
+        filters[1].neighbours = filters[0].neighbours;
+        let [first, second] = filters.each_mut().map(|filter| filter.next(pair, sizes, None));
+        for (first, second) in first.iter().zip(&second) {
+            let weighted = first.information * second.by_unknowns.column(CLOCK);
+            sum += first.by_unknowns.fixed_columns::<UNKNOWNS>(0).tr_mul(&weighted);
+        }
+    }
+    sum
+}
+
 fn block_of(
     information: &SMatrix<f64, COLUMNS, COLUMNS>,
     gradient: &SVector<f64, COLUMNS>,
 ) -> FilteredBlock {
-    let of_unknowns = information.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0);
-    let by_truth = information.fixed_view::<UNKNOWNS, 3>(0, LEVER_BY_TRUTH);
+    let squares = information.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0);
+    let by_residual = information.fixed_view::<UNKNOWNS, 3>(0, BY_RESIDUAL);
+    let gradient = gradient.fixed_rows::<UNKNOWNS>(0);
     FilteredBlock {
-        information: DMatrix::from_iterator(UNKNOWNS, UNKNOWNS, of_unknowns.iter().copied()),
-        by_truth: DMatrix::from_iterator(UNKNOWNS, 3, by_truth.iter().copied()),
-        gradient: DVector::from_iterator(
-            UNKNOWNS,
-            gradient.fixed_rows::<UNKNOWNS>(0).iter().copied(),
-        ),
+        information: DMatrix::from_iterator(UNKNOWNS, UNKNOWNS, squares.iter().copied()),
+        by_residual: DMatrix::from_iterator(UNKNOWNS, 3, by_residual.iter().copied()),
+        gradient: DVector::from_iterator(UNKNOWNS, gradient.iter().copied()),
     }
 }
 
@@ -194,7 +203,7 @@ impl Filter {
             before: None,
             lasting: SVector::zeros(),
             covariance,
-            instrument: None,
+            neighbours: Neighbours::default(),
             by_unknowns: SMatrix::zeros(),
             by_common: DMatrix::zeros(WANDERING, columns),
         }
@@ -293,7 +302,7 @@ impl Filter {
 
     fn rows(&self, pair: &MatchedPose) -> EpochRows {
         let mut rows =
-            epoch_rows(pair, &self.state, self.state.later_s + self.later_s(), self.instrument);
+            epoch_rows(pair, &self.state, self.state.later_s + self.later_s(), &self.neighbours);
         rows.position.residual -= self.lasting.fixed_rows::<3>(BY_POSITION);
         if let Some(row) = &mut rows.rotation {
             row.residual -= self.lasting.fixed_rows::<3>(BY_ORIENTATION);
