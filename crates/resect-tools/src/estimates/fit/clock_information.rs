@@ -14,11 +14,9 @@ use super::unknowns::CLOCK;
 use super::wandering_frame::clock_by_both_motions;
 use crate::estimates::matched_pose::MatchedPose;
 
-/// Returns the covariance of the open unknowns, of which `transform` replaces the derivatives by instruments; `None` if the drive does not
-/// determine them.
+/// Returns the covariance of the open unknowns; `None` if the drive does not determine them.
 pub fn covariance(
     equations: &Equations,
-    transform: &DMatrix<f64>,
     pairs: &[MatchedPose],
     (state, sizes): (&FitState, &DriftSizes),
     open: &[usize],
@@ -29,7 +27,8 @@ pub fn covariance(
         return Some(by_one);
     };
     let by_both = clock_by_both_motions(pairs, state, sizes);
-    let mut column = transform * by_both.select_rows(open);
+    let by_both = by_both.select_rows(&equations.instruments.columns);
+    let mut column = &equations.transform * by_both;
     column[clock] += equations.prior[clock];
     let mut slopes = information.clone();
     slopes.set_column(clock, &column);

@@ -7,11 +7,11 @@ use super::neighbours::Neighbours;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::{BODY, BY_RESIDUAL, CLOCK, COLUMNS, SCALE};
+use super::unknowns::{BODY, BY_TRUTH, CLOCK, COLUMNS, SCALE};
 use crate::estimates::matched_pose::{MatchedPose, PoseTwist};
 
-/// Derivatives of three residuals by the unknowns and by what wanders. Those by lever arm and clock come twice: by the instruments, and by the
-/// residuals.
+/// Derivatives of three residuals by the unknowns and by what wanders. Those by the lever arm come twice: by the orientations of each
+/// trajectory.
 pub type ByUnknowns = SMatrix<f64, 3, COLUMNS>;
 pub type ByWandering = SMatrix<f64, 3, WANDERING>;
 
@@ -41,22 +41,26 @@ pub fn epoch_rows(
 ) -> EpochRows {
     let (MatchedPose { pose, truth, .. }, fit) = (pair, &state.fit);
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
-    let [mut lever_axes, mut lever_by_residual] = [Matrix3::zeros(); 2];
+    let [mut lever_by_estimate, mut lever_by_truth] = [Matrix3::zeros(); 2];
+    let mut by_turn = Matrix3::zeros();
     let orientation = fit.placed_orientation(pose);
     if let Some(rotation) = &truth.rotation {
-        // By the estimate: the noise of the ground truth's orientation is in the residual too, and would shorten the lever arm. The noise of the
-        // estimate's seems to be information, so both are needed.
         let by_estimate = orientation.zip(fit.body_rotation);
         let vehicle =
             by_estimate.map_or(rotation.orientation, |(body, turn)| body * turn.inverse());
-        lever_axes = vehicle.to_rotation_matrix().into_inner();
-        lever_by_residual = rotation.orientation.to_rotation_matrix().into_inner();
+        lever_by_estimate = vehicle.to_rotation_matrix().into_inner();
+        lever_by_truth = rotation.orientation.to_rotation_matrix().into_inner();
+        if state.is_turned_by_estimate {
+            let lever_m = fit.lever_arm_m.unwrap_or_default();
+            true_m += (lever_by_estimate - lever_by_truth) * lever_m;
+            by_turn = -(lever_by_estimate * lever_m).cross_matrix();
+        }
     } else if let Some(orientation) = pose.orientation {
         let axes = |orientation: UnitQuaternion<f64>| {
             -(state.aligned * orientation.to_rotation_matrix()).into_inner()
         };
-        lever_axes = axes(neighbours.orientation.unwrap_or(orientation));
-        lever_by_residual = axes(orientation);
+        lever_by_estimate = axes(neighbours.orientation.unwrap_or(orientation));
+        lever_by_truth = axes(orientation);
     }
     let twist = compared_twist(pair, state, neighbours.twist);
     let velocity = twist.velocity_m_per_s;
@@ -67,14 +71,15 @@ pub fn epoch_rows(
         by_unknowns: ByUnknowns::zeros(),
     };
     let minus = -Matrix3::identity();
+    position.by_wandering.fixed_view_mut::<3, 3>(0, 0).copy_from(&by_turn);
     position.by_wandering.fixed_view_mut::<3, 3>(0, BY_TRANSLATION).copy_from(&minus);
     position.by_wandering.fixed_view_mut::<3, 3>(0, BY_POSITION).copy_from(&minus);
     for clock in [BY_CLOCK, BY_SLOW_CLOCK] {
         position.by_wandering.set_column(clock, &velocity);
     }
-    position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_axes);
-    let mut by_residual = position.by_unknowns.fixed_view_mut::<3, 3>(0, BY_RESIDUAL);
-    by_residual.copy_from(&lever_by_residual);
+    position.by_unknowns.fixed_view_mut::<3, 3>(0, 0).copy_from(&lever_by_estimate);
+    let mut by_truth = position.by_unknowns.fixed_view_mut::<3, 3>(0, BY_TRUTH);
+    by_truth.copy_from(&lever_by_truth);
     position.by_unknowns.set_column(CLOCK, &velocity);
     // Between the positions of both, by the noise of each: noise would count as motion, and make the other seem too short.
     let own_m = fit.truth_from_estimate.rotate(&(fit.scale * (pose.position_m - state.pivot_m)));

@@ -74,6 +74,7 @@ pub fn fit(
         is_scaled: options.alignment == TrajectoryAlignment::Similarity,
         aligned: Rotation3::identity(),
         share_of_estimate: 1.0,
+        is_turned_by_estimate: false,
         share_of_stamped: 1.0,
         pivot_m: poses.iter().map(|pose| pose.position_m).sum::<Vector3<f64>>()
             / poses.len() as f64,

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::drift_sizes::DriftSizes;
-use super::instruments::by_instruments;
+use super::instruments::{Instruments, by_instruments};
 use super::state::FitState;
 use super::wandering_frame::{WanderingPass, pass};
 use crate::estimates::matched_pose::MatchedPose;
+use resect_core::statistics::sandwich;
 
 /// Factors by which a size is changed in the search, the coarsest first.
 /// Effect: the last one is the accuracy of the sizes, which σ follow by its root at most.
@@ -77,11 +78,17 @@ pub struct Equations {
     pub information: DMatrix<f64>,
     pub gradient: DVector<f64>,
     pub prior: DVector<f64>,
+    /// Blocks of time, without priors.
+    pub blocks: Vec<sandwich::Block>,
+    pub instruments: Instruments,
+    /// Transforms derivatives by the instruments.
+    pub transform: DMatrix<f64>,
 }
 
 impl Equations {
     pub fn of(pass: &WanderingPass, state: &FitState, open: &[usize]) -> Self {
-        let (blocks, _) = by_instruments(&pass.blocks, open);
+        let instruments = Instruments::of(open, state.is_turned_by_estimate);
+        let (blocks, transform) = by_instruments(&pass.blocks, &instruments);
         let prior = state.prior_precision(open);
         let mut information = DMatrix::from_diagonal(&prior);
         let mut gradient = -prior.component_mul(&state.values(open));
@@ -89,6 +96,6 @@ impl Equations {
             information += &block.information;
             gradient += &block.gradient;
         }
-        Self { information, gradient, prior }
+        Self { information, gradient, prior, blocks, transform, instruments }
     }
 }

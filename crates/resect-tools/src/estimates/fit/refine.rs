@@ -7,7 +7,7 @@ use super::clock_evidence::significant_clock_change;
 use super::clock_information;
 use super::drift_sizes::DriftSizes;
 use super::fit::Fit;
-use super::instruments::{FilteredBlock, by_instruments};
+use super::instruments::truth_is_less_noisy;
 use super::likelihood::{Equations, search};
 use super::neighbours::share_of_stamped;
 use super::state::FitState;
@@ -188,6 +188,9 @@ pub fn refine(
             searches += 1;
             let first = sizes.with_slow_clock();
             sizes = search(usual, first, &samples(&pairs), state, &open);
+            if state.fit.body_rotation.is_some() {
+                state.is_turned_by_estimate = truth_is_less_noisy(&filtered.blocks);
+            }
             state.share_of_estimate = share_of_estimate(&pairs, &sizes);
             steps = StepSizes::default();
         } else if settled {
@@ -233,18 +236,19 @@ fn take_sigmas(
     let common = truth.common_errors(&times_s);
     let filtered = pass(pairs, state, sizes, common.as_ref());
     let equations = Equations::of(&filtered, state, open);
-    let (_, transform) = by_instruments(&filtered.blocks, open);
-    let mut covariance =
-        clock_information::covariance(&equations, &transform, pairs, (state, sizes), open)?;
-    let root = equations.information.cholesky()?;
+    let mut covariance = clock_information::covariance(&equations, pairs, (state, sizes), open)?;
+    let root = equations.information.clone().cholesky()?;
     let by_model = root.inverse();
-    let mut widened = by_blocks(&by_model, &filtered.blocks, equations.prior, open)?;
+    let mut widened = by_blocks(&by_model, &equations)?;
     widened.component_mul_assign(&by_free_frame(&by_model, (pairs, state), sizes, open)?);
     // Correlations stay: without them, combinations that the drive determines well would have the σ of their parts.
     let widened = DMatrix::from_diagonal(&widened);
     covariance = &widened * covariance * &widened;
     if let Some(common) = common {
-        let moved = root.solve(&(transform * filtered.by_common.select_rows(open)));
+        let moved = root.solve(
+            &(&equations.transform
+                * filtered.by_common.select_rows(&equations.instruments.columns)),
+        );
         covariance += &moved * &common.covariance * moved.transpose();
     }
     if let Some(step) = last_step {
@@ -261,18 +265,13 @@ fn take_sigmas(
 }
 
 /// Returns the factors of σ by innovations that are correlated after all, or larger than their model.
-fn by_blocks(
-    covariance: &DMatrix<f64>,
-    blocks: &[FilteredBlock],
-    precision: DVector<f64>,
-    open: &[usize],
-) -> Option<DVector<f64>> {
-    let prior = sandwich::Prior { precision, weight: 1.0 };
-    let (blocks, _) = by_instruments(blocks, open);
+fn by_blocks(covariance: &DMatrix<f64>, equations: &Equations) -> Option<DVector<f64>> {
+    let prior = sandwich::Prior { precision: equations.prior.clone(), weight: 1.0 };
+    let blocks = &equations.blocks;
     let [twos, fours] =
         [2, 4].map(|count| blocks.chunks(count).map(sandwich::Block::sum).collect::<Vec<_>>());
-    let mut widened = DVector::repeat(open.len(), 1.0_f64);
-    for blocks in [&blocks, &twos, &fours] {
+    let mut widened = DVector::repeat(covariance.nrows(), 1.0_f64);
+    for blocks in [blocks, &twos, &fours] {
         let by_blocks = sandwich::covariance(blocks, Some(&prior))?;
         // Of so many blocks, the variance has this σ relative to itself.
         let significant = 1.0 + (2.0 / blocks.len() as f64).sqrt();

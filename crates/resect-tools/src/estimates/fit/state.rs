@@ -31,6 +31,8 @@ pub struct FitState {
     pub aligned: Rotation3<f64>,
     /// Share of the estimate in the variance of the residuals; the rest is noise that the ground truth states.
     pub share_of_estimate: f64,
+    /// True if the lever arm is turned by the estimate's orientations, and not by those of the ground truth.
+    pub is_turned_by_estimate: bool,
     /// Share of the trajectory that is not interpolated in the velocities by which the clock is estimated.
     pub share_of_stamped: f64,
     /// Centre of scale (m, in the estimate's frame). Map coordinates are millions of metres from their origin.

@@ -108,6 +108,29 @@ fn a_smooth_drive_with_equal_stamps_has_an_honest_clock() {
     assert!((0.4..1.6).contains(&rms), "{rms}");
 }
 
+/// A camera that turns wrongly is moved as well, since what it sees a metre ahead stays in place. Such errors looked like a lever arm of decimetres.
+#[test]
+fn errors_of_orientation_and_position_with_a_common_cause_are_no_lever_arm() {
+    let over_sigma = |seed: u64| {
+        let drive = drive(seed);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (seen_m, mut turned) = (Vector3::x(), Vector3::zeros());
+        let poses = drive.truth.iter().step_by(2).map(|pose| {
+            turned += -0.1 * turned + 0.01 * 0.2_f64.sqrt() * normal(&mut random);
+            let orientation = pose.orientation.expect("known");
+            let wrong = UnitQuaternion::from_scaled_axis(turned) * orientation;
+            let position_m = pose.position_m + orientation * seen_m - wrong * seen_m
+                + 0.002 * normal(&mut random);
+            EstimatedPose { position_m, orientation: Some(wrong), ..*pose }
+        });
+        let fit = fitted(&drive.truth, &trajectory("camera", poses.collect()));
+        let sigma_m = fit.lever_arm_sigma_m.expect("estimated");
+        fit.lever_arm_m.expect("estimated").component_div(&sigma_m).norm_squared()
+    };
+    let rms = ((0..4).map(over_sigma).sum::<f64>() / 12.0).sqrt();
+    assert!(rms < 2.0, "{rms}");
+}
+
 #[test]
 fn a_clock_that_is_set_forward_is_found_with_time_and_size() {
     let mut drive = drive(3);

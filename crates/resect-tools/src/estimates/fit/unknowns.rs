@@ -7,6 +7,7 @@ pub const CLOCK: usize = 3;
 pub const BODY: usize = 4;
 pub const SCALE: usize = 7;
 
-/// Columns of derivatives: the unknowns, of which the lever arm is by its instruments, and the lever arm by the residuals.
-pub const BY_RESIDUAL: usize = UNKNOWNS;
+/// Columns of derivatives: the unknowns, of which the lever arm is by the estimate's orientations, and the lever arm by those of the ground truth.
+/// Against positions, these are those between the poses before and after, and those of the poses.
+pub const BY_TRUTH: usize = UNKNOWNS;
 pub const COLUMNS: usize = UNKNOWNS + 3;

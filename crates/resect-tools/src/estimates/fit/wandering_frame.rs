@@ -19,7 +19,7 @@ use super::neighbours::Neighbours;
 use super::state::{
     BY_CLOCK, BY_ORIENTATION, BY_POSITION, BY_SLOW_CLOCK, BY_TRANSLATION, FitState, WANDERING,
 };
-use super::unknowns::{BY_RESIDUAL, CLOCK, COLUMNS, UNKNOWNS};
+use super::unknowns::{CLOCK, COLUMNS};
 use crate::estimates::matched_pose::MatchedPose;
 use resect_core::calibration::joint::prism_motion::ConstantsJacobian;
 use resect_core::geometry::RigidTransform;
@@ -88,7 +88,7 @@ pub fn pass(
         blocks: Vec::new(),
         cost: 0.0,
         clock: Vec::with_capacity(pairs.len()),
-        by_common: DMatrix::zeros(UNKNOWNS, columns),
+        by_common: DMatrix::zeros(COLUMNS, columns),
     };
     let mut filter = Filter::new(pairs, state, sizes, (sizes.first_rad, columns));
     let mut instants = common.map(|common| common.instants.iter().peekable());
@@ -115,7 +115,7 @@ pub fn pass(
             gradient += weighted * innovation.value;
             pass.cost += innovation.cost;
             if columns > 0 {
-                pass.by_common += weighted.fixed_rows::<UNKNOWNS>(0) * innovation.by_common;
+                pass.by_common += weighted * innovation.by_common;
             }
         }
         pass.clock.push((time_s, filter.later_s()));
@@ -144,14 +144,14 @@ pub fn clock_by_both_motions(
         let state = FitState { share_of_stamped, ..state.clone() };
         Filter::new(pairs, &state, sizes, (sizes.first_rad, 0))
     });
-    let mut sum = DVector::zeros(UNKNOWNS);
+    let mut sum = DVector::zeros(COLUMNS);
     for (number, pair) in pairs.iter().enumerate() {
         filters[0].neighbours = Neighbours::at(pairs, number);
         filters[1].neighbours = filters[0].neighbours;
         let [first, second] = filters.each_mut().map(|filter| filter.next(pair, sizes, None));
         for (first, second) in first.iter().zip(&second) {
             let weighted = first.information * second.by_unknowns.column(CLOCK);
-            sum += first.by_unknowns.fixed_columns::<UNKNOWNS>(0).tr_mul(&weighted);
+            sum += first.by_unknowns.tr_mul(&weighted);
         }
     }
     sum
@@ -161,13 +161,9 @@ fn block_of(
     information: &SMatrix<f64, COLUMNS, COLUMNS>,
     gradient: &SVector<f64, COLUMNS>,
 ) -> FilteredBlock {
-    let squares = information.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0);
-    let by_residual = information.fixed_view::<UNKNOWNS, 3>(0, BY_RESIDUAL);
-    let gradient = gradient.fixed_rows::<UNKNOWNS>(0);
     FilteredBlock {
-        information: DMatrix::from_iterator(UNKNOWNS, UNKNOWNS, squares.iter().copied()),
-        by_residual: DMatrix::from_iterator(UNKNOWNS, 3, by_residual.iter().copied()),
-        gradient: DVector::from_iterator(UNKNOWNS, gradient.iter().copied()),
+        information: DMatrix::from_iterator(COLUMNS, COLUMNS, information.iter().copied()),
+        gradient: DVector::from_iterator(COLUMNS, gradient.iter().copied()),
     }
 }
 
@@ -281,7 +277,8 @@ impl Filter {
             let common = common.filter(|common| common.nrows() >= first + 3)?;
             let mut rows = common.rows(first, 3).into_owned();
             let lever_m = self.state.fit.lever_arm_m;
-            let turned = pair.truth.rotation.as_ref().zip(lever_m).filter(|_| first == 0);
+            let is_by_truth = first == 0 && !self.state.is_turned_by_estimate;
+            let turned = pair.truth.rotation.as_ref().zip(lever_m).filter(|_| is_by_truth);
             if let Some((rotation, lever_m)) = turned {
                 // The body's true position depends on the vehicle's rotation by the lever arm.
                 rows += -(rotation.orientation * lever_m).cross_matrix() * common.rows(3, 3);
