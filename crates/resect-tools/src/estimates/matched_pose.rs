@@ -21,7 +21,7 @@ pub struct TruePose {
 }
 
 impl TruePose {
-    /// Its motion; rates are zero without orientations.
+    /// Returns the motion (m/s, rad/s); the rate is zero without orientations.
     pub fn twist(&self) -> PoseTwist {
         let rate = self.rotation.as_ref().map(|rotation| rotation.rate_rad_per_s);
         PoseTwist {

@@ -14,8 +14,8 @@ use resect_core::geometry::Geodetic;
 /// A meaning has the shape of the other trajectory if it fits this many times better than as read.
 /// Effect: at equal latitude and longitude, a flat drive has one shape by both meanings.
 const TIMES_BETTER: f64 = 3.0;
-/// Radians in one degree as read.
-const DEGREE: f64 = 180.0 / PI;
+/// Radians that were read as degrees are too small by this factor.
+const RADIAN: f64 = 180.0 / PI;
 
 /// The meaning of latitudes and longitudes that differs from their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,10 +77,10 @@ fn converted(
     let Geodetic { latitude_rad, longitude_rad, .. } = trajectory.origin?;
     let true_latitude_rad = match meaning {
         MisreadDegrees::Exchanged => longitude_rad,
-        MisreadDegrees::Radians => DEGREE * latitude_rad,
+        MisreadDegrees::Radians => RADIAN * latitude_rad,
     };
     let is_on_earth = true_latitude_rad.abs() < FRAC_PI_2
-        && (meaning == MisreadDegrees::Exchanged || DEGREE * longitude_rad.abs() <= PI);
+        && (meaning == MisreadDegrees::Exchanged || RADIAN * longitude_rad.abs() <= PI);
     let per_longitude = true_latitude_rad.cos();
     let converted = |pose: &EstimatedPose| {
         let [east_m, north_m, up_m]: [f64; 3] = pose.position_m.into();
@@ -91,7 +91,7 @@ fn converted(
                 Vector3::new(per_longitude * latitude_m, longitude_m, up_m)
             }
             MisreadDegrees::Radians => {
-                Vector3::new(DEGREE * per_longitude * longitude_m, DEGREE * latitude_m, up_m)
+                Vector3::new(RADIAN * per_longitude * longitude_m, RADIAN * latitude_m, up_m)
             }
         };
         EstimatedPose { position_m, ..*pose }
@@ -133,7 +133,7 @@ mod tests {
                 }
                 Some(MisreadDegrees::Radians) => {
                     let narrowing = latitude.to_radians().to_radians().cos();
-                    Vector3::new(narrowing * longitude_m / DEGREE, latitude_m / DEGREE, z)
+                    Vector3::new(narrowing * longitude_m / RADIAN, latitude_m / RADIAN, z)
                 }
             };
             EstimatedPose { position_m, ..pose }

@@ -2,7 +2,8 @@
 //! frame.
 //!
 //! Gauss–Newton steps estimate time offset, lever arm, body rotation and scale beside a frame that wanders ([`wandering_frame`]). The sizes of
-//! noise and drift have the largest likelihood. Noise of orientations is no information on a lever arm ([`instruments`]). σ have two sources. A
+//! noise and drift have the largest likelihood. Noise of orientations is no information on a lever arm ([`instruments`]), and noise of velocities is
+//! none on the clock ([`neighbours`], [`clock_information`]). σ have two sources. A
 //! sandwich estimator over blocks of time needs no model of the innovations. The errors of the ground truth that are common to all instants are
 //! added, because the residuals do not show them. Finally plain least squares over all epochs aligns the frame, as evo does.
 
