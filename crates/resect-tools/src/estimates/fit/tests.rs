@@ -108,7 +108,7 @@ fn a_smooth_drive_with_equal_stamps_has_an_honest_clock() {
     assert!((0.4..1.6).contains(&rms), "{rms}");
 }
 
-/// A camera that turns wrongly is moved as well, since what it sees a metre ahead stays in place. Such errors looked like a lever arm of decimetres.
+/// A camera that turns wrongly is moved as well, since what it sees a metre ahead stays in place. Such errors looked like a lever arm, up to 7 σ.
 #[test]
 fn errors_of_orientation_and_position_with_a_common_cause_are_no_lever_arm() {
     let over_sigma = |seed: u64| {
