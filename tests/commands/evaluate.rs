@@ -632,7 +632,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     };
     line("line.tum", 2000, |i| [0.1 * i, 0.0, 0.0]);
     line("few.tum", 3, |i| [i, i * i, 0.0]);
-    for (name, part) in [("line.tum", "on a line"), ("few.tum", "it has only 3 poses")] {
+    for (name, part) in [("line.tum", "on a line"), ("few.tum", "it has too few poses (3)")] {
         let output = evaluate(&[name], &["--time-offset", "0"]).output().expect("runs");
         let why = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(1) && why.contains(part), "{why}");

@@ -24,7 +24,7 @@ pub enum Unfit {
         "fewer than ten of its times have ground truth; check that both are of one drive, and check a given time offset"
     )]
     FewEpochs,
-    #[error("it has only {0} poses; at least ten are needed")]
+    #[error("it has too few poses ({0}); at least ten are needed")]
     FewPoses(usize),
     #[error(
         "its positions lie on a line, so the alignment is not determined; align it by nothing if it is in the ground truth's frame"

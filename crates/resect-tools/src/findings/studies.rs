@@ -112,7 +112,7 @@ pub(super) fn examples() -> Vec<Finding> {
         estimate_clock_wanders("slam", 0.2),
         estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
         estimate_few_points("slam", 7),
-        estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),
+        estimate_not_judged("slam: it has too few poses (3)", Some(Remedy::JointEstimate)),
         deployment_left_out("drive: method B needs control points"),
     ]
 }

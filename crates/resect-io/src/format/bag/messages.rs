@@ -425,6 +425,13 @@ mod tests {
     }
 
     #[test]
+    fn names_of_frames_end_before_the_terminating_zero_of_cdr() {
+        let named = frame_names(b"/map\0", Some(b"\0"));
+        assert_eq!(named, Some(FrameNames { parent: "map".to_owned(), child: None }));
+        assert_eq!(frame_names(b"\0", Some(b"base_link\0")), None);
+    }
+
+    #[test]
     fn types_are_known_by_either_name() {
         for (name, kind) in [
             ("theodolite_node_msgs/TheodoliteCoordsStamped", Some(Kind::TheodoliteCoords)),
