@@ -65,7 +65,8 @@ const LAYOUT: [&str; 24] = [
 const WORDS: [&str; 5] = ["str", "FindingKind", "NumberSetting", "Unknown", "[Self"];
 
 /// Units by the end of a name, the longest first.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 15] = [
+    ("_M_PER_S2", "m/s²"),
     ("_M_PER_S3", "m/s³"),
     ("_M_PER_S", "m/s"),
     ("_PER_M2", "1/m²"),
