@@ -150,7 +150,7 @@ fn false_alarms_are_rare_at_every_rate() {
             alarms.iter().map(|it| 100.0 * it).collect::<Vec<_>>()
         );
         let mean = alarms.iter().sum::<f64>() / alarms.len() as f64;
-        // From 5 Hz on it is 5 % and more: the tests of distances, drifts and set-ups do not know the facets of the prisms.
-        assert!(rate_hz > 2.5 || mean <= 0.02, "{rate_hz} Hz: {mean}");
+        // At 20 Hz most of what a drive says of heights is noise of the vehicle's tilts, which tests of the priors count as information.
+        assert!(rate_hz > 10.0 || mean <= 0.02, "{rate_hz} Hz: {mean}");
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::followed_prisms::schedule;
-use super::gross_error_limit::gross_error_limit_m;
+use super::gross_error_limit::gross_error_limit_of_step_m;
 use super::joint::{DriveReadings, Reading, STEPS_APART};
 use crate::deployment::findings::outliers::station_left_out;
 use crate::deployment::{Deployment, Finding, Rig};
@@ -51,6 +51,11 @@ pub fn contradicting_runs(runs: &[ContradictingRun], start_s: f64) -> Vec<Findin
     runs.chunk_by(|a, b| a.station == b.station).filter_map(of_station).collect()
 }
 
+/// Shortest time of a run of contested readings that is decided as a whole (s), and the least share of it that is kept; otherwise all is left out.
+/// Simulated: three readings that were kept of a prism on which a station was wrong for two seconds moved heights by 30 mm, 6 σ.
+const SHORTEST_DECIDED_S: f64 = 0.5;
+const LEAST_KEPT: f64 = 0.75;
+
 /// The data of a joint estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct JointData<'a> {
@@ -89,7 +94,10 @@ impl<'a> JointData<'a> {
             let some = track.iter().step_by(track.len().div_ceil(MOST_MEASURED).max(1));
             some.filter_map(move |reading| errors(station, reading).worst_m(station))
         });
-        let Some(limit_m) = gross_error_limit_m(worst_m) else { return (readings, Vec::new()) };
+        let step_s = placed.iter().map(|track| track.longest_s / STEPS_APART).fold(0.0, f64::max);
+        let Some(limit_m) = gross_error_limit_of_step_m(worst_m, step_s) else {
+            return (readings, Vec::new());
+        };
         // The error of a run's readings if the station followed another prism (m).
         let error_m = |station: Station, run: &[&Reading], other: Option<Prism>| {
             let worst_m = run.iter().filter_map(|reading| {
@@ -103,10 +111,10 @@ impl<'a> JointData<'a> {
         let prisms = rig.and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len())).unwrap_or(0);
         let mut runs = Vec::new();
         let tracks = readings.tracks.map_each(|station, track| {
-            let is_kept: Vec<bool> = track
-                .iter()
-                .map(|reading| errors(station, reading).is_kept(station, limit_m))
-                .collect();
+            let judged =
+                track.iter().map(|reading| errors(station, reading).judged(station, limit_m));
+            let is_kept =
+                kept_by_runs(track, &judged.collect::<Vec<_>>(), placed[station].longest_s);
             let both: Vec<(&Reading, bool)> = track.iter().zip(is_kept).collect();
             for run in both.chunk_by(|(_, a), (_, b)| a == b).filter(|run| !run[0].1) {
                 let run: Vec<&Reading> = run.iter().map(|(reading, _)| *reading).collect();
@@ -132,6 +140,33 @@ impl<'a> JointData<'a> {
         });
         (DriveReadings { tracks, restarts_s: readings.restarts_s.clone() }, runs)
     }
+}
+
+/// A reading beside those of other stations.
+#[derive(Clone, Copy)]
+struct JudgedReading {
+    is_kept: bool,
+    /// True if it contradicts another station.
+    is_contested: bool,
+}
+
+/// Returns true for each reading that is kept. Runs of contested readings are left out as a whole if most of them are: where another station has an
+/// outlier, one on another prism seems to be right, and few readings of a prism determine no motion. Readings of a run are less than `longest_s` apart.
+fn kept_by_runs(track: &[Reading], judged: &[JudgedReading], longest_s: f64) -> Vec<bool> {
+    let mut is_kept: Vec<bool> = judged.iter().map(|reading| reading.is_kept).collect();
+    let contested: Vec<usize> =
+        (0..track.len()).filter(|index| judged[*index].is_contested).collect();
+    let longest_s = longest_s.max(SHORTEST_DECIDED_S);
+    let is_same_run = |a: &usize, b: &usize| track[*b].time_s - track[*a].time_s <= longest_s;
+    for run in contested.chunk_by(is_same_run) {
+        let lasts_s = track[run[run.len() - 1]].time_s - track[run[0]].time_s;
+        let kept = run.iter().filter(|index| judged[**index].is_kept).count();
+        let is_long = run.len() >= FEWEST_IN_RUN && lasts_s >= SHORTEST_DECIDED_S;
+        if is_long && (kept as f64) < LEAST_KEPT * run.len() as f64 {
+            run.iter().for_each(|index| is_kept[*index] = false);
+        }
+    }
+    is_kept
 }
 
 /// A track in the frame of station 1.
@@ -214,6 +249,11 @@ impl InstantErrors {
         pairs.map(|(_, error_m)| *error_m)
     }
 
+    fn judged(&self, station: Station, limit_m: f64) -> JudgedReading {
+        let is_contested = self.errors_m(station).any(|error_m| error_m >= limit_m);
+        JudgedReading { is_kept: self.is_kept(station, limit_m), is_contested }
+    }
+
     fn is_kept(&self, station: Station, limit_m: f64) -> bool {
         let fitting = self.fitting(station, limit_m);
         let contradicts = |(stations, error_m): &([Station; 2], f64)| {
@@ -224,5 +264,30 @@ impl InstantErrors {
                     .any(|other| *other != station && self.fitting(*other, limit_m) >= fitting)
         };
         !self.pairs.iter().any(contradicts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings at 20 Hz, as they are judged alone: `k` is kept, `c` kept and contested, `-` left out.
+    fn kept(judged: &str) -> String {
+        let reading = |index: usize| Reading { time_s: 0.05 * index as f64, point_m: Vector3::x() };
+        let track: Vec<Reading> = (0..judged.len()).map(reading).collect();
+        let judged = judged
+            .chars()
+            .map(|c| JudgedReading { is_kept: c != '-', is_contested: c != 'k' })
+            .collect::<Vec<_>>();
+        let is_kept = kept_by_runs(&track, &judged, 0.125);
+        is_kept.into_iter().map(|is_kept| if is_kept { 'k' } else { '-' }).collect()
+    }
+
+    #[test]
+    fn readings_within_a_run_on_another_prism_are_left_out_with_it() {
+        assert_eq!(kept("kkk---------cc---------kkk"), "kkk--------------------kkk");
+        // A station that is right while another one is on a wrong prism, and single outliers.
+        assert_eq!(kept("kkkcccccccccc-cccccccccckkk"), "kkkkkkkkkkkkk-kkkkkkkkkkkkk");
+        assert_eq!(kept("kk-ckkkkkkkkkkkkkkkkkk--ckk"), "kk-kkkkkkkkkkkkkkkkkkk--kkk");
     }
 }

@@ -8,6 +8,7 @@ use super::spans::spans;
 use super::state_vector::{Constants, Layout, Slow, StateVector};
 use super::station_model::{MeanSight, StationModel};
 use crate::network::{Number, PerStation};
+use crate::statistics::median;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -124,6 +125,11 @@ impl Drive {
     pub fn excess_jerks(&self, grid: &KnotGrid) -> Vec<JerkVariance> {
         let at = |first: usize| self.excess_jerk.variance(grid.jerk_time_s(first), grid.knot_s);
         (0..grid.jerks()).map(at).collect()
+    }
+
+    /// Usual time between knots (s).
+    pub fn knot_s(&self) -> f64 {
+        median(self.segments.iter().map(|segment| segment.grid.knot_s)).unwrap_or(1.0)
     }
 
     /// Knots of all segments.

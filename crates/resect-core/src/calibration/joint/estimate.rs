@@ -6,6 +6,7 @@ use super::attempt_end::{AttemptEnd, not_definite};
 use super::constants_prior::prior_mean;
 use super::detected_steps::{add_steps, measured_steps};
 use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::learned_noise::learn_noise;
@@ -374,7 +375,7 @@ impl Iteration<'_> {
             let widened = priors.widen_clock_offsets(&constants, &covariance);
             widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
         }
-        add_survey(step, &mut self.pending_survey, state, priors, trace)?;
+        add_survey(step, &mut self.pending_survey, state, priors, (trace, progress))?;
         // The search has a factor of its own.
         step.factor.forget_rows();
         if self.sizes.ranges_wander {
@@ -423,7 +424,7 @@ fn add_survey(
     pending: &mut Option<SurveyEvidence>,
     state: &StateVector,
     priors: &mut Priors,
-    trace: &mut Trace,
+    (trace, progress): (&mut Trace, &Progress),
 ) -> Result<(), AttemptEnd> {
     if let Some(survey) = pending.take() {
         let by_distances = (priors.layout.pairs() > 0 && priors.distances_are_evidence)
@@ -434,8 +435,14 @@ fn add_survey(
     }
     let constants = &state.constants - &step.step.constants;
     let covariance = step.factor.constants_covariance();
-    let survey = priors.survey.as_ref();
-    let changed = survey.and_then(|survey| survey.with_detected_change(&constants, &covariance));
+    let by_facets = || {
+        let facets = FacetCovariance::new(step, (state, priors), &[], progress)?;
+        Ok(facets.constants)
+    };
+    let changed = match &priors.survey {
+        Some(survey) => survey.with_detected_change(&constants, &covariance, by_facets)?,
+        None => None,
+    };
     let Some(changed) = changed else { return Ok(()) };
     if !changed.changed.is_empty() {
         trace.add_event(TraceEvent::SetUpChanged(changed.changed.clone()));

@@ -63,7 +63,8 @@
 //! ```
 //!
 //! with the noise `σ_h` of horizontal angles, `σ_v` of vertical ones, and `σ_t` of the stamp. Two more equations tie the splines. Once a knot interval, a distance of the rig has the standard
-//! deviation `σ_rig`: 1.5 mm with the facets of the prisms, or 0.35 mm of flexibility if `ranges_wander` is off. From knot to knot the jerk has
+//! deviation `σ_rig`: 1.5 mm √(2 s / h) with the facets of the prisms, which show the same error for about 2 s, or 0.35 mm of flexibility if `ranges_wander`
+//! is off. From knot to knot the jerk has
 //! the standard deviation `σ_jerk`, one for horizontal coordinates and one for heights:
 //!
 //! ```text
@@ -195,7 +196,8 @@
 //! [`mod@estimate`] starts from the transforms of a published method, the measured distances, and splines through the readings.
 //!
 //! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
-//!    other, the one that fits more other stations is kept; neither, if they fit as many. A station alone has no such test.
+//!    other, the one that fits more other stations is kept; neither, if they fit as many. A run of half a second from which most are left out is left
+//!    out as a whole. A station alone has no such test.
 //! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad: after two steps of the
 //!    motion alone, and three times again after a step of all unknowns. The levels are constant from then on.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: once no constant moves by more
@@ -233,7 +235,7 @@
 //!   ```
 //!
 //! - The first search adds the survey. If the drive alone does not determine the answer, or did not converge, the survey is used from the first
-//!   step on. D is widened once: for the station whose change is significant, or for all that may have changed. With the Jacobian `J_i` of the poses by that of station i, and the fitted change (Δo, Δψ):
+//!   step on. D is widened once: for the station whose change is significant, also with the facets F, or for all that may have changed. With the Jacobian `J_i` of the poses by that of station i, and the fitted change (Δo, Δψ):
 //!
 //!   ```text
 //!   D ← D + J_i diag(max(5 mm, |Δo|)², max(2 mrad, |Δψ|)²) J_iᵀ                                 (23)
@@ -262,7 +264,8 @@
 //! (o_i, ψ_i) + mean_b s_b,  covariance C + Q / 3 + F                                          (25)
 //! ```
 //!
-//! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The constants θ have such a
+//! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The facets are no noise: heights
+//! respond to them by the Hessian (27). The constants θ have such a
 //! covariance as well, with which the poses of the vehicle are computed ([`mod@facet_covariance`]).
 //!
 //! The normal matrix counts noise of the vehicle's tilts as information on heights. C, F and the covariance of θ are those of the Hessian instead, as far as
