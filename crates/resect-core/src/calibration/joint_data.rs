@@ -151,8 +151,8 @@ struct JudgedReading {
     is_contested: bool,
 }
 
-/// Returns true for each reading that is kept. Runs of contested readings are left out as a whole if most of them are: where another station has an
-/// outlier, one on another prism seems to be right, and few readings of a prism determine no motion. Readings of a run are less than `longest_s` apart.
+/// Returns true for each reading that is kept. Runs of contested readings are left out as a whole unless [`LEAST_KEPT`] of them are kept. Where another
+/// station has an outlier, one on another prism seems to be right, and few readings of a prism determine no motion. Readings of a run are less than `longest_s` apart.
 fn kept_by_runs(track: &[Reading], judged: &[JudgedReading], longest_s: f64) -> Vec<bool> {
     let mut is_kept: Vec<bool> = judged.iter().map(|reading| reading.is_kept).collect();
     let contested: Vec<usize> =
