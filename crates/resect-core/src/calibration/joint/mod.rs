@@ -196,7 +196,8 @@
 //!
 //! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
 //!    other, the one that fits more other stations is kept; neither, if they fit as many. A run of half a second of which less than three quarters are
-//!    kept is left out as a whole. A station alone has no such test.
+//!    kept is left out as a whole. Where one other station alone sees the rig, so is a run that clearly fits another prism. A station alone has no such
+//!    test.
 //! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad: after two steps of the
 //!    motion alone, and three times again after a step of all unknowns. The levels are constant from then on.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: once no constant moves by more
