@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::names::{SOURCES, files_of};
 
 /// Most lines of code of each crate, in the order of [`SOURCES`].
-const MOST_LINES: [usize; SOURCES.len()] = [26350, 13961, 13998, 2402, 8399, 33467];
+const MOST_LINES: [usize; SOURCES.len()] = [26480, 13961, 13998, 2402, 8399, 33467];
 
 fn is_test(path: &Path) -> bool {
     let mut names = path.iter().filter_map(|name| name.to_str());

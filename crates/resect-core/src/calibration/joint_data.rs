@@ -56,6 +56,13 @@ const SHORTEST_DECIDED_S: f64 = 0.5;
 /// Least share of such a run that is kept; otherwise all of it is left out.
 /// Simulated: three readings that were kept of a prism on which a station was wrong for two seconds moved heights by 30 mm, 6 σ.
 const LEAST_KEPT: f64 = 0.75;
+/// Another prism fits a reading if its error is less than this share of the own one.
+/// Simulated: with prisms in nearly an equilateral triangle, heights were 30 mm off, 6 σ, where a station was on another prism while one other station saw
+/// the rig.
+const CLEARLY_LESS: f64 = 0.5;
+/// It is also less by this share of the limit of gross errors.
+/// Simulated: without this limit noise decides where distances are the same, and two of 400 drives do not converge.
+const CLEAR_SHARE: f64 = 0.2;
 
 /// The data of a joint estimate.
 #[derive(Clone, Copy, Debug)]
@@ -123,15 +130,18 @@ impl<'a> JointData<'a> {
                 if run.len() < FEWEST_IN_RUN || span_s[1] - span_s[0] < SHORTEST_RUN_S {
                     continue;
                 }
-                let fits = |prism: &Prism| {
-                    error_m(station, &run, Some(*prism)).is_some_and(|error_m| error_m < limit_m)
+                let fits = |prism: Prism| {
+                    let error_m = error_m(station, &run, Some(prism))?;
+                    (error_m < limit_m).then_some((prism, error_m))
                 };
+                let best = (0..prisms).map(Prism::at).filter_map(fits);
+                let best = best.min_by(|(_, a_m), (_, b_m)| a_m.total_cmp(b_m));
                 runs.push(ContradictingRun {
                     station,
                     span_s,
                     readings: run.len(),
                     error_m: error_m(station, &run, None).unwrap_or(0.0),
-                    prism: (0..prisms).map(Prism::at).find(fits),
+                    prism: best.map(|(prism, _)| prism),
                 });
             }
             let kept = both.iter().filter(|(_, is_kept)| *is_kept);
@@ -143,28 +153,40 @@ impl<'a> JointData<'a> {
     }
 }
 
-/// A reading beside those of other stations.
-#[derive(Clone, Copy)]
-struct JudgedReading {
-    is_kept: bool,
-    /// True if it contradicts another station.
-    is_contested: bool,
+/// Verdict on a reading beside those of other stations.
+#[derive(Clone, Copy, PartialEq)]
+enum ReadingVerdict {
+    Fits,
+    /// It contradicts a station that fits fewer others.
+    Contested,
+    /// One other station alone sees the rig, and another prism fits this station's readings better.
+    FitsAnotherPrism,
+    /// It contradicts a station that fits as many others.
+    Contradicts,
 }
 
-/// Returns true for each reading that is kept. Runs of contested readings are left out as a whole unless [`LEAST_KEPT`] of them are kept. Where another
-/// station has an outlier, one on another prism seems to be right, and few readings of a prism determine no motion. Readings of a run are less than `longest_s` apart.
-fn kept_by_runs(track: &[Reading], judged: &[JudgedReading], longest_s: f64) -> Vec<bool> {
-    let mut is_kept: Vec<bool> = judged.iter().map(|reading| reading.is_kept).collect();
-    let contested: Vec<usize> =
-        (0..track.len()).filter(|index| judged[*index].is_contested).collect();
+/// Returns true for each reading that is kept. Runs of readings that do not fit are left out as a whole unless [`LEAST_KEPT`] of them are contested ones. Where
+/// another station has an outlier, one on another prism seems to be right, and few readings of a prism determine no motion. Readings of a run are less than
+/// `longest_s` apart.
+fn kept_by_runs(track: &[Reading], judged: &[ReadingVerdict], longest_s: f64) -> Vec<bool> {
+    let mut is_kept: Vec<bool> =
+        judged.iter().map(|judgement| *judgement != ReadingVerdict::Contradicts).collect();
+    let doubtful: Vec<usize> =
+        (0..track.len()).filter(|index| judged[*index] != ReadingVerdict::Fits).collect();
     let longest_s = longest_s.max(SHORTEST_DECIDED_S);
     let is_same_run = |a: &usize, b: &usize| track[*b].time_s - track[*a].time_s <= longest_s;
-    for run in contested.chunk_by(is_same_run) {
-        let lasts_s = track[run[run.len() - 1]].time_s - track[run[0]].time_s;
-        let kept = run.iter().filter(|index| judged[**index].is_kept).count();
+    for run in doubtful.chunk_by(is_same_run) {
+        let [first, last] = [run[0], run[run.len() - 1]];
+        let lasts_s = track[last].time_s - track[first].time_s;
+        let contested =
+            run.iter().filter(|index| judged[**index] == ReadingVerdict::Contested).count();
         let is_long = run.len() >= FEWEST_IN_RUN && lasts_s >= SHORTEST_DECIDED_S;
-        if is_long && (kept as f64) < LEAST_KEPT * run.len() as f64 {
+        if is_long && (contested as f64) < LEAST_KEPT * run.len() as f64 {
             run.iter().for_each(|index| is_kept[*index] = false);
+            // Noise makes single readings between them fit the own prism.
+            if run.iter().any(|index| judged[*index] == ReadingVerdict::FitsAnotherPrism) {
+                is_kept[first..=last].fill(false);
+            }
         }
     }
     is_kept
@@ -202,6 +224,8 @@ impl<'a> PlacedTrack<'a> {
 struct InstantErrors {
     /// Two stations, and the error of their distance (m).
     pairs: Vec<([Station; 2], f64)>,
+    /// Least error of the own distance if the station followed another prism (m), where one other station alone sees the rig.
+    on_another_prism_m: Option<f64>,
 }
 
 impl InstantErrors {
@@ -216,22 +240,33 @@ impl InstantErrors {
         };
         let present: Vec<(Station, Prism, Vector3<f64>)> =
             placed.each().filter_map(position).collect();
-        let mut pairs = Vec::new();
+        let mut errors = Self { pairs: Vec::new(), on_another_prism_m: None };
         // Without the own position, all of its pairs are unknown.
         if present.iter().all(|(station, ..)| *station != own) {
-            return Self { pairs };
+            return errors;
         }
+        let error_m = |prisms: [Prism; 2], apart_m: f64| {
+            let known_m = match Pair::between(prisms[0], prisms[1]) {
+                None => Some(0.0),
+                Some(pair) => rig.and_then(|rig| rig.inter_prism_m.get(pair)).copied(),
+            };
+            known_m.map(|known_m| (apart_m - known_m).abs())
+        };
         for (index, (a, prism_a, a_m)) in present.iter().enumerate() {
             for (b, prism_b, b_m) in &present[index + 1..] {
-                let known_m = match Pair::between(*prism_a, *prism_b) {
-                    None => Some(0.0),
-                    Some(pair) => rig.and_then(|rig| rig.inter_prism_m.get(pair)).copied(),
-                };
-                let Some(known_m) = known_m else { continue };
-                pairs.push(([*a, *b], ((a_m - b_m).norm() - known_m).abs()));
+                let error_m = error_m([*prism_a, *prism_b], (a_m - b_m).norm());
+                errors.pairs.extend(error_m.map(|error_m| ([*a, *b], error_m)));
             }
         }
-        Self { pairs }
+        if let [a, b] = &present[..] {
+            let other = if a.0 == own { b.1 } else { a.1 };
+            let apart_m = (a.2 - b.2).norm();
+            let prisms = rig.and_then(|rig| Pair::prisms_of(rig.inter_prism_m.len())).unwrap_or(0);
+            let others = (0..prisms).map(Prism::at).filter(|prism| *prism != followed[own]);
+            let errors_m = others.filter_map(|prism| error_m([prism, other], apart_m));
+            errors.on_another_prism_m = errors_m.reduce(f64::min);
+        }
+        errors
     }
 
     /// Returns the largest error of a station's distances (m); `None` for a station alone.
@@ -250,9 +285,19 @@ impl InstantErrors {
         pairs.map(|(_, error_m)| *error_m)
     }
 
-    fn judged(&self, station: Station, limit_m: f64) -> JudgedReading {
-        let is_contested = self.errors_m(station).any(|error_m| error_m >= limit_m);
-        JudgedReading { is_kept: self.is_kept(station, limit_m), is_contested }
+    fn judged(&self, station: Station, limit_m: f64) -> ReadingVerdict {
+        if !self.is_kept(station, limit_m) {
+            return ReadingVerdict::Contradicts;
+        }
+        let Some(worst_m) = self.worst_m(station) else { return ReadingVerdict::Fits };
+        let clear_m = (CLEARLY_LESS * worst_m).min(worst_m - CLEAR_SHARE * limit_m);
+        if self.on_another_prism_m.is_some_and(|error_m| error_m < clear_m) {
+            ReadingVerdict::FitsAnotherPrism
+        } else if worst_m >= limit_m {
+            ReadingVerdict::Contested
+        } else {
+            ReadingVerdict::Fits
+        }
     }
 
     fn is_kept(&self, station: Station, limit_m: f64) -> bool {
@@ -272,13 +317,18 @@ impl InstantErrors {
 mod tests {
     use super::*;
 
-    /// Readings at 20 Hz, as they are judged alone: `k` is kept, `c` kept and contested, `-` left out.
+    /// Readings at 20 Hz, as they are judged alone: `k` fits, `c` is contested, `a` fits another prism, and `-` is left out.
     fn kept(judged: &str) -> String {
         let reading = |index: usize| Reading { time_s: 0.05 * index as f64, point_m: Vector3::x() };
         let track: Vec<Reading> = (0..judged.len()).map(reading).collect();
         let judged = judged
             .chars()
-            .map(|c| JudgedReading { is_kept: c != '-', is_contested: c != 'k' })
+            .map(|c| match c {
+                'k' => ReadingVerdict::Fits,
+                'c' => ReadingVerdict::Contested,
+                'a' => ReadingVerdict::FitsAnotherPrism,
+                _ => ReadingVerdict::Contradicts,
+            })
             .collect::<Vec<_>>();
         let is_kept = kept_by_runs(&track, &judged, 0.125);
         is_kept.into_iter().map(|is_kept| if is_kept { 'k' } else { '-' }).collect()
@@ -290,5 +340,8 @@ mod tests {
         // A station that is right while another one is on a wrong prism, and single outliers.
         assert_eq!(kept("kkkcccccccccc-cccccccccckkk"), "kkkkkkkkkkkkk-kkkkkkkkkkkkk");
         assert_eq!(kept("kk-ckkkkkkkkkkkkkkkkkk--ckk"), "kk-kkkkkkkkkkkkkkkkkkk--kkk");
+        // Beside one other station; noise alone makes another prism fit single readings.
+        assert_eq!(kept("kkkaaakaakaaaakkkkkkkkkkkkk"), "kkk-----------kkkkkkkkkkkkk");
+        assert_eq!(kept("kkkakkkkkkkkkkkkkkaakkkkkkk"), "kkkkkkkkkkkkkkkkkkkkkkkkkkk");
     }
 }

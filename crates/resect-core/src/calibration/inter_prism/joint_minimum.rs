@@ -101,6 +101,9 @@ impl MinimumSearch<'_> {
             let twin = first.1.solution.choice.answer.clone();
             return Ok(decided(second, twin, Some(for_second)));
         }
+        if for_first <= decisive && for_first > 0.0 && is_decided_by_cost(&first) {
+            return Ok(first);
+        }
         Ok(decided(first, twin, Some(for_first).filter(|excess| *excess > decisive)))
     }
 }

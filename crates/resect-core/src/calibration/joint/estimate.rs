@@ -6,6 +6,7 @@ use super::attempt_end::{AttemptEnd, not_definite};
 use super::constants_prior::prior_mean;
 use super::detected_steps::{add_steps, measured_steps};
 use super::drive::{BLOCK_LENGTHS_S, Drive};
+use super::facet_covariance::FacetCovariance;
 use super::gauss_newton_step::{GaussNewtonStep, RowBuffers, step_motion};
 use super::joint_estimate::JointEstimate;
 use super::learned_noise::learn_noise;
@@ -16,6 +17,7 @@ use super::prism_motion::Solution;
 use super::readings::DriveReadings;
 use super::solver_status::SolverStatus;
 use super::state_vector::{Constants, ConstantsMatrix, Layout, StateVector};
+use super::step_control::{is_small, share_after};
 use super::step_search::StationStep;
 use super::survey::Survey;
 use super::survey_change::{PosesByDistances, SurveyEvidence};
@@ -46,14 +48,6 @@ const MOTION_STEPS: usize = 3;
 const COST_TOLERANCE: f64 = 0.01;
 /// Share of a step that is taken again, over its share before.
 const SHORTER: f64 = 0.25;
-/// Share of a step after one that went too far.
-const OVERSHOT: f64 = 0.5;
-/// Steps that shrink more slowly than by this factor are shortened if they turn back, or else extrapolated.
-const SLOW: f64 = 0.6;
-/// Least cosine of the angle between steps in one direction, and between opposite ones.
-const ONE_DIRECTION: f64 = 0.8;
-/// Largest multiple of a step that is taken.
-const LONGEST: f64 = 10.0;
 /// A smaller share of a step is not taken again.
 const SHORTEST: f64 = 1e-3;
 /// Normal matrices are not reused after a longer step (σ²).
@@ -63,11 +57,6 @@ const DIVERGED_M: f64 = 30.0;
 /// If a station seems to have moved further since the survey (m), the drive may have another answer, near the control points. Simulated: of 20
 /// circles driven one way, one has an answer 7 m away that fits as well.
 const ELSEWHERE_M: f64 = 0.3;
-/// The iteration has converged once the squared length of a step is this small (σ²).
-const CONVERGED: f64 = 4e-3;
-/// Blocks that may share this squared length. On longer drives no constant moves by more than its root, either.
-const CONVERGED_BLOCKS: f64 = 100.0;
-
 /// Input of the joint estimate beside the readings of the drive.
 #[derive(Clone)]
 pub struct JointInput<'a> {
@@ -279,7 +268,7 @@ impl Iteration<'_> {
                 // The cost is that of the state at which the matrix was computed.
                 row.cost = row.cost.filter(|_| !reuse_matrix);
             })?;
-            if is_small(&step) {
+            if is_small(&step, self.iterations) {
                 return Ok(step);
             }
             if self.iterations >= MOST_ITERATIONS {
@@ -374,7 +363,7 @@ impl Iteration<'_> {
             let widened = priors.widen_clock_offsets(&constants, &covariance);
             widened.into_iter().for_each(|it| trace.add_event(TraceEvent::ClockPriorWidened(it)));
         }
-        add_survey(step, &mut self.pending_survey, state, priors, trace)?;
+        add_survey(step, &mut self.pending_survey, state, priors, (trace, progress))?;
         // The search has a factor of its own.
         step.factor.forget_rows();
         if self.sizes.ranges_wander {
@@ -423,7 +412,7 @@ fn add_survey(
     pending: &mut Option<SurveyEvidence>,
     state: &StateVector,
     priors: &mut Priors,
-    trace: &mut Trace,
+    (trace, progress): (&mut Trace, &Progress),
 ) -> Result<(), AttemptEnd> {
     if let Some(survey) = pending.take() {
         let by_distances = (priors.layout.pairs() > 0 && priors.distances_are_evidence)
@@ -434,8 +423,14 @@ fn add_survey(
     }
     let constants = &state.constants - &step.step.constants;
     let covariance = step.factor.constants_covariance();
-    let survey = priors.survey.as_ref();
-    let changed = survey.and_then(|survey| survey.with_detected_change(&constants, &covariance));
+    let by_facets = || {
+        let facets = FacetCovariance::new(step, (state, priors), &[], progress)?;
+        Ok(facets.constants)
+    };
+    let changed = match &priors.survey {
+        Some(survey) => survey.with_detected_change(&constants, &covariance, by_facets)?,
+        None => None,
+    };
     let Some(changed) = changed else { return Ok(()) };
     if !changed.changed.is_empty() {
         trace.add_event(TraceEvent::SetUpChanged(changed.changed.clone()));
@@ -450,31 +445,6 @@ fn poses_by_distances(covariance: &ConstantsMatrix, priors: &Priors) -> PosesByD
     let distances: Vec<usize> = layout.indices(&DISTANCE).collect();
     let by_distances = covariance * priors.own_information().select_columns(&distances);
     by_distances.rows(0, layout.poses()).into_owned()
-}
-
-/// Returns true for a step with which the iteration has converged.
-fn is_small(step: &GaussNewtonStep) -> bool {
-    let times = step.step.slow.len() as f64 / CONVERGED_BLOCKS;
-    // (21)
-    step.squared_length < CONVERGED
-        || step.squared_length < CONVERGED * times && step.largest_step_sigmas().powi(2) < CONVERGED
-}
-
-/// Returns the share of a step (σ) after another one, of which this share was taken.
-///
-/// With fixed weights each error shrinks from step to step by the factor of its direction, so that the slowest remains. If it is negative, the
-/// last step went too far, and the next one, as long, would return. Otherwise the sum of all further steps is known (Aitken 1926).
-fn share_after(before: &Constants, share: f64, step: &Constants, is_fixed: bool) -> f64 {
-    let factor = step.norm() / before.norm();
-    let cosine = step.dot(before) / (step.norm() * before.norm());
-    if is_fixed && factor > SLOW && cosine < -ONE_DIRECTION {
-        return OVERSHOT * share.min(1.0);
-    }
-    let is_slow = is_fixed && share == 1.0 && (SLOW..1.0).contains(&factor);
-    if is_slow && cosine > ONE_DIRECTION {
-        return (1.0 - factor).recip().min(LONGEST);
-    }
-    (2.0 * share).min(1.0)
 }
 
 fn has_diverged(constants: &Constants, mean: &Constants, slots: usize) -> bool {

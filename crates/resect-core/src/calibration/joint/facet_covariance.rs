@@ -23,6 +23,7 @@ use super::gauss_newton_step::GaussNewtonStep;
 use super::gradients::Gradients;
 use super::linearisation::Linearisation;
 use super::motion_band::MotionBand;
+use super::priors::Priors;
 use super::residuals::{LinearisationPoint, NoiseLevels, ReadingResidual, spline_value};
 use super::state_vector::{BlockVector, ConstantsMatrix, Layout, StateVector};
 use crate::linear_algebra::bordered_rows::{RowShape, forward_substitute};
@@ -47,19 +48,23 @@ pub struct FacetCovariance {
 }
 
 impl FacetCovariance {
-    pub fn zeros(layout: &Layout) -> Self {
+    fn zeros(layout: &Layout) -> Self {
         let square = |size: usize| DMatrix::zeros(size, size);
         Self { poses: square(layout.poses()), constants: square(layout.constants) }
     }
 
-    /// The covariance at the state of a step; `sensitivity` is the solution for the Jacobian of the poses.
+    /// The covariance at the state of a step with these priors; `sensitivity` is the response of the poses to a gradient.
     pub fn new(
         step: &GaussNewtonStep,
-        state: &StateVector,
+        (state, priors): (&StateVector, &Priors),
         sensitivity: &[ChainVector],
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
         let (matrix, layout) = (&step.normal.matrix, &step.normal.drive().layout);
+        // One prism has no heading.
+        if layout.prisms() < 2 || !priors.has_facets {
+            return Ok(Self::zeros(layout));
+        }
         let shape = chain_shape(layout);
         let mut effects = vec![FacetEffect::zeros(shape, sensitivity.len()); effects_of(layout)];
         let mut gradients = BlockGradients { step, state, next: 0, of_blocks: VecDeque::new() };
@@ -85,7 +90,9 @@ impl FacetCovariance {
             let share = if is_draw { 1.0 / DRAWS as f64 } else { 1.0 };
             let constants = step.factor.solve_constants(&constants[..layout.constants]);
             covariance.constants.ger(share, &constants, &constants, 1.0);
-            covariance.poses.ger(share, &poses, &poses, 1.0);
+            if !sensitivity.is_empty() {
+                covariance.poses.ger(share, &poses, &poses, 1.0);
+            }
         }
         Ok(covariance)
     }

@@ -12,7 +12,8 @@
 //! δ + P G J δ,  G = L⁻ᵀ U (Λ^(−1/2) − 1) Uᵀ L⁻¹                                                 (27)
 //! ```
 //!
-//! Λ is the share of the information that is not noise.
+//! Λ is the share of the information that is not noise. The response `N⁻¹ g` to a further gradient g, such as that of the facets, is `H⁻¹ g` in truth:
+//! with `Λ⁻¹` instead of its root.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -31,9 +32,10 @@ const SHIFT_SIGMAS: f64 = 0.3;
 /// Least share of the information on a height that is not noise: σ grows by a factor of three at most.
 const LEAST_SHARE: f64 = 0.1;
 
-/// G of (27), and the least share Λ.
+/// G of (27), that of the response to a gradient, and the least share Λ.
 pub struct HeightCurvature {
     pub by_heights: DMatrix<f64>,
+    pub of_response: DMatrix<f64>,
     pub least_share: f64,
 }
 
@@ -47,7 +49,8 @@ impl HeightCurvature {
 
     /// That of a cost without curvature.
     pub fn none(size: usize) -> Self {
-        Self { by_heights: DMatrix::zeros(size, size), least_share: 1.0 }
+        let zeros = DMatrix::zeros(size, size);
+        Self { by_heights: zeros.clone(), of_response: zeros, least_share: 1.0 }
     }
 }
 
@@ -87,9 +90,13 @@ fn curvature(covariance: DMatrix<f64>, hessian: &DMatrix<f64>) -> HeightCurvatur
     }
     let shares = (&inverse * hessian * inverse.transpose()).symmetric_eigen();
     let axes = inverse.tr_mul(&shares.eigenvectors);
-    let more = shares.eigenvalues.map(|share| share.clamp(LEAST_SHARE, 1.0).sqrt().recip() - 1.0);
+    let more = |power: f64| {
+        let more = shares.eigenvalues.map(|share| share.clamp(LEAST_SHARE, 1.0).powf(-power) - 1.0);
+        &axes * DMatrix::from_diagonal(&more) * axes.transpose()
+    };
     HeightCurvature {
-        by_heights: &axes * DMatrix::from_diagonal(&more) * axes.transpose(),
+        by_heights: more(0.5),
+        of_response: more(1.0),
         least_share: shares.eigenvalues.min(),
     }
 }
@@ -152,16 +159,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn information_that_is_half_noise_gives_twice_the_variance_and_limits_hold() {
+    fn information_that_is_half_noise_gives_twice_the_variance_and_response_and_limits_hold() {
         let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 9.0]);
-        let variances = |share: f64| {
-            let more = curvature(covariance.clone(), &(&covariance * share)).by_heights;
+        let scaled = |more: DMatrix<f64>| {
             let factor = DMatrix::identity(2, 2) + &covariance * more;
             (&factor * &covariance * factor.transpose()).diagonal()
         };
+        let of_share = |share: f64| curvature(covariance.clone(), &(&covariance * share));
+        let variances = |share: f64| scaled(of_share(share).by_heights);
         for (share, times) in [(0.5, 2.0), (1.0, 1.0), (1.7, 1.0), (0.01, 10.0), (-3.0, 10.0)] {
             let expected = covariance.diagonal() * times;
             assert!((variances(share) - &expected).norm() < 1e-9, "{share}");
+            // A response to a gradient is twice as large.
+            let expected = covariance.diagonal() * (times * times);
+            assert!((scaled(of_share(share).of_response) - &expected).norm() < 1e-9, "{share}");
         }
         assert_eq!(variances(f64::NAN), covariance.diagonal());
     }

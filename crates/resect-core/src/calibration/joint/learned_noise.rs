@@ -37,7 +37,8 @@ pub fn learn_noise(
         priors.precision[index] = sigma.powi(-2);
     }
     let squares = ResidualSquares::zeros(priors.layout.stations());
-    let levels = NoiseLevels { distance_m: priors.observed_distance_m, ..FIRST_LEVELS };
+    let distance_m = priors.observed_distance_m(sample.knot_s());
+    let levels = NoiseLevels { distance_m, ..FIRST_LEVELS };
     let mut weighting = Weighting { levels, redundancy: 0.5, fixed: None, squares };
     let mut state = sample.initial_state(&priors.mean);
     let mut buffers = RowBuffers::default();

@@ -30,7 +30,7 @@
 //! All readings are taken that the user does not exclude and that fit the start (step 0 below), each at its own time. A prism is followed while its
 //! readings are at most 2 s apart, by whichever stations. A span of time with the same followed prisms is cut into segments of at most 100 knots
 //! ([`spans`]). Prisms that nobody follows have no unknowns there. The knot interval h is the median time between readings of the
-//! slowest station.
+//! slowest station, and at least 0.1 s.
 //! A segment has blocks of equal length, in which s is constant. Each is one to two times as long as the longer of 6 s and 16 knot intervals; a
 //! shorter segment is one block. If these blocks give no estimate, because a matrix is singular or the iteration diverges, blocks of
 //! 30 s are tried, and then whole segments.
@@ -63,7 +63,8 @@
 //! ```
 //!
 //! with the noise `σ_h` of horizontal angles, `σ_v` of vertical ones, and `σ_t` of the stamp. Two more equations tie the splines. Once a knot interval, a distance of the rig has the standard
-//! deviation `σ_rig`: 1.5 mm with the facets of the prisms, or 0.35 mm of flexibility if `ranges_wander` is off. From knot to knot the jerk has
+//! deviation `σ_rig`: 1.5 mm √(1.5 s / h) with the facets of the prisms, which show the same error for about 1.5 s, or 0.35 mm of flexibility if `ranges_wander`
+//! is off. From knot to knot the jerk has
 //! the standard deviation `σ_jerk`, one for horizontal coordinates and one for heights:
 //!
 //! ```text
@@ -196,7 +197,8 @@
 //!
 //! 0. It leaves out readings whose distances to those of other stations, interpolated to their time, contradict the start. Of two that contradict each
 //!    other, the one that fits more other stations is kept; neither, if they fit as many. A run of half a second of which less than three quarters are
-//!    kept is left out as a whole. A station alone has no such test.
+//!    kept is left out as a whole. Where one other station alone sees the rig, so is a run that clearly fits another prism. A station alone has no such
+//!    test.
 //! 1. It learns the noise levels on a sample of about 600 knots, where the transforms have a prior of 0.1 m and 2 mrad: after two steps of the
 //!    motion alone, and three times again after a step of all unknowns. The levels are constant from then on.
 //! 2. It steps with robust weights that follow the residuals. Near the solution it searches for slow changes: once no constant moves by more
@@ -211,7 +213,8 @@
 //! (∂θ, ∂s)ᵀ (H + M) (∂θ, ∂s) < 0.004                                                          (21)
 //! ```
 //!
-//! Drives of more than 100 blocks may have as much for every 100 of them, if no constant moves by more than the root of 0.004 σ.
+//! Drives of more than 100 blocks may have as much for every 100 of them, if no constant moves by more than the root of 0.004 σ. After 25 steps, 0.1
+//! instead of 0.004 is small enough.
 //!
 //! Part 3 reuses the normal matrix and computes [`gradients`] alone while the steps shrink at least by a factor of 3.2: their squared length
 //! by a factor of 10. It begins so if the last squared length of part 2 is below 10. Drives of more than 4096 knots never reuse it.
@@ -234,7 +237,7 @@
 //!   ```
 //!
 //! - The first search adds the survey. If the drive alone does not determine the answer, or did not converge, the survey is used from the first
-//!   step on. D is widened once: for the station whose change is significant, or for all that may have changed. With the Jacobian `J_i` of the poses by that of station i, and the fitted change (Δo, Δψ):
+//!   step on. D is widened once: for the station whose change is significant, also with the facets F, or for all that may have changed. With the Jacobian `J_i` of the poses by that of station i, and the fitted change (Δo, Δψ):
 //!
 //!   ```text
 //!   D ← D + J_i diag(max(5 mm, |Δo|)², max(2 mrad, |Δψ|)²) J_iᵀ                                 (23)
@@ -263,7 +266,8 @@
 //! (o_i, ψ_i) + mean_b s_b,  covariance C + Q / 3 + F                                          (25)
 //! ```
 //!
-//! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The constants θ have such a
+//! F has the linear effect of each coefficient of the errors, and that of the second order as the mean over random draws. The facets are no noise: heights
+//! respond to them by the Hessian (27). The constants θ have such a
 //! covariance as well, with which the poses of the vehicle are computed ([`mod@facet_covariance`]).
 //!
 //! The normal matrix counts noise of the vehicle's tilts as information on heights. C, F and the covariance of θ are those of the Hessian instead, as far as
@@ -272,10 +276,10 @@
 //! # Rival
 //! On flat ground a mirrored solution fits as well. If neither the rig nor control points exclude it, the iteration starts there with the noise
 //! levels and priors of the estimate, and with robust weights of its own ([`rival`]). The likelihoods decide from this difference of Φ on,
-//! for a drive with n knots:
+//! for a drive with n knots, of which a share h / 1.5 s has independent facets:
 //!
 //! ```text
-//! |Φ(rival) − Φ(estimate)| > 25 + 0.3 n                                                       (26)
+//! |Φ(rival) − Φ(estimate)| > 25 + 0.3 n min(h / 1.5 s, 1)                                     (26)
 //! ```
 //!
 //! The estimate that starts from the rival must agree, by its own levels and priors. If the iteration returns to the estimate, there is no rival.
@@ -350,6 +354,7 @@ mod spans;
 mod state_vector;
 mod stated_size_conflict;
 mod station_model;
+mod step_control;
 mod step_fit;
 mod step_search;
 mod summary;

@@ -23,6 +23,11 @@ const REJECTED_SIGMAS: f64 = 4.0;
 
 /// Standard deviation of the prism constant with which the rig was read (m): some files apply it and others do not.
 const RIG_CONSTANT_M: f64 = 0.01;
+/// Time for which a distance has the same error by facets (s): so long a vehicle keeps its incidence.
+/// Effect: more knots do not show more of the distance. Simulated: with knots that count alone 1, 5 and 12 % of the answers are not good at 2.5, 5 and
+/// 10 Hz, with this time 1, 0 and 2 %. With 1 s heights in tunnels are 1.5 times as far off as stated at 10 Hz, with 4 s a real drive fits the distances
+/// worse by everything than by the drive (1.11).
+const FACET_S: f64 = 1.5;
 /// Standard deviation of a distance that is no evidence (m).
 const UNKNOWN_DISTANCE_M: f64 = 0.1;
 
@@ -80,8 +85,8 @@ pub struct Priors {
     pub distances: DMatrix<f64>,
     /// False if the measured distances are only where the iteration starts.
     pub distances_are_evidence: bool,
-    /// Standard deviation of an observed distance of the rig, once a knot (m).
-    pub observed_distance_m: f64,
+    /// True if prisms have errors that repeat with the incidence.
+    pub has_facets: bool,
     /// Variances of one station's settling over a drive (x, y, z, yaw; m², rad²).
     pub own_settling: Vector4<f64>,
     pub slow: SlowPriors,
@@ -116,15 +121,19 @@ impl Priors {
             precision: precisions(layout, sizes),
             distances: rig.information(sizes.inter_prism_m),
             distances_are_evidence: rig.are_evidence,
-            observed_distance_m: if sizes.ranges_wander {
-                OBSERVED_DISTANCE_SIGMA_M
-            } else {
-                RIG_FLEX_SIGMA_M
-            },
+            has_facets: sizes.ranges_wander,
             own_settling: own_settling(sizes),
             slow,
             survey: None,
         }
+    }
+
+    /// Standard deviation of an observed distance of the rig, once a knot; knots are this far apart (m).
+    pub fn observed_distance_m(&self, knot_s: f64) -> f64 {
+        if !self.has_facets {
+            return RIG_FLEX_SIGMA_M;
+        }
+        OBSERVED_DISTANCE_SIGMA_M / independent_share(knot_s).sqrt()
     }
 
     /// Widens the priors of clock offsets that the constants reject, and returns their stations; `covariance` is the posterior one.
@@ -199,6 +208,11 @@ impl Priors {
             None => own,
         }
     }
+}
+
+/// Share of the knots whose distances have independent errors by facets; knots are this far apart.
+pub fn independent_share(knot_s: f64) -> f64 {
+    (knot_s / FACET_S).min(1.0)
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ use crate::network::{Number, Station};
 
 /// Standard deviation of the rig's distances by the flexibility of its masts (m).
 pub const RIG_FLEX_SIGMA_M: f64 = 0.00035;
-/// Standard deviation of an observed distance of the rig, once a knot (m). Each prism shows its facets to a station for some seconds, so
-/// that errors of a millimetre at consecutive knots are not independent.
+/// Standard deviation of an observed distance of the rig by the facets of the prisms (m). Errors of a millimetre are the same for as long as a vehicle
+/// keeps its incidence.
 pub const OBSERVED_DISTANCE_SIGMA_M: f64 = 0.0015;
 /// Stated noise of a range of length zero. Source: Trimble S7, 2 mm + 2 ppm (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;

@@ -68,6 +68,22 @@ pub fn fit(
     is_informed.then(|| (chi_square, (0..size).map(estimate).collect()))
 }
 
+/// Normal matrix and right-hand side that has further errors.
+///
+/// The right-hand side has the covariance N; with that of further errors E, the generalised least squares have `N (N + E)⁻¹ N` and
+/// `N (N + E)⁻¹ r`.
+pub fn with_errors(
+    normal: DMatrix<f64>,
+    right: DVector<f64>,
+    errors: &DMatrix<f64>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let factor = (&normal + errors).lu();
+    match factor.solve(&normal).zip(factor.solve(&right)) {
+        Some((by_normal, by_right)) => (&normal * by_normal, &normal * by_right),
+        None => (normal, right),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector4;

@@ -13,7 +13,7 @@ use super::chain_factor::ChainFactor;
 use super::height_curvature::HeightCurvature;
 use super::random_walks::{SlowPrecisions, WalkMatrix};
 use super::state_vector::{Constants, Layout, Slow};
-use super::step_fit::{fit, step_jacobians};
+use super::step_fit::{fit, step_jacobians, with_errors};
 use crate::calibration::{Estimate, SUPPORTED_SIGMAS};
 use crate::network::{Number, Station};
 
@@ -342,22 +342,6 @@ impl StepSearch<'_> {
             |some: &[usize]| self.factor.solve(&some.iter().map(difference).collect::<Vec<_>>());
         let mapped = walks.chunks(MOST_SOLUTIONS);
         mapped.flat_map(|some| solutions(some).iter().map(&map).collect::<Vec<T>>()).collect()
-    }
-}
-
-/// Normal matrix and right-hand side that has further errors.
-///
-/// The right-hand side has the covariance N; with that of further errors E, the generalised least squares have `N (N + E)⁻¹ N` and
-/// `N (N + E)⁻¹ r`.
-fn with_errors(
-    normal: WalkMatrix,
-    right: DVector<f64>,
-    errors: &WalkMatrix,
-) -> (WalkMatrix, DVector<f64>) {
-    let factor = (&normal + errors).lu();
-    match factor.solve(&normal).zip(factor.solve(&right)) {
-        Some((by_normal, by_right)) => (&normal * by_normal, &normal * by_right),
-        None => (normal, right),
     }
 }
 

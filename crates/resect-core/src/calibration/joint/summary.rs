@@ -41,14 +41,13 @@ impl GaussNewtonStep {
         let mut pose_sensitivity = self.factor.solve(&poses.jacobian(layout, blocks));
         let linear = self.factor.constants_covariance();
         let amplified = self.amplify(&mut pose_sensitivity, &poses, &solution, progress)?;
-        // One prism has no heading.
-        let facets = if layout.prisms() > 1 && solution.sizes.ranges_wander {
-            FacetCovariance::new(self, &solution.state, &pose_sensitivity, progress)?
-        } else {
-            FacetCovariance::zeros(layout)
-        };
-        let Amplified { covariance, constants: by_gradient, least_share } = amplified;
-        let constants = &by_gradient * (&linear + facets.constants) * by_gradient.transpose();
+        let at = (&solution.state, &solution.priors);
+        let facets = FacetCovariance::new(self, at, &amplified.response, progress)?;
+        let Amplified { covariance, least_share, .. } = amplified;
+        let scaled =
+            |factor: &ConstantsMatrix, own: &ConstantsMatrix| factor * own * factor.transpose();
+        let constants = scaled(&amplified.constants, &linear)
+            + scaled(&amplified.constants_response, &facets.constants);
         solution.added_covariance = Arc::new(constants - &linear);
         let Solution { state, weighting: Weighting { levels, .. }, priors, sizes, .. } = &solution;
         let states = ChainVector { slow: state.slow.clone(), constants: state.constants.clone() };
@@ -94,7 +93,7 @@ impl GaussNewtonStep {
         })
     }
 
-    /// Replaces the sensitivity of the poses by that with the curvature of the heights.
+    /// Replaces the sensitivity of the poses by that with the curvature of the heights for noise, and returns that for a further gradient.
     fn amplify(
         &self,
         sensitivity: &mut [ChainVector],
@@ -109,32 +108,47 @@ impl GaussNewtonStep {
         // The distances alone are curved.
         if layout.prisms() < 2 {
             let constants = ConstantsMatrix::identity(size, size);
-            return Ok(Amplified { covariance, constants, least_share: 1.0 });
+            return Ok(Amplified {
+                covariance,
+                constants_response: constants.clone(),
+                constants,
+                response: sensitivity.to_vec(),
+                least_share: 1.0,
+            });
         }
         let directions: Vec<ChainVector> =
             places.iter().map(|place| sensitivity[*place].clone()).collect();
         let heights = |vector: &ChainVector| poses.of(vector).select_rows(&places);
         let with_slow = (priors, &self.slow_precisions);
-        let HeightCurvature { by_heights, least_share } =
-            height_curvature(self, state, with_slow, &directions, &heights, progress)?;
-        let amplification = |with_heights: DMatrix<f64>| {
+        let curvature = height_curvature(self, state, with_slow, &directions, &heights, progress)?;
+        let HeightCurvature { by_heights, of_response, least_share } = &curvature;
+        let amplification = |with_heights: DMatrix<f64>, by_heights: &DMatrix<f64>| {
             let mut by_gradient = DMatrix::identity(with_heights.nrows(), with_heights.nrows());
-            for (column, height) in (with_heights * &by_heights).column_iter().zip(&places) {
+            for (column, height) in (with_heights * by_heights).column_iter().zip(&places) {
                 by_gradient.column_mut(*height).axpy(1.0, &column, 1.0);
             }
             by_gradient
         };
-        let by_gradient = amplification(covariance.select_columns(&places));
-        let more = &by_gradient - DMatrix::identity(by_gradient.nrows(), by_gradient.nrows());
-        for (row, own) in more.row_iter().zip(sensitivity.iter_mut()) {
-            for (place, direction) in places.iter().zip(&directions) {
-                own.add_multiple(direction, row[*place]);
+        let with_heights = covariance.select_columns(&places);
+        let add_curvature = |sensitivity: &mut [ChainVector], by_gradient: &DMatrix<f64>| {
+            let more = by_gradient - DMatrix::identity(by_gradient.nrows(), by_gradient.nrows());
+            for (row, own) in more.row_iter().zip(sensitivity) {
+                for (place, direction) in places.iter().zip(&directions) {
+                    own.add_multiple(direction, row[*place]);
+                }
             }
-        }
+        };
+        let mut response = sensitivity.to_vec();
+        add_curvature(&mut response, &amplification(with_heights.clone(), of_response));
+        let by_gradient = amplification(with_heights, by_heights);
+        add_curvature(sensitivity, &by_gradient);
+        let of_constants = by_columns(&directions, size);
         Ok(Amplified {
             covariance: &by_gradient * covariance * by_gradient.transpose(),
-            constants: amplification(by_columns(&directions, size)),
-            least_share,
+            constants: amplification(of_constants.clone(), by_heights),
+            response,
+            constants_response: amplification(of_constants, of_response),
+            least_share: *least_share,
         })
     }
 
@@ -222,10 +236,13 @@ impl GaussNewtonStep {
     }
 }
 
-/// Covariance of the poses with the curvature of the heights, and the factor by which the curvature changes the errors of the constants.
+/// Covariance of the poses with the curvature of the heights, and the factor by which the curvature changes the errors of the constants by noise.
 struct Amplified {
     covariance: DMatrix<f64>,
     constants: ConstantsMatrix,
+    /// Sensitivity of the poses to a gradient that is no noise, and the factor for the constants.
+    response: Vec<ChainVector>,
+    constants_response: ConstantsMatrix,
     /// Least share of the information on a height that is not noise.
     least_share: f64,
 }

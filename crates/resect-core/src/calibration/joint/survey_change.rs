@@ -12,12 +12,13 @@ use nalgebra::{DMatrix, DVector, Vector4};
 use super::prior_conflict::LEAST_INFORMATION;
 use super::settling::{own_settling, relative_settling};
 use super::state_vector::{Constants, ConstantsMatrix, Layout};
-use super::step_fit::{fit, step_jacobians};
+use super::step_fit::{fit, step_jacobians, with_errors};
 use super::survey::Survey;
 use super::unknown::{LEAN_X, LEAN_Y};
 use crate::calibration::{ErrorSizes, Estimate};
 use crate::geometry::wrap_to_pi;
 use crate::network::{Number, Station};
+use crate::progress::Cancelled;
 
 /// Least standard deviation of a changed station's displacement, added to the prior (23).
 const CHANGED_M: f64 = 0.005;
@@ -214,25 +215,44 @@ impl SurveyEvidence {
     }
 
     /// Widens the prior of each station that may have changed, if the data rejects the prior. Returns `None` if nothing is different.
+    ///
+    /// `by_facets` returns the covariance of the constants by errors that repeat with the incidence. It is costly, and asked for changes alone that
+    /// are significant without it.
     pub fn with_detected_change(
         &self,
         constants: &Constants,
         covariance: &ConstantsMatrix,
-    ) -> Option<Self> {
+        by_facets: impl FnOnce() -> Result<ConstantsMatrix, Cancelled>,
+    ) -> Result<Option<Self>, Cancelled> {
         // A single station has nothing that it moves against.
         if !self.changed.is_empty() || self.survey.layout.moved() == 0 {
-            return None;
+            return Ok(None);
         }
-        let (normal, right) = self.without_prior(constants, covariance)?;
-        let all = chi_square(&normal, &right, self.of_poses(&self.change_covariance))?;
-        let of_station = |station: Station| {
-            let jacobian = self.pose_jacobian(station, constants);
-            let (chi_square, size) = fit(&jacobian, &normal, &right, self.own.as_slice())?;
-            Some((station, chi_square, size))
+        let Some((mut normal, mut right)) = self.without_prior(constants, covariance) else {
+            return Ok(None);
         };
-        let stations = (0..self.survey.layout.stations()).map(Station::at);
-        let fits: Vec<_> = stations.filter_map(of_station).collect();
-        let best = fits.iter().map(|(_, chi_square, _)| *chi_square).fold(0.0, f64::max);
+        let mut fits = self.fits(constants, &normal, &right);
+        if largest(&fits) > SUSPICIOUS_CHI_SQUARE {
+            let of_changes = &self.regression * by_facets()? * self.regression.transpose();
+            if let Some(factor) = self.of_poses(&self.change_covariance).cholesky() {
+                let precision = factor.inverse();
+                let errors = &precision * self.of_poses(&of_changes) * &precision;
+                (normal, right) = with_errors(normal, right, &errors);
+            }
+            fits = self.fits(constants, &normal, &right);
+        }
+        Ok(self.widened(constants, (&normal, &right), fits))
+    }
+
+    /// Widens the prior of the stations whose changes explain the right-hand side. Returns `None` if nothing is different.
+    fn widened(
+        &self,
+        constants: &Constants,
+        (normal, right): (&PoseMatrix, &DVector<f64>),
+        fits: Vec<(Station, f64, Vec<Estimate>)>,
+    ) -> Option<Self> {
+        let all = chi_square(normal, right, self.of_poses(&self.change_covariance))?;
+        let best = largest(&fits);
         if best < CHANGE_CHI_SQUARE {
             let may_have_changed = best > SUSPICIOUS_CHI_SQUARE;
             return (may_have_changed != self.may_have_changed)
@@ -260,12 +280,28 @@ impl SurveyEvidence {
             poses += &jacobian * own * jacobian.transpose(); // (23)
         }
         let by_distances = self.by_distances.as_ref().and_then(|jacobian| {
-            fit(jacobian, &normal, &right, &vec![WRONG_DISTANCE_M2; jacobian.ncols()])
+            fit(jacobian, normal, right, &vec![WRONG_DISTANCE_M2; jacobian.ncols()])
         });
         let distances_explain =
             by_distances.is_some_and(|(chi_square, _)| all - chi_square < REST_WITH_DISTANCES);
         let widened = Self::with_covariance(Arc::clone(&self.survey), widened, self.own, changed)?;
         Some(Self { distances_explain, ..widened })
+    }
+
+    /// Fits a change of each station, with its χ² and its size.
+    fn fits(
+        &self,
+        constants: &Constants,
+        normal: &PoseMatrix,
+        right: &DVector<f64>,
+    ) -> Vec<(Station, f64, Vec<Estimate>)> {
+        let of_station = |station: Station| {
+            let jacobian = self.pose_jacobian(station, constants);
+            let (chi_square, size) = fit(&jacobian, normal, right, self.own.as_slice())?;
+            Some((station, chi_square, size))
+        };
+        let stations = (0..self.survey.layout.stations()).map(Station::at);
+        stations.filter_map(of_station).collect()
     }
 
     /// Jacobian of the poses by a station's displacement and rotation (x, y, z, yaw).
@@ -315,6 +351,11 @@ impl SurveyEvidence {
 fn changing(layout: &Layout) -> Vec<usize> {
     let leans = layout.indices(&LEAN_X).zip(layout.indices(&LEAN_Y));
     (0..layout.poses()).chain(leans.flat_map(|(x, y)| [x, y])).collect()
+}
+
+/// The largest χ² of the fits.
+fn largest(fits: &[(Station, f64, Vec<Estimate>)]) -> f64 {
+    fits.iter().map(|(_, chi_square, _)| *chi_square).fold(0.0, f64::max)
 }
 
 /// χ² of all changes of poses, in directions whose prior variance the data reduces noticeably.

@@ -55,6 +55,8 @@ pub fn station_left_out(
         || "contradicts the other stations".to_owned(),
         |prism| format!("followed prism {prism} instead of its own"),
     );
+    let off =
+        if error_m < 0.1 { format!("{:.0} mm", error_m * 1e3) } else { format!("{error_m:.2} m") };
     let further = match others {
         0 => String::new(),
         1 => "; one further span is like it".to_owned(),
@@ -63,7 +65,7 @@ pub fn station_left_out(
     let finding = Finding::new(
         kinds::STATION_LEFT_OUT,
         format!(
-            "station {} {what} from {from_s:.0} to {to_s:.0} s of the drive (off by {error_m:.2} m); its {readings} readings \
+            "station {} {what} from {from_s:.0} to {to_s:.0} s of the drive (off by {off}); its {readings} readings \
              there were left out{further}",
             station + 1
         ),
