@@ -57,11 +57,10 @@ const SHORTEST_DECIDED_S: f64 = 0.5;
 /// Simulated: three readings that were kept of a prism on which a station was wrong for two seconds moved heights by 30 mm, 6 σ.
 const LEAST_KEPT: f64 = 0.75;
 /// Another prism fits a reading if its error is less than this share of the own one.
-/// Simulated: with prisms in nearly an equilateral triangle, heights were 30 mm off, 6 σ, where a station was on another prism while one other station saw
-/// the rig.
+/// Simulated: heights were 30 mm off, 6 σ, where a station was on another prism of a nearly equilateral rig that one other station saw.
 const CLEARLY_LESS: f64 = 0.5;
 /// It is also less by this share of the limit of gross errors.
-/// Simulated: without this limit noise decides where distances are the same, and two of 400 drives do not converge.
+/// Simulated: without this limit noise decides where distances are the same, and one of 400 drives does not converge.
 const CLEAR_SHARE: f64 = 0.2;
 
 /// The data of a joint estimate.
@@ -134,6 +133,7 @@ impl<'a> JointData<'a> {
                     let error_m = error_m(station, &run, Some(prism))?;
                     (error_m < limit_m).then_some((prism, error_m))
                 };
+                let followed = schedule.at(span_s[0])[station];
                 let best = (0..prisms).map(Prism::at).filter_map(fits);
                 let best = best.min_by(|(_, a_m), (_, b_m)| a_m.total_cmp(b_m));
                 runs.push(ContradictingRun {
@@ -141,7 +141,7 @@ impl<'a> JointData<'a> {
                     span_s,
                     readings: run.len(),
                     error_m: error_m(station, &run, None).unwrap_or(0.0),
-                    prism: best.map(|(prism, _)| prism),
+                    prism: best.map(|(prism, _)| prism).filter(|prism| *prism != followed),
                 });
             }
             let kept = both.iter().filter(|(_, is_kept)| *is_kept);
